@@ -1,0 +1,1 @@
+//! Holds nothing: each benchmark is a file beside this one.
