@@ -1,1 +1,18 @@
-//! See the crate description; written below.
+//! From a URDF to a tree of links and joints, and from there to a chain of screw axes.
+//!
+//! ```text
+//! URDF text ──► Robot (tree, everything kept) ──► Chain (screw axes, home pose) ──► forward kinematics, Jacobian
+//! ```
+//! The crate opens no files and knows no Denavit-Hartenberg numbers. Lengths are m, angles rad.
+
+pub mod chain;
+pub mod examples;
+mod fk;
+pub mod forms;
+pub mod screw;
+pub mod se3;
+
+pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity};
+pub use nalgebra;
+pub use screw::{AxisLine, Pitch, Screw, TwistError};
+pub use se3::Pose;

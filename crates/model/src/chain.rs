@@ -1,0 +1,248 @@
+//! A serial chain: screw axes in the base frame and the home pose of the tip (product of exponentials).
+
+use crate::screw::Screw;
+use crate::se3::{self, Pose};
+use nalgebra::Point3;
+use std::f64::consts::PI;
+use thiserror::Error;
+
+/// What a coordinate counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// An angle, rad.
+    Angle,
+    /// A length, m.
+    Length,
+}
+
+/// What a joint may do: positions in rad or m, velocity per second, effort in N·m or N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Lowest position.
+    pub lower: f64,
+    /// Highest position.
+    pub upper: f64,
+    /// Highest speed, where stated.
+    pub velocity: Option<f64>,
+    /// Highest torque or force, where stated.
+    pub effort: Option<f64>,
+}
+
+/// One number that moves the chain: the value of a joint that is not a mimic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coordinate {
+    /// The joint's name.
+    pub name: String,
+    /// Angle or length.
+    pub quantity: Quantity,
+    /// Limits; `None` where the source states none or the joint turns without end.
+    pub limits: Option<Limits>,
+    /// Turns without end (URDF's `continuous`).
+    pub continuous: bool,
+}
+
+impl Coordinate {
+    /// An unlimited coordinate.
+    pub fn unlimited(name: impl Into<String>, quantity: Quantity) -> Self {
+        Self { name: name.into(), quantity, limits: None, continuous: false }
+    }
+
+    /// The interval to sample: the limits in order, or \[-π, π\] rad, or \[-1, 1\] m.
+    pub fn range(&self) -> (f64, f64) {
+        match (&self.limits, self.quantity) {
+            (Some(limits), _) => (limits.lower.min(limits.upper), limits.lower.max(limits.upper)),
+            (None, Quantity::Angle) => (-PI, PI),
+            (None, Quantity::Length) => (-1.0, 1.0),
+        }
+    }
+}
+
+/// A moving joint of a chain: its value is `scale · q[coordinate] + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainJoint {
+    /// The joint's name.
+    pub name: String,
+    /// Screw axis in the base frame with every joint value 0.
+    pub screw: Screw,
+    /// Index of the coordinate that moves it.
+    pub coordinate: usize,
+    /// The paper's normalisation factor, a mimic joint's multiplier, or -1 where a path runs up the tree.
+    pub scale: f64,
+    /// Joint value at coordinate 0, rad or m.
+    pub offset: f64,
+}
+
+impl ChainJoint {
+    /// The joint's value (rad or m) at the coordinates `q`.
+    #[inline]
+    pub fn value(&self, q: &[f64]) -> f64 {
+        self.scale * q[self.coordinate] + self.offset
+    }
+}
+
+/// A chain of revolute, prismatic and helical joints in any mix, fixed joints folded in.
+///
+/// base_from_tip(q) = exp(\[S1\] v1) ··· exp(\[Sn\] vn) M, vi = scale_i q\[coordinate_i\] + offset_i.
+///
+/// # Source
+/// Wu, Crawford, Roberts 2019, eq. (5).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    name: String,
+    base: String,
+    tip: String,
+    coordinates: Vec<Coordinate>,
+    joints: Vec<ChainJoint>,
+    home: Pose,
+}
+
+/// Why parts make no chain.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ChainError {
+    /// A joint names a coordinate that is not there.
+    #[error("joint \"{joint}\": it is moved by coordinate {coordinate}, but there are {coordinates}")]
+    NoSuchCoordinate {
+        /// The joint.
+        joint: String,
+        /// Its index.
+        coordinate: usize,
+        /// How many there are.
+        coordinates: usize,
+    },
+    /// Two coordinates of one name.
+    #[error("two joints are named \"{0}\"; give each its own name")]
+    DuplicateName(String),
+    /// A number is not finite, or a scale is zero.
+    #[error("joint \"{0}\": scale, offset and axis must be finite and the scale not zero")]
+    BadNumber(String),
+    /// The home pose has a number that is not finite.
+    #[error("the home pose has a number that is not finite")]
+    BadHome,
+}
+
+impl Chain {
+    /// A chain from its parts; axis points are moved next to the arm, the home rotation is made orthonormal.
+    ///
+    /// # Errors
+    /// A coordinate is missing or named twice, or a number is not finite.
+    pub fn new(
+        (name, base, tip): (impl Into<String>, impl Into<String>, impl Into<String>),
+        coordinates: Vec<Coordinate>,
+        mut joints: Vec<ChainJoint>,
+        home: Pose,
+    ) -> Result<Self, ChainError> {
+        for (index, coordinate) in coordinates.iter().enumerate() {
+            if coordinates[..index].iter().any(|other| other.name == coordinate.name) {
+                return Err(ChainError::DuplicateName(coordinate.name.clone()));
+            }
+        }
+        let mut reference = Point3::origin();
+        for joint in &mut joints {
+            if joint.coordinate >= coordinates.len() {
+                return Err(ChainError::NoSuchCoordinate {
+                    joint: joint.name.clone(),
+                    coordinate: joint.coordinate,
+                    coordinates: coordinates.len(),
+                });
+            }
+            let finite = joint.scale.is_finite()
+                && joint.offset.is_finite()
+                && joint.screw.twist().iter().all(|x| x.is_finite());
+            if !finite || joint.scale == 0.0 {
+                return Err(ChainError::BadNumber(joint.name.clone()));
+            }
+            joint.screw = joint.screw.about(&reference);
+            if let Some(line) = joint.screw.line() {
+                reference = line.point;
+            }
+        }
+        if !home.to_homogeneous().iter().all(|x| x.is_finite()) {
+            return Err(ChainError::BadHome);
+        }
+        let home = se3::pose(se3::orthonormalised(&home.rotation), home.translation.vector);
+        Ok(Self { name: name.into(), base: base.into(), tip: tip.into(), coordinates, joints, home })
+    }
+
+    /// The robot's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Name of the base link.
+    pub fn base(&self) -> &str {
+        &self.base
+    }
+
+    /// Name of the tip link.
+    pub fn tip(&self) -> &str {
+        &self.tip
+    }
+
+    /// The numbers that move it, in order of first use from base to tip.
+    pub fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    /// Moving joints from base to tip.
+    pub fn joints(&self) -> &[ChainJoint] {
+        &self.joints
+    }
+
+    /// base_from_tip with every joint *value* 0.
+    pub fn home(&self) -> &Pose {
+        &self.home
+    }
+
+    /// The same motion under another robot name.
+    #[must_use]
+    pub fn renamed(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The same joints with other screw axes and home pose: what calibration and gauge moves make.
+    ///
+    /// # Errors
+    /// As [`Chain::new`].
+    pub fn with_geometry(&self, screws: &[Screw], home: Pose) -> Result<Self, ChainError> {
+        let joints = self.joints.iter().zip(screws).map(|(joint, screw)| ChainJoint { screw: *screw, ..joint.clone() });
+        Self::new(
+            (self.name.clone(), self.base.clone(), self.tip.clone()),
+            self.coordinates.clone(),
+            joints.collect(),
+            home,
+        )
+    }
+
+    /// Points along the arm at home: base origin, for each joint with a line the point of it nearest to the one
+    /// before, the tip's origin; m.
+    pub fn skeleton(&self) -> Vec<Point3<f64>> {
+        let mut points = vec![Point3::origin()];
+        points.extend(self.joints.iter().filter_map(|joint| joint.screw.line()).map(|line| line.point));
+        points.push(Point3::from(self.home.translation.vector));
+        points
+    }
+
+    /// The robot's size, m: length of [`Chain::skeleton`] and the travel of its slides; never 0.
+    ///
+    /// Tolerances on lengths are relative to it.
+    pub fn size(&self) -> f64 {
+        let arm: f64 = self.skeleton().windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        let travel: f64 = self.joints.iter().map(|joint| self.greatest_slide(joint)).sum();
+        let size = arm + travel;
+        if size > 0.0 { size } else { 1.0 }
+    }
+
+    /// How far the joint can slide from its zero, m: 0 for revolute joints, and where the source states no limits.
+    pub fn greatest_slide(&self, joint: &ChainJoint) -> f64 {
+        let per_value = joint.screw.pitch().unwrap_or(1.0).abs();
+        let coordinate = &self.coordinates[joint.coordinate];
+        let (lower, upper) = match (coordinate.limits, coordinate.quantity) {
+            (None, Quantity::Length) => (0.0, 0.0),
+            _ => coordinate.range(),
+        };
+        let value = |q: f64| (joint.scale * q + joint.offset).abs();
+        per_value * value(lower).max(value(upper))
+    }
+}
