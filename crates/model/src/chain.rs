@@ -224,24 +224,24 @@ impl Chain {
         points
     }
 
-    /// The robot's size, m: length of [`Chain::skeleton`] and the travel of its slides; never 0.
+    /// The robot's size, m: length of [`Chain::skeleton`] and the travel of its slides, where limited; never 0.
     ///
     /// Tolerances on lengths are relative to it.
     pub fn size(&self) -> f64 {
         let arm: f64 = self.skeleton().windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-        let travel: f64 = self.joints.iter().map(|joint| self.greatest_slide(joint)).sum();
+        let limited = |joint: &&ChainJoint| {
+            let coordinate = &self.coordinates[joint.coordinate];
+            coordinate.limits.is_some() || coordinate.quantity == Quantity::Angle
+        };
+        let travel: f64 = self.joints.iter().filter(limited).map(|joint| self.greatest_slide(joint)).sum();
         let size = arm + travel;
         if size > 0.0 { size } else { 1.0 }
     }
 
-    /// How far the joint can slide from its zero, m: 0 for revolute joints, and where the source states no limits.
+    /// How far the joint can slide from its zero over its coordinate's [`Coordinate::range`], m: 0 for revolute joints.
     pub fn greatest_slide(&self, joint: &ChainJoint) -> f64 {
         let per_value = joint.screw.pitch().unwrap_or(1.0).abs();
-        let coordinate = &self.coordinates[joint.coordinate];
-        let (lower, upper) = match (coordinate.limits, coordinate.quantity) {
-            (None, Quantity::Length) => (0.0, 0.0),
-            _ => coordinate.range(),
-        };
+        let (lower, upper) = self.coordinates[joint.coordinate].range();
         let value = |q: f64| (joint.scale * q + joint.offset).abs();
         per_value * value(lower).max(value(upper))
     }

@@ -130,11 +130,11 @@ mod tests {
         for chain in examples::all() {
             let n = chain.coordinates().len();
             let bound = chain.reach_beyond(0, &Point3::origin());
-            for sample in 0..500 {
+            for sample in 0..500u32 {
                 let q: Vec<f64> = (0..n)
                     .map(|k| {
                         let (lower, upper) = chain.coordinates()[k].range();
-                        let part = (0.5 + (sample as f64) * 0.618_033_988_749_895 * (k as f64 + 1.0).sqrt()).fract();
+                        let part = (0.5 + f64::from(sample) * 0.618_033_988_749_895 * (k as f64 + 1.0).sqrt()).fract();
                         lower + part * (upper - lower)
                     })
                     .collect();

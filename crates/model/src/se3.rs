@@ -282,7 +282,7 @@ mod tests {
         assert_eq!(sin_cos_of_written(FRAC_PI_2), (1.0, 0.0));
         assert_eq!(sin_cos_of_written(-PI), (0.0, -1.0));
         assert_eq!(sin_cos_of_written(-3.0 * FRAC_PI_2), (1.0, 0.0));
-        assert_eq!(sin_cos_of_written(1.5708), 1.5708f64.sin_cos());
+        assert_eq!(sin_cos_of_written(1.5709), 1.5709f64.sin_cos());
     }
 
     #[test]

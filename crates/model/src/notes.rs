@@ -1,0 +1,134 @@
+//! Places in a file, and findings that are no failure but must not be silent.
+
+use std::fmt;
+
+/// Where in a file something stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file's name, as the user gave it.
+    pub file: String,
+    /// Counted from 1.
+    pub line: usize,
+    /// The element, such as `joint "elbow"`.
+    pub element: String,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: {}", self.file, self.line, self.element)
+    }
+}
+
+/// What was read otherwise than it is written, or what a user must know of a result.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Note {
+    /// Something that the format does not allow was taken as it was surely meant.
+    Mended {
+        /// Where.
+        place: Place,
+        /// What was done, a sentence.
+        what: String,
+    },
+    /// An angle was read as the multiple of π that it was written for.
+    IntendedAngle {
+        /// Where.
+        place: Place,
+        /// The literal in the file.
+        written: String,
+        /// The multiple, such as `π/2`.
+        read_as: String,
+        /// Change, rad.
+        change: f64,
+        /// No point of the tip frame's origin moves by more, over the whole joint range, m.
+        tip_moves: f64,
+    },
+    /// Two neighbouring axes closer to parallel than the tolerance were made parallel.
+    TreatedAsParallel {
+        /// The two, by name.
+        joints: (String, String),
+        /// How far from parallel they were, rad.
+        angle: f64,
+        /// No point of the tip frame's origin moves by more, over the whole joint range, m.
+        tip_moves: f64,
+    },
+    /// A table has a number far beyond the robot's own size.
+    FarNumber {
+        /// The two neighbours whose common normal is far away.
+        joints: (String, String),
+        /// The angle between their axes, rad.
+        angle: f64,
+        /// The number, m.
+        length: f64,
+        /// The robot's size, m.
+        size: f64,
+    },
+    /// A joint of the robot stands in the chain as several (a planar joint).
+    Split {
+        /// Where.
+        place: Place,
+        /// What became of it, a sentence.
+        what: String,
+    },
+}
+
+impl Note {
+    /// The most by which what the note tells of moves the tip, m; 0 where it moves nothing.
+    pub fn tip_moves(&self) -> f64 {
+        match self {
+            Self::IntendedAngle { tip_moves, .. } | Self::TreatedAsParallel { tip_moves, .. } => *tip_moves,
+            _ => 0.0,
+        }
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mended { place, what } | Self::Split { place, what } => write!(f, "{place}: {what}"),
+            Self::IntendedAngle { place, written, read_as, tip_moves, .. } => {
+                write!(f, "{place}: {written} read as {read_as}; the tip moves by at most {}", Length(*tip_moves))
+            }
+            Self::TreatedAsParallel { joints: (one, other), angle, tip_moves } => write!(
+                f,
+                "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel and treated as parallel; \
+                 the tip moves by at most {}",
+                Length(*tip_moves)
+            ),
+            Self::FarNumber { joints: (one, other), angle, length, size } => write!(
+                f,
+                "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel, so their common normal lies {} \
+                 away on a robot of {}; if they are meant to be parallel, raise --tolerance, else use \
+                 --convention hayati",
+                Length(length.abs()),
+                Length(*size)
+            ),
+        }
+    }
+}
+
+/// A length in the unit that reads best.
+struct Length(f64);
+
+impl fmt::Display for Length {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let metres = self.0;
+        match metres.abs() {
+            0.0 => write!(f, "0 m"),
+            m if m < 1e-6 => write!(f, "{metres:.1e} m"),
+            m if m < 1e-3 => write!(f, "{:.1} µm", metres * 1e6),
+            m if m < 1.0 => write!(f, "{:.2} mm", metres * 1e3),
+            m if m < 1e4 => write!(f, "{metres:.3} m"),
+            _ => write!(f, "{:.0} km", metres / 1e3),
+        }
+    }
+}
+
+/// A value and what must be said with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noted<T> {
+    /// The value.
+    pub value: T,
+    /// In the order in which they were found.
+    pub notes: Vec<Note>,
+}

@@ -1,0 +1,244 @@
+//! A robot as its URDF gives it: links, joints, and the text that they came from.
+
+use crate::chain::Limits;
+use crate::notes::{Note, Place};
+use crate::se3::{self, Pose};
+use nalgebra::{Matrix3, Unit, Vector3};
+
+/// A robot description: a tree of links and joints, everything that is not kinematics kept as text.
+#[derive(Debug, Clone)]
+pub struct Robot {
+    /// The robot's name; empty where the source gives none.
+    pub name: String,
+    /// Links in the order of the file.
+    pub links: Vec<Link>,
+    /// Joints in the order of the file.
+    pub joints: Vec<Joint>,
+    /// Index of the one link that no joint carries.
+    pub root: usize,
+    /// What was mended or taken as meant while reading.
+    pub notes: Vec<Note>,
+    /// Where it came from.
+    pub source: SourceText,
+}
+
+/// The text of a robot description, such that nothing is lost on the way out again.
+#[derive(Debug, Clone)]
+pub struct SourceText {
+    /// Name of the file, for messages.
+    pub file: String,
+    /// Well-formed text, as it was read.
+    pub text: String,
+    /// What stood before `text` and was left out: a byte order mark, white space before the XML declaration.
+    pub dropped_before: String,
+    /// The piece of `text` that was put in to declare unbound namespace prefixes; not part of the original.
+    pub declared: std::ops::Range<usize>,
+}
+
+impl SourceText {
+    /// The line (counted from 1) of a byte offset into `text`, as it stands in the original.
+    pub fn line(&self, offset: usize) -> usize {
+        let newlines = |text: &str| text.matches('\n').count();
+        1 + newlines(&self.dropped_before) + newlines(self.text.get(..offset).unwrap_or(&self.text))
+    }
+
+    /// The place of an element that starts at a byte offset.
+    pub fn place(&self, offset: usize, element: impl Into<String>) -> Place {
+        Place { file: self.file.clone(), line: self.line(offset), element: element.into() }
+    }
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// Its name.
+    pub name: String,
+    /// Mass, centre and tensor, where given.
+    pub inertial: Option<Inertial>,
+    /// What is seen.
+    pub visuals: Vec<Shape>,
+    /// What collides.
+    pub collisions: Vec<Shape>,
+    /// Byte offset of its element in the source text.
+    pub at: usize,
+}
+
+/// Where something sits in its parent: URDF's `origin`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Origin {
+    /// Translation, m.
+    pub xyz: [f64; 3],
+    /// Fixed-axis angles roll, pitch, yaw, rad.
+    pub rpy: [f64; 3],
+    /// The three angles as the file writes them; `None` where it writes none.
+    pub rpy_written: Option<[String; 3]>,
+}
+
+impl Origin {
+    /// parent_from_child.
+    pub fn pose(&self) -> Pose {
+        se3::pose(se3::rotation_from_rpy(self.rpy), Vector3::from(self.xyz))
+    }
+}
+
+/// Mass properties of a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inertial {
+    /// Centre of mass and the axes that the tensor is given in.
+    pub origin: Origin,
+    /// kg.
+    pub mass: f64,
+    /// Inertia tensor about the centre of mass, kg·m².
+    pub tensor: Matrix3<f64>,
+}
+
+/// A visual or collision shape.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Its name, where given.
+    pub name: Option<String>,
+    /// Where it sits in the link.
+    pub origin: Origin,
+    /// What it is.
+    pub geometry: Geometry,
+}
+
+/// Kinds of shape; lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Geometry {
+    /// Edge lengths.
+    Box([f64; 3]),
+    /// Radius and length along z.
+    Cylinder {
+        /// m.
+        radius: f64,
+        /// m.
+        length: f64,
+    },
+    /// Radius and length along z, without the caps.
+    Capsule {
+        /// m.
+        radius: f64,
+        /// m.
+        length: f64,
+    },
+    /// Radius.
+    Sphere(f64),
+    /// A mesh file and its scale.
+    Mesh {
+        /// As written: `package://…`, `file://…` or a path.
+        filename: String,
+        /// Factors along x, y, z.
+        scale: [f64; 3],
+    },
+    /// Another element, by name; empty where there is none.
+    Other(String),
+}
+
+/// A joint between two links.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Its name.
+    pub name: String,
+    /// How it moves.
+    pub kind: JointKind,
+    /// parent_from_child at joint value 0.
+    pub origin: Origin,
+    /// Index of the parent link.
+    pub parent: usize,
+    /// Index of the child link.
+    pub child: usize,
+    /// Unit axis in the child link's frame; what the file gives is [`Joint::axis_written`].
+    pub axis: Unit<Vector3<f64>>,
+    /// The axis as the file gives it, before it is made of unit length; `None` where it gives none (URDF: 1 0 0).
+    pub axis_written: Option<[f64; 3]>,
+    /// Limits, where given.
+    pub limits: Option<Limits>,
+    /// Which joint it follows, where it is a mimic joint.
+    pub mimic: Option<Mimic>,
+    /// Byte offset of its element in the source text.
+    pub at: usize,
+}
+
+/// A joint's kind.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum JointKind {
+    /// Does not move.
+    Fixed,
+    /// Turns between limits.
+    Revolute,
+    /// Turns without end.
+    Continuous,
+    /// Slides.
+    Prismatic,
+    /// Turns and slides with this pitch in m/rad (`<drake:joint type="screw">`).
+    Screw(crate::screw::Pitch),
+    /// Slides in the plane across its axis and turns about the axis.
+    Planar,
+    /// All six.
+    Floating,
+    /// A word that URDF does not know (`spherical`, `ball`, …): kept, but no chain goes through it.
+    Unknown(String),
+}
+
+impl JointKind {
+    /// The word that the file uses.
+    pub fn word(&self) -> &str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+            Self::Screw(_) => "screw",
+            Self::Planar => "planar",
+            Self::Floating => "floating",
+            Self::Unknown(word) => word,
+        }
+    }
+
+    /// Whether it moves at all.
+    pub fn moves(&self) -> bool {
+        !matches!(self, Self::Fixed)
+    }
+}
+
+/// value = multiplier · value of the other joint + offset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mimic {
+    /// The joint that it follows; it may be a name that no joint has.
+    pub joint: String,
+    /// URDF's default is 1.
+    pub multiplier: f64,
+    /// rad or m; URDF's default is 0.
+    pub offset: f64,
+}
+
+impl Robot {
+    /// Index of the link of this name.
+    pub fn link_index(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link.name == name)
+    }
+
+    /// Index of the joint of this name.
+    pub fn joint_index(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// Index of the joint that carries a link; `None` for the root.
+    pub fn joint_to(&self, link: usize) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.child == link)
+    }
+
+    /// Indices of the joints that a link carries, in the order of the file.
+    pub fn joints_from(&self, link: usize) -> impl Iterator<Item = usize> + '_ {
+        self.joints.iter().enumerate().filter(move |(_, joint)| joint.parent == link).map(|(index, _)| index)
+    }
+
+    /// The place of a joint's element.
+    pub fn joint_place(&self, joint: usize) -> Place {
+        let joint = &self.joints[joint];
+        self.source.place(joint.at, format!("joint \"{}\"", joint.name))
+    }
+}

@@ -1,0 +1,602 @@
+//! From the tree to a chain: which chains there are, and the screw axes of one of them.
+
+use crate::chain::{Chain, ChainJoint, Coordinate, Quantity};
+use crate::intended;
+use crate::notes::{Note, Noted, Place};
+use crate::problems::nearest_name;
+use crate::robot::{Joint, JointKind, Origin, Robot};
+use crate::screw::{AxisLine, Pitch, Screw};
+use crate::se3::{self, Pose};
+use nalgebra::{Point3, Unit, Vector3};
+use std::borrow::Cow;
+use thiserror::Error;
+
+/// How the decimal literals of angles are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reading {
+    /// A literal that was surely written for a multiple of π is read as that, with a note.
+    #[default]
+    Intended,
+    /// Every literal is the number that it is.
+    AsWritten,
+}
+
+/// Neighbouring turn and slide axes closer to parallel than this (rad) make a screw; above it they are two joints.
+const SAME_AXIS: f64 = 1e-9;
+
+/// A chain from a base link to a leaf of the tree.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChainListing {
+    /// Base link.
+    pub base: String,
+    /// Tip link.
+    pub tip: String,
+    /// Names of the joints that move it, mimic joints by their driver's name, each once.
+    pub coordinates: Vec<String>,
+    /// How many links lie between base and tip, both counted.
+    pub links: usize,
+}
+
+/// Why a tree has no such chain.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TreeError {
+    /// No link of that name.
+    #[error("{file}: the robot has no link \"{name}\"{}", .near.as_ref().map_or_else(|| "; `denavit chains` lists base and tip links".into(), |near| format!("; did you mean \"{near}\"?")))]
+    NoSuchLink {
+        /// The file.
+        file: String,
+        /// What was asked for.
+        name: String,
+        /// The nearest name that exists.
+        near: Option<String>,
+    },
+    /// A joint of a kind that no chain can hold.
+    #[error(
+        "{place}: a {word} joint is in the chain; choose --base \"{below}\" to start behind it, or --tip \"{above}\" to end before it"
+    )]
+    Unsupported {
+        /// The joint.
+        place: Place,
+        /// Its kind.
+        word: String,
+        /// The link that it carries.
+        below: String,
+        /// The link that it is mounted on.
+        above: String,
+    },
+    /// A mimic joint follows a joint that is not there.
+    #[error("{place}: it mimics joint \"{driver}\", which does not exist{}", .near.as_ref().map_or_else(String::new, |near| format!("; did you mean \"{near}\"?")))]
+    NoDriver {
+        /// The mimic joint.
+        place: Place,
+        /// As written.
+        driver: String,
+        /// The nearest name that exists.
+        near: Option<String>,
+    },
+    /// A mimic joint follows itself, or one that has several values.
+    #[error("{place}: it cannot mimic joint \"{driver}\": {why}")]
+    BadDriver {
+        /// The mimic joint.
+        place: Place,
+        /// The joint that it follows.
+        driver: String,
+        /// What is wrong.
+        why: &'static str,
+    },
+    /// The joints make no chain.
+    #[error("{file}: {source}")]
+    Chain {
+        /// The file.
+        file: String,
+        /// Why.
+        source: crate::chain::ChainError,
+    },
+}
+
+/// A step along the way from base to tip: a joint, and whether it is walked from child to parent.
+#[derive(Clone, Copy)]
+struct Step {
+    joint: usize,
+    upwards: bool,
+}
+
+/// What moves a joint: value = scale · value of joint `driver` + offset; `driver` is `None` where it stands still.
+#[derive(Clone, Copy)]
+struct Drive {
+    driver: Option<usize>,
+    scale: f64,
+    offset: f64,
+}
+
+impl Robot {
+    /// Every chain from the root (or from below the last floating joint on the way) to a leaf link, in file order.
+    pub fn leaf_chains(&self) -> Vec<ChainListing> {
+        let mut has_child = vec![false; self.links.len()];
+        for joint in &self.joints {
+            has_child[joint.parent] = true;
+        }
+        let leaves = (0..self.links.len()).filter(|link| !has_child[*link]);
+        let to_parent = self.parent_joints();
+        leaves.map(|leaf| self.listing(leaf, &to_parent)).collect()
+    }
+
+    fn listing(&self, leaf: usize, to_parent: &[Option<usize>]) -> ChainListing {
+        let base = self.start_below_floating(leaf, to_parent);
+        let steps = Self::way(&self.joints, base, leaf, to_parent);
+        let mut coordinates: Vec<String> = Vec::new();
+        for step in &steps {
+            let joint = &self.joints[step.joint];
+            let name = match self.drive(step.joint) {
+                Ok(Drive { driver: Some(driver), .. }) => &self.joints[driver].name,
+                _ => &joint.name,
+            };
+            let names: Vec<String> = match joint.kind {
+                JointKind::Fixed => Vec::new(),
+                JointKind::Planar => PLANAR_PARTS.iter().map(|part| format!("{name}{part}")).collect(),
+                _ => vec![name.clone()],
+            };
+            for name in names {
+                if !coordinates.contains(&name) {
+                    coordinates.push(name);
+                }
+            }
+        }
+        let name = |link: usize| self.links[link].name.clone();
+        ChainListing { base: name(base), tip: name(leaf), coordinates, links: steps.len() + 1 }
+    }
+
+    /// The chain that is meant when none is named: most coordinates, then most links, then first in the file.
+    pub fn default_chain(&self) -> ChainListing {
+        let listings = self.leaf_chains();
+        let longest = listings.into_iter().rev().max_by_key(|listing| (listing.coordinates.len(), listing.links));
+        longest.unwrap_or_else(|| {
+            let root = self.links[self.root].name.clone();
+            ChainListing { base: root.clone(), tip: root, coordinates: Vec::new(), links: 1 }
+        })
+    }
+
+    /// The chain from `base` to `tip`; where they are not named, those of [`Robot::default_chain`].
+    ///
+    /// Fixed joints are folded in. A mimic joint (also of a mimic joint, also of one outside the chain) is moved by its
+    /// driver's coordinate. A turn and a slide of one coordinate along one axis are one helical joint. A planar joint
+    /// stands as two slides and a turn. A chain may run up the tree and down again; joints walked from child to parent
+    /// have scale -1.
+    ///
+    /// # Errors
+    /// A link or a mimic joint's driver does not exist, or a floating or unknown joint lies in between.
+    pub fn chain(&self, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Result<Noted<Chain>, TreeError> {
+        let to_parent = self.parent_joints();
+        let default = || self.default_chain();
+        let tip_link = match tip {
+            Some(name) => self.named_link(name)?,
+            None => match base {
+                None => self.named_link(&default().tip)?,
+                Some(base) => self.farthest_below(self.named_link(base)?, &to_parent),
+            },
+        };
+        let base_link = match base {
+            Some(name) => self.named_link(name)?,
+            None => self.start_below_floating(tip_link, &to_parent),
+        };
+        let steps = Self::way(&self.joints, base_link, tip_link, &to_parent);
+        Assembly::new(self, reading).walk(base_link, tip_link, &steps)
+    }
+
+    fn named_link(&self, name: &str) -> Result<usize, TreeError> {
+        self.link_index(name).ok_or_else(|| TreeError::NoSuchLink {
+            file: self.source.file.clone(),
+            name: name.to_owned(),
+            near: nearest_name(name, self.links.iter().map(|link| link.name.as_str())).map(str::to_owned),
+        })
+    }
+
+    fn parent_joints(&self) -> Vec<Option<usize>> {
+        let mut to_parent = vec![None; self.links.len()];
+        for (index, joint) in self.joints.iter().enumerate() {
+            to_parent[joint.child] = Some(index);
+        }
+        to_parent
+    }
+
+    /// The link to start at on the way from the root to `tip`: below the last joint that no chain can hold.
+    fn start_below_floating(&self, tip: usize, to_parent: &[Option<usize>]) -> usize {
+        let mut at = tip;
+        while let Some(joint) = to_parent[at] {
+            if self.joints[joint].kind == JointKind::Floating {
+                break;
+            }
+            at = self.joints[joint].parent;
+        }
+        at
+    }
+
+    fn farthest_below(&self, base: usize, to_parent: &[Option<usize>]) -> usize {
+        let below = |mut link: usize| loop {
+            if link == base {
+                return true;
+            }
+            match to_parent[link] {
+                Some(joint) => link = self.joints[joint].parent,
+                None => return false,
+            }
+        };
+        let candidates = (0..self.links.len()).filter(|link| below(*link)).rev();
+        let longest = candidates.max_by_key(|link| {
+            let steps = Self::way(&self.joints, base, *link, to_parent);
+            (steps.iter().filter(|step| self.joints[step.joint].kind.moves()).count(), steps.len())
+        });
+        longest.unwrap_or(base)
+    }
+
+    fn way(joints: &[Joint], base: usize, tip: usize, to_parent: &[Option<usize>]) -> Vec<Step> {
+        let upwards = |mut link: usize| {
+            let mut way = Vec::new();
+            while let Some(joint) = to_parent[link] {
+                way.push(joint);
+                link = joints[joint].parent;
+            }
+            way
+        };
+        let (mut up, mut down) = (upwards(base), upwards(tip));
+        while let (Some(a), Some(b)) = (up.last(), down.last()) {
+            if a != b {
+                break;
+            }
+            up.pop();
+            down.pop();
+        }
+        let up = up.into_iter().map(|joint| Step { joint, upwards: true });
+        up.chain(down.into_iter().rev().map(|joint| Step { joint, upwards: false })).collect()
+    }
+
+    /// Follows mimic joints to the joint whose value is free.
+    fn drive(&self, joint: usize) -> Result<Drive, TreeError> {
+        let mut drive = Drive { driver: Some(joint), scale: 1.0, offset: 0.0 };
+        let mut at = joint;
+        for _ in 0..=self.joints.len() {
+            let follower = &self.joints[at];
+            if !follower.kind.moves() {
+                return Ok(Drive { driver: None, ..drive });
+            }
+            let Some(mimic) = &follower.mimic else { return Ok(Drive { driver: Some(at), ..drive }) };
+            drive.offset += drive.scale * mimic.offset;
+            drive.scale *= mimic.multiplier;
+            let place = || self.joint_place(joint);
+            let bad = |why| TreeError::BadDriver { place: place(), driver: mimic.joint.clone(), why };
+            at = self.joint_index(&mimic.joint).ok_or_else(|| TreeError::NoDriver {
+                place: place(),
+                driver: mimic.joint.clone(),
+                near: nearest_name(&mimic.joint, self.joints.iter().map(|joint| joint.name.as_str()))
+                    .map(str::to_owned),
+            })?;
+            match self.joints[at].kind {
+                JointKind::Planar | JointKind::Floating | JointKind::Unknown(_) => {
+                    return Err(bad("it has more than one value; follow a revolute or prismatic joint"));
+                }
+                _ => {}
+            }
+            if drive.scale == 0.0 {
+                return Ok(Drive { driver: None, ..drive });
+            }
+        }
+        let driver = self.joints[joint].mimic.as_ref().map(|mimic| mimic.joint.clone()).unwrap_or_default();
+        Err(TreeError::BadDriver {
+            place: self.joint_place(joint),
+            driver,
+            why: "the two follow each other; free one of them",
+        })
+    }
+}
+
+/// What a planar joint's three parts are called, behind its name.
+const PLANAR_PARTS: [&str; 3] = ["_x", "_y", "_yaw"];
+
+/// A literal read as intended: enough to say later how far it moves the tip.
+struct ReadLiteral {
+    place: Place,
+    written: String,
+    angle: intended::IntendedAngle,
+    /// Reach that lay behind us when it was met, m.
+    reach_before: f64,
+}
+
+/// A chain in the making.
+struct Assembly<'a> {
+    robot: &'a Robot,
+    reading: Reading,
+    base_from_here: Pose,
+    coordinates: Vec<Coordinate>,
+    drivers: Vec<(usize, &'static str)>,
+    joints: Vec<ChainJoint>,
+    /// Sum of the lengths walked and the slides passed, m.
+    reach: f64,
+    literals: Vec<ReadLiteral>,
+    notes: Vec<Note>,
+}
+
+impl<'a> Assembly<'a> {
+    fn new(robot: &'a Robot, reading: Reading) -> Self {
+        Self {
+            robot,
+            reading,
+            base_from_here: Pose::identity(),
+            coordinates: Vec::new(),
+            drivers: Vec::new(),
+            joints: Vec::new(),
+            reach: 0.0,
+            literals: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn walk(mut self, base: usize, tip: usize, steps: &[Step]) -> Result<Noted<Chain>, TreeError> {
+        for step in steps {
+            let joint = &self.robot.joints[step.joint];
+            let length = Vector3::from(joint.origin.xyz).norm();
+            if step.upwards {
+                self.moving(step.joint, true)?;
+                let origin = self.origin(step.joint, &joint.origin);
+                self.reach += length;
+                self.base_from_here *= origin.pose().inverse();
+            } else {
+                self.reach += length;
+                let origin = self.origin(step.joint, &joint.origin);
+                self.base_from_here *= origin.pose();
+                self.moving(step.joint, false)?;
+            }
+        }
+        let robot = self.robot;
+        self.join_screws();
+        let names = (robot.name.as_str(), robot.links[base].name.as_str(), robot.links[tip].name.as_str());
+        let chain = Chain::new(names, self.coordinates, self.joints, self.base_from_here)
+            .map_err(|source| TreeError::Chain { file: robot.source.file.clone(), source })?;
+        let mut notes = self.notes;
+        notes.extend(self.literals.into_iter().map(|literal| Note::IntendedAngle {
+            tip_moves: literal.angle.change.abs() * (self.reach - literal.reach_before),
+            place: literal.place,
+            written: literal.written,
+            read_as: literal.angle.read_as,
+            change: literal.angle.change,
+        }));
+        Ok(Noted { value: chain, notes })
+    }
+
+    /// The joint's origin, its angles as intended where that is asked for.
+    fn origin(&mut self, joint: usize, origin: &'a Origin) -> Cow<'a, Origin> {
+        let (Reading::Intended, Some(written)) = (self.reading, &origin.rpy_written) else {
+            return Cow::Borrowed(origin);
+        };
+        let mut read = Cow::Borrowed(origin);
+        for (index, literal) in written.iter().enumerate() {
+            if let Some(angle) = intended::read_as(literal) {
+                read.to_mut().rpy[index] = angle.angle;
+                let place = self.robot.joint_place(joint);
+                self.literals.push(ReadLiteral { place, written: literal.clone(), angle, reach_before: self.reach });
+            }
+        }
+        read
+    }
+
+    fn moving(&mut self, index: usize, upwards: bool) -> Result<(), TreeError> {
+        let joint = &self.robot.joints[index];
+        let line = AxisLine { direction: joint.axis, point: Point3::origin() };
+        let screw = match &joint.kind {
+            JointKind::Fixed => return Ok(()),
+            JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line),
+            JointKind::Prismatic => Screw::Prismatic(joint.axis),
+            JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch },
+            JointKind::Planar => {
+                self.planar(index, joint, upwards);
+                return Ok(());
+            }
+            JointKind::Floating | JointKind::Unknown(_) => {
+                let name = |link: usize| self.robot.links[link].name.clone();
+                let (below, above) = (name(joint.child), name(joint.parent));
+                let word = joint.kind.word().to_owned();
+                return Err(TreeError::Unsupported { place: self.robot.joint_place(index), word, below, above });
+            }
+        };
+        let drive = self.robot.drive(index)?;
+        let sign = if upwards { -1.0 } else { 1.0 };
+        let Some(driver) = drive.driver else {
+            // It follows a joint that never moves: a fixed displacement.
+            self.base_from_here *= screw.motion(sign * drive.offset);
+            return Ok(());
+        };
+        let coordinate = self.coordinate(driver, "");
+        self.push(joint.name.clone(), screw, coordinate, sign * drive.scale, sign * drive.offset);
+        Ok(())
+    }
+
+    fn push(&mut self, name: String, screw: Screw, coordinate: usize, scale: f64, offset: f64) {
+        let screw = screw.moved(&self.base_from_here);
+        let joint = ChainJoint { name, screw, coordinate, scale, offset };
+        let (lower, upper) = self.coordinates[coordinate].range();
+        let value = |q: f64| (scale * q + offset).abs();
+        self.reach += screw.pitch().unwrap_or(1.0).abs() * value(lower).max(value(upper));
+        self.joints.push(joint);
+    }
+
+    fn planar(&mut self, index: usize, joint: &Joint, upwards: bool) {
+        let normal = joint.axis;
+        // The plane's own x and y: those of the frame when the normal is z, else turned with it.
+        let across = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+        let x = Unit::new_normalize(across - normal.as_ref() * normal.dot(&across));
+        let y = Unit::new_normalize(normal.cross(&x));
+        let line = AxisLine { direction: normal, point: Point3::origin() };
+        let mut parts = [Screw::Prismatic(x), Screw::Prismatic(y), Screw::Revolute(line)]
+            .into_iter()
+            .zip(PLANAR_PARTS)
+            .collect::<Vec<_>>();
+        let sign = if upwards { -1.0 } else { 1.0 };
+        if upwards {
+            parts.reverse();
+        }
+        for (screw, part) in parts {
+            let coordinate = self.coordinate(index, part);
+            self.push(format!("{}{part}", joint.name), screw, coordinate, sign, 0.0);
+        }
+        let place = self.robot.joint_place(index);
+        let what = format!("planar joint: stands as \"{0}_x\", \"{0}_y\" (m) and \"{0}_yaw\" (rad)", joint.name);
+        self.notes.push(Note::Split { place, what });
+    }
+
+    /// Index of the coordinate of a joint's (part's) own value.
+    fn coordinate(&mut self, driver: usize, part: &'static str) -> usize {
+        if let Some(found) = self.drivers.iter().position(|known| *known == (driver, part)) {
+            return found;
+        }
+        let joint = &self.robot.joints[driver];
+        let slides = joint.kind == JointKind::Prismatic || ["_x", "_y"].contains(&part);
+        let quantity = if slides { Quantity::Length } else { Quantity::Angle };
+        let continuous = joint.kind == JointKind::Continuous;
+        let limits = if continuous || !part.is_empty() { None } else { joint.limits };
+        self.drivers.push((driver, part));
+        self.coordinates.push(Coordinate { name: format!("{}{part}", joint.name), quantity, limits, continuous });
+        self.coordinates.len() - 1
+    }
+
+    /// Makes one helical joint of each turn and slide that share coordinate and axis.
+    fn join_screws(&mut self) {
+        let mut index = 0;
+        while index + 1 < self.joints.len() {
+            if let Some((joined, behind)) = joined(&self.joints[index], &self.joints[index + 1]) {
+                self.joints[index] = joined;
+                self.joints.remove(index + 1);
+                for joint in &mut self.joints[index + 1..] {
+                    joint.screw = joint.screw.moved(&behind);
+                }
+                self.base_from_here = behind * self.base_from_here;
+            }
+            index += 1;
+        }
+    }
+}
+
+/// One helical joint for two neighbours, and the constant motion of what hangs behind them.
+fn joined(one: &ChainJoint, other: &ChainJoint) -> Option<(ChainJoint, Pose)> {
+    let (turn, line, slide) = match (one.screw, other.screw) {
+        (Screw::Revolute(line), Screw::Prismatic(_)) => (one, line, other),
+        (Screw::Prismatic(_), Screw::Revolute(line)) => (other, line, one),
+        _ => return None,
+    };
+    let along = slide.screw.direction();
+    let apart = line.direction.cross(&along).norm();
+    if one.coordinate != other.coordinate || apart > SAME_AXIS {
+        return None;
+    }
+    let sense = line.direction.dot(&along).signum();
+    let pitch = Pitch::from_metres_per_radian(sense * slide.scale / turn.scale)?;
+    let left_over = sense * slide.offset - pitch.metres_per_radian() * turn.offset;
+    let behind = se3::translation(line.direction.as_ref() * left_over);
+    Some((ChainJoint { screw: Screw::Helical { axis: line, pitch }, ..turn.clone() }, behind))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::urdf;
+
+    fn robot(body: &str) -> Robot {
+        urdf::read("test.urdf", &format!("<robot name=\"test\">{body}</robot>")).unwrap()
+    }
+
+    const SPLINE: &str = r#"<link name="base"/><link name="a"/><link name="b"/><link name="tip"/>
+        <joint name="turn" type="revolute"><origin xyz="1 0 0"/><axis xyz="0 0 2"/><parent link="base"/><child link="a"/>
+          <limit lower="-2" upper="2"/></joint>
+        <joint name="slide" type="prismatic"><axis xyz="0 0 -1"/><parent link="a"/><child link="b"/>
+          <mimic joint="turn" multiplier="0.25" offset="0.5"/></joint>
+        <joint name="flange" type="fixed"><origin xyz="0 0 0.1"/><parent link="b"/><child link="tip"/></joint>"#;
+
+    #[test]
+    fn a_turn_and_its_slide_are_one_helical_joint() {
+        let chain = robot(SPLINE).chain(None, None, Reading::Intended).unwrap().value;
+        assert_eq!(chain.joints().len(), 1);
+        assert_eq!(chain.joints()[0].screw.pitch(), Some(-0.25));
+        let at = chain.fk(&[1.0]).translation.vector;
+        assert!((at - Vector3::new(1.0, 0.0, 0.1 - 0.75)).norm() < 1e-15, "{at}");
+    }
+
+    #[test]
+    fn a_chain_up_the_tree_is_the_inverse() {
+        let robot = robot(SPLINE);
+        let down = robot.chain(Some("base"), Some("tip"), Reading::Intended).unwrap().value;
+        let up = robot.chain(Some("tip"), Some("base"), Reading::Intended).unwrap().value;
+        let (turned, moved) = se3::difference(&up.fk(&[0.7]), &down.fk(&[0.7]).inverse());
+        assert!(turned < 1e-15 && moved < 1e-15, "{turned} {moved}");
+    }
+
+    #[test]
+    fn chained_mimic_joints_follow_the_free_one() {
+        let robot = robot(
+            r#"<link name="l0"/><link name="l1"/><link name="l2"/><link name="l3"/>
+            <joint name="a" type="revolute"><axis xyz="0 0 1"/><parent link="l0"/><child link="l1"/></joint>
+            <joint name="b" type="revolute"><axis xyz="0 0 1"/><parent link="l1"/><child link="l2"/><mimic joint="a" multiplier="2" offset="0.1"/></joint>
+            <joint name="c" type="revolute"><axis xyz="0 0 1"/><parent link="l2"/><child link="l3"/><mimic joint="b" multiplier="-1"/></joint>"#,
+        );
+        let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
+        assert_eq!(chain.coordinates().len(), 1);
+        let angle = se3::rotation_vector(&chain.fk(&[0.3]).rotation).z;
+        assert!((angle - 0.3).abs() < 1e-15, "{angle}");
+    }
+
+    #[test]
+    fn planar_joints_split_and_floating_ones_end_a_chain() {
+        let robot = robot(
+            r#"<link name="world"/><link name="body"/><link name="foot"/>
+            <joint name="free" type="floating"><parent link="world"/><child link="body"/></joint>
+            <joint name="skate" type="planar"><axis xyz="0 0 1"/><parent link="body"/><child link="foot"/></joint>"#,
+        );
+        let chain = robot.chain(None, None, Reading::Intended).unwrap();
+        assert_eq!(chain.value.base(), "body");
+        let at = chain.value.fk(&[0.1, 0.2, 0.3]).translation.vector;
+        assert_eq!(at, Vector3::new(0.1, 0.2, 0.0));
+        let error = robot.chain(Some("world"), Some("foot"), Reading::Intended).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "test.urdf:2: joint \"free\": a floating joint is in the chain; choose --base \"body\" to start behind it, \
+             or --tip \"world\" to end before it"
+        );
+    }
+
+    #[test]
+    fn intended_angles_are_read_and_noted() {
+        let robot = robot(
+            r#"<link name="base"/><link name="arm"/><link name="tip"/>
+            <joint name="j" type="revolute"><origin xyz="0 0 1" rpy="1.57 0 0"/><axis xyz="0 0 1"/><parent link="base"/><child link="arm"/></joint>
+            <joint name="k" type="fixed"><origin xyz="0.5 0 0"/><parent link="arm"/><child link="tip"/></joint>"#,
+        );
+        let read = robot.chain(None, None, Reading::Intended).unwrap();
+        let [Note::IntendedAngle { tip_moves, .. }] = &read.notes[..] else { panic!("{:?}", read.notes) };
+        let written = robot.chain(None, None, Reading::AsWritten).unwrap();
+        let largest = (0..100u32)
+            .map(|k| se3::difference(&read.value.fk(&[0.1 * f64::from(k)]), &written.value.fk(&[0.1 * f64::from(k)])).1)
+            .fold(0.0, f64::max);
+        assert!(largest <= *tip_moves && largest > 0.9 * tip_moves, "{largest} {tip_moves}");
+        assert!(written.notes.is_empty());
+    }
+
+    #[test]
+    fn mimic_loops_and_unknown_drivers_are_named() {
+        let looped = robot(
+            r#"<link name="l0"/><link name="l1"/><link name="l2"/>
+            <joint name="a" type="revolute"><parent link="l0"/><child link="l1"/><mimic joint="b"/></joint>
+            <joint name="b" type="revolute"><parent link="l1"/><child link="l2"/><mimic joint="a"/></joint>"#,
+        );
+        let message = looped.chain(None, None, Reading::Intended).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "test.urdf:2: joint \"a\": it cannot mimic joint \"b\": the two follow each other; free one of them"
+        );
+        let lost = robot(
+            r#"<link name="l0"/><link name="l1"/><joint name="finger" type="revolute"><parent link="l0"/><child link="l1"/><mimic joint="fingr"/></joint>"#,
+        );
+        let message = lost.chain(None, None, Reading::Intended).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "test.urdf:1: joint \"finger\": it mimics joint \"fingr\", which does not exist; did you mean \"finger\"?"
+        );
+    }
+}

@@ -1,0 +1,107 @@
+//! Bringing text into a form that an XML parser takes, such that the original can be had back.
+
+use crate::notes::{Note, Place};
+use crate::robot::SourceText;
+
+/// Splits off what may not stand before the XML declaration, and declares namespace prefixes that are used unbound.
+pub(crate) fn prepare(file: &str, original: &str) -> (SourceText, Vec<Note>) {
+    let mut notes = Vec::new();
+    let mut mended = |line, what: String| {
+        notes.push(Note::Mended { place: Place { file: file.to_owned(), line, element: "file".into() }, what });
+    };
+    let mut start = 0;
+    if original.starts_with('\u{feff}') {
+        start = '\u{feff}'.len_utf8();
+    }
+    let rest = &original[start..];
+    let blank = rest.len() - rest.trim_start().len();
+    if blank > 0 && rest[blank..].starts_with("<?xml") {
+        start += blank;
+        mended(1, "white space before the XML declaration is skipped".into());
+    }
+    let (dropped_before, text) = original.split_at(start);
+    let mut source = SourceText {
+        file: file.to_owned(),
+        text: text.to_owned(),
+        dropped_before: dropped_before.to_owned(),
+        declared: 0..0,
+    };
+    let unbound = unbound_prefixes(text);
+    if let (false, Some(at)) = (unbound.is_empty(), root_name_end(text)) {
+        let declarations: Vec<String> =
+            unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
+        let declaration = declarations.concat();
+        mended(source.line(at), format!("namespace prefix {} is not declared; taken as a name", unbound.join(", ")));
+        source.text.insert_str(at, &declaration);
+        source.declared = at..at + declaration.len();
+    }
+    (source, notes)
+}
+
+/// Byte offset just behind `<robot`, if the text has one.
+fn root_name_end(text: &str) -> Option<usize> {
+    let at = text.find("<robot")? + "<robot".len();
+    text[at..].starts_with(|c: char| c.is_whitespace() || c == '>' || c == '/').then_some(at)
+}
+
+/// Prefixes of tags and attributes that no `xmlns:` in the text declares, in order of first use.
+fn unbound_prefixes(text: &str) -> Vec<&str> {
+    let mut unbound: Vec<&str> = Vec::new();
+    let mut declared: Vec<&str> = vec!["xml", "xmlns"];
+    let names = |piece: &'_ str| {
+        piece.len() - piece.trim_start_matches(|c: char| c.is_alphanumeric() || "_-.".contains(c)).len()
+    };
+    for (at, _) in text.match_indices("xmlns:") {
+        let name = &text[at + "xmlns:".len()..];
+        declared.push(&name[..names(name)]);
+    }
+    for (at, _) in text.match_indices(':') {
+        let before = &text[..at];
+        let length = before.len() - before.trim_end_matches(|c: char| c.is_alphanumeric() || "_-.".contains(c)).len();
+        let prefix = &before[at - length..];
+        let opens = before[..at - length].ends_with(['<', '/', ' ', '\t', '\n', '\r']);
+        if length == 0 || !opens || declared.contains(&prefix) || unbound.contains(&prefix) || !in_tag(before) {
+            continue;
+        }
+        unbound.push(prefix);
+    }
+    unbound
+}
+
+/// Whether the end of `before` stands inside a tag and outside its attribute values.
+fn in_tag(before: &str) -> bool {
+    let Some(open) = before.rfind('<') else { return false };
+    let tag = &before[open..];
+    let markup = !tag.starts_with("<!") && !tag.starts_with("<?");
+    let name =
+        markup && !tag.contains('>') && ['"', '\''].iter().all(|quote| tag.matches(*quote).count().is_multiple_of(2));
+    name && before.rfind("<!--") <= before.rfind("-->")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_original_can_be_had_back() {
+        for original in [
+            "<robot name='a'/>",
+            "\u{feff}<robot/>",
+            "\n  <?xml version='1.0'?>\n<robot/>",
+            "<robot><xacro:include a:b='c:d'/></robot>",
+            "<robot xmlns:gazebo='u'><gazebo:x/><!-- e:f g -->w:h</robot>",
+        ] {
+            let (source, _) = prepare("f", original);
+            let mut text = source.text.clone();
+            text.replace_range(source.declared.clone(), "");
+            assert_eq!(source.dropped_before.clone() + &text, original);
+        }
+    }
+
+    #[test]
+    fn only_unbound_prefixes_are_declared() {
+        let unbound = |text| unbound_prefixes(text).join(" ");
+        assert_eq!(unbound("<robot xmlns:gazebo='u'><gazebo:x/><!-- e:f g -->w:h</robot>"), "");
+        assert_eq!(unbound("<robot><xacro:include a:b='c:d' e=' g:h'/></xacro:include></robot>"), "xacro a");
+    }
+}
