@@ -133,6 +133,8 @@ class Tree:
             seen.add(joint.name)
             name, m, o = joint.mimic
             multiplier, offset = multiplier * m, offset + multiplier * o
+            if name not in self.by_name:
+                raise ValueError(f'joint "{joint.name}" mimics "{name}", which does not exist')
             joint = self.by_name[name]
         return joint, multiplier, offset
 
