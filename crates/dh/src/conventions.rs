@@ -1,0 +1,191 @@
+//! The four conventions as regroupings of one sequence of numbers, and back.
+//!
+//! ```text
+//! paper, distal   H0 · [Q(q1) H1] ··· [Q(qn) Hn] · Rz Tz              base = H0            row i = Rz(θi+qi) Tz(di) Rx(αi) Tx(ai)
+//! proximal        Rz Tz · [Rx Tx Rz(θ1+q1) Tz] ··· · Rx Tx Rz Tz      base = Rz(θ0) Tz(d0)  row i = Rx(α) Tx(a) Rz(θi+qi) Tz(di)
+//! ```
+
+use crate::table::{DhRow, HayatiRow, Row, Table, TableJoint, ToolPart};
+use denavit_model::chain::Coordinate;
+use denavit_model::se3::Pose;
+use thiserror::Error;
+
+/// How the numbers are grouped into rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Convention {
+    /// Standard (Denavit and Hartenberg, Paul): row i = Rz(theta + q) Tz(d) Rx(alpha) Tx(a), after joint i.
+    #[default]
+    Distal,
+    /// Modified (Craig, Khalil): row i = Rx(alpha) Tx(a) Rz(theta + q) Tz(d), up to and with joint i.
+    Proximal,
+    /// Rows H0 … Hn and the tool's pair; grouped as distal.
+    Paper,
+    /// As distal, with Hayati's numbers Rz(theta) Tx(a) Rx(alpha) Ry(beta) for near-parallel neighbours.
+    Hayati,
+}
+
+impl Convention {
+    /// Every convention, in the order of the documents.
+    pub const ALL: [Self; 4] = [Self::Distal, Self::Proximal, Self::Paper, Self::Hayati];
+
+    /// The word that files and the command line use.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Distal => "distal",
+            Self::Proximal => "proximal",
+            Self::Paper => "paper",
+            Self::Hayati => "hayati",
+        }
+    }
+
+    /// The convention of this word; also `standard` and `modified`, `craig`.
+    pub fn from_word(word: &str) -> Option<Self> {
+        match word.to_ascii_lowercase().as_str() {
+            "standard" | "classic" => Some(Self::Distal),
+            "modified" | "craig" | "modified-craig" | "khalil" => Some(Self::Proximal),
+            word => Self::ALL.into_iter().find(|convention| convention.word() == word),
+        }
+    }
+}
+
+/// Which row of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RowLabel {
+    /// From the base frame to the first joint.
+    Base,
+    /// Of joint `index`, counted from 0.
+    Joint(usize),
+    /// To the tool frame.
+    Tool,
+}
+
+/// A row in some convention; `None` for numbers that such a row does not have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConventionRow {
+    /// Which row.
+    pub label: RowLabel,
+    /// rad.
+    pub theta: Option<f64>,
+    /// m.
+    pub d: Option<f64>,
+    /// rad.
+    pub alpha: Option<f64>,
+    /// m.
+    pub a: Option<f64>,
+    /// rad.
+    pub beta: Option<f64>,
+}
+
+/// Why rows make no table.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RowsError {
+    /// Rows and joints do not go together.
+    #[error("{joints} joints need {joints} rows between base and tool, and there are {rows}")]
+    Count {
+        /// How many joints.
+        joints: usize,
+        /// How many rows.
+        rows: usize,
+    },
+    /// A proximal table cannot hold Hayati's beta.
+    #[error("row {row}: beta belongs to the hayati convention")]
+    Beta {
+        /// Counted from 1, 0 for the base.
+        row: usize,
+    },
+}
+
+fn dh_of(row: &ConventionRow) -> DhRow {
+    let number = |value: Option<f64>| value.unwrap_or(0.0);
+    DhRow { theta: number(row.theta), d: number(row.d), alpha: number(row.alpha), a: number(row.a) }
+}
+
+impl Table {
+    /// The rows base, 1 … n, tool in a convention.
+    ///
+    /// A table with Hayati rows has no proximal form: it is then given as [`Convention::Hayati`] would be.
+    pub fn convention_rows(&self, convention: Convention) -> Vec<ConventionRow> {
+        let blank = ConventionRow { label: RowLabel::Tool, theta: None, d: None, alpha: None, a: None, beta: None };
+        let n = self.joints.len();
+        let label = |index: usize| if index == 0 { RowLabel::Base } else { RowLabel::Joint(index - 1) };
+        let proximal = convention == Convention::Proximal && self.rows.iter().all(|row| row.beta().is_none());
+        let mut rows = Vec::with_capacity(n + 2);
+        for index in 0..=n {
+            let row = &self.rows[index];
+            let twist = if proximal { index.checked_sub(1).map(|before| self.rows[before]) } else { Some(*row) };
+            rows.push(ConventionRow {
+                label: label(index),
+                theta: Some(row.theta()),
+                d: row.d(),
+                alpha: twist.map(|row| row.alpha()),
+                a: twist.map(|row| row.a()),
+                beta: row.beta(),
+            });
+        }
+        let last = &self.rows[n];
+        // Proximal: Hn's twist and length stand before the tool's pair.
+        let (alpha, a) = if proximal { (Some(last.alpha()), Some(last.a())) } else { (None, None) };
+        rows.push(ConventionRow { theta: Some(self.tool.theta), d: Some(self.tool.d), alpha, a, ..blank });
+        rows
+    }
+
+    /// The table of rows base, 1 … n, tool in a convention.
+    ///
+    /// # Errors
+    /// There is not one row for each joint, or beta stands in a proximal table.
+    pub fn from_convention_rows(
+        (name, base, tip): (impl Into<String>, impl Into<String>, impl Into<String>),
+        coordinates: Vec<Coordinate>,
+        joints: Vec<TableJoint>,
+        convention: Convention,
+        rows: &[ConventionRow],
+    ) -> Result<Self, RowsError> {
+        let n = joints.len();
+        if rows.len() != n + 2 {
+            return Err(RowsError::Count { joints: n, rows: rows.len().saturating_sub(2) });
+        }
+        let tool = dh_of(&rows[n + 1]);
+        let proximal = convention == Convention::Proximal;
+        let mut kept = Vec::with_capacity(n + 1);
+        for index in 0..=n {
+            let mut row = dh_of(&rows[index]);
+            if proximal {
+                let next = dh_of(&rows[index + 1]);
+                row = DhRow { alpha: next.alpha, a: next.a, ..row };
+            }
+            kept.push(match rows[index].beta {
+                Some(_) if proximal => return Err(RowsError::Beta { row: index }),
+                Some(beta) if rows[index].d.is_none() || beta != 0.0 => {
+                    Row::Hayati(HayatiRow { theta: row.theta, a: row.a, alpha: row.alpha, beta })
+                }
+                _ => Row::Dh(row),
+            });
+        }
+        let tool = ToolPart { theta: tool.theta, d: tool.d };
+        Ok(Self { name: name.into(), base: base.into(), tip: tip.into(), coordinates, joints, rows: kept, tool })
+    }
+}
+
+/// Forward kinematics straight from convention rows, as their definition says: an independent reading for tests and
+/// documents. `values` are joint values (scale and coordinate already applied), rad or m.
+pub fn fk_of_rows(convention: Convention, rows: &[ConventionRow], joints: &[TableJoint], values: &[f64]) -> Pose {
+    let rz_tz = |row: &DhRow| DhRow { theta: row.theta, d: row.d, ..DhRow::default() }.pose();
+    let rx_tx = |row: &DhRow| DhRow { alpha: row.alpha, a: row.a, ..DhRow::default() }.pose();
+    let mut reached = Pose::identity();
+    for row in rows {
+        let numbers = dh_of(row);
+        let motion = match row.label {
+            RowLabel::Joint(index) => joints[index].motion.pose(values[index]),
+            _ => Pose::identity(),
+        };
+        reached *= match (convention, row.beta) {
+            (Convention::Proximal, _) => rx_tx(&numbers) * motion * rz_tz(&numbers),
+            (_, Some(beta)) if row.d.is_none() => {
+                motion * HayatiRow { theta: numbers.theta, a: numbers.a, alpha: numbers.alpha, beta }.pose()
+            }
+            _ => motion * rz_tz(&numbers) * rx_tx(&numbers),
+        };
+    }
+    reached
+}

@@ -1,0 +1,95 @@
+//! Choosing what the geometry leaves free, such that an engineer recognises the robot.
+
+use crate::table::{Row, ToolPart};
+use denavit_model::chain::Chain;
+use denavit_model::se3::{self, Pose};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How to choose what the geometry leaves free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Gauge {
+    /// The fewest numbers that are not 0, quarter turns before other angles, frames continuous with their neighbours.
+    #[default]
+    Simple,
+    /// The paper's rule: a ≥ 0 (where axes meet, alpha ≥ 0), and d of parallel axes at the end of their run.
+    Paper,
+}
+
+/// What a number costs a reader. Only the order of the sums matters.
+const LENGTH: f64 = 10.0;
+const ODD_ANGLE: f64 = 10.0;
+const HALF_TURN: f64 = 6.0;
+const QUARTER_TURN: f64 = 5.0;
+const NEGATIVE_LENGTH: f64 = 1.0;
+const NEGATIVE_ANGLE: f64 = 0.5;
+/// Of two equal places for a number the row of a joint is better than the base or the tool, a later row than an earlier.
+const OUTSIDE_THE_JOINTS: f64 = 0.2;
+const EARLIER: f64 = 0.001;
+
+/// A length below this many times the robot's size, or an angle below this many rad, reads as 0.
+const READS_AS_ZERO: f64 = 1e-9;
+
+/// Adds up what a table costs its reader.
+pub(crate) struct Weigher {
+    gauge: Gauge,
+    size: f64,
+    joints: usize,
+}
+
+impl Weigher {
+    pub fn new(gauge: Gauge, chain: &Chain) -> Self {
+        Self { gauge, size: chain.size(), joints: chain.joints().len() }
+    }
+
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Whether two frames are one for every later row.
+    pub fn same(&self, a: &Pose, b: &Pose) -> bool {
+        let (turned, moved) = se3::difference(a, b);
+        turned < READS_AS_ZERO && moved < READS_AS_ZERO * self.size
+    }
+
+    /// Cost of row `index` (0: base).
+    pub fn row(&self, index: usize, row: &Row) -> f64 {
+        if self.gauge == Gauge::Paper {
+            return 0.0;
+        }
+        let angles = angle(row.theta()) + angle(row.alpha()) + angle(row.beta().unwrap_or(0.0));
+        let place =
+            self.joints.saturating_sub(index) as f64 * EARLIER + if index == 0 { OUTSIDE_THE_JOINTS } else { 0.0 };
+        let lengths = self.length(row.a(), place) + self.length(row.d().unwrap_or(0.0), place);
+        angles + lengths
+    }
+
+    /// Cost of the tool's part.
+    pub fn tool(&self, tool: &ToolPart) -> f64 {
+        if self.gauge == Gauge::Paper {
+            return 0.0;
+        }
+        angle(tool.theta) + self.length(tool.d, OUTSIDE_THE_JOINTS)
+    }
+
+    fn length(&self, length: f64, place: f64) -> f64 {
+        if length.abs() < READS_AS_ZERO * self.size {
+            return 0.0;
+        }
+        LENGTH + place + if length < 0.0 { NEGATIVE_LENGTH } else { 0.0 }
+    }
+}
+
+fn angle(angle: f64) -> f64 {
+    let near = |value: f64| (angle.abs() - value).abs() < READS_AS_ZERO;
+    let sense = if angle < 0.0 && !near(PI) { NEGATIVE_ANGLE } else { 0.0 };
+    let kind = if near(0.0) {
+        return 0.0;
+    } else if near(FRAC_PI_2) {
+        QUARTER_TURN
+    } else if near(PI) {
+        HALF_TURN
+    } else {
+        ODD_ANGLE
+    };
+    kind + sense
+}
