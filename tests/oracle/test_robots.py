@@ -195,6 +195,19 @@ def test_ball_screw_spline_lifts_its_shaft_by_one_lead_a_turn():
     assert np.allclose(after[:3, :3], before[:3, :3], atol=1e-15)
 
 
+def test_ball_screw_scara_is_the_vendor_urdf_but_for_the_lift():
+    path = VENDOR / "robots/denso/hsr065a1_n32_scara.urdf"
+    if not path.exists():
+        pytest.skip(f"skipped, because {path} is missing")
+    ours, theirs = Tree(ROBOTS / "denso/hsr065_screw_spline.urdf"), Tree(path)
+    names = ours.drivers("base_link", "tool0")
+    assert names == theirs.drivers("base_link", "J4")
+    for q in samples(ours, names):
+        values = dict(zip(names, q))
+        lift = translation(0, 0, 0.02 * q[3] / (2 * np.pi))
+        assert max(distance(ours.pose("base_link", "tool0", values), theirs.pose("base_link", "J4", values) @ lift)) < 1e-12
+
+
 def test_gripper_fingers_stay_upright_and_mirror_each_other():
     tree = Tree(ROBOTS / "robotiq/2f_85.urdf")
     for closing in np.linspace(0, 0.8, 9):
