@@ -1,0 +1,273 @@
+//! Where an effect acts: the directions in which a carrier can move the arm, its targets or its instrument.
+//!
+//! A new carrier is a variant of [`Carrier`], its arm in [`Carrier::directions`] and in [`Carrier::place`], and an entry
+//! that uses it in [`super::catalogue::KINDS`]; the test `every_direction_does_what_its_action_says` then covers it.
+
+use crate::arm::{Across, Deviation};
+use denavit_model::nalgebra::{Point3, Vector3, Vector6};
+use denavit_model::{Chain, Screw};
+use serde::{Deserialize, Serialize};
+
+/// Where an effect acts. Joints are counted from 0, base to tip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Carrier {
+    /// The value of a joint, rad or m: one direction.
+    Joint(usize),
+    /// A slide along a turning joint's axis, m: one direction.
+    Along(usize),
+    /// A tilt of a joint's axis against the link before it, rad: two directions.
+    Across(usize),
+    /// A shift of a joint's axis across itself, m: two directions.
+    Sideways(usize),
+    /// The far end of a joint's link, turned (rad) and shifted (m) in the link's own axes: six directions.
+    LinkEnd(usize),
+    /// The length of one link, m per m: one direction.
+    LinkLength(usize),
+    /// Every length of the arm, m per m: one direction.
+    Lengths,
+    /// The base against the instrument, three turns about its origin (rad) and three shifts (m).
+    Base,
+    /// Turns of the base alone, rad: three directions.
+    BaseTurn,
+    /// The target on the tip, m: three directions.
+    Target,
+    /// The anchor of a distance instrument, m: three directions.
+    Anchor,
+    /// The scale of the instrument, m per m: one direction.
+    Scale,
+    /// The zero of a distance instrument, m: one direction.
+    Reading,
+    /// Every joint's value at once, rad or m: one direction per joint.
+    AllJoints,
+}
+
+/// One thing that a direction moves, per unit of its coefficient.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Action {
+    /// A twist of [`Deviation::twists`].
+    Twist {
+        /// Which twist.
+        slot: usize,
+        /// `[omega; v]`, rad and m, base frame at home.
+        twist: Vector6<f64>,
+    },
+    /// A shift of the target, tip frame, m.
+    Target(Vector3<f64>),
+    /// A shift of the anchor, base frame, m.
+    Anchor(Vector3<f64>),
+    /// The instrument's scale.
+    Scale,
+    /// The instrument's zero, m.
+    Reading,
+}
+
+impl Action {
+    /// Adds `amount` of the action to a deviation.
+    pub fn add_to(&self, amount: f64, deviation: &mut Deviation) {
+        match self {
+            Self::Twist { slot, twist } => deviation.twists[*slot] += twist * amount,
+            Self::Target(shift) => deviation.target += shift * amount,
+            Self::Anchor(shift) => deviation.anchor += shift * amount,
+            Self::Scale => deviation.scale += amount,
+            Self::Reading => deviation.reading += amount,
+        }
+    }
+}
+
+/// A turn about a line, as a twist.
+fn turn(direction: &Vector3<f64>, point: &Point3<f64>) -> Vector6<f64> {
+    let v = point.coords.cross(direction);
+    Vector6::new(direction.x, direction.y, direction.z, v.x, v.y, v.z)
+}
+
+/// A shift, as a twist.
+fn shift(direction: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(0.0, 0.0, 0.0, direction.x, direction.y, direction.z)
+}
+
+/// Points on the arm at home, m: `points[i]` on joint i's axis, the last at the tip.
+///
+/// A slide has no line; it stands where the joint before it stands.
+pub fn link_points(chain: &Chain) -> Vec<Point3<f64>> {
+    let tip = Point3::from(chain.home().translation.vector);
+    let mut points = Vec::with_capacity(chain.joints().len() + 1);
+    let mut last = Point3::origin();
+    for joint in chain.joints() {
+        if let Some(line) = joint.screw.line() {
+            last = line.nearest_to(&last);
+        }
+        points.push(last);
+    }
+    points.push(tip);
+    points
+}
+
+impl Carrier {
+    /// The directions of the carrier on this chain: each a sum of actions that share one coefficient.
+    pub fn directions(&self, chain: &Chain) -> Vec<Vec<Action>> {
+        let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let joints = chain.joints();
+        let n = joints.len();
+        let twist = |slot: usize, twist: Vector6<f64>| vec![Action::Twist { slot, twist }];
+        match *self {
+            Self::Joint(i) => vec![twist(i, joints[i].screw.twist())],
+            Self::Along(i) => vec![twist(i, shift(&joints[i].screw.direction()))],
+            Self::Across(i) => {
+                let across = Across::of(&joints[i].screw);
+                let centre = link_points(chain)[i];
+                vec![twist(i, turn(&across.a, &centre)), twist(i, turn(&across.b, &centre))]
+            }
+            Self::Sideways(i) => {
+                let across = Across::of(&joints[i].screw);
+                vec![twist(i, shift(&across.a)), twist(i, shift(&across.b))]
+            }
+            Self::LinkEnd(i) => {
+                let end = link_points(chain)[i + 1];
+                let turns = unit.iter().map(|u| twist(i + 1, turn(u, &end)));
+                turns.chain(unit.iter().map(|u| twist(i + 1, shift(u)))).collect()
+            }
+            Self::LinkLength(i) => {
+                let points = link_points(chain);
+                vec![twist(i + 1, shift(&(points[i + 1] - points[i])))]
+            }
+            Self::Lengths => {
+                let points = link_points(chain);
+                let first = Action::Twist { slot: 0, twist: shift(&points[0].coords) };
+                let links = (0..n).map(|i| Action::Twist { slot: i + 1, twist: shift(&(points[i + 1] - points[i])) });
+                vec![std::iter::once(first).chain(links).collect()]
+            }
+            Self::Base => {
+                let turns = unit.iter().map(|u| twist(0, turn(u, &Point3::origin())));
+                turns.chain(unit.iter().map(|u| twist(0, shift(u)))).collect()
+            }
+            Self::BaseTurn => unit.iter().map(|u| twist(0, turn(u, &Point3::origin()))).collect(),
+            Self::Target => unit.iter().map(|u| vec![Action::Target(*u)]).collect(),
+            Self::Anchor => unit.iter().map(|u| vec![Action::Anchor(*u)]).collect(),
+            Self::Scale => vec![vec![Action::Scale]],
+            Self::Reading => vec![vec![Action::Reading]],
+            Self::AllJoints => (0..n).map(|i| twist(i, joints[i].screw.twist())).collect(),
+        }
+    }
+
+    /// The joint at which it acts, where it acts at one.
+    pub fn joint(&self) -> Option<usize> {
+        match *self {
+            Self::Joint(i)
+            | Self::Along(i)
+            | Self::Across(i)
+            | Self::Sideways(i)
+            | Self::LinkEnd(i)
+            | Self::LinkLength(i) => Some(i),
+            _ => None,
+        }
+    }
+
+    /// Where it acts, as a report says it: the joint's name, or `base`, `links`, `target`, `anchor`, `instrument`,
+    /// `wire zero`, `all joints`.
+    pub fn place(&self, chain: &Chain) -> String {
+        match self {
+            Self::Lengths => "links".into(),
+            Self::Base | Self::BaseTurn => "base".into(),
+            Self::Target => "target".into(),
+            Self::Anchor => "anchor".into(),
+            Self::Scale => "instrument".into(),
+            Self::Reading => "wire zero".into(),
+            Self::AllJoints => "all joints".into(),
+            Self::Joint(i)
+            | Self::Along(i)
+            | Self::Across(i)
+            | Self::Sideways(i)
+            | Self::LinkEnd(i)
+            | Self::LinkLength(i) => chain.joints()[*i].name.clone(),
+        }
+    }
+
+    /// Unit of each direction's coefficient when the driver is a bare number: rad, m, or 1.
+    pub fn unit(&self, chain: &Chain, direction: usize) -> &'static str {
+        match self {
+            Self::Joint(i) if matches!(chain.joints()[*i].screw, Screw::Prismatic(_)) => "m",
+            Self::AllJoints if matches!(chain.joints()[direction].screw, Screw::Prismatic(_)) => "m",
+            Self::Joint(_) | Self::AllJoints | Self::Across(_) | Self::BaseTurn => "rad",
+            Self::Along(_) | Self::Sideways(_) | Self::Target | Self::Anchor | Self::Reading => "m",
+            Self::LinkEnd(_) | Self::Base if direction < 3 => "rad",
+            Self::LinkEnd(_) | Self::Base => "m",
+            Self::LinkLength(_) | Self::Lengths | Self::Scale => "m/m",
+        }
+    }
+
+    /// Words for each direction, for the names of parameters.
+    pub fn direction_name(&self, direction: usize) -> &'static str {
+        const SIX: [&str; 6] = ["turn_x", "turn_y", "turn_z", "shift_x", "shift_y", "shift_z"];
+        match self {
+            Self::Across(_) => ["tilt_a", "tilt_b"][direction],
+            Self::Sideways(_) => ["shift_a", "shift_b"][direction],
+            Self::Base | Self::BaseTurn | Self::LinkEnd(_) => SIX[direction],
+            Self::Target | Self::Anchor => SIX[direction + 3],
+            _ => "",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::{Arm, RowState};
+    use denavit_model::examples;
+
+    fn all(n: usize) -> Vec<Carrier> {
+        let mut carriers = vec![Carrier::Lengths, Carrier::Base, Carrier::BaseTurn, Carrier::AllJoints];
+        for i in 0..n {
+            carriers.extend([
+                Carrier::Joint(i),
+                Carrier::Along(i),
+                Carrier::Across(i),
+                Carrier::Sideways(i),
+                Carrier::LinkEnd(i),
+                Carrier::LinkLength(i),
+            ]);
+        }
+        carriers
+    }
+
+    #[test]
+    fn every_direction_does_what_its_action_says() {
+        for chain in examples::all() {
+            let arm = Arm::new(&chain, 1);
+            let n = chain.coordinates().len();
+            let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
+            for carrier in all(chain.joints().len()) {
+                for (index, direction) in carrier.directions(&chain).iter().enumerate() {
+                    let mut deviation = Deviation::none(chain.joints().len());
+                    direction.iter().for_each(|action| action.add_to(1e-4, &mut deviation));
+                    let (mut still, mut moved) = (RowState::default(), RowState::default());
+                    arm.state_into(&q, None, &mut still);
+                    arm.state_into(&q, Some(&deviation), &mut moved);
+                    let tip = (moved.tip.translation.vector - still.tip.translation.vector).norm();
+                    let turned = denavit_model::se3::difference(&moved.tip, &still.tip).0;
+                    let bound = 1e-4 * (1.0 + 3.0 * chain.size()) * n as f64;
+                    assert!(tip <= bound && turned <= 1e-4 * n as f64 + 1e-12, "{carrier:?} {index}: {tip} {turned}");
+                    if carrier.unit(&chain, index) == "rad" {
+                        assert!(turned > 0.99e-4, "{carrier:?} {index} turns by {turned}");
+                    }
+                    if matches!(carrier, Carrier::Along(_) | Carrier::Sideways(_)) {
+                        assert!((tip - 1e-4).abs() < 1e-12, "{carrier:?} {index} moves by {tip}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stretching_every_length_scales_the_reach() {
+        let chain = examples::planar_arm();
+        let arm = Arm::new(&chain, 1);
+        let mut deviation = Deviation::none(chain.joints().len());
+        Carrier::Lengths.directions(&chain)[0].iter().for_each(|action| action.add_to(0.01, &mut deviation));
+        let (mut still, mut stretched) = (RowState::default(), RowState::default());
+        arm.state_into(&[0.4, 0.9], None, &mut still);
+        arm.state_into(&[0.4, 0.9], Some(&deviation), &mut stretched);
+        let expected = still.tip.translation.vector * 1.01;
+        assert!((stretched.tip.translation.vector - expected).norm() < 1e-12);
+    }
+}

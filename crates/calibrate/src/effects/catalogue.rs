@@ -1,0 +1,379 @@
+//! The kinds of effect that the tracer knows, and the terms that it tries for each.
+//!
+//! One list: the search, `--effects`, the report and the docs page walk [`KINDS`]. A new kind is a variant of [`Kind`] and
+//! an entry here; a new way for a known kind to act is a line in its `terms` function. The test
+//! `every_kind_offers_terms_that_a_fit_can_use` covers both.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, Driver, VELOCITY};
+use crate::effects::model::{Coupling, Term};
+use crate::effects::survey::Survey;
+use crate::measurements::MeasurementKind;
+use serde::{Deserialize, Serialize};
+
+/// An engineer's name for a cause.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Kind {
+    /// A joint turns a constant factor more than it reads.
+    JointScale,
+    /// A joint slides along its axis as it turns.
+    HelicalPitch,
+    /// A periodic error of a joint's value: eccentric encoder, gear.
+    TransmissionError,
+    /// A joint gives under gravity.
+    JointCompliance,
+    /// Play in a joint.
+    Backlash,
+    /// One joint's motion moves another.
+    JointCoupling,
+    /// A joint's axis tilts or shifts as it moves; a rail that is not straight.
+    AxisWobble,
+    /// An error at one place of a joint's range.
+    LocalJointError,
+    /// A link or a bearing bends under gravity.
+    LinkCompliance,
+    /// The base tilts under the arm's moment.
+    BaseCompliance,
+    /// Something grows or moves with temperature.
+    Thermal,
+    /// Something moves with time, smoothly or in steps.
+    Drift,
+    /// Joint readings are older or newer than the measured value.
+    Latency,
+    /// The instrument's metre is not a metre.
+    InstrumentScale,
+}
+
+/// A kind's entry in the catalogue.
+pub struct Entry {
+    /// Which kind.
+    pub kind: Kind,
+    /// Its name in files and on the command line.
+    pub name: &'static str,
+    /// The model, with its symbols.
+    pub formula: &'static str,
+    /// Units of its coefficients.
+    pub units: &'static str,
+    /// Where the model comes from.
+    pub source: &'static str,
+    /// The terms to try on the data at hand.
+    pub terms: fn(&Survey) -> Vec<Candidate>,
+}
+
+/// A term to try, and how many of its numbers a scan chose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The term.
+    pub term: Term,
+    /// Numbers inside the driver that a scan chose: they count as parameters.
+    pub scanned: usize,
+}
+
+/// Every kind, in the order of DESIGN's table.
+pub const KINDS: &[Entry] = &[
+    Entry {
+        kind: Kind::JointScale,
+        name: "joint_scale",
+        formula: "value_i += c · value_i",
+        units: "rad/rad or m/m",
+        source: "normalisation factor of Wu, Crawford, Roberts 2019, eq. (23)",
+        terms: joint_scale,
+    },
+    Entry {
+        kind: Kind::HelicalPitch,
+        name: "helical_pitch",
+        formula: "slide along axis i += c · value_i",
+        units: "m/rad",
+        source: "pitch h of Wu, Crawford, Roberts 2019, section II",
+        terms: helical_pitch,
+    },
+    Entry {
+        kind: Kind::TransmissionError,
+        name: "transmission_error",
+        formula: "value_i += s · sin(k · value_i) + c · cos(k · value_i), k found by scan",
+        units: "rad or m",
+        source: "k = 1: eccentric encoder; motor side: k = gear ratio (Tuttle 1992 for harmonic drives)",
+        terms: transmission_error,
+    },
+    Entry {
+        kind: Kind::JointCompliance,
+        name: "joint_compliance",
+        formula: "value_i += c · gravity's torque on joint i, payload included",
+        units: "rad/(N m) or m/N",
+        source: "Khalil, Besnard 2002: geometric calibration with flexibilities",
+        terms: joint_compliance,
+    },
+    Entry {
+        kind: Kind::Backlash,
+        name: "backlash",
+        formula: "value_i += c · side, side = ±1 by approach, or by the side to which gravity pushes",
+        units: "rad or m (half of the play)",
+        source: "play with the output resting on one flank",
+        terms: backlash,
+    },
+    Entry {
+        kind: Kind::JointCoupling,
+        name: "joint_coupling",
+        formula: "value_i += c · value_j",
+        units: "rad/rad, m/rad, rad/m or m/m",
+        source: "geared wrists: Whitney, Lozinski, Rourke 1986",
+        terms: joint_coupling,
+    },
+    Entry {
+        kind: Kind::AxisWobble,
+        name: "axis_wobble",
+        formula: "tilt of axis i about a and b += s · sin(k · value_i) + c · cos(k · value_i); for a rail also shifts",
+        units: "rad or m",
+        source: "error motions of a rotary axis, ISO 230-7; straightness, ISO 230-1",
+        terms: axis_wobble,
+    },
+    Entry {
+        kind: Kind::LocalJointError,
+        name: "local_joint_error",
+        formula: "value_i += c · exp(-(value_i - at)²/(2 width²)), at and width found by scan",
+        units: "rad or m",
+        source: "a damaged tooth or a scratch on the scale",
+        terms: local_joint_error,
+    },
+    Entry {
+        kind: Kind::LinkCompliance,
+        name: "link_compliance",
+        formula: "end of link i turns and shifts as a cantilever under gravity's wrench: c = 1/EI; or axis i tilts by c · moment across it",
+        units: "1/(N m²); rad/(N m)",
+        source: "Euler-Bernoulli beam; bearing stiffness",
+        terms: link_compliance,
+    },
+    Entry {
+        kind: Kind::BaseCompliance,
+        name: "base_compliance",
+        formula: "base turns by c · overturning moment",
+        units: "rad/(N m)",
+        source: "a floor or table as a spring",
+        terms: base_compliance,
+    },
+    Entry {
+        kind: Kind::Thermal,
+        name: "thermal",
+        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature",
+        units: "carrier's unit per °C",
+        source: "thermal expansion",
+        terms: thermal,
+    },
+    Entry {
+        kind: Kind::Drift,
+        name: "drift",
+        formula: "the same carriers += c · f(time or run order), f linear, 1 - exp(-t/T), steps or straight pieces",
+        units: "carrier's unit, or per s or row",
+        source: "set up again, collision, creep, a sensor's zero",
+        terms: drift,
+    },
+    Entry {
+        kind: Kind::Latency,
+        name: "latency",
+        formula: "value_i += c · velocity_i for every joint",
+        units: "s",
+        source: "readings and measured value taken at different times",
+        terms: latency,
+    },
+    Entry {
+        kind: Kind::InstrumentScale,
+        name: "instrument_scale",
+        formula: "measured lengths are (1 + c) times too long",
+        units: "m/m",
+        source: "wavelength or scale error of the instrument",
+        terms: instrument_scale,
+    },
+];
+
+impl Kind {
+    /// Its entry.
+    pub fn entry(self) -> &'static Entry {
+        KINDS.iter().find(|entry| entry.kind == self).expect("every kind has an entry: tested")
+    }
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        self.entry().name
+    }
+
+    /// The kind of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        KINDS.iter().find(|entry| entry.name == name).map(|entry| entry.kind)
+    }
+}
+
+fn candidate(kind: Kind, carrier: Carrier, driver: Driver, coupling: Coupling, scanned: usize) -> Candidate {
+    Candidate { term: Term { kind, carrier, driver, coupling }, scanned }
+}
+
+fn each(kind: Kind, carrier: Carrier, driver: Driver) -> Candidate {
+    candidate(kind, carrier, driver, Coupling::Each, 0)
+}
+
+fn paired(kind: Kind, carrier: Carrier, driver: Driver) -> Candidate {
+    candidate(kind, carrier, driver, Coupling::Paired, 0)
+}
+
+fn joint_scale(survey: &Survey) -> Vec<Candidate> {
+    survey.moving().map(|i| each(Kind::JointScale, Carrier::Joint(i), Driver::Reading(i))).collect()
+}
+
+fn helical_pitch(survey: &Survey) -> Vec<Candidate> {
+    survey.turning().map(|i| each(Kind::HelicalPitch, Carrier::Along(i), Driver::Reading(i))).collect()
+}
+
+fn harmonics(kind: Kind, carrier: Carrier, joint: usize, orders: &[f64]) -> impl Iterator<Item = Candidate> {
+    orders.iter().map(move |&order| {
+        // A whole order is a name that an engineer would have tried first; any other was searched for.
+        let scanned = usize::from((order - order.round()).abs() > 1e-9);
+        candidate(kind, carrier, Driver::Harmonic { joint, order }, Coupling::Each, scanned)
+    })
+}
+
+fn transmission_error(survey: &Survey) -> Vec<Candidate> {
+    survey
+        .moving()
+        .flat_map(|i| {
+            let mut orders = survey.orders(i);
+            orders.extend(survey.motor_orders(i));
+            harmonics(Kind::TransmissionError, Carrier::Joint(i), i, &orders).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+fn joint_compliance(survey: &Survey) -> Vec<Candidate> {
+    let joints = survey.statics.chain.joints().len();
+    survey
+        .moving()
+        .flat_map(|i| {
+            let mut terms = vec![each(Kind::JointCompliance, Carrier::Joint(i), Driver::Torque(i))];
+            if !survey.statics.masses.from_inertials {
+                let depths: Vec<usize> = (1..=joints - i).filter(|&links| links <= 2 || links == joints - i).collect();
+                terms.extend(depths.into_iter().map(|links| {
+                    each(Kind::JointCompliance, Carrier::Joint(i), Driver::TorqueTerms { joint: i, links })
+                }));
+            }
+            terms
+        })
+        .collect()
+}
+
+fn backlash(survey: &Survey) -> Vec<Candidate> {
+    survey
+        .moving()
+        .flat_map(|i| {
+            let from_rows = !survey.has_of_joint(i, APPROACH);
+            let by_side = each(Kind::Backlash, Carrier::Joint(i), Driver::Approach { joint: i, from_rows });
+            let by_gravity = each(Kind::Backlash, Carrier::Joint(i), Driver::GravitySide(i));
+            let known = !from_rows || survey.has_of_joint(i, APPROACH_FROM_ROWS);
+            known.then_some(by_side).into_iter().chain([by_gravity])
+        })
+        .collect()
+}
+
+fn joint_coupling(survey: &Survey) -> Vec<Candidate> {
+    let pairs = survey.moving().flat_map(|i| survey.moving().filter(move |&j| j != i).map(move |j| (i, j)));
+    pairs.map(|(i, j)| each(Kind::JointCoupling, Carrier::Joint(i), Driver::Reading(j))).collect()
+}
+
+fn axis_wobble(survey: &Survey) -> Vec<Candidate> {
+    survey
+        .moving()
+        .flat_map(|i| {
+            let orders = survey.orders(i);
+            let mut terms: Vec<_> = harmonics(Kind::AxisWobble, Carrier::Across(i), i, &orders).collect();
+            if survey.slides(i) {
+                terms.extend(harmonics(Kind::AxisWobble, Carrier::Sideways(i), i, &orders));
+            }
+            terms
+        })
+        .collect()
+}
+
+fn local_joint_error(survey: &Survey) -> Vec<Candidate> {
+    survey
+        .moving()
+        .flat_map(|joint| {
+            survey.bumps(joint).into_iter().map(move |(at, width)| {
+                let driver = Driver::Bump { joint, at, width };
+                candidate(Kind::LocalJointError, Carrier::Joint(joint), driver, Coupling::Each, 2)
+            })
+        })
+        .collect()
+}
+
+fn link_compliance(survey: &Survey) -> Vec<Candidate> {
+    survey
+        .turning()
+        .flat_map(|i| {
+            [
+                paired(Kind::LinkCompliance, Carrier::LinkEnd(i), Driver::Cantilever(i)),
+                paired(Kind::LinkCompliance, Carrier::Across(i), Driver::MomentAcross(i)),
+            ]
+        })
+        .collect()
+}
+
+fn base_compliance(_: &Survey) -> Vec<Candidate> {
+    vec![paired(Kind::BaseCompliance, Carrier::BaseTurn, Driver::Overturning)]
+}
+
+/// What may move with temperature or time.
+fn movable(survey: &Survey) -> Vec<Carrier> {
+    let mut carriers: Vec<Carrier> = survey.moving().map(Carrier::Joint).collect();
+    if survey.kind == MeasurementKind::Distance {
+        carriers.extend([Carrier::Reading, Carrier::Anchor]);
+    } else {
+        carriers.push(Carrier::Base);
+    }
+    carriers.extend([Carrier::Target, Carrier::Lengths, Carrier::Scale]);
+    carriers
+}
+
+fn thermal(survey: &Survey) -> Vec<Candidate> {
+    let links = (0..survey.statics.chain.joints().len()).map(Carrier::LinkLength);
+    let general = movable(survey).into_iter().chain(links).flat_map(|carrier| {
+        let of = |name: &String| each(Kind::Thermal, carrier, Driver::Covariate(name.clone()));
+        survey.temperatures.iter().map(of).collect::<Vec<_>>()
+    });
+    let own = survey.moving().filter_map(|i| {
+        let name = survey.joint_temperature(i)?;
+        Some(each(Kind::Thermal, Carrier::Joint(i), Driver::Covariate(name)))
+    });
+    general.chain(own).collect()
+}
+
+fn drift(survey: &Survey) -> Vec<Candidate> {
+    let Some(clock) = &survey.clock else { return Vec::new() };
+    let name = || clock.name.clone();
+    let mut terms = Vec::new();
+    for carrier in movable(survey) {
+        terms.push(each(Kind::Drift, carrier, Driver::Covariate(name())));
+        for constant in clock.constants() {
+            let driver = Driver::Decay { covariate: name(), from: clock.first(), constant };
+            terms.push(candidate(Kind::Drift, carrier, driver, Coupling::Each, 1));
+        }
+        if matches!(carrier, Carrier::Lengths | Carrier::Scale) {
+            continue;
+        }
+        for at in clock.places() {
+            let driver = Driver::Steps { covariate: name(), at: vec![at] };
+            terms.push(candidate(Kind::Drift, carrier, driver, Coupling::Each, 1));
+        }
+        for pieces in clock.pieces(carrier == Carrier::Reading) {
+            terms.push(each(Kind::Drift, carrier, Driver::Smooth { covariate: name(), knots: pieces }));
+        }
+    }
+    terms
+}
+
+fn latency(survey: &Survey) -> Vec<Candidate> {
+    let known = survey.moving().any(|i| survey.has_of_joint(i, VELOCITY));
+    known.then(|| paired(Kind::Latency, Carrier::AllJoints, Driver::Velocities)).into_iter().collect()
+}
+
+fn instrument_scale(_: &Survey) -> Vec<Candidate> {
+    vec![each(Kind::InstrumentScale, Carrier::Scale, Driver::Constant)]
+}

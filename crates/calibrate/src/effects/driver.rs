@@ -1,0 +1,405 @@
+//! What drives an effect: functions of a row's readings, of gravity, and of what was recorded beside them.
+//!
+//! No driver sees a measured value. A new driver is a variant of [`Driver`], its arm in [`Driver::values_into`] (and in
+//! [`Driver::len`] and [`Driver::unit`]), and an entry that uses it in [`super::catalogue::KINDS`]; the test
+//! `every_driver_gives_as_many_values_as_it_says` then covers it.
+
+use crate::arm::{Across, RowState};
+use crate::effects::carrier::link_points;
+use crate::effects::gravity::{Load, Masses};
+use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
+use denavit_model::{Chain, Screw};
+use serde::{Deserialize, Serialize};
+
+/// Name of the covariate that counts rows in run order.
+pub const RUN_ORDER: &str = "run order";
+/// Ending of the covariates that give the side from which a joint came, +1 from below.
+pub const APPROACH: &str = ".approach";
+/// Ending of the same when it was read from the order of the rows.
+pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
+/// Ending of the covariates that give a joint's velocity.
+pub const VELOCITY: &str = ".velocity";
+/// Name of the covariate that gives the mass at the tip, kg.
+pub const PAYLOAD: &str = "payload";
+
+/// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
+const TWIST_TO_BEND: f64 = 1.3;
+
+/// What drives an effect. Joints are counted from 0, base to tip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Driver {
+    /// 1.
+    Constant,
+    /// The joint's value, rad or m.
+    Reading(usize),
+    /// sin and cos of order · value.
+    Harmonic {
+        /// The joint whose value it follows.
+        joint: usize,
+        /// Periods per 2π rad (or per 2π m).
+        order: f64,
+    },
+    /// exp(-(value - at)²/(2 width²)).
+    Bump {
+        /// The joint whose value it follows.
+        joint: usize,
+        /// Middle, rad or m.
+        at: f64,
+        /// Standard width, rad or m.
+        width: f64,
+    },
+    /// Gravity's torque on a joint about its axis, N·m (force along it for a slide, N), payload included.
+    Torque(usize),
+    /// Parts of that torque whose sizes are free: where masses are unknown. Two per link (one first moment in the plane
+    /// across the axis each), for `links` links from the joint on; then the payload's part.
+    TorqueTerms {
+        /// The joint.
+        joint: usize,
+        /// How many links.
+        links: usize,
+    },
+    /// Gravity's moment across a joint's axis, N·m: two values, about [`Across::a`] and [`Across::b`].
+    MomentAcross(usize),
+    /// Turn and shift of the end of a joint's link as a round cantilever of unit flexural rigidity (1 N·m²): six values.
+    Cantilever(usize),
+    /// Gravity's moment on the base about its origin, N·m: three values.
+    Overturning,
+    /// The side from which a joint came, +1 from below.
+    Approach {
+        /// The joint.
+        joint: usize,
+        /// Read from the order of the rows, for the file does not say.
+        from_rows: bool,
+    },
+    /// The side to which gravity pushes a joint, +1 or -1.
+    GravitySide(usize),
+    /// Every joint's velocity, rad/s or m/s.
+    Velocities,
+    /// A recorded quantity.
+    Covariate(String),
+    /// 1 - exp(-(value - from)/constant) of a recorded quantity.
+    Decay {
+        /// Its name.
+        covariate: String,
+        /// Where it starts.
+        from: f64,
+        /// Time constant, in the quantity's unit.
+        constant: f64,
+    },
+    /// For each place: 1 from there on, 0 before.
+    Steps {
+        /// The recorded quantity's name.
+        covariate: String,
+        /// Places, ascending.
+        at: Vec<f64>,
+    },
+    /// Straight lines between knots: one value per knot but the first.
+    Smooth {
+        /// The recorded quantity's name.
+        covariate: String,
+        /// Knots, ascending.
+        knots: Vec<f64>,
+    },
+}
+
+/// Where the arm stands and what it carries, for the nominal chain.
+#[derive(Debug, Clone, Default)]
+pub struct Posture {
+    /// Motions of the joints.
+    pub state: RowState,
+    /// Gravity on each joint.
+    pub loads: Vec<Load>,
+}
+
+/// What a driver may look at in one row.
+#[derive(Clone, Copy)]
+pub struct Conditions<'a> {
+    /// Joint readings in coordinate order, rad or m.
+    pub reading: &'a [f64],
+    /// A recorded quantity by name; `None` where the file has none of that name.
+    pub covariate: &'a dyn Fn(&str) -> Option<f64>,
+}
+
+/// The chain and its masses: what drivers are computed with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statics {
+    /// The nominal chain.
+    pub chain: Chain,
+    /// What gravity acts on.
+    pub masses: Masses,
+}
+
+impl Statics {
+    /// Stands the arm as one row has it.
+    pub fn posture(&self, conditions: &Conditions<'_>) -> Posture {
+        let mut state = RowState::default();
+        let mut reached = denavit_model::Pose::identity();
+        for joint in self.chain.joints() {
+            state.before.push(reached);
+            reached *= joint.screw.motion(joint.value(conditions.reading));
+            state.after.push(reached);
+        }
+        state.tip = reached * self.chain.home();
+        let payload = (conditions.covariate)(PAYLOAD).unwrap_or(0.0);
+        let loads = self.masses.loads(&self.chain, &state, payload);
+        Posture { state, loads }
+    }
+
+    /// Gravity's torque (N·m) or force (N) on a joint along its own motion.
+    pub fn torque(&self, posture: &Posture, joint: usize) -> f64 {
+        let turn = posture.state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
+        let load = &posture.loads[joint];
+        match &self.chain.joints()[joint].screw {
+            Screw::Prismatic(_) => turn.dot(&load.force),
+            Screw::Revolute(_) => turn.dot(&load.moment),
+            Screw::Helical { pitch, .. } => turn.dot(&load.moment) + pitch.metres_per_radian() * turn.dot(&load.force),
+        }
+    }
+
+    fn torque_terms(&self, posture: &Posture, joint: usize, links: usize, payload: bool, out: &mut Vec<f64>) {
+        let state = &posture.state;
+        let axis = state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
+        // Torque per first moment h (kg m): axis · (h × gravity) = (gravity × axis) · h.
+        let lever = self.masses.gravity.cross(&axis);
+        for link in joint..(joint + links).min(self.chain.joints().len()) {
+            let across = Across::of(&self.chain.joints()[link].screw);
+            let rotation = &state.after[link].rotation;
+            out.push(lever.dot(&(rotation * across.a)));
+            out.push(lever.dot(&(rotation * across.b)));
+        }
+        if payload {
+            let at = state.before[joint] * link_points(&self.chain)[joint];
+            let reach = state.tip.translation.vector - at.coords;
+            out.push(lever.dot(&reach));
+        }
+    }
+
+    fn cantilever(&self, posture: &Posture, joint: usize) -> [Vector3<f64>; 2] {
+        let points = link_points(&self.chain);
+        let reach = points[joint + 1] - points[joint];
+        let length = reach.norm();
+        if length == 0.0 {
+            return [Vector3::zeros(); 2];
+        }
+        let to_home: Rotation3<f64> = posture.state.after[joint].rotation.inverse();
+        let (force, torque) = match posture.loads.get(joint + 1) {
+            Some(load) => (to_home * load.force, to_home * load.moment),
+            None => (Vector3::zeros(), Vector3::zeros()),
+        };
+        let along = reach / length;
+        let twist = along * along.dot(&torque);
+        let bend = torque - twist;
+        let turn = (bend + twist * TWIST_TO_BEND) * length + reach.cross(&force) * (0.5 * length);
+        let across = force - along * along.dot(&force);
+        let shift = across * (length.powi(3) / 3.0) + bend.cross(&reach) * (0.5 * length);
+        [turn, shift]
+    }
+}
+
+impl Driver {
+    /// How many values it has.
+    pub fn len(&self, statics: &Statics) -> usize {
+        match self {
+            Self::Harmonic { .. } | Self::MomentAcross(_) => 2,
+            Self::TorqueTerms { joint, links } => 2 * (*links).min(statics.chain.joints().len() - joint),
+            Self::Cantilever(_) => 6,
+            Self::Overturning => 3,
+            Self::Velocities => statics.chain.joints().len(),
+            Self::Steps { at, .. } => at.len(),
+            Self::Smooth { knots, .. } => knots.len() - 1,
+            _ => 1,
+        }
+    }
+
+    /// Its values in one row, appended to `out`.
+    pub fn values_into(&self, statics: &Statics, conditions: &Conditions<'_>, posture: &Posture, out: &mut Vec<f64>) {
+        let joints = statics.chain.joints();
+        let recorded = |name: &str| (conditions.covariate)(name).unwrap_or(0.0);
+        let of_joint = |joint: usize, ending: &str| recorded(&format!("{}{ending}", joints[joint].name));
+        match self {
+            Self::Constant => out.push(1.0),
+            Self::Reading(joint) => out.push(joints[*joint].value(conditions.reading)),
+            Self::Harmonic { joint, order } => {
+                let (sine, cosine) = (order * joints[*joint].value(conditions.reading)).sin_cos();
+                out.extend([sine, cosine]);
+            }
+            Self::Bump { joint, at, width } => {
+                let u = (joints[*joint].value(conditions.reading) - at) / width;
+                out.push((-0.5 * u * u).exp());
+            }
+            Self::Torque(joint) => out.push(statics.torque(posture, *joint)),
+            Self::TorqueTerms { joint, links } => statics.torque_terms(posture, *joint, *links, false, out),
+            Self::MomentAcross(joint) => {
+                let across = Across::of(&joints[*joint].screw);
+                let moment = posture.state.before[*joint].rotation.inverse() * posture.loads[*joint].moment;
+                out.extend([moment.dot(&across.a), moment.dot(&across.b)]);
+            }
+            Self::Cantilever(joint) => {
+                for part in statics.cantilever(posture, *joint) {
+                    out.extend(part.iter());
+                }
+            }
+            Self::Overturning => {
+                let at = link_points(&statics.chain).first().map_or_else(Point3::origin, |point| *point);
+                let load = &posture.loads[0];
+                out.extend((load.moment + at.coords.cross(&load.force)).iter());
+            }
+            Self::Approach { joint, from_rows } => {
+                out.push(of_joint(*joint, if *from_rows { APPROACH_FROM_ROWS } else { APPROACH }));
+            }
+            Self::GravitySide(joint) => {
+                let torque = statics.torque(posture, *joint);
+                out.push(if torque < 0.0 { -1.0 } else { 1.0 });
+            }
+            Self::Velocities => out.extend((0..joints.len()).map(|joint| of_joint(joint, VELOCITY))),
+            Self::Covariate(name) => out.push(recorded(name)),
+            Self::Decay { covariate, from, constant } => {
+                out.push(-(-(recorded(covariate) - from).max(0.0) / constant).exp_m1());
+            }
+            Self::Steps { covariate, at } => {
+                let value = recorded(covariate);
+                out.extend(at.iter().map(|&place| if value >= place { 1.0 } else { 0.0 }));
+            }
+            Self::Smooth { covariate, knots } => hats(recorded(covariate), knots, out),
+        }
+    }
+
+    /// Unit of one value: what a coefficient is per.
+    pub fn unit(&self, chain: &Chain) -> &'static str {
+        let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
+        match self {
+            Self::Reading(joint) => if slides(*joint) { "m" } else { "rad" },
+            Self::Torque(joint) => if slides(*joint) { "N" } else { "N m" },
+            Self::TorqueTerms { .. } => "kg m²/s² per m",
+            Self::MomentAcross(_) | Self::Overturning => "N m",
+            Self::Cantilever(_) => "1/(N m²)",
+            Self::Velocities => "1/s",
+            Self::Covariate(name) => unit_of(name),
+            _ => "1",
+        }
+    }
+
+    /// The recorded quantity that it follows, where it follows one.
+    pub fn covariate(&self) -> Option<&str> {
+        match self {
+            Self::Covariate(name) => Some(name),
+            Self::Decay { covariate, .. } | Self::Steps { covariate, .. } | Self::Smooth { covariate, .. } => {
+                Some(covariate)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The unit that the contract gives to a recorded quantity.
+pub fn unit_of(covariate: &str) -> &'static str {
+    match covariate {
+        "time" => "s",
+        PAYLOAD => "kg",
+        RUN_ORDER => "row",
+        name if name.ends_with("temperature") => "°C",
+        _ => "1",
+    }
+}
+
+/// Piecewise linear basis over the knots; the first one is left out and the ends are held.
+fn hats(value: f64, knots: &[f64], out: &mut Vec<f64>) {
+    let value = value.clamp(knots[0], knots[knots.len() - 1]);
+    out.extend((1..knots.len()).map(|k| {
+        if value <= knots[k] {
+            ((value - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0)
+        } else {
+            knots.get(k + 1).map_or(1.0, |next| ((next - value) / (next - knots[k])).max(0.0))
+        }
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use denavit_model::examples;
+
+    #[test]
+    fn every_driver_gives_as_many_values_as_it_says() {
+        for chain in examples::all() {
+            let statics = Statics { masses: Masses::stand_in(&chain), chain };
+            let n = statics.chain.joints().len();
+            let name = || "time".to_string();
+            let mut drivers = vec![
+                Driver::Constant,
+                Driver::Overturning,
+                Driver::Velocities,
+                Driver::Covariate(name()),
+                Driver::Decay { covariate: name(), from: 0.0, constant: 2.0 },
+                Driver::Steps { covariate: name(), at: vec![1.0, 5.0] },
+                Driver::Smooth { covariate: name(), knots: vec![0.0, 2.0, 5.0, 9.0] },
+            ];
+            for joint in 0..n {
+                drivers.extend([
+                    Driver::Reading(joint),
+                    Driver::Harmonic { joint, order: 2.5 },
+                    Driver::Bump { joint, at: 0.1, width: 0.2 },
+                    Driver::Torque(joint),
+                    Driver::TorqueTerms { joint, links: 2 },
+                    Driver::MomentAcross(joint),
+                    Driver::Cantilever(joint),
+                    Driver::Approach { joint, from_rows: true },
+                    Driver::GravitySide(joint),
+                ]);
+            }
+            let q = vec![0.3; statics.chain.coordinates().len()];
+            let conditions = Conditions { reading: &q, covariate: &|name| (name == "time").then_some(3.0) };
+            let posture = statics.posture(&conditions);
+            for driver in drivers {
+                let mut values = Vec::new();
+                driver.values_into(&statics, &conditions, &posture, &mut values);
+                assert_eq!(values.len(), driver.len(&statics), "{driver:?}");
+                assert!(values.iter().all(|value| value.is_finite()), "{driver:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn torque_is_the_change_of_potential_energy() {
+        for chain in examples::all() {
+            let statics = Statics { masses: Masses::stand_in(&chain), chain };
+            let none = |_: &str| None;
+            let energy = |q: &[f64]| -> f64 {
+                let posture = statics.posture(&Conditions { reading: q, covariate: &none });
+                statics
+                    .masses
+                    .points
+                    .iter()
+                    .map(|p| -p.mass * statics.masses.gravity.dot(&(posture.state.after[p.joint] * p.centre).coords))
+                    .sum()
+            };
+            let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
+            let posture = statics.posture(&Conditions { reading: &q, covariate: &none });
+            for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
+                let movers: Vec<usize> =
+                    (0..statics.chain.joints().len()).filter(|&j| statics.chain.joints()[j].coordinate == coordinate).collect();
+                let (mut up, mut low) = (q.clone(), q.clone());
+                up[index] += 1e-5;
+                low[index] -= 1e-5;
+                let slope = (energy(&up) - energy(&low)) / 2e-5;
+                let torque: f64 =
+                    movers.iter().map(|&j| statics.torque(&posture, j) * statics.chain.joints()[j].scale).sum();
+                assert!((torque + slope).abs() < 1e-5 * (1.0 + slope.abs()), "{torque} {slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn hats_are_straight_between_knots_and_held_beyond() {
+        let at = |value: f64| {
+            let mut out = Vec::new();
+            hats(value, &[0.0, 1.0, 3.0], &mut out);
+            out
+        };
+        assert_eq!(at(0.5), [0.5, 0.0]);
+        assert_eq!(at(2.0), [0.5, 0.5]);
+        assert_eq!(at(-1.0), [0.0, 0.0]);
+        assert_eq!(at(7.0), [0.0, 1.0]);
+    }
+}

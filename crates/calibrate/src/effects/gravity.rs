@@ -1,0 +1,150 @@
+//! Gravity on an arm: masses from the URDF, or a stand-in with the arm's own shape where it has none.
+
+use crate::arm::RowState;
+use crate::effects::carrier::link_points;
+use denavit_model::nalgebra::{Point3, Vector3};
+use denavit_model::{Chain, Pose, Robot};
+
+/// m/s².
+const STANDARD_GRAVITY: f64 = 9.806_65;
+
+/// Mass per metre of arm beyond a link that stands in where the URDF has no inertials, kg/m: only ratios matter, for the
+/// compliance that is found is in proportion to it.
+const STAND_IN_DENSITY: f64 = 10.0;
+
+/// A point mass fixed to a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointMass {
+    /// The joint that carries it, counted from 0.
+    pub joint: usize,
+    /// kg.
+    pub mass: f64,
+    /// Centre, base frame at home, m.
+    pub centre: Point3<f64>,
+}
+
+/// What gravity acts on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Masses {
+    /// Point masses; statics knows no tensors.
+    pub points: Vec<PointMass>,
+    /// Direction and size of gravity in the base frame, m/s².
+    pub gravity: Vector3<f64>,
+    /// False where the URDF has no inertials and the masses only stand in.
+    pub from_inertials: bool,
+}
+
+/// What joint i carries in one row: gravity on everything beyond it, base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// N.
+    pub force: Vector3<f64>,
+    /// N·m about the point of [`link_points`] on joint i, where it stands now.
+    pub moment: Vector3<f64>,
+}
+
+impl Masses {
+    /// Masses of the links beyond each joint of the chain, other joints of the tree at zero; gravity is -z of the root.
+    ///
+    /// Links without `inertial` weigh nothing; if none beyond the first joint has one, [`Masses::stand_in`] is used.
+    pub fn of(robot: &Robot, chain: &Chain) -> Self {
+        let Some(base) = robot.link_index(chain.base()) else { return Self::stand_in(chain) };
+        let mut base_from_root = Pose::identity();
+        let mut link = base;
+        while let Some(joint) = robot.joint_to(link) {
+            base_from_root *= robot.joints[joint].origin.pose().inverse();
+            link = robot.joints[joint].parent;
+        }
+        let mut points = Vec::new();
+        let mut open = vec![(base, Pose::identity(), None)];
+        while let Some((link, base_from_link, carried_by)) = open.pop() {
+            if let (Some(inertial), Some(joint)) = (&robot.links[link].inertial, carried_by) {
+                if inertial.mass > 0.0 {
+                    let centre = base_from_link * Point3::from(Vector3::from(inertial.origin.xyz));
+                    points.push(PointMass { joint, mass: inertial.mass, centre });
+                }
+            }
+            for index in robot.joints_from(link) {
+                let joint = &robot.joints[index];
+                let in_chain = chain.joints().iter().position(|other| other.name == joint.name);
+                open.push((joint.child, base_from_link * joint.origin.pose(), in_chain.or(carried_by)));
+            }
+        }
+        if points.is_empty() {
+            return Self { gravity: base_from_root.rotation * down(), ..Self::stand_in(chain) };
+        }
+        points.sort_by_key(|point| point.joint);
+        Self { points, gravity: base_from_root.rotation * down(), from_inertials: true }
+    }
+
+    /// A rod along each link, heavier towards the base as arms are: mass in proportion to the reach from there on.
+    pub fn stand_in(chain: &Chain) -> Self {
+        let points = link_points(chain);
+        let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
+        let masses = (0..lengths.len()).map(|joint| {
+            let beyond: f64 = lengths[joint..].iter().sum();
+            let centre = Point3::from((points[joint].coords + points[joint + 1].coords) * 0.5);
+            PointMass { joint, mass: STAND_IN_DENSITY * beyond, centre }
+        });
+        Self { points: masses.collect(), gravity: down(), from_inertials: false }
+    }
+
+    /// Loads on every joint in a row.
+    ///
+    /// `payload` (kg) hangs at the tip's origin.
+    pub fn loads(&self, chain: &Chain, state: &RowState, payload: f64) -> Vec<Load> {
+        let n = chain.joints().len();
+        let homes = link_points(chain);
+        // Mass and first moment about the base origin of everything from the tip down to joint i.
+        let mut mass = vec![0.0; n];
+        let mut first = vec![Vector3::zeros(); n];
+        for point in &self.points {
+            let centre = state.after[point.joint] * point.centre;
+            mass[point.joint] += point.mass;
+            first[point.joint] += centre.coords * point.mass;
+        }
+        if payload != 0.0 && n > 0 {
+            mass[n - 1] += payload;
+            first[n - 1] += state.tip.translation.vector * payload;
+        }
+        for joint in (0..n.saturating_sub(1)).rev() {
+            mass[joint] += mass[joint + 1];
+            let beyond = first[joint + 1];
+            first[joint] += beyond;
+        }
+        (0..n)
+            .map(|joint| {
+                let at = state.before[joint] * homes[joint];
+                let force = self.gravity * mass[joint];
+                Load { force, moment: (first[joint] - at.coords * mass[joint]).cross(&self.gravity) }
+            })
+            .collect()
+    }
+}
+
+fn down() -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, -STANDARD_GRAVITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::Arm;
+    use denavit_model::examples;
+
+    #[test]
+    fn a_rod_held_level_weighs_half_its_length() {
+        let chain = examples::planar_arm();
+        let mut masses = Masses::stand_in(&chain);
+        masses.gravity = Vector3::new(0.0, -STANDARD_GRAVITY, 0.0);
+        let mut state = RowState::default();
+        Arm::new(&chain, 1).state_into(&[0.0, 0.0], None, &mut state);
+        let points = link_points(&chain);
+        let loads = masses.loads(&chain, &state, 2.0);
+        let length = (points[2] - points[1]).norm();
+        let mass = STAND_IN_DENSITY * length;
+        let expected = -STANDARD_GRAVITY * (mass * length / 2.0 + 2.0 * length);
+        assert!((loads[1].moment.z - expected).abs() < 1e-12, "{} {expected}", loads[1].moment.z);
+        assert!((loads[1].force.y + STANDARD_GRAVITY * (mass + 2.0)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,223 @@
+//! Effects with their numbers: what they do in a row, and as JSON to be used again.
+
+use crate::arm::{Arm, Deviation, Row, RowState};
+use crate::effects::carrier::{Action, Carrier};
+use crate::effects::catalogue::Kind;
+use crate::effects::driver::{Conditions, Driver, Posture, Statics};
+use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use denavit_model::nalgebra::Vector6;
+use denavit_model::{Chain, se3};
+use serde::{Deserialize, Serialize};
+
+/// How the values of a driver meet the directions of a carrier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coupling {
+    /// Every direction takes every value, each with a coefficient of its own.
+    Each,
+    /// Direction k takes value k, and all share one coefficient.
+    Paired,
+}
+
+/// Where it acts × what drives it: a term of the model without its numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Term {
+    /// The engineer's name for it.
+    pub kind: Kind,
+    /// Where it acts.
+    pub carrier: Carrier,
+    /// What drives it.
+    pub driver: Driver,
+    /// How these two meet.
+    pub coupling: Coupling,
+}
+
+impl Term {
+    /// How many coefficients it has.
+    pub fn coefficients(&self, statics: &Statics) -> usize {
+        match self.coupling {
+            Coupling::Paired => 1,
+            Coupling::Each => self.carrier.directions(&statics.chain).len() * self.driver.len(statics),
+        }
+    }
+
+    /// What coefficient `index` multiplies: (direction, value of the driver) pairs.
+    fn pairs(&self, directions: usize, values: usize, index: usize) -> Vec<(usize, usize)> {
+        match self.coupling {
+            Coupling::Paired => (0..directions.min(values)).map(|k| (k, k)).collect(),
+            Coupling::Each => vec![(index / values, index % values)],
+        }
+    }
+
+    /// The actions, each with its amount, of a unit of every coefficient, for these values of the driver.
+    pub fn actions(&self, directions: &[Vec<Action>], values: &[f64]) -> Vec<Vec<(Action, f64)>> {
+        let count = if self.coupling == Coupling::Paired { 1 } else { directions.len() * values.len() };
+        (0..count)
+            .map(|index| {
+                let pairs = self.pairs(directions.len(), values.len(), index);
+                let of_pair = |(d, v): (usize, usize)| directions[d].iter().map(move |action| (*action, values[v]));
+                pairs.into_iter().flat_map(of_pair).collect()
+            })
+            .collect()
+    }
+
+    /// Name of coefficient `index` and its unit as a pair: unit of the carrier per unit of the driver.
+    pub fn coefficient_name(&self, statics: &Statics, index: usize) -> (String, &'static str, &'static str) {
+        let values = self.driver.len(statics);
+        let (direction, value) = match self.coupling {
+            Coupling::Paired => (0, 0),
+            Coupling::Each => (index / values, index % values),
+        };
+        let mut name = match (&self.driver, self.coupling) {
+            (Driver::Harmonic { .. }, _) => ["sin", "cos"][value].to_string(),
+            (Driver::Steps { .. }, _) => format!("step_{}", value + 1),
+            (Driver::Smooth { .. }, _) => format!("knot_{}", value + 2),
+            (Driver::TorqueTerms { joint, .. }, _) => format!("link_{}_{}", joint + value / 2 + 1, ["a", "b"][value % 2]),
+            _ => "coefficient".to_string(),
+        };
+        if self.coupling == Coupling::Each {
+            let direction = self.carrier.direction_name(direction);
+            if !direction.is_empty() {
+                name = format!("{direction}.{name}");
+            }
+        }
+        (name, self.carrier.unit(&statics.chain, direction), self.driver.unit(&statics.chain))
+    }
+}
+
+/// A term with its numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// What it is.
+    #[serde(flatten)]
+    pub term: Term,
+    /// Coefficients: direction by direction, within it value by value of the driver; unit: carrier's per driver's.
+    pub coefficients: Vec<f64>,
+}
+
+/// What geometry lacks: effects on a chain, ready for a fit, for forward kinematics, for compensation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EffectModel {
+    /// The nominal chain and its masses.
+    pub statics: Statics,
+    /// The effects; they add up.
+    pub effects: Vec<Effect>,
+    directions: Vec<Vec<Vec<Action>>>,
+}
+
+impl EffectModel {
+    /// The effects on this chain.
+    pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
+        let directions = effects.iter().map(|effect| effect.term.carrier.directions(&statics.chain)).collect();
+        Self { statics, effects, directions }
+    }
+
+    /// The same terms with every coefficient zero.
+    pub fn of_terms(statics: &Statics, terms: &[Term]) -> Self {
+        let effects = terms
+            .iter()
+            .map(|term| Effect { term: term.clone(), coefficients: vec![0.0; term.coefficients(statics)] })
+            .collect();
+        Self::new(statics.clone(), effects)
+    }
+
+    /// What the effects do under these conditions, added to `out`.
+    pub fn add_deviation(&self, conditions: &Conditions<'_>, out: &mut Deviation) {
+        let posture = self.statics.posture(conditions);
+        for (effect, directions) in self.effects.iter().zip(&self.directions) {
+            let values = self.values(&effect.term, conditions, &posture);
+            for (actions, coefficient) in effect.term.actions(directions, &values).iter().zip(&effect.coefficients) {
+                for (action, amount) in actions {
+                    action.add_to(amount * coefficient, out);
+                }
+            }
+        }
+    }
+
+    fn values(&self, term: &Term, conditions: &Conditions<'_>, posture: &Posture) -> Vec<f64> {
+        let mut values = Vec::with_capacity(6);
+        term.driver.values_into(&self.statics, conditions, posture, &mut values);
+        values
+    }
+
+    /// base_from_tip of a chain (nominal or calibrated) with the effects that move the arm; m.
+    ///
+    /// Effects of target, anchor and instrument do not move the tip and are left out.
+    ///
+    /// # Panics
+    /// `chain` has other joints than the model, or `conditions.reading` is too short.
+    pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> denavit_model::Pose {
+        let mut deviation = Deviation::none(chain.joints().len());
+        self.add_deviation(conditions, &mut deviation);
+        let mut reached = denavit_model::Pose::identity();
+        for (joint, twist) in chain.joints().iter().zip(&deviation.twists) {
+            reached *= se3::exp(twist) * joint.screw.motion(joint.value(conditions.reading));
+        }
+        reached * se3::exp(&deviation.twists[chain.joints().len()]) * chain.home()
+    }
+}
+
+/// Adds `amount` of an action to a sensitivity: twists are taken from home to where the arm stands.
+pub fn add_sensitivity(action: &Action, amount: f64, state: &RowState, out: &mut Sensitivity) {
+    match action {
+        Action::Twist { slot, twist } => {
+            let now = state.before.get(*slot).or(state.after.last());
+            let twist: Vector6<f64> = now.map_or(*twist, |motion| se3::adjoint_times(motion, twist));
+            out.twist += twist * amount;
+        }
+        Action::Target(shift) => out.target += shift * amount,
+        Action::Anchor(shift) => out.anchor += shift * amount,
+        Action::Scale => out.scale += amount,
+        Action::Reading => out.reading += amount,
+    }
+}
+
+impl Effects for EffectModel {
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = Vec::new();
+        for effect in &self.effects {
+            let place = effect.term.carrier.place(&self.statics.chain);
+            for index in 0..effect.coefficients.len() {
+                let (name, unit, _) = effect.term.coefficient_name(&self.statics, index);
+                let kind = ParameterKind::Effect { index: parameters.len() };
+                let name = format!("{}({place}).{name}", effect.term.kind.name());
+                parameters.push(Parameter { name, kind, unit, tolerance: None });
+            }
+        }
+        parameters
+    }
+
+    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool {
+        if self.effects.is_empty() {
+            return false;
+        }
+        let recorded = |name: &str| row.covariate_named(name);
+        self.add_deviation(&Conditions { reading: row.reading(), covariate: &recorded }, out);
+        true
+    }
+
+    fn sensitivities(&self, row: Row<'_>, _arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+        let recorded = |name: &str| row.covariate_named(name);
+        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        let posture = self.statics.posture(&conditions);
+        let mut column = 0;
+        for (effect, directions) in self.effects.iter().zip(&self.directions) {
+            let values = self.values(&effect.term, &conditions, &posture);
+            for actions in effect.term.actions(directions, &values) {
+                for (action, amount) in &actions {
+                    add_sensitivity(action, *amount, state, &mut out[column]);
+                }
+                column += 1;
+            }
+        }
+    }
+
+    fn stepped(&self, step: &[f64]) -> Self {
+        let mut result = self.clone();
+        let coefficients = result.effects.iter_mut().flat_map(|effect| effect.coefficients.iter_mut());
+        for (coefficient, delta) in coefficients.zip(step) {
+            *coefficient += delta;
+        }
+        result
+    }
+}

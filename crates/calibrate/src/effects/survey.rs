@@ -1,0 +1,217 @@
+//! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
+
+use crate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, Statics};
+use crate::measurements::{Covariate, MeasurementKind, Measurements};
+use denavit_model::Screw;
+use std::f64::consts::PI;
+
+/// Highest order of a periodic error that is looked for without a gear ratio, periods per turn.
+pub const HIGHEST_ORDER: f64 = 8.0;
+/// Lowest order, periods per turn.
+const LOWEST_ORDER: f64 = 0.5;
+/// Neighbouring orders of the scan share this part of a period over the joint's range.
+const ORDERS_PER_PERIOD: f64 = 3.0;
+/// Standard widths of a bump that are tried, as shares of the joint's range.
+const BUMP_WIDTHS: [f64; 4] = [0.015, 0.03, 0.06, 0.1];
+/// Places of a step that are tried before the best is refined.
+const STEP_PLACES: usize = 60;
+/// A step needs this many rows on either side.
+const ROWS_BESIDE_STEP: usize = 6;
+
+/// The quantity that drifts are written in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clock {
+    /// `time`, or run order.
+    pub name: String,
+    /// Its values, ascending.
+    pub sorted: Vec<f64>,
+}
+
+/// The data at hand.
+#[derive(Debug, Clone)]
+pub struct Survey {
+    /// The nominal chain and its masses.
+    pub statics: Statics,
+    /// What is measured.
+    pub kind: MeasurementKind,
+    /// Lowest and highest value of each joint, rad or m.
+    pub ranges: Vec<(f64, f64)>,
+    /// Names of recorded temperatures.
+    pub temperatures: Vec<String>,
+    /// Time or run order; `None` with too few rows.
+    pub clock: Option<Clock>,
+    /// Names of everything recorded.
+    pub recorded: Vec<String>,
+    /// Motor turns per joint turn, one per joint where given.
+    pub gear_ratios: Vec<Option<f64>>,
+}
+
+impl Survey {
+    /// Looks at the rows of `data` (locating rows left out).
+    pub fn of(statics: &Statics, data: &Measurements, gear_ratios: Vec<Option<f64>>) -> Self {
+        let rows: Vec<usize> = (0..data.len()).filter(|&row| !data.locate[row]).collect();
+        let range = |joint: &denavit_model::ChainJoint| {
+            rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &row| {
+                let value = joint.value(data.reading(row));
+                (low.min(value), high.max(value))
+            })
+        };
+        let ranges = statics.chain.joints().iter().map(range).collect();
+        let varies = |covariate: &&Covariate| rows.iter().any(|&row| covariate.values[row] != covariate.values[rows[0]]);
+        let recorded: Vec<String> = data.covariates.iter().filter(varies).map(|c| c.name.clone()).collect();
+        let temperatures = recorded
+            .iter()
+            .filter(|name| name.ends_with("temperature") && !name.ends_with(".temperature"))
+            .cloned()
+            .collect();
+        let clock = ["time", RUN_ORDER].into_iter().find_map(|name| {
+            let column = data.covariate(name).filter(|column| varies(column))?;
+            let mut sorted: Vec<f64> = rows.iter().map(|&row| column.values[row]).collect();
+            sorted.sort_by(f64::total_cmp);
+            (sorted.len() > 3 * ROWS_BESIDE_STEP).then(|| Clock { name: name.into(), sorted })
+        });
+        Self { statics: statics.clone(), kind: data.kind, ranges, temperatures, clock, recorded, gear_ratios }
+    }
+
+    /// Joints whose value changes.
+    pub fn moving(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.ranges.len()).filter(|&joint| self.span(joint) > 1e-6)
+    }
+
+    /// Those of them that turn.
+    pub fn turning(&self) -> impl Iterator<Item = usize> + '_ {
+        self.moving().filter(|&joint| !self.slides(joint))
+    }
+
+    /// Whether a joint slides.
+    pub fn slides(&self, joint: usize) -> bool {
+        matches!(self.statics.chain.joints()[joint].screw, Screw::Prismatic(_))
+    }
+
+    /// How far a joint moves in the data, rad or m.
+    pub fn span(&self, joint: usize) -> f64 {
+        self.ranges[joint].1 - self.ranges[joint].0
+    }
+
+    /// Whether `<joint><ending>` is recorded and varies.
+    pub fn has_of_joint(&self, joint: usize, ending: &str) -> bool {
+        let name = format!("{}{ending}", self.statics.chain.joints()[joint].name);
+        self.recorded.contains(&name)
+    }
+
+    /// The name of a joint's own temperature, where it is recorded.
+    pub fn joint_temperature(&self, joint: usize) -> Option<String> {
+        let name = format!("{}.temperature", self.statics.chain.joints()[joint].name);
+        self.recorded.contains(&name).then_some(name)
+    }
+
+    /// Spacing of orders that a scan needs: a share of a period over the joint's range.
+    pub fn order_step(&self, joint: usize) -> f64 {
+        2.0 * PI / self.span(joint) / ORDERS_PER_PERIOD
+    }
+
+    /// Orders to try: whole ones up to the highest, and a grid fine enough to find any other between.
+    ///
+    /// An order needs half a period over the range that was seen. For a slide orders count periods per 2π m, and
+    /// the highest has four periods over the range.
+    pub fn orders(&self, joint: usize) -> Vec<f64> {
+        let span = self.span(joint);
+        let lowest = if self.slides(joint) { PI / span } else { LOWEST_ORDER.max(PI / span) };
+        let highest = if self.slides(joint) { 8.0 * PI / span } else { HIGHEST_ORDER };
+        let mut orders: Vec<f64> = Vec::new();
+        if !self.slides(joint) {
+            orders.extend((1..=highest as usize).map(|k| k as f64).filter(|&k| k >= lowest));
+        }
+        let step = self.order_step(joint);
+        let mut order = lowest;
+        while order <= highest {
+            orders.push(order);
+            order += step;
+        }
+        orders.sort_by(f64::total_cmp);
+        orders.dedup();
+        orders
+    }
+
+    /// Orders of the motor side: once and twice per motor turn.
+    pub fn motor_orders(&self, joint: usize) -> Vec<f64> {
+        let ratio = self.gear_ratios.get(joint).copied().flatten();
+        ratio.map_or_else(Vec::new, |ratio| vec![ratio, 2.0 * ratio])
+    }
+
+    /// Middles and widths of bumps to try.
+    pub fn bumps(&self, joint: usize) -> Vec<(f64, f64)> {
+        let (low, high) = self.ranges[joint];
+        let mut bumps = Vec::new();
+        for share in BUMP_WIDTHS {
+            let width = share * (high - low);
+            let mut at = low + width;
+            while at < high {
+                bumps.push((at, width));
+                at += 1.2 * width;
+            }
+        }
+        bumps
+    }
+}
+
+impl Clock {
+    /// Where it starts.
+    pub fn first(&self) -> f64 {
+        self.sorted[0]
+    }
+
+    /// How long it runs.
+    pub fn span(&self) -> f64 {
+        self.sorted[self.sorted.len() - 1] - self.sorted[0]
+    }
+
+    /// Time constants to try.
+    pub fn constants(&self) -> Vec<f64> {
+        [0.03, 0.08, 0.2, 0.5].iter().map(|share| share * self.span()).collect()
+    }
+
+    /// Places of a step to try: between rows, evenly over the run.
+    pub fn places(&self) -> Vec<f64> {
+        let all = self.all_places();
+        let stride = all.len().div_ceil(STEP_PLACES).max(1);
+        all.into_iter().step_by(stride).collect()
+    }
+
+    /// Every place between two rows that leaves enough of them on either side.
+    pub fn all_places(&self) -> Vec<f64> {
+        let last = self.sorted.len().saturating_sub(ROWS_BESIDE_STEP);
+        (ROWS_BESIDE_STEP..last)
+            .filter(|&k| self.sorted[k] > self.sorted[k - 1])
+            .map(|k| 0.5 * (self.sorted[k - 1] + self.sorted[k]))
+            .collect()
+    }
+
+    /// Sets of knots for a curve of straight pieces; finer ones where one number per row drifts.
+    pub fn pieces(&self, fine: bool) -> Vec<Vec<f64>> {
+        let counts: &[usize] = if fine { &[5, 10, 20, 40] } else { &[5] };
+        let knots = |pieces: usize| (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect();
+        counts.iter().filter(|&&pieces| self.sorted.len() > 8 * pieces).map(|&pieces| knots(pieces)).collect()
+    }
+}
+
+/// Adds what the order of the rows tells: run order, and for each joint the side from which it came.
+///
+/// `first_row` is the run order of the first row: 0 for a training file, its length for a test file that was
+/// measured after it.
+pub fn with_run_order(mut data: Measurements, first_row: usize) -> Measurements {
+    let rows = data.len();
+    let order = (0..rows).map(|row| (first_row + row) as f64).collect();
+    data.covariates.push(Covariate { name: RUN_ORDER.into(), values: order });
+    for (index, joint) in data.joints.clone().iter().enumerate() {
+        let side = |row: usize| {
+            let here = data.reading(row)[index];
+            // A joint that did not move keeps the side on which it was.
+            let before = (0..row).rev().map(|earlier| data.reading(earlier)[index]).find(|&q| q != here);
+            before.map_or(0.0, |before| if here > before { 1.0 } else { -1.0 })
+        };
+        let values: Vec<f64> = (0..rows).map(side).collect();
+        data.covariates.push(Covariate { name: format!("{joint}{APPROACH_FROM_ROWS}"), values });
+    }
+    data
+}
