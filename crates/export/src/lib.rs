@@ -1,1 +1,17 @@
-//! See the crate description; written below.
+//! Values to text: tables in every format, and back where a format is also a source.
+//!
+//! ```text
+//! Table, Chain ──► formats (text · md · csv · json · tex) ──► String
+//! csv, json ──► sources ──► Chain
+//! ```
+//! The crate opens no files. A new format is a file in `formats/` and a line in [`formats::FORMATS`].
+
+pub mod formats;
+pub mod numbers;
+pub mod poe;
+pub mod sheet;
+pub mod sources;
+
+pub use formats::{FORMATS, Format, RenderError};
+pub use numbers::{AngleUnit, LengthUnit, Units};
+pub use sheet::Sheet;

@@ -1,0 +1,46 @@
+//! The list of formats for tables. One file a format; everything that lists formats walks [`FORMATS`].
+
+pub mod csv;
+pub mod json;
+pub mod latex;
+pub mod markdown;
+pub mod text;
+
+use crate::sheet::Sheet;
+use thiserror::Error;
+
+/// A way to write a table.
+pub struct Format {
+    /// The word on the command line.
+    pub name: &'static str,
+    /// Usual extension of its files, without the dot.
+    pub extension: &'static str,
+    /// What it is for, a few words.
+    pub purpose: &'static str,
+    /// Writes it.
+    pub render: fn(&Sheet) -> Result<String, RenderError>,
+}
+
+/// Every format, in the order of `--help`.
+pub const FORMATS: &[Format] = &[text::FORMAT, markdown::FORMAT, csv::FORMAT, json::FORMAT, latex::FORMAT];
+
+/// The format of this name.
+pub fn named(name: &str) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| format.name == name)
+}
+
+/// Why a table cannot be written in a format.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The format has no place for something that the table holds.
+    #[error("{format} has no {what}; {instead}")]
+    CannotHold {
+        /// The format's name.
+        format: &'static str,
+        /// What it lacks.
+        what: &'static str,
+        /// What to do.
+        instead: &'static str,
+    },
+}

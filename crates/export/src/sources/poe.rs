@@ -1,0 +1,88 @@
+//! Screw axes back to a chain: twists may come unnormalised, as in the paper's Table I.
+
+use super::rows::{RowOf, Rows};
+use super::{SourceError, SourceErrorKind, place, stem};
+use crate::poe::PoeFile;
+use denavit_model::chain::{Chain, ChainJoint, Coordinate, Quantity};
+use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
+use denavit_model::screw::Screw;
+use denavit_model::se3::{self, Pose};
+
+/// A chain from CSV rows 1 … n with `wx … vz`, and `tool` (or `home`): the twist whose exponential is the home pose.
+pub(super) fn of_rows(rows: &Rows) -> Result<Chain, SourceError> {
+    let mut joints: Vec<ChainJoint> = Vec::new();
+    let mut coordinates: Vec<Coordinate> = Vec::new();
+    let mut home = None;
+    for row in rows.iter() {
+        let label = row.text("row").to_owned();
+        let twist = twist_of(&row)?;
+        match label.as_str() {
+            "tool" | "home" if home.is_none() => home = Some(se3::exp(&twist)),
+            _ if home.is_some() => return Err(row.error(SourceErrorKind::Order(label))),
+            label => {
+                if label.parse().is_ok_and(|number: usize| number != joints.len() + 1) {
+                    return Err(row.error(SourceErrorKind::Order(label.to_owned())));
+                }
+                let (screw, length) = Screw::from_twist(&twist).map_err(|error| row.error(error.into()))?;
+                let scale = length * row.number("scale")?.unwrap_or(1.0);
+                let name = match row.text("joint") {
+                    "" => format!("joint_{}", joints.len() + 1),
+                    name => name.to_owned(),
+                };
+                let known = coordinates.iter().position(|coordinate| coordinate.name == name);
+                let coordinate = known.unwrap_or_else(|| {
+                    coordinates.push(Coordinate::unlimited(name.clone(), quantity(&screw)));
+                    coordinates.len() - 1
+                });
+                joints.push(ChainJoint { name, screw, coordinate, scale, offset: 0.0 });
+            }
+        }
+    }
+    let name = rows.comment("robot").map_or_else(|| stem(rows.file), str::to_owned);
+    let home = home.unwrap_or_else(Pose::identity);
+    Chain::new((name, "base", "tool"), coordinates, joints, home).map_err(|error| rows.error(error.into()))
+}
+
+fn quantity(screw: &Screw) -> Quantity {
+    if screw.line().is_some() { Quantity::Angle } else { Quantity::Length }
+}
+
+fn twist_of(row: &RowOf) -> Result<Vector6<f64>, SourceError> {
+    let mut twist = Vector6::zeros();
+    for (slot, column) in twist.iter_mut().zip(["wx", "wy", "wz", "vx", "vy", "vz"]) {
+        *slot = row.required(column)?;
+    }
+    Ok(twist)
+}
+
+/// A chain from its JSON file.
+pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceError> {
+    let error = |element: String, kind| SourceError { place: place(file, 1, element), kind };
+    if content.units.length != "m" || content.units.angle != "rad" {
+        let units = format!("{} and {}", content.units.length, content.units.angle);
+        return Err(error("units".into(), SourceErrorKind::Units(units)));
+    }
+    let coordinates: Vec<Coordinate> = content.coordinates.iter().map(|entry| entry.coordinate()).collect();
+    let mut joints = Vec::new();
+    for entry in &content.joints {
+        let element = format!("joint \"{}\"", entry.name);
+        let (screw, length) =
+            Screw::from_twist(&Vector6::from(entry.twist)).map_err(|kind| error(element.clone(), kind.into()))?;
+        let coordinate = coordinates
+            .iter()
+            .position(|coordinate| coordinate.name == entry.coordinate)
+            .ok_or_else(|| error(element, SourceErrorKind::Coordinate(entry.coordinate.clone())))?;
+        joints.push(ChainJoint {
+            name: entry.name.clone(),
+            screw,
+            coordinate,
+            scale: entry.scale * length,
+            offset: entry.offset,
+        });
+    }
+    let m = &content.home;
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|row, column| m[row][column]));
+    let home = se3::pose(rotation, Vector3::new(m[0][3], m[1][3], m[2][3]));
+    Chain::new((&*content.robot, &*content.base, &*content.tip), coordinates, joints, home)
+        .map_err(|kind| error("chain".into(), kind.into()))
+}
