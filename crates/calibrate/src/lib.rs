@@ -1,1 +1,26 @@
-//! See the crate description; written below.
+//! Identify a robot from measured data.
+//!
+//! ```text
+//! measurements.csv ─► Measurements ─┐
+//!                        Chain ─────┼─► nominal fit ─► geometric fit ─► report
+//!                                   └─► Problem (residuals, closed-form Jacobian) ─► normal equations ─► fit
+//! ```
+//! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
+
+pub mod arm;
+pub mod gauge;
+pub mod identify;
+pub mod measurements;
+pub mod normal;
+pub mod parameters;
+pub mod placement;
+pub mod residual;
+pub mod simulate;
+pub mod solve;
+
+pub use arm::{Arm, Deviation, Row, RowState};
+pub use identify::{Identification, IdentifyOptions, identify};
+pub use measurements::{MeasurementKind, Measurements};
+pub use parameters::{Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Sensitivity, Tolerances};
+pub use residual::Problem;
+pub use solve::{Fit, FitOptions, Noise};

@@ -1,0 +1,255 @@
+//! The robot as it is: chain, instrument and targets, and where everything stands in one row.
+
+use crate::measurements::{MeasurementKind, Measurements};
+use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
+use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, se3};
+
+/// Chain, instrument and targets: everything that a measured value is predicted from, effects aside.
+///
+/// position = instrument_from_base · base_from_tip(q) · target,   distance = |anchor - base_from_tip(q) · target|.
+///
+/// The home pose stays nominal: what it could express beside the axes sits in the targets (and, for poses, in the
+/// target's orientation).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    /// As drawn.
+    pub nominal: Chain,
+    /// Moving joints with their actual axes and scales; coordinates and order as in `nominal`.
+    pub joints: Vec<ChainJoint>,
+    /// instrument_from_base; identity for distances.
+    pub instrument: Pose,
+    /// Place of the anchor in the base frame, m; used by distances alone.
+    pub anchor: Vector3<f64>,
+    /// tip_from_target for each target; the rotation is used by poses alone.
+    pub targets: Vec<Pose>,
+}
+
+/// Directions in which a joint's axis can change: two across it, and the point on it that they are taken about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Across {
+    /// First direction across the axis, of length 1.
+    pub a: Vector3<f64>,
+    /// Second direction: a, b and the axis are right-handed.
+    pub b: Vector3<f64>,
+    /// Point on the axis near the arm, m.
+    pub centre: Point3<f64>,
+}
+
+impl Across {
+    /// For a nominal screw: `a` is the base axis that is most across, made square to the screw's direction.
+    pub fn of(screw: &Screw) -> Self {
+        let u = screw.direction().into_inner();
+        let least = (0..3).min_by(|&i, &k| u[i].abs().total_cmp(&u[k].abs())).unwrap_or(0);
+        // The first base axis that is nearly the most across, so that rounding does not choose.
+        let axis = (0..3).find(|&i| u[i].abs() <= u[least].abs() + 1e-6).unwrap_or(least);
+        let mut e = Vector3::zeros();
+        e[axis] = 1.0;
+        let a = (e - u * u.dot(&e)).normalize();
+        let centre = screw.line().map_or_else(Point3::origin, |line| line.point);
+        Self { a, b: u.cross(&a), centre }
+    }
+
+    /// Carried along to a screw that differs a little, by the least rotation of the direction.
+    #[must_use]
+    pub fn carried(&self, nominal: &Screw, actual: &Screw) -> Self {
+        let (from, to) = (nominal.direction().into_inner(), actual.direction().into_inner());
+        let turn = least_rotation(&from, &to);
+        let rotation = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, 0.0, 0.0, 0.0)).rotation;
+        let centre = actual.line().map_or(self.centre, |line| line.nearest_to(&self.centre));
+        Self { a: rotation * self.a, b: rotation * self.b, centre }
+    }
+}
+
+/// The rotation vector (rad) that takes one unit direction to another on the shortest way.
+fn least_rotation(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+    let cross = from.cross(to);
+    let sine = cross.norm();
+    if sine == 0.0 { Vector3::zeros() } else { cross * (sine.atan2(from.dot(to)) / sine) }
+}
+
+/// How far a joint's axis is from nominal: the numbers that calibration reports.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AxisChange {
+    /// Rotation of the direction about [`Across::a`] and [`Across::b`], rad.
+    pub turned: [f64; 2],
+    /// Shift of the line along a and b at the centre, m; 0 for prismatic joints.
+    pub moved: [f64; 2],
+    /// Change of the pitch, m/rad.
+    pub pitch: f64,
+    /// Ratio of the actual to the nominal scale, less 1.
+    pub scale: f64,
+}
+
+impl Arm {
+    /// The nominal robot with instrument, anchor and targets at identity and zero.
+    pub fn new(nominal: &Chain, targets: usize) -> Self {
+        Self {
+            nominal: nominal.clone(),
+            joints: nominal.joints().to_vec(),
+            instrument: Pose::identity(),
+            anchor: Vector3::zeros(),
+            targets: vec![Pose::identity(); targets],
+        }
+    }
+
+    /// The calibrated chain: actual axes and scales, nominal home pose.
+    pub fn chain(&self) -> Chain {
+        let names = (self.nominal.name(), self.nominal.base(), self.nominal.tip());
+        Chain::new(names, self.nominal.coordinates().to_vec(), self.joints.clone(), *self.nominal.home())
+            .expect("a small finite change of a chain is a chain")
+    }
+
+    /// How far joint `index` is from nominal.
+    pub fn change(&self, index: usize) -> AxisChange {
+        let (nominal, actual) = (&self.nominal.joints()[index], &self.joints[index]);
+        let across = Across::of(&nominal.screw);
+        let turn = least_rotation(&nominal.screw.direction(), &actual.screw.direction());
+        let moved = actual.screw.line().map_or([0.0; 2], |line| {
+            let offset = line.nearest_to(&across.centre) - across.centre;
+            [offset.dot(&across.a), offset.dot(&across.b)]
+        });
+        let pitch = actual.screw.pitch().unwrap_or(0.0) - nominal.screw.pitch().unwrap_or(0.0);
+        AxisChange {
+            turned: [turn.dot(&across.a), turn.dot(&across.b)],
+            moved,
+            pitch,
+            scale: actual.scale / nominal.scale - 1.0,
+        }
+    }
+
+    /// Turn and move an axis by [`Across`] coordinates: S ← Ad(exp(B η)) S, the kind kept.
+    ///
+    /// `turned` rad about a and b, `moved` m along a and b, `pitch` m/rad added.
+    pub fn change_axis(&mut self, index: usize, across: &Across, turned: [f64; 2], moved: [f64; 2], pitch: f64) {
+        let omega = across.a * turned[0] + across.b * turned[1];
+        let v = across.a * moved[0] + across.b * moved[1] + across.centre.coords.cross(&omega);
+        let motion = se3::exp(&Vector6::new(omega.x, omega.y, omega.z, v.x, v.y, v.z));
+        let screw = self.joints[index].screw.moved(&motion);
+        self.joints[index].screw = with_pitch(&screw.about(&across.centre), pitch);
+    }
+
+    /// Where everything stands at the coordinates `q`, with or without deviations, into `state`.
+    pub fn state_into(&self, q: &[f64], deviation: Option<&Deviation>, state: &mut RowState) {
+        let mut reached = Pose::identity();
+        state.before.clear();
+        state.after.clear();
+        for (index, joint) in self.joints.iter().enumerate() {
+            if let Some(deviation) = deviation {
+                reached *= se3::exp(&deviation.twists[index]);
+            }
+            state.before.push(reached);
+            reached *= joint.screw.motion(joint.value(q));
+            state.after.push(reached);
+        }
+        if let Some(deviation) = deviation {
+            reached *= se3::exp(&deviation.twists[self.joints.len()]);
+        }
+        state.tip = reached * self.nominal.home();
+    }
+}
+
+/// The screw with `added` (m/rad) on its pitch; a revolute joint turns helical, a prismatic one has none.
+fn with_pitch(screw: &Screw, added: f64) -> Screw {
+    let Some(line) = screw.line().copied() else { return *screw };
+    if added == 0.0 {
+        return *screw;
+    }
+    match Pitch::from_metres_per_radian(screw.pitch().unwrap_or(0.0) + added) {
+        Some(pitch) => Screw::Helical { axis: line, pitch },
+        None => Screw::Revolute(AxisLine { direction: Unit::new_normalize(*line.direction), point: line.point }),
+    }
+}
+
+/// What effects do in one row. All zero: nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deviation {
+    /// n + 1 twists `[omega; v]` (rad, m), base frame at home: twist i acts before joint i's motion and carries joint
+    /// i and all after it; the last acts on the tip alone. A twist along joint i's own unit screw is an error of its
+    /// value; the first one moves the whole robot against the instrument.
+    pub twists: Vec<Vector6<f64>>,
+    /// Shift of every target, tip frame, m.
+    pub target: Vector3<f64>,
+    /// Shift of the anchor, base frame, m.
+    pub anchor: Vector3<f64>,
+    /// The instrument reads lengths (1 + scale) times too long.
+    pub scale: f64,
+    /// The instrument reads a distance too long by this, m.
+    pub reading: f64,
+}
+
+impl Deviation {
+    /// No deviation, for a chain of `joints` moving joints.
+    pub fn none(joints: usize) -> Self {
+        Self {
+            twists: vec![Vector6::zeros(); joints + 1],
+            target: Vector3::zeros(),
+            anchor: Vector3::zeros(),
+            scale: 0.0,
+            reading: 0.0,
+        }
+    }
+
+    /// Back to no deviation, without allocation.
+    pub fn clear(&mut self) {
+        self.twists.fill(Vector6::zeros());
+        self.target = Vector3::zeros();
+        self.anchor = Vector3::zeros();
+        self.scale = 0.0;
+        self.reading = 0.0;
+    }
+}
+
+/// Where the arm stands in one row, base frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RowState {
+    /// For each joint the motion that its axis has made from home: Ad(before\[i\]) takes twists at home to twists now.
+    pub before: Vec<Pose>,
+    /// For each joint the motion that its link has made from home.
+    pub after: Vec<Pose>,
+    /// base_from_tip.
+    pub tip: Pose,
+}
+
+/// One row of measured data: what a driver may look at. It gives no way to the measured values.
+#[derive(Debug, Clone, Copy)]
+pub struct Row<'a> {
+    data: &'a Measurements,
+    index: usize,
+}
+
+impl<'a> Row<'a> {
+    /// Row `index` of `data`.
+    pub fn new(data: &'a Measurements, index: usize) -> Self {
+        Self { data, index }
+    }
+
+    /// Its place in run order.
+    pub fn index(&self) -> usize {
+        self.index
+    }
+
+    /// Joint readings in the chain's coordinate order, rad or m.
+    pub fn reading(&self) -> &'a [f64] {
+        self.data.reading(self.index)
+    }
+
+    /// Joint readings of another row of the same run.
+    pub fn reading_at(&self, row: usize) -> &'a [f64] {
+        self.data.reading(row)
+    }
+
+    /// Number of rows in the run.
+    pub fn rows(&self) -> usize {
+        self.data.len()
+    }
+
+    /// Value of the numeric column at `column` of [`Measurements::covariates`].
+    pub fn covariate(&self, column: usize) -> f64 {
+        self.data.covariates[column].values[self.index]
+    }
+
+    /// What kind of value is measured.
+    pub fn kind(&self) -> MeasurementKind {
+        self.data.kind
+    }
+}

@@ -1,0 +1,98 @@
+//! The frame that nobody sees: moving base frame, axes and targets together changes no measured value.
+//!
+//! A fit holds these six directions by asking that the axes stay as near to nominal as they can.
+
+use crate::arm::Arm;
+use crate::parameters::{Layout, ParameterKind};
+use denavit_model::nalgebra::{DMatrix, DVector, Point3, Vector3, Vector6};
+use denavit_model::se3;
+
+/// Weight of the targets' places beside the axes' tolerances: only what moves no axis is left to them.
+const WEIGHT_OF_TARGETS: f64 = 1e-8;
+
+/// Change of each parameter by a common motion of axes and targets: 6 columns, twists `[omega; v]` in the base frame.
+///
+/// Columns of the instrument and the anchor are their own countermove.
+pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
+    let mut motions = DMatrix::zeros(layout.len(), 6);
+    let home = arm.nominal.home();
+    for (row, parameter) in layout.parameters.iter().enumerate() {
+        for column in 0..6 {
+            let e = Vector3::ith(column % 3, 1.0);
+            let (omega, v) = if column < 3 { (e, Vector3::zeros()) } else { (Vector3::zeros(), e) };
+            motions[(row, column)] = match parameter.kind {
+                ParameterKind::Turn { joint, across } => {
+                    let basis =
+                        layout.across[joint].carried(&arm.nominal.joints()[joint].screw, &arm.joints[joint].screw);
+                    omega.dot(if across == 0 { &basis.a } else { &basis.b })
+                }
+                ParameterKind::Move { joint, across } => {
+                    let basis =
+                        layout.across[joint].carried(&arm.nominal.joints()[joint].screw, &arm.joints[joint].screw);
+                    let at_centre = v + omega.cross(&basis.centre.coords);
+                    at_centre.dot(if across == 0 { &basis.a } else { &basis.b })
+                }
+                ParameterKind::Instrument { component } => -f64::from(u8::from(component == column)),
+                ParameterKind::Anchor { component } => (v + omega.cross(&arm.anchor))[component],
+                ParameterKind::Target { target, component } => {
+                    let point = home.rotation * arm.targets[target].translation.vector + home.translation.vector;
+                    let moved = v + omega.cross(&point);
+                    (home.rotation.inverse() * moved)[component]
+                }
+                ParameterKind::TargetTurn { component } => (home.rotation.inverse() * omega)[component],
+                ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Effect { .. } => 0.0,
+            };
+        }
+    }
+    motions
+}
+
+/// The six conditions that hold the frame: their product with the departure from nominal is to be 0.
+///
+/// They say that no common motion brings the axes nearer to nominal, each departure taken in its tolerance.
+pub fn conditions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
+    let mut conditions = common_motions(layout, arm);
+    for (row, parameter) in layout.parameters.iter().enumerate() {
+        let weight = match (parameter.kind, parameter.tolerance) {
+            (ParameterKind::Turn { .. } | ParameterKind::Move { .. }, Some(tolerance)) => tolerance.powi(-2),
+            (ParameterKind::Target { .. } | ParameterKind::TargetTurn { .. }, _) => 1e6 * WEIGHT_OF_TARGETS,
+            _ => 0.0,
+        };
+        conditions.row_mut(row).scale_mut(weight);
+    }
+    conditions
+}
+
+/// The arm that measures exactly the same, moved so that the conditions hold: its axes are as near to nominal as the
+/// common frame allows.
+pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
+    if layout.joints.is_empty() {
+        return arm.clone();
+    }
+    let departure = DVector::from_vec(layout.departure(arm, reference));
+    let conditions = conditions(layout, arm);
+    let matrix = conditions.transpose() * common_motions(layout, arm);
+    // Rows and columns brought to size 1: rotations and translations weigh differently.
+    let size = DVector::from_fn(6, |i, _| matrix[(i, i)].abs().max(f64::MIN_POSITIVE).sqrt());
+    let scaled = DMatrix::from_fn(6, 6, |i, k| matrix[(i, k)] / (size[i] * size[k]));
+    let right = (conditions.transpose() * departure).component_div(&size);
+    let Ok(solution) = scaled.svd(true, true).solve(&right, 1e-13) else { return arm.clone() };
+    let twist = Vector6::from_fn(|i, _| -solution[i] / size[i]);
+    if twist == Vector6::zeros() || !twist.iter().all(|x| x.is_finite()) {
+        return arm.clone();
+    }
+    let motion = se3::exp(&twist);
+    let mut moved = arm.clone();
+    for (index, joint) in moved.joints.iter_mut().enumerate() {
+        joint.screw = joint.screw.moved(&motion).about(&layout.across[index].centre);
+    }
+    let instrument = arm.instrument * motion.inverse();
+    moved.instrument = se3::pose(se3::orthonormalised(&instrument.rotation), instrument.translation.vector);
+    moved.anchor = (motion * Point3::from(arm.anchor)).coords;
+    let home = arm.nominal.home();
+    for target in &mut moved.targets {
+        *target = home.inverse() * motion * home * *target;
+        target.rotation = se3::orthonormalised(&target.rotation);
+    }
+    moved
+}

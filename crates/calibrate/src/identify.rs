@@ -1,0 +1,72 @@
+//! From data to an arm: the nominal stage, then the axes.
+
+use crate::arm::Arm;
+use crate::measurements::Measurements;
+use crate::parameters::{Effects, Freedom, Layout, NoEffects, Tolerances};
+use crate::placement::nominal_fit;
+use crate::solve::{Fit, FitOptions, fit};
+use denavit_model::Chain;
+
+/// What is to be identified, and what is held how firmly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifyOptions {
+    /// Which parts of the arm are free.
+    pub freedom: Freedom,
+    /// The prior.
+    pub tolerances: Tolerances,
+    /// Outliers and the end of the iteration.
+    pub fit: FitOptions,
+}
+
+impl IdentifyOptions {
+    /// Every axis, the default prior, robust.
+    pub fn axes(chain: &Chain) -> Self {
+        Self {
+            freedom: Freedom::axes(chain.joints().len()),
+            tolerances: Tolerances::default(),
+            fit: FitOptions::default(),
+        }
+    }
+}
+
+/// The two stages that every calibration has.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// The robot as drawn, instrument and targets fitted to the rows that the geometric stage kept.
+    pub nominal: Fit<NoEffects>,
+    /// The axes fitted too.
+    pub geometric: Fit<NoEffects>,
+}
+
+/// Fit the nominal stage, then the geometry.
+pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -> Identification {
+    let weights = vec![1.0; data.observations()];
+    let first = nominal_fit(chain, data, &weights, &FitOptions { robust: true, ..options.fit });
+    let geometric = fit_stage(data, &first.arm, &NoEffects, &weights, options);
+    let layout = &first.layout;
+    let plain = FitOptions { robust: false, ..options.fit };
+    let nominal = fit(data, layout, &first.arm, &NoEffects, &geometric.weights, &plain);
+    Identification { nominal, geometric }
+}
+
+/// Fit axes, instrument, targets and the effects' numbers together, starting at `start`.
+///
+/// # Shape and units
+/// `weights`: one per observation, 0 for what is to be left out.
+pub fn fit_stage<E: Effects>(
+    data: &Measurements,
+    start: &Arm,
+    effects: &E,
+    weights: &[f64],
+    options: &IdentifyOptions,
+) -> Fit<E> {
+    let layout = Layout::new(
+        &start.nominal,
+        data.kind,
+        &data.targets,
+        &options.freedom,
+        &options.tolerances,
+        effects.parameters(),
+    );
+    fit(data, &layout, start, effects, weights, &options.fit)
+}

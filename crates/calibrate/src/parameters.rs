@@ -1,0 +1,377 @@
+//! The numbers that a fit may change, and their order.
+
+use crate::arm::{Across, Arm, Deviation, Row, RowState};
+use crate::measurements::MeasurementKind;
+use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
+use denavit_model::{Chain, Screw, se3};
+use std::ops::Range;
+
+/// What a parameter changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// The direction of a joint's axis, about [`Across::a`] (0) or [`Across::b`] (1), rad.
+    Turn {
+        /// Index of the joint.
+        joint: usize,
+        /// 0 or 1.
+        across: usize,
+    },
+    /// The place of a joint's axis, along [`Across::a`] (0) or [`Across::b`] (1), m.
+    Move {
+        /// Index of the joint.
+        joint: usize,
+        /// 0 or 1.
+        across: usize,
+    },
+    /// A joint's pitch, m/rad.
+    Pitch {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// A joint's scale, relative to nominal.
+    Scale {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// A number of an effect.
+    Effect {
+        /// Index among the effects' parameters.
+        index: usize,
+    },
+    /// The instrument's frame: 0-2 rotation (rad), 3-5 translation (m), base frame.
+    Instrument {
+        /// 0 to 5.
+        component: usize,
+    },
+    /// The anchor's place, base frame, m.
+    Anchor {
+        /// 0 to 2.
+        component: usize,
+    },
+    /// A target's place, tip frame, m.
+    Target {
+        /// Index of the target.
+        target: usize,
+        /// 0 to 2.
+        component: usize,
+    },
+    /// The target's orientation, about the tip frame's axes, rad.
+    TargetTurn {
+        /// 0 to 2.
+        component: usize,
+    },
+}
+
+impl ParameterKind {
+    /// Index of the joint that it belongs to.
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            Self::Turn { joint, .. } | Self::Move { joint, .. } | Self::Pitch { joint } | Self::Scale { joint } => {
+                Some(joint)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// One free number of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Name, such as `joint_2.turn_x`.
+    pub name: String,
+    /// What it changes.
+    pub kind: ParameterKind,
+    /// Its unit: `rad`, `m`, `m/rad`, `1`.
+    pub unit: &'static str,
+    /// Standard deviation of the prior about nominal, in the parameter's unit; `None`: no prior.
+    pub tolerance: Option<f64>,
+}
+
+/// How far a robot is expected to be from its drawing: standard deviations of the prior.
+///
+/// The prior weighs 1/tolerance² against the data's 1/noise²: what the data tell well it leaves alone, and it
+/// vanishes where there is no noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Direction of an axis, rad.
+    pub turn: f64,
+    /// Place of an axis, m.
+    pub shift: f64,
+    /// Pitch, m/rad.
+    pub pitch: f64,
+    /// Relative scale.
+    pub scale: f64,
+}
+
+impl Default for Tolerances {
+    /// What a machine shop holds on an arm of about a metre: 1 mrad, 1 mm; 0.1 mm per turn; one part in a thousand.
+    fn default() -> Self {
+        Self { turn: 1e-3, shift: 1e-3, pitch: 1e-4 / std::f64::consts::TAU, scale: 1e-3 }
+    }
+}
+
+/// Which parts of the arm a fit may change; the instrument and the targets are always free.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Freedom {
+    /// The axes.
+    pub axes: bool,
+    /// For each joint, its scale.
+    pub scales: Vec<bool>,
+    /// For each joint, its pitch; helical joints' pitches are part of the axes and free with them.
+    pub pitches: Vec<bool>,
+}
+
+impl Freedom {
+    /// Instrument and targets alone: the nominal stage.
+    pub fn placement(joints: usize) -> Self {
+        Self { axes: false, scales: vec![false; joints], pitches: vec![false; joints] }
+    }
+
+    /// Every axis, no scale, no pitch of a revolute joint.
+    pub fn axes(joints: usize) -> Self {
+        Self { axes: true, ..Self::placement(joints) }
+    }
+}
+
+/// The free parameters of a fit in order: joint by joint, effects, instrument or anchor, targets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// In order.
+    pub parameters: Vec<Parameter>,
+    /// Parameters of the joints.
+    pub joints: Range<usize>,
+    /// Parameters of the effects.
+    pub effects: Range<usize>,
+    /// Parameters of the instrument's frame or of the anchor.
+    pub instrument: Range<usize>,
+    /// Parameters of the targets: 3 each, then 3 for the orientation in poses.
+    pub targets: Range<usize>,
+    /// Per joint.
+    pub across: Vec<Across>,
+    /// What is measured.
+    pub kind: MeasurementKind,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The name of a direction: a base axis where it is one, else the given letter.
+fn direction_name(direction: &Vector3<f64>, otherwise: &'static str) -> &'static str {
+    (0..3).find(|&i| direction[i].abs() > 1.0 - 1e-9).map_or(otherwise, |i| AXES[i])
+}
+
+impl Layout {
+    /// The layout for a chain.
+    ///
+    /// # Shape and units
+    /// `target_names`: one per target, empty for the only one.
+    pub fn new(
+        chain: &Chain,
+        kind: MeasurementKind,
+        target_names: &[String],
+        freedom: &Freedom,
+        tolerances: &Tolerances,
+        effects: Vec<Parameter>,
+    ) -> Self {
+        let across: Vec<Across> = chain.joints().iter().map(|joint| Across::of(&joint.screw)).collect();
+        let mut parameters = Vec::new();
+        for (index, joint) in chain.joints().iter().enumerate() {
+            joint_parameters(&mut parameters, index, &joint.name, &joint.screw, &across[index], freedom, tolerances);
+        }
+        let joints = 0..parameters.len();
+        parameters.extend(effects);
+        let effects = joints.end..parameters.len();
+        let mut free = |name: String, kind: ParameterKind, unit: &'static str| {
+            parameters.push(Parameter { name, kind, unit, tolerance: None });
+        };
+        if kind == MeasurementKind::Distance {
+            for (component, axis) in AXES.iter().enumerate() {
+                free(format!("anchor.{axis}"), ParameterKind::Anchor { component }, "m");
+            }
+        } else {
+            for component in 0..6 {
+                let (word, unit) = if component < 3 { ("turn_", "rad") } else { ("", "m") };
+                let name = format!("instrument.{word}{}", AXES[component % 3]);
+                free(name, ParameterKind::Instrument { component }, unit);
+            }
+        }
+        let instrument_count = if kind == MeasurementKind::Distance { 3 } else { 6 };
+        for (target, name) in target_names.iter().enumerate() {
+            for (component, axis) in AXES.iter().enumerate() {
+                free(format!("target{name}.{axis}"), ParameterKind::Target { target, component }, "m");
+            }
+        }
+        if kind == MeasurementKind::Pose {
+            for (component, axis) in AXES.iter().enumerate() {
+                free(format!("target.turn_{axis}"), ParameterKind::TargetTurn { component }, "rad");
+            }
+        }
+        let instrument = effects.end..effects.end + instrument_count;
+        let targets = instrument.end..parameters.len();
+        Self { parameters, joints, effects, instrument, targets, across, kind }
+    }
+
+    /// Number of parameters.
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+
+    /// The arm after a step (one number per parameter; those of effects are left out).
+    #[must_use]
+    pub fn stepped(&self, arm: &Arm, step: &[f64]) -> Arm {
+        let mut result = arm.clone();
+        let joints = arm.joints.len();
+        let (mut turned, mut moved, mut pitch) = (vec![[0.0; 2]; joints], vec![[0.0; 2]; joints], vec![0.0; joints]);
+        let mut instrument = Vector6::zeros();
+        let mut turn = Vector3::zeros();
+        for (parameter, &delta) in self.parameters.iter().zip(step) {
+            match parameter.kind {
+                ParameterKind::Turn { joint, across } => turned[joint][across] = delta,
+                ParameterKind::Move { joint, across } => moved[joint][across] = delta,
+                ParameterKind::Pitch { joint } => pitch[joint] = delta,
+                ParameterKind::Scale { joint } => {
+                    result.joints[joint].scale += delta * arm.nominal.joints()[joint].scale;
+                }
+                ParameterKind::Effect { .. } => {}
+                ParameterKind::Instrument { component } => instrument[component] = delta,
+                ParameterKind::Anchor { component } => result.anchor[component] += delta,
+                ParameterKind::Target { target, component } => {
+                    result.targets[target].translation.vector[component] += delta;
+                }
+                ParameterKind::TargetTurn { component } => turn[component] = delta,
+            }
+        }
+        for (joint, nominal) in arm.nominal.joints().iter().enumerate() {
+            if turned[joint] != [0.0; 2] || moved[joint] != [0.0; 2] || pitch[joint] != 0.0 {
+                let across = self.across[joint].carried(&nominal.screw, &arm.joints[joint].screw);
+                result.change_axis(joint, &across, turned[joint], moved[joint], pitch[joint]);
+            }
+        }
+        if instrument != Vector6::zeros() {
+            let moved = arm.instrument * se3::exp(&instrument);
+            result.instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+        }
+        if turn != Vector3::zeros() {
+            let rotation = Rotation3::from_scaled_axis(turn) * result.targets[0].rotation;
+            result.targets[0].rotation = se3::orthonormalised(&rotation);
+        }
+        result
+    }
+
+    /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the
+    /// instrument, the anchor and effects.
+    pub fn departure(&self, arm: &Arm, reference: &Arm) -> Vec<f64> {
+        let changes: Vec<_> = (0..arm.joints.len()).map(|joint| arm.change(joint)).collect();
+        let turn = arm
+            .targets
+            .first()
+            .zip(reference.targets.first())
+            .map_or_else(Vector3::zeros, |(a, b)| se3::rotation_vector(&(a.rotation * b.rotation.inverse())));
+        let of = |parameter: &Parameter| match parameter.kind {
+            ParameterKind::Turn { joint, across } => changes[joint].turned[across],
+            ParameterKind::Move { joint, across } => changes[joint].moved[across],
+            ParameterKind::Pitch { joint } => changes[joint].pitch,
+            ParameterKind::Scale { joint } => changes[joint].scale,
+            ParameterKind::Target { target, component } => {
+                (arm.targets[target].translation.vector - reference.targets[target].translation.vector)[component]
+            }
+            ParameterKind::TargetTurn { component } => turn[component],
+            ParameterKind::Effect { .. } | ParameterKind::Instrument { .. } | ParameterKind::Anchor { .. } => 0.0,
+        };
+        self.parameters.iter().map(of).collect()
+    }
+}
+
+fn joint_parameters(
+    parameters: &mut Vec<Parameter>,
+    joint: usize,
+    name: &str,
+    screw: &Screw,
+    across: &Across,
+    freedom: &Freedom,
+    tolerances: &Tolerances,
+) {
+    let mut add = |word: &str, kind: ParameterKind, unit: &'static str, tolerance: f64| {
+        parameters.push(Parameter { name: format!("{name}.{word}"), kind, unit, tolerance: Some(tolerance) });
+    };
+    let names = [direction_name(&across.a, "a"), direction_name(&across.b, "b")];
+    let slides = matches!(screw, Screw::Prismatic(_));
+    if freedom.axes {
+        for (across, direction) in names.iter().enumerate() {
+            add(&format!("turn_{direction}"), ParameterKind::Turn { joint, across }, "rad", tolerances.turn);
+        }
+        if !slides {
+            for (across, direction) in names.iter().enumerate() {
+                add(&format!("move_{direction}"), ParameterKind::Move { joint, across }, "m", tolerances.shift);
+            }
+        }
+    }
+    let helical = matches!(screw, Screw::Helical { .. });
+    if (helical && freedom.axes) || (!slides && freedom.pitches[joint]) {
+        add("pitch", ParameterKind::Pitch { joint }, "m/rad", tolerances.pitch);
+    }
+    if freedom.scales[joint] {
+        add("scale", ParameterKind::Scale { joint }, "1", tolerances.scale);
+    }
+}
+
+/// How a prediction moves per unit of an effect's parameter, in one row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// Twist `[omega; v]` of the tip in the base frame, where the arm stands now: Ad(before\[i\]) · carrier at home.
+    pub twist: Vector6<f64>,
+    /// Shift of the targets, tip frame, m.
+    pub target: Vector3<f64>,
+    /// Shift of the anchor, base frame, m.
+    pub anchor: Vector3<f64>,
+    /// Change of the instrument's relative scale.
+    pub scale: f64,
+    /// Change of the distance read, m.
+    pub reading: f64,
+}
+
+impl Default for Sensitivity {
+    fn default() -> Self {
+        Self { twist: Vector6::zeros(), target: Vector3::zeros(), anchor: Vector3::zeros(), scale: 0.0, reading: 0.0 }
+    }
+}
+
+/// Effects beyond geometry, as a fit sees them: deviations per row and how these follow from free numbers.
+pub trait Effects: Clone + Sync {
+    /// The free numbers, each of kind [`ParameterKind::Effect`].
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// What the effects do in a row, into `out`, which comes all zero; `false` if nothing.
+    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool;
+
+    /// How the prediction moves per unit of each parameter, into `out`, which comes all zero.
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]);
+
+    /// The effects after a step, one number per parameter.
+    #[must_use]
+    fn stepped(&self, step: &[f64]) -> Self;
+}
+
+/// Geometry alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NoEffects;
+
+impl Effects for NoEffects {
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn deviate(&self, _row: Row<'_>, _out: &mut Deviation) -> bool {
+        false
+    }
+
+    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _state: &RowState, _out: &mut [Sensitivity]) {}
+
+    fn stepped(&self, _step: &[f64]) -> Self {
+        *self
+    }
+}

@@ -1,0 +1,224 @@
+//! Where the instrument, the anchor and the targets stand: first guesses that a fit can start from.
+
+use crate::arm::Arm;
+use crate::measurements::{MeasurementKind, Measurements};
+use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use crate::solve::{Fit, FitOptions, fit};
+use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use denavit_model::{Chain, Pose, se3};
+
+/// Rows that the search for a start looks at.
+const ROWS_FOR_START: usize = 60;
+/// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
+const GOOD_ENOUGH: f64 = 0.01;
+
+/// The nominal robot with instrument (or anchor) and targets fitted: the stage `nominal`.
+///
+/// # Shape and units
+/// `weights`: one per observation, 0 for what is to be left out.
+pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options: &FitOptions) -> Fit<NoEffects> {
+    let freedom = Freedom::placement(chain.joints().len());
+    let layout = Layout::new(chain, data.kind, &data.targets, &freedom, &Tolerances::default(), Vec::new());
+    let start = start(chain, data, weights, &layout);
+    fit(data, &layout, &start, &NoEffects, weights, options)
+}
+
+/// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.
+fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -> Arm {
+    let targets = data.targets.len();
+    let rows = usable_rows(data, weights);
+    let few = data.subset(&rows);
+    let weights: Vec<f64> =
+        rows.iter().flat_map(|row| weights[row * targets..(row + 1) * targets].iter().copied()).collect();
+    let tips: Vec<Pose> = (0..few.len()).map(|row| chain.fk(few.reading(row))).collect();
+    let good = GOOD_ENOUGH * chain.size();
+    let mut best: Option<(f64, Arm)> = None;
+    for guess in guesses(chain, &few, &tips) {
+        let options = FitOptions { robust: true, most_iterations: 30 };
+        let fit = fit(&few, layout, &guess, &NoEffects, &weights, &options);
+        let left = fit.noise.position;
+        if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
+            best = Some((left, fit.arm));
+        }
+        if left < good {
+            break;
+        }
+    }
+    best.map_or_else(|| Arm::new(chain, targets), |(_, arm)| arm)
+}
+
+/// Some rows spread over the run, those that see the most targets.
+fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
+    let targets = data.targets.len();
+    let useful: Vec<usize> =
+        (0..data.len()).filter(|row| (0..targets).any(|target| weights[row * targets + target] > 0.0)).collect();
+    if useful.len() <= ROWS_FOR_START {
+        return useful;
+    }
+    (0..ROWS_FOR_START).map(|k| useful[k * (useful.len() - 1) / (ROWS_FOR_START - 1)]).collect()
+}
+
+fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Box<dyn Iterator<Item = Arm> + 'a> {
+    if data.kind == MeasurementKind::Distance {
+        return Box::new(anchor_guesses(chain, data, tips));
+    }
+    let from_tips =
+        std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); data.targets.len()]));
+    let turned = turned_frames().into_iter().map(move |rotation| {
+        let offsets = offsets_for(data, tips, &rotation);
+        aligned(chain, data, tips, &offsets)
+    });
+    Box::new(from_tips.chain(turned))
+}
+
+/// The arm with the instrument where it fits best for these targets (tip frame, m), and targets to match.
+fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3<f64>]) -> Arm {
+    let mut arm = Arm::new(chain, offsets.len());
+    let mut pairs = Vec::new();
+    for (row, tip) in tips.iter().enumerate() {
+        for (target, offset) in offsets.iter().enumerate() {
+            if let Some(measured) = data.position(row, target) {
+                pairs.push((tip.rotation * offset + tip.translation.vector, measured));
+            }
+        }
+    }
+    arm.instrument = match rigid_fit(&pairs) {
+        Some(instrument) => instrument,
+        None => return arm,
+    };
+    for (target, pose) in arm.targets.iter_mut().enumerate() {
+        let seen: Vec<Vector3<f64>> = tips
+            .iter()
+            .enumerate()
+            .filter_map(|(row, tip)| {
+                let measured = data.position(row, target)?;
+                let in_base = arm.instrument.inverse() * denavit_model::nalgebra::Point3::from(measured);
+                Some((tip.inverse() * in_base).coords)
+            })
+            .collect();
+        if !seen.is_empty() {
+            pose.translation.vector = seen.iter().sum::<Vector3<f64>>() / seen.len() as f64;
+        }
+    }
+    if data.kind == MeasurementKind::Pose {
+        let mut sum = Matrix3::zeros();
+        for (tip, orientation) in tips.iter().zip(&data.orientations) {
+            sum += (tip.rotation.inverse() * arm.instrument.rotation.inverse() * orientation).into_inner();
+        }
+        arm.targets[0].rotation = nearest_rotation(&sum);
+    }
+    arm
+}
+
+/// The motion that takes the first points of the pairs to the second with the least squares; `None` without pairs.
+///
+/// # Source
+/// Kabsch 1976; Umeyama 1991 for the sign.
+fn rigid_fit(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Pose> {
+    if pairs.is_empty() {
+        return None;
+    }
+    let count = pairs.len() as f64;
+    let from = pairs.iter().map(|pair| pair.0).sum::<Vector3<f64>>() / count;
+    let to = pairs.iter().map(|pair| pair.1).sum::<Vector3<f64>>() / count;
+    let spread = pairs.iter().map(|pair| (pair.1 - to) * (pair.0 - from).transpose()).sum::<Matrix3<f64>>();
+    let rotation = nearest_rotation(&spread);
+    Some(se3::pose(rotation, to - rotation * from))
+}
+
+fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation3<f64> {
+    let svd = matrix.svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };
+    let sign = (u * v_t).determinant().signum();
+    let mut turned = u;
+    let last = svd.singular_values.imin();
+    turned.column_mut(last).scale_mut(sign);
+    Rotation3::from_matrix_unchecked(turned * v_t)
+}
+
+/// 24 turns of a cube and as many between them.
+fn turned_frames() -> Vec<Rotation3<f64>> {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let mut frames = Vec::new();
+    for yaw in 0..4 {
+        for [roll, pitch] in [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+            let turn = se3::rotation_from_rpy([roll * quarter, pitch * quarter, f64::from(yaw) * quarter]);
+            frames.push(turn);
+            frames.push(turn * se3::rotation_from_rpy([0.5 * quarter, 0.5 * quarter, 0.0]));
+        }
+    }
+    frames
+}
+
+/// Targets (tip frame) that fit best for an instrument of this rotation: R p + x = m is linear in targets and place.
+fn offsets_for(data: &Measurements, tips: &[Pose], rotation: &Rotation3<f64>) -> Vec<Vector3<f64>> {
+    let targets = data.targets.len();
+    let unknowns = 3 * targets + 3;
+    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let mut right = DVector::<f64>::zeros(unknowns);
+    for (row, tip) in tips.iter().enumerate() {
+        for target in 0..targets {
+            let Some(measured) = data.position(row, target) else { continue };
+            let value = measured - rotation * tip.translation.vector;
+            let turn = (rotation * tip.rotation).into_inner();
+            for i in 0..3 {
+                let mut coefficients = DVector::<f64>::zeros(unknowns);
+                for k in 0..3 {
+                    coefficients[3 * target + k] = turn[(i, k)];
+                }
+                coefficients[3 * targets + i] = 1.0;
+                matrix.ger(1.0, &coefficients, &coefficients, 1.0);
+                right.axpy(value[i], &coefficients, 1.0);
+            }
+        }
+    }
+    let solution = least_squares(matrix, &right);
+    (0..targets)
+        .map(|target| Vector3::new(solution[3 * target], solution[3 * target + 1], solution[3 * target + 2]))
+        .collect()
+}
+
+/// The solution of least norm, small singular values left out.
+fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let svd = matrix.svd(true, true);
+    let limit = 1e-9 * svd.singular_values.max();
+    svd.solve(right, limit).unwrap_or_else(|_| DVector::zeros(right.len()))
+}
+
+/// Anchors from |p|² - d² = 2 p·a - |a|², for targets at the tip and around it, and both sides of flat data.
+fn anchor_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> impl Iterator<Item = Arm> + 'a {
+    let reach = 0.2 * chain.size();
+    let mut offsets = vec![Vector3::zeros()];
+    for k in 0..3 {
+        offsets.push(Vector3::ith(k, reach));
+        offsets.push(Vector3::ith(k, -reach));
+    }
+    offsets.into_iter().flat_map(move |offset| {
+        let points: Vec<Vector3<f64>> = tips.iter().map(|tip| tip.rotation * offset + tip.translation.vector).collect();
+        let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
+        let distance = data.distances.iter().sum::<f64>() / data.distances.len().max(1) as f64;
+        let mut anchors = vec![linear_anchor(&points, &data.distances)];
+        for k in 0..3 {
+            anchors.push(middle + Vector3::ith(k, distance));
+            anchors.push(middle - Vector3::ith(k, distance));
+        }
+        anchors.into_iter().map(move |anchor| {
+            let mut arm = Arm::new(chain, 1);
+            arm.anchor = anchor;
+            arm.targets[0].translation.vector = offset;
+            arm
+        })
+    })
+}
+
+fn linear_anchor(points: &[Vector3<f64>], distances: &[f64]) -> Vector3<f64> {
+    let mut matrix = DMatrix::<f64>::zeros(4, 4);
+    let mut right = DVector::<f64>::zeros(4);
+    for (p, d) in points.iter().zip(distances) {
+        let coefficients = DVector::from_row_slice(&[2.0 * p.x, 2.0 * p.y, 2.0 * p.z, -1.0]);
+        matrix.ger(1.0, &coefficients, &coefficients, 1.0);
+        right.axpy(p.norm_squared() - d * d, &coefficients, 1.0);
+    }
+    let solution = least_squares(matrix, &right);
+    Vector3::new(solution[0], solution[1], solution[2])
+}

@@ -1,0 +1,189 @@
+//! Measurement files for trials and teaching: a robot that differs from its drawing, an instrument, noise. Seeded.
+
+use crate::arm::{Across, Arm, Deviation, Row, RowState};
+use crate::measurements::{Covariate, MeasurementKind, Measurements};
+use crate::parameters::Effects;
+use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
+use denavit_model::{Chain, Pose, se3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+/// What to simulate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulationOptions {
+    /// What the instrument measures.
+    pub kind: MeasurementKind,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of targets (positions; else 1).
+    pub targets: usize,
+    /// Same seed, same file.
+    pub seed: u64,
+    /// Standard deviation of the change of each axis' direction, rad.
+    pub turn: f64,
+    /// Standard deviation of the change of each axis' place, m.
+    pub shift: f64,
+    /// Standard deviation of the noise of one position component or distance, m.
+    pub noise_position: f64,
+    /// Standard deviation of the noise of one rotation vector component, rad.
+    pub noise_orientation: f64,
+    /// Share of rows with a gross error of 5 to 50 mm.
+    pub outliers: f64,
+    /// Numeric columns that come along, one value per row each.
+    pub covariates: Vec<Covariate>,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        Self {
+            kind: MeasurementKind::Position,
+            rows: 100,
+            targets: 1,
+            seed: 0,
+            turn: 1e-3,
+            shift: 1e-3,
+            noise_position: 5e-5,
+            noise_orientation: 5e-5,
+            outliers: 0.0,
+            covariates: Vec::new(),
+        }
+    }
+}
+
+/// A simulated run: the data, and the arm that they came from.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    /// The true arm.
+    pub arm: Arm,
+    /// What was measured.
+    pub data: Measurements,
+    /// Rows with a gross error.
+    pub outliers: Vec<usize>,
+}
+
+/// Draw a true arm near the nominal one, and measure it at random joint readings within the limits.
+///
+/// What is drawn depends on the seed and the options alone, not on the effects.
+pub fn simulate<E: Effects>(chain: &Chain, options: &SimulationOptions, effects: &E) -> Simulation {
+    let mut random = ChaCha8Rng::seed_from_u64(options.seed);
+    let arm = draw_arm(chain, options, &mut random);
+    measure(&arm, options, effects, &mut random)
+}
+
+/// Measure a given arm at random joint readings within the limits, with a seed of its own.
+pub fn simulate_arm<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E) -> Simulation {
+    measure(arm, options, effects, &mut ChaCha8Rng::seed_from_u64(options.seed))
+}
+
+fn normal(random: &mut ChaCha8Rng, deviation: f64) -> f64 {
+    random.sample::<f64, _>(StandardNormal) * deviation
+}
+
+fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
+    Vector3::new(normal(random, deviation), normal(random, deviation), normal(random, deviation))
+}
+
+fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng) -> Arm {
+    let size = chain.size();
+    let targets = if options.kind == MeasurementKind::Position { options.targets.max(1) } else { 1 };
+    let mut arm = Arm::new(chain, targets);
+    for (index, joint) in chain.joints().iter().enumerate() {
+        let turned = [normal(random, options.turn), normal(random, options.turn)];
+        let moved = [normal(random, options.shift), normal(random, options.shift)];
+        arm.change_axis(index, &Across::of(&joint.screw), turned, moved, 0.0);
+    }
+    if options.kind == MeasurementKind::Distance {
+        let away = normal_vector(random, 1.0);
+        arm.anchor = away * (size / away.norm().max(1e-3));
+    } else {
+        let (turn, place) = (normal_vector(random, 1.0), normal_vector(random, size));
+        arm.instrument = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, place.x, place.y, place.z));
+    }
+    for target in &mut arm.targets {
+        target.translation.vector = normal_vector(random, 0.1 * size);
+        if options.kind == MeasurementKind::Pose {
+            target.rotation = Rotation3::from_scaled_axis(normal_vector(random, 0.5));
+        }
+    }
+    arm
+}
+
+fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, random: &mut ChaCha8Rng) -> Simulation {
+    let coordinates = arm.nominal.coordinates();
+    let mut data = empty(arm, options);
+    for _ in 0..options.rows {
+        for coordinate in coordinates {
+            let (lower, upper) = coordinate.range();
+            data.readings.push(lower + (upper - lower) * random.random::<f64>());
+        }
+    }
+    let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
+    let mut outliers = Vec::new();
+    for row in 0..options.rows {
+        deviation.clear();
+        effects.deviate(Row::new(&data, row), &mut deviation);
+        arm.state_into(data.reading(row), Some(&deviation), &mut state);
+        let gross = random.random::<f64>() < options.outliers;
+        let direction = normal_vector(random, 1.0).normalize();
+        let error = direction * (5e-3 + 45e-3 * random.random::<f64>());
+        let error = if gross { error } else { Vector3::zeros() };
+        if gross {
+            outliers.push(row);
+        }
+        observe(arm, &state, &deviation, options, error, &mut data, random);
+    }
+    Simulation { arm: arm.clone(), data, outliers }
+}
+
+/// Append what the instrument reads of every target, noise and a gross error added.
+fn observe(
+    arm: &Arm,
+    state: &RowState,
+    deviation: &Deviation,
+    options: &SimulationOptions,
+    error: Vector3<f64>,
+    data: &mut Measurements,
+    random: &mut ChaCha8Rng,
+) {
+    for target in &arm.targets {
+        let on_tip = target.translation.vector + deviation.target;
+        let in_base = state.tip.rotation * on_tip + state.tip.translation.vector;
+        if options.kind == MeasurementKind::Distance {
+            let distance = (in_base - arm.anchor - deviation.anchor).norm() * (1.0 + deviation.scale);
+            data.distances.push(distance + deviation.reading + error.norm() + normal(random, options.noise_position));
+            continue;
+        }
+        let seen = (arm.instrument.rotation * in_base + arm.instrument.translation.vector) * (1.0 + deviation.scale);
+        data.positions.push(Some(seen + error + normal_vector(random, options.noise_position)));
+        if options.kind == MeasurementKind::Pose {
+            let turn = Rotation3::from_scaled_axis(normal_vector(random, options.noise_orientation));
+            data.orientations.push(turn * arm.instrument.rotation * state.tip.rotation * target.rotation);
+        }
+    }
+}
+
+fn empty(arm: &Arm, options: &SimulationOptions) -> Measurements {
+    let targets = arm.targets.len();
+    Measurements {
+        source: "simulation".into(),
+        kind: options.kind,
+        joints: arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
+        readings: Vec::with_capacity(options.rows * arm.nominal.coordinates().len()),
+        targets: if targets == 1 { vec![String::new()] } else { (1..=targets).map(|k| k.to_string()).collect() },
+        positions: Vec::new(),
+        orientations: Vec::new(),
+        distances: Vec::new(),
+        covariates: options.covariates.clone(),
+        labels: Vec::new(),
+        locate: vec![false; options.rows],
+        lines: (2..options.rows + 2).collect(),
+    }
+}
+
+/// base_from_target without instrument and noise, for a target of the arm.
+pub fn true_target(arm: &Arm, q: &[f64], target: usize) -> Pose {
+    let mut state = RowState::default();
+    arm.state_into(q, None, &mut state);
+    state.tip * arm.targets[target]
+}
