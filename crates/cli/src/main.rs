@@ -1,1 +1,34 @@
-fn main() {}
+//! The command `denavit`: reads arguments and files, calls the crates, prints. No mathematics here.
+
+mod args;
+mod commands;
+mod failure;
+mod output;
+mod source;
+
+use args::{Arguments, Command};
+use clap::Parser as _;
+use failure::Failure;
+use output::Status;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(arguments.command) {
+        Ok(status) => ExitCode::from(status as u8),
+        Err(Failure::ClosedPipe) => ExitCode::SUCCESS,
+        Err(failure) => {
+            output::complain(&failure);
+            ExitCode::from(Status::Trouble as u8)
+        }
+    }
+}
+
+fn run(command: Command) -> Result<Status, Failure> {
+    match command {
+        Command::Table(arguments) => commands::table::run(&arguments),
+        Command::Chains(arguments) => commands::chains::run(&arguments),
+        Command::Fk(arguments) => commands::fk::run(&arguments),
+        Command::Poe(arguments) => commands::poe::run(&arguments),
+    }
+}

@@ -191,9 +191,10 @@ pub(crate) fn tidy_angle(angle: f64) -> f64 {
     if angle <= -PI { PI } else { angle + 0.0 }
 }
 
-/// A length, 0 where only rounding keeps it from being so.
+/// A length, rounded to nine places where only rounding keeps it from being so.
 pub(crate) fn tidy_length(length: f64, size: f64) -> f64 {
-    if length.abs() < 4.0 * f64::EPSILON * size { 0.0 } else { length }
+    let rounded = (length * 1e9).round() / 1e9;
+    if (length - rounded).abs() < 4.0 * f64::EPSILON * size { rounded + 0.0 } else { length }
 }
 
 fn far_numbers(chain: &Chain, table: &Table) -> Vec<Note> {

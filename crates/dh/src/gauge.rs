@@ -25,6 +25,8 @@ const NEGATIVE_ANGLE: f64 = 0.5;
 /// Of two equal places for a number the row of a joint is better than the base or the tool, a later row than an earlier.
 const OUTSIDE_THE_JOINTS: f64 = 0.2;
 const EARLIER: f64 = 0.001;
+/// A slide is expected where the arm goes on, not where it came from.
+const BEHIND_A_SLIDE: f64 = 0.1;
 
 /// A length below this many times the robot's size, or an angle below this many rad, reads as 0.
 const READS_AS_ZERO: f64 = 1e-9;
@@ -33,12 +35,17 @@ const READS_AS_ZERO: f64 = 1e-9;
 pub(crate) struct Weigher {
     gauge: Gauge,
     size: f64,
-    joints: usize,
+    /// Whether joint k slides.
+    slides: Vec<bool>,
 }
 
 impl Weigher {
     pub fn new(gauge: Gauge, chain: &Chain) -> Self {
-        Self { gauge, size: chain.size(), joints: chain.joints().len() }
+        Self {
+            gauge,
+            size: chain.size(),
+            slides: chain.joints().iter().map(|joint| joint.screw.line().is_none()).collect(),
+        }
     }
 
     pub fn size(&self) -> f64 {

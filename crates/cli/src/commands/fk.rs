@@ -1,0 +1,113 @@
+//! `denavit fk`: where the tip is.
+
+use crate::args::FkArguments;
+use crate::failure::Failure;
+use crate::output::{self, Status};
+use crate::source;
+use denavit_export::numbers::decimal;
+use denavit_export::poe::pose_text;
+use denavit_model::chain::{Chain, Quantity};
+use denavit_model::nalgebra::UnitQuaternion;
+use denavit_model::problems::nearest_name;
+use denavit_model::se3;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    robot: &'a str,
+    base: &'a str,
+    tip: &'a str,
+    q: serde_json::Map<String, serde_json::Value>,
+    pose: [[f64; 4]; 4],
+    xyz: [f64; 3],
+    rpy: [f64; 3],
+    quaternion_xyzw: [f64; 4],
+    tip_moves_at_most: f64,
+}
+
+/// Runs the command.
+pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
+    let units = super::units(&arguments.units)?;
+    let loaded = source::load(&arguments.robot)?;
+    let noted = loaded.chain(&arguments.robot)?;
+    let chain = &noted.value;
+    let q = joint_values(chain, &arguments.q, arguments.degrees)?;
+    let pose = chain.fk(&q);
+    let rpy = se3::rpy_from_rotation(&pose.rotation);
+    let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+    let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
+    output::remark(&noted.notes);
+    if arguments.json {
+        let matrix = pose.to_homogeneous();
+        let answer = Answer {
+            robot: chain.name(),
+            base: chain.base(),
+            tip: chain.tip(),
+            q: chain
+                .coordinates()
+                .iter()
+                .zip(&q)
+                .map(|(coordinate, value)| (coordinate.name.clone(), (*value).into()))
+                .collect(),
+            pose: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
+            xyz: pose.translation.vector.into(),
+            rpy,
+            quaternion_xyzw: [x, y, z, w],
+            tip_moves_at_most: noted.notes.iter().map(denavit_model::Note::tip_moves).sum(),
+        };
+        output::print(&(serde_json::to_string_pretty(&answer).expect("a pose is finite") + "\n"))?;
+        return Ok(Status::Same);
+    }
+    let list = |numbers: &[String]| numbers.join("  ");
+    let mut text = format!("{} → {}\n\n{}\n", chain.base(), chain.tip(), pose_text(&pose, units));
+    let xyz: Vec<String> = pose.translation.vector.iter().map(|value| units.length(*value)).collect();
+    let rpy: Vec<String> = rpy.iter().map(|value| units.angle(*value)).collect();
+    let quaternion: Vec<String> = [x, y, z, w].iter().map(|value| decimal(*value, 9)).collect();
+    let _ = writeln!(text, "x y z            {}  {}", list(&xyz), units.length_word());
+    let _ = writeln!(text, "roll pitch yaw   {}  {}", list(&rpy), units.angle_word());
+    let _ = writeln!(text, "quaternion xyzw  {}", list(&quaternion));
+    output::print(&text)?;
+    Ok(Status::Same)
+}
+
+/// Joint values from `0.1,0.2` or `name=0.1,other=0.2`, rad and m.
+pub fn joint_values(chain: &Chain, written: &str, degrees: bool) -> Result<Vec<f64>, Failure> {
+    let coordinates = chain.coordinates();
+    let words: Vec<&str> = written.split([',', ' ']).map(str::trim).filter(|word| !word.is_empty()).collect();
+    let wrong = |message: String| Failure::Argument(format!("--q: {message}"));
+    let names = || coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
+    let by_name = words.iter().any(|word| word.contains('='));
+    if !by_name && !words.is_empty() && words.len() != coordinates.len() {
+        return Err(wrong(format!(
+            "{} values for {} joints; the order is {}",
+            words.len(),
+            coordinates.len(),
+            names()
+        )));
+    }
+    let mut q = vec![0.0; coordinates.len()];
+    for (position, word) in words.iter().enumerate() {
+        let (index, value) = match word.split_once('=') {
+            None if by_name => return Err(wrong(format!("\"{word}\" has no name; name every value or none"))),
+            None => (position, *word),
+            Some((name, value)) => {
+                let found = coordinates.iter().position(|coordinate| coordinate.name == name);
+                let index = found.ok_or_else(|| {
+                    let near = nearest_name(name, coordinates.iter().map(|coordinate| coordinate.name.as_str()));
+                    let mend = near.map_or_else(
+                        || format!("the joints are {}", names()),
+                        |near| format!("did you mean \"{near}\"?"),
+                    );
+                    wrong(format!("the chain has no joint \"{name}\"; {mend}"))
+                })?;
+                (index, value)
+            }
+        };
+        let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
+        let number = number.ok_or_else(|| wrong(format!("\"{value}\" is no finite number")))?;
+        let angle = coordinates[index].quantity == Quantity::Angle;
+        q[index] = if degrees && angle { number.to_radians() } else { number };
+    }
+    Ok(q)
+}

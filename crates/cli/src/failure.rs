@@ -1,0 +1,58 @@
+//! Everything that ends a run with exit code 2, said once and with the mend.
+
+use thiserror::Error;
+
+/// Why a command could not do its work.
+#[derive(Debug, Error)]
+pub enum Failure {
+    /// A file could not be read.
+    #[error("{file}: cannot be read: {reason}")]
+    Read {
+        /// As given.
+        file: String,
+        /// The system's words.
+        reason: String,
+    },
+    /// A file could not be written.
+    #[error("{file}: cannot be written: {reason}; nothing was changed")]
+    Write {
+        /// As given.
+        file: String,
+        /// The system's words.
+        reason: String,
+    },
+    /// Bytes that are no text.
+    #[error("{file}:{line}: not UTF-8 text; save the file as UTF-8")]
+    NotText {
+        /// As given.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+    },
+    /// An argument that cannot be.
+    #[error("{0}")]
+    Argument(String),
+    /// A URDF that is none.
+    #[error(transparent)]
+    Urdf(#[from] denavit_model::UrdfError),
+    /// A chain that is not there.
+    #[error(transparent)]
+    Tree(#[from] denavit_model::TreeError),
+    /// A table's file that is none.
+    #[error(transparent)]
+    Source(#[from] denavit_export::sources::SourceError),
+    /// Parts that make no chain.
+    #[error("{file}: {source}")]
+    Chain {
+        /// As given.
+        file: String,
+        /// Why.
+        source: denavit_model::ChainError,
+    },
+    /// A table that a format cannot hold.
+    #[error(transparent)]
+    Render(#[from] denavit_export::RenderError),
+    /// Nobody reads on: no failure.
+    #[error("the reader has gone")]
+    ClosedPipe,
+}

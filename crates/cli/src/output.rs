@@ -1,0 +1,71 @@
+//! Printing, colours and exit codes, and files that are never half-written.
+
+#![expect(clippy::print_stderr, reason = "this module is where the program speaks")]
+
+use crate::failure::Failure;
+use denavit_model::notes::Note;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+/// Exit codes, as those of `diff`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// Done; the same; nothing found.
+    Same = 0,
+    /// Different; something found.
+    #[expect(dead_code, reason = "told by the commands that compare")]
+    Different = 1,
+    /// The work could not be done.
+    Trouble = 2,
+}
+
+/// Writes text to standard output.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
+        io::ErrorKind::BrokenPipe => Failure::ClosedPipe,
+        _ => Failure::Write { file: "standard output".into(), reason: error.to_string() },
+    })
+}
+
+/// Says what went wrong.
+pub fn complain(failure: &Failure) {
+    for line in failure.to_string().lines() {
+        eprintln!("error: {line}");
+    }
+}
+
+/// Says on standard error what the output on standard output has no place for.
+pub fn remark(notes: &[Note]) {
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+}
+
+/// Writes a file as a whole or not at all: to a temporary file beside it, then renamed.
+pub fn write_file(path: &Path, content: &[u8]) -> Result<(), Failure> {
+    let failed = |error: io::Error| Failure::Write { file: path.display().to_string(), reason: error.to_string() };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder).map_err(failed)?;
+    file.write_all(content).map_err(failed)?;
+    if let Some(permissions) = permissions(path) {
+        file.as_file().set_permissions(permissions).map_err(failed)?;
+    }
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+/// What the file has, or what one gets that is made in the usual way: temporary files are closed to others.
+#[cfg(unix)]
+fn permissions(path: &Path) -> Option<std::fs::Permissions> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let existing = std::fs::metadata(path).map(|existing| existing.permissions());
+    Some(existing.unwrap_or_else(|_| std::fs::Permissions::from_mode(0o644)))
+}
+
+/// Windows gives a new file the rights of its folder.
+#[cfg(not(unix))]
+fn permissions(_: &Path) -> Option<std::fs::Permissions> {
+    None
+}

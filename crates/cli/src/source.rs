@@ -1,0 +1,101 @@
+//! Any source to a robot: URDF, D-H table or screw axes in CSV or JSON, standard input, a revision in git.
+
+use crate::args::RobotArguments;
+use crate::failure::Failure;
+use denavit_dh::{Convention, Table};
+use denavit_export::sources::{self, Source};
+use denavit_model::notes::{Note, Noted};
+use denavit_model::{Chain, Reading, Robot};
+use std::io::Read as _;
+
+/// A robot as its source gives it.
+pub enum Loaded {
+    /// A tree.
+    Robot(Box<Robot>),
+    /// Denavit-Hartenberg numbers.
+    Table {
+        /// The numbers.
+        table: Table,
+        /// How the file groups them.
+        convention: Convention,
+    },
+    /// Screw axes.
+    Poe(Chain),
+}
+
+/// Reads what the arguments name.
+pub fn load(arguments: &RobotArguments) -> Result<Loaded, Failure> {
+    let (file, text) = read_text(&arguments.robot)?;
+    load_text(&file, &text)
+}
+
+fn load_text(file: &str, text: &str) -> Result<Loaded, Failure> {
+    let start = text.trim_start_matches('\u{feff}').trim_start();
+    let is_table = [".csv", ".json"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
+        || start.starts_with('{')
+        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'));
+    if is_table {
+        return Ok(match sources::read(file, text)? {
+            Source::Table { table, convention } => Loaded::Table { table, convention },
+            Source::Poe(chain) => Loaded::Poe(chain),
+        });
+    }
+    Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(file, text)?)))
+}
+
+/// What messages call standard input.
+const STANDARD_INPUT: &str = "<stdin>";
+
+/// The text of a file, of standard input (`-`), or of a file in git (`git:REVISION:PATH`), and what to call it.
+pub fn read_text(name: &str) -> Result<(String, String), Failure> {
+    let failed = |reason: String| Failure::Read { file: name.to_owned(), reason };
+    let (file, bytes) = if name == "-" {
+        let mut bytes = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut bytes).map_err(|error| failed(error.to_string()))?;
+        (STANDARD_INPUT.to_owned(), bytes)
+    } else if let Some(object) = name.strip_prefix("git:") {
+        let shown = std::process::Command::new("git").args(["show", object]).output();
+        let shown = shown.map_err(|error| failed(format!("git could not be run: {error}")))?;
+        if !shown.status.success() {
+            return Err(failed(String::from_utf8_lossy(&shown.stderr).trim().to_owned()));
+        }
+        (name.to_owned(), shown.stdout)
+    } else {
+        (name.to_owned(), std::fs::read(name).map_err(|error| failed(error.to_string()))?)
+    };
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        Failure::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
+    })?;
+    Ok((file, text))
+}
+
+impl Loaded {
+    /// The chain that the arguments choose, with everything that must be said of it.
+    pub fn chain(&self, arguments: &RobotArguments) -> Result<Noted<Chain>, Failure> {
+        let file = || arguments.robot.clone();
+        let chain = match self {
+            Self::Robot(robot) => {
+                let reading = if arguments.exact { Reading::AsWritten } else { Reading::Intended };
+                let Noted { value, notes } =
+                    robot.chain(arguments.base.as_deref(), arguments.tip.as_deref(), reading)?;
+                let mut all: Vec<Note> = robot.notes.clone();
+                all.extend(notes);
+                return Ok(Noted { value, notes: all });
+            }
+            Self::Table { table, .. } => table.chain().map_err(|source| Failure::Chain { file: file(), source })?,
+            Self::Poe(chain) => chain.clone(),
+        };
+        for (option, link, given) in [("--base", chain.base(), &arguments.base), ("--tip", chain.tip(), &arguments.tip)]
+        {
+            if given.as_ref().is_some_and(|given| given != link) {
+                let message = format!(
+                    "{}: {option} chooses a link of a URDF; this file has one chain, ending at \"{link}\"",
+                    file()
+                );
+                return Err(Failure::Argument(message));
+            }
+        }
+        Ok(Noted { value: chain, notes: Vec::new() })
+    }
+}
