@@ -64,9 +64,11 @@ impl Weigher {
             return 0.0;
         }
         let angles = angle(row.theta()) + angle(row.alpha()) + angle(row.beta().unwrap_or(0.0));
-        let place =
-            self.joints.saturating_sub(index) as f64 * EARLIER + if index == 0 { OUTSIDE_THE_JOINTS } else { 0.0 };
-        let lengths = self.length(row.a(), place) + self.length(row.d().unwrap_or(0.0), place);
+        let before = self.slides.len().saturating_sub(index) as f64 * EARLIER;
+        let place = before + if index == 0 { OUTSIDE_THE_JOINTS } else { 0.0 };
+        let behind_a_slide = index > 0 && self.slides[index - 1];
+        let a_place = place + if behind_a_slide { BEHIND_A_SLIDE } else { 0.0 };
+        let lengths = self.length(row.a(), a_place) + self.length(row.d().unwrap_or(0.0), place);
         angles + lengths
     }
 
