@@ -248,6 +248,11 @@ impl<'a> Row<'a> {
         self.data.covariates[column].values[self.index]
     }
 
+    /// Value of the numeric column of this name; `None` where there is no such column.
+    pub fn covariate_named(&self, name: &str) -> Option<f64> {
+        self.data.covariate(name).map(|column| column.values[self.index])
+    }
+
     /// What kind of value is measured.
     pub fn kind(&self) -> MeasurementKind {
         self.data.kind

@@ -8,6 +8,7 @@
 //! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
 
 pub mod arm;
+pub mod effects;
 pub mod gauge;
 pub mod identify;
 pub mod measurements;
@@ -17,6 +18,7 @@ pub mod placement;
 pub mod residual;
 pub mod simulate;
 pub mod solve;
+pub mod trace;
 
 pub use arm::{Arm, Deviation, Row, RowState};
 pub use identify::{Identification, IdentifyOptions, identify};

@@ -1,0 +1,14 @@
+//! Effects that geometry lacks: where each acts (carrier) times what drives it (driver).
+
+pub mod carrier;
+pub mod catalogue;
+pub mod driver;
+pub mod gravity;
+pub mod model;
+pub mod survey;
+
+pub use carrier::Carrier;
+pub use catalogue::{KINDS, Kind};
+pub use driver::{Conditions, Driver, Statics};
+pub use gravity::Masses;
+pub use model::{Coupling, Effect, EffectModel, Term};

@@ -1,0 +1,223 @@
+//! What is left when every entry of the catalogue has been tried: structure, and where.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::Kind;
+use crate::effects::driver::Driver;
+use crate::effects::model::{Coupling, Term};
+use crate::effects::survey::Survey;
+use crate::trace::projector::{Gain, Projector};
+use crate::trace::search::{Field, p_value};
+use crate::trace::select::{State, Tracer};
+use denavit_model::nalgebra::DMatrix;
+use serde::Serialize;
+
+/// Periods per joint range of the waves that make a smooth function of one joint.
+const WAVES: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+/// Those that are multiplied for a function of two joints.
+const PAIR_WAVES: [f64; 2] = [0.5, 1.0];
+/// Straight pieces that make a smooth function of a recorded quantity.
+const PIECES: usize = 6;
+/// Places that a report lists at most.
+const LISTED: usize = 5;
+
+/// A joint or a recorded quantity that what is left hangs on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Structure {
+    /// The joint, where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// The recorded quantity, where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covariate: Option<String>,
+    /// Share of what is left (sum of squares) that functions of it explain.
+    pub share: f64,
+}
+
+/// What no entry explains.
+#[derive(Debug, Clone, Default)]
+pub struct Leftover {
+    /// Whether it is more than chance, all blocks counted.
+    pub structured: bool,
+    /// Probability of the best block by chance, all blocks counted.
+    pub p_value: f64,
+    /// Where, the largest share first.
+    pub places: Vec<Structure>,
+    best: Option<Block>,
+}
+
+/// Functions of one or two variables, acting at one carrier.
+#[derive(Debug, Clone)]
+struct Block {
+    carrier: Carrier,
+    variables: Vec<Variable>,
+    /// Values row by row, so many per row.
+    values: Vec<f64>,
+    per_row: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Variable {
+    Joint(usize),
+    Recorded(String),
+}
+
+/// Carriers that blocks act at.
+pub fn carriers(survey: &Survey) -> Vec<Carrier> {
+    survey.moving().map(Carrier::Joint).chain([Carrier::Base]).collect()
+}
+
+/// Tests every block against the model.
+pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>, _state: &State) -> Leftover {
+    let linear = field.linear;
+    let projector = Projector::new(&[&linear.geometry, &linear.effects], &linear.residual);
+    let blocks = blocks(tracer, field);
+    let free = (linear.residual.len() - projector.rank()) as f64;
+    let mut scored: Vec<(f64, Gain, &Block)> = blocks
+        .iter()
+        .map(|block| {
+            let gain = projector.gain_of(&block.columns(field));
+            (p_value(free, projector.rss, gain, gain.rank), gain, block)
+        })
+        .collect();
+    // By how far each is beyond chance: probabilities of strong structure all round to zero.
+    let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
+    scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
+    let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return Leftover::default() };
+    let corrected = (least * scored.len() as f64).min(1.0);
+    if corrected >= tracer.options.false_claims {
+        return Leftover { structured: false, p_value: corrected, places: Vec::new(), best: None };
+    }
+    let mut places: Vec<Structure> = Vec::new();
+    for (p, gain, block) in &scored {
+        if p * scored.len() as f64 >= tracer.options.false_claims {
+            continue;
+        }
+        let share = gain.drop / projector.rss;
+        let acting = block.carrier.joint().map(Variable::Joint);
+        for variable in acting.iter().chain(&block.variables) {
+            let place = variable.place(tracer, share);
+            let known = places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
+            if !known && places.len() < LISTED {
+                places.push(place);
+            }
+        }
+    }
+    Leftover { structured: true, p_value: corrected, places, best: Some(scored[0].2.clone()) }
+}
+
+impl Leftover {
+    /// The best block's columns, in units of the noise.
+    pub(crate) fn columns(&self, field: &Field<'_>) -> DMatrix<f64> {
+        match &self.best {
+            Some(block) => block.columns(field),
+            None => DMatrix::zeros(field.linear.residual.len(), 0),
+        }
+    }
+}
+
+impl Variable {
+    fn place(&self, tracer: &Tracer<'_>, share: f64) -> Structure {
+        match self {
+            Self::Joint(joint) => {
+                let name = tracer.statics.chain.joints()[*joint].name.clone();
+                Structure { joint: Some(name), covariate: None, share }
+            }
+            Self::Recorded(name) => Structure { joint: None, covariate: Some(name.clone()), share },
+        }
+    }
+}
+
+impl Block {
+    fn columns(&self, field: &Field<'_>) -> DMatrix<f64> {
+        let linear = field.linear;
+        let Some(carrier) = linear.columns_of(self.carrier) else {
+            return DMatrix::zeros(linear.residual.len(), 0);
+        };
+        let mut columns = DMatrix::zeros(linear.residual.len(), carrier.len() * self.per_row);
+        for (d, direction) in carrier.enumerate() {
+            for value in 0..self.per_row {
+                let mut column = columns.column_mut(d * self.per_row + value);
+                for (index, row) in linear.rows.iter().enumerate() {
+                    column[index] = linear.carriers[(index, direction)] * self.values[row * self.per_row + value];
+                }
+            }
+        }
+        columns
+    }
+}
+
+fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
+    let survey = &tracer.survey;
+    let rows = tracer.data.len();
+    let moving: Vec<usize> = survey.moving().collect();
+    let waves = |joint: usize, counts: &[f64]| -> Vec<Vec<f64>> {
+        let (low, high) = survey.ranges[joint];
+        let moving = &tracer.statics.chain.joints()[joint];
+        (0..rows)
+            .map(|row| {
+                let part = (moving.value(tracer.data.reading(row)) - low) / (high - low);
+                let wave = |count: &f64| {
+                    let (sine, cosine) = (std::f64::consts::TAU * count * part).sin_cos();
+                    [sine, cosine]
+                };
+                counts.iter().flat_map(wave).collect()
+            })
+            .collect()
+    };
+    let mut functions: Vec<(Vec<Variable>, Vec<Vec<f64>>)> = Vec::new();
+    for (index, &joint) in moving.iter().enumerate() {
+        functions.push((vec![Variable::Joint(joint)], waves(joint, &WAVES)));
+        for &other in &moving[index + 1..] {
+            let (a, b) = (waves(joint, &PAIR_WAVES), waves(other, &PAIR_WAVES));
+            let products = a
+                .iter()
+                .zip(&b)
+                .map(|(a, b)| a.iter().flat_map(|x| b.iter().map(move |y| x * y)).collect())
+                .collect();
+            functions.push((vec![Variable::Joint(joint), Variable::Joint(other)], products));
+        }
+    }
+    for name in &survey.recorded {
+        if name.contains(crate::effects::driver::APPROACH) {
+            continue;
+        }
+        if let Some(values) = pieces(tracer, field, name) {
+            functions.push((vec![Variable::Recorded(name.clone())], values));
+        }
+    }
+    for label in &tracer.data.labels {
+        let mut words: Vec<&String> = label.values.iter().collect();
+        words.sort();
+        words.dedup();
+        if words.len() > 1 && words.len() <= 2 * PIECES {
+            let of = |value: &String| words[1..].iter().map(|word| f64::from(u8::from(*word == value))).collect();
+            functions.push((vec![Variable::Recorded(label.name.clone())], label.values.iter().map(of).collect()));
+        }
+    }
+    let mut blocks = Vec::new();
+    for (variables, values) in functions {
+        let per_row = values.first().map_or(0, Vec::len);
+        let flat: Vec<f64> = values.into_iter().flatten().collect();
+        let recorded = matches!(variables[0], Variable::Recorded(_));
+        let carriers = moving.iter().map(|&joint| Carrier::Joint(joint)).chain(recorded.then_some(Carrier::Base));
+        for carrier in carriers {
+            blocks.push(Block { carrier, variables: variables.clone(), values: flat.clone(), per_row });
+        }
+    }
+    blocks
+}
+
+/// Straight pieces over a recorded quantity, knots where its values lie.
+fn pieces(tracer: &Tracer<'_>, field: &Field<'_>, name: &str) -> Option<Vec<Vec<f64>>> {
+    let mut sorted = tracer.data.covariate(name)?.values.clone();
+    sorted.sort_by(f64::total_cmp);
+    let mut knots: Vec<f64> = (0..=PIECES).map(|k| sorted[k * (sorted.len() - 1) / PIECES]).collect();
+    knots.dedup();
+    if knots.len() < 2 {
+        return None;
+    }
+    let driver = Driver::Smooth { covariate: name.to_string(), knots };
+    let term = Term { kind: Kind::Drift, carrier: Carrier::Base, driver, coupling: Coupling::Each };
+    let count = term.driver.len(field.statics);
+    Some(field.driver_values(&term).chunks(count).map(<[f64]>::to_vec).collect())
+}

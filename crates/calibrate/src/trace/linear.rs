@@ -1,0 +1,177 @@
+//! The model at its fitted state, linearised and in units of the noise: what every candidate is tested against.
+
+use crate::arm::{Arm, Deviation, Row, RowState};
+use crate::effects::carrier::{Action, Carrier};
+use crate::effects::model::{EffectModel, add_sensitivity};
+use crate::measurements::{MeasurementKind, Measurements};
+use crate::parameters::{Effects, Layout, Parameter, ParameterKind, Sensitivity};
+use crate::residual::{Problem, Scratch, width};
+use crate::solve::Fit;
+use denavit_model::nalgebra::{DMatrix, DVector};
+
+/// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
+/// sensible size cannot do.
+const RELAXED: f64 = 10.0;
+
+/// Residual and derivatives in units of the noise; rows of the relaxed prior come after those of the data.
+#[derive(Debug, Clone)]
+pub struct Linear {
+    /// Measured minus predicted.
+    pub residual: DVector<f64>,
+    /// Columns of geometry, instrument and targets.
+    pub geometry: DMatrix<f64>,
+    /// Columns of the model's effects, coefficient by coefficient.
+    pub effects: DMatrix<f64>,
+    /// Columns of the carriers' directions, each driven by 1.
+    pub carriers: DMatrix<f64>,
+    /// Which columns belong to which carrier.
+    pub places: Vec<(Carrier, std::ops::Range<usize>)>,
+    /// The data row that each value belongs to.
+    pub rows: Vec<usize>,
+}
+
+/// The model as it is, and beside it every carrier's directions as free numbers.
+#[derive(Debug, Clone)]
+struct Probe<'a> {
+    model: &'a EffectModel,
+    directions: Vec<Vec<Action>>,
+}
+
+impl Effects for Probe<'_> {
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = self.model.parameters();
+        for _ in &self.directions {
+            let kind = ParameterKind::Effect { index: parameters.len() };
+            parameters.push(Parameter { name: String::new(), kind, unit: "", tolerance: None });
+        }
+        parameters
+    }
+
+    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool {
+        self.model.deviate(row, out)
+    }
+
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+        let own = out.len() - self.directions.len();
+        self.model.sensitivities(row, arm, state, &mut out[..own]);
+        for (direction, out) in self.directions.iter().zip(&mut out[own..]) {
+            for action in direction {
+                add_sensitivity(action, 1.0, state, out);
+            }
+        }
+    }
+
+    fn stepped(&self, _step: &[f64]) -> Self {
+        self.clone()
+    }
+}
+
+/// The layout with other effects in it.
+pub fn with_effects(layout: &Layout, effects: Vec<Parameter>) -> Layout {
+    let joints = layout.parameters[layout.joints.clone()].to_vec();
+    let (before, count) = (joints.len(), effects.len());
+    let rest = layout.parameters[layout.effects.end..].to_vec();
+    let shift = |range: &std::ops::Range<usize>| {
+        range.start - layout.effects.end + before + count..range.end - layout.effects.end + before + count
+    };
+    Layout {
+        parameters: joints.into_iter().chain(effects).chain(rest).collect(),
+        joints: 0..before,
+        effects: before..before + count,
+        instrument: shift(&layout.instrument),
+        targets: shift(&layout.targets),
+        across: layout.across.clone(),
+        kind: layout.kind,
+    }
+}
+
+/// Linearises a fit about its state, with columns for these carriers.
+pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, carriers: &[Carrier]) -> Linear {
+    let model = &fit.effects;
+    let mut places = Vec::new();
+    let mut directions = Vec::new();
+    for carrier in carriers {
+        let own = carrier.directions(&model.statics.chain);
+        places.push((*carrier, directions.len()..directions.len() + own.len()));
+        directions.extend(own);
+    }
+    let own = fit.layout.effects.len();
+    let probe = Probe { model, directions };
+    let layout = with_effects(&fit.layout, probe.parameters());
+    let problem = Problem { data, layout: &layout, effects: &probe };
+    let (targets, step, columns) = (data.targets.len(), width(data.kind), layout.len());
+    let mut scratch = Scratch::new(&layout, &fit.arm);
+    let mut residual = vec![0.0; targets * step];
+    let mut jacobian = vec![0.0; targets * step * columns];
+    let kept: Vec<(usize, usize)> = (0..data.len())
+        .flat_map(|row| (0..targets).map(move |target| (row, target)))
+        .filter(|(row, target)| {
+            let seen = data.kind != MeasurementKind::Position || data.position(*row, *target).is_some();
+            seen && fit.weights[row * targets + target] > 0.0
+        })
+        .collect();
+    let priors: Vec<(usize, f64)> = layout
+        .parameters
+        .iter()
+        .enumerate()
+        .filter_map(|(column, parameter)| parameter.tolerance.map(|tolerance| (column, RELAXED * tolerance)))
+        .collect();
+    let values = kept.len() * step;
+    let total = values + priors.len();
+    let (first, last) = (layout.effects.start + own, layout.effects.end);
+    let geometry_columns: Vec<usize> = (0..layout.effects.start).chain(last..columns).collect();
+    let mut result = Linear {
+        residual: DVector::zeros(total),
+        geometry: DMatrix::zeros(total, geometry_columns.len()),
+        effects: DMatrix::zeros(total, own),
+        carriers: DMatrix::zeros(total, last - first),
+        places,
+        rows: Vec::with_capacity(values),
+    };
+    let mut at = 0;
+    let mut computed = usize::MAX;
+    for (row, target) in kept {
+        if row != computed {
+            problem.row_into(&fit.arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+            computed = row;
+        }
+        let weight = fit.weights[row * targets + target].sqrt();
+        for k in 0..step {
+            let sigma = if k < 3 { fit.noise.position } else { fit.noise.orientation };
+            let factor = weight / sigma;
+            let line = target * step + k;
+            let cells = &jacobian[line * columns..(line + 1) * columns];
+            result.residual[at] = residual[line] * factor;
+            for (column, &from) in geometry_columns.iter().enumerate() {
+                result.geometry[(at, column)] = cells[from] * factor;
+            }
+            for column in 0..own {
+                result.effects[(at, column)] = cells[layout.effects.start + column] * factor;
+            }
+            for column in first..last {
+                result.carriers[(at, column - first)] = cells[column] * factor;
+            }
+            result.rows.push(row);
+            at += 1;
+        }
+    }
+    let departure = layout.departure(&fit.arm, reference);
+    for (k, (column, tolerance)) in priors.iter().enumerate() {
+        result.residual[values + k] = departure[*column] / tolerance;
+        let place = geometry_columns.iter().position(|from| from == column).expect("only geometry has tolerances");
+        result.geometry[(values + k, place)] = 1.0 / tolerance;
+    }
+    result
+}
+
+impl Linear {
+    /// Values measured and kept.
+    pub fn values(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Columns of one carrier.
+    pub fn columns_of(&self, carrier: Carrier) -> Option<std::ops::Range<usize>> {
+        self.places.iter().find(|(place, _)| *place == carrier).map(|(_, range)| range.clone())
+    }
+}

@@ -1,0 +1,132 @@
+//! The numbers inside a driver (order, place, width, time constant) that a scan only brackets.
+
+use crate::effects::catalogue::Candidate;
+use crate::effects::driver::Driver;
+use crate::effects::survey::Survey;
+use crate::trace::projector::Projector;
+use crate::trace::search::{Field, Scored};
+
+/// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what noise lets one tell.
+const HALVINGS: usize = 16;
+/// The golden section.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
+impl Field<'_> {
+    /// The candidate with its scanned numbers where it explains most, scored.
+    pub fn refined(&self, projector: &Projector, survey: &Survey, candidate: &Candidate) -> Scored {
+        let score = |driver: Driver, scanned: usize| {
+            let mut tried = candidate.clone();
+            tried.term.driver = driver;
+            tried.scanned = scanned;
+            let gain = projector.gain_of(&self.columns(&tried.term));
+            self.judged(projector, &tried, gain)
+        };
+        let drop = |driver: Driver| score(driver, candidate.scanned).gain.drop;
+        match candidate.term.driver.clone() {
+            Driver::Harmonic { joint, order } if survey.motor_orders(joint).contains(&order) => {
+                score(Driver::Harmonic { joint, order }, 0)
+            }
+            Driver::Harmonic { joint, order } => {
+                let step = survey.order_step(joint);
+                let at = |order: f64| drop(Driver::Harmonic { joint, order });
+                let best = highest(at, (order - step).max(0.25 * order), order + step);
+                let free = score(Driver::Harmonic { joint, order: best }, 1);
+                if survey.slides(joint) {
+                    return free;
+                }
+                let whole = score(Driver::Harmonic { joint, order: best.round().max(1.0) }, 0);
+                if whole.delta_bic >= free.delta_bic { whole } else { free }
+            }
+            Driver::Bump { joint, at, width } => {
+                let (mut at, mut width) = (at, width);
+                for round in 0..3 {
+                    let reach = width * if round == 0 { 1.2 } else { 0.5 };
+                    at = highest(|at| drop(Driver::Bump { joint, at, width }), at - reach, at + reach);
+                    let log = highest(
+                        |log: f64| drop(Driver::Bump { joint, at, width: log.exp() }),
+                        (0.5 * width).ln(),
+                        (2.0 * width).ln(),
+                    );
+                    width = log.exp().clamp(0.005 * survey.span(joint), 0.2 * survey.span(joint));
+                }
+                score(Driver::Bump { joint, at, width }, 2)
+            }
+            Driver::Decay { covariate, from, constant } => {
+                let at = |log: f64| drop(Driver::Decay { covariate: covariate.clone(), from, constant: log.exp() });
+                let log = highest(at, (0.3 * constant).ln(), (3.0 * constant).ln());
+                score(Driver::Decay { covariate: covariate.clone(), from, constant: log.exp() }, 1)
+            }
+            Driver::Steps { covariate, at } => {
+                let mut at = at;
+                let places = survey.clock.as_ref().map(crate::effects::survey::Clock::all_places).unwrap_or_default();
+                for k in 0..at.len() {
+                    at[k] = self.best_place(projector, candidate, &covariate, &at, k, &places);
+                }
+                at.sort_by(f64::total_cmp);
+                let scanned = at.len();
+                score(Driver::Steps { covariate, at }, scanned)
+            }
+            driver => score(driver, candidate.scanned),
+        }
+    }
+
+    /// Where step `k` explains most: among the places within a stretch of the run around it.
+    fn best_place(
+        &self,
+        projector: &Projector,
+        candidate: &Candidate,
+        covariate: &str,
+        at: &[f64],
+        k: usize,
+        places: &[f64],
+    ) -> f64 {
+        let here = places.partition_point(|place| *place < at[k]);
+        let reach = (places.len() / 40).clamp(6, 40);
+        let near = &places[here.saturating_sub(reach)..(here + reach).min(places.len())];
+        let mut best = (f64::NEG_INFINITY, at[k]);
+        for &place in near {
+            if at.iter().enumerate().any(|(other, taken)| other != k && *taken == place) {
+                continue;
+            }
+            let mut tried = candidate.term.clone();
+            let mut moved = at.to_vec();
+            moved[k] = place;
+            tried.driver = Driver::Steps { covariate: covariate.to_string(), at: moved };
+            let drop = projector.gain_of(&self.columns(&tried)).drop;
+            if drop > best.0 {
+                best = (drop, place);
+            }
+        }
+        best.1
+    }
+}
+
+/// Where a function of one peak is highest between two ends, by golden section.
+fn highest(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut f_left, mut f_right) = (f(left), f(right));
+    for _ in 0..HALVINGS {
+        if f_left >= f_right {
+            (high, right, f_right) = (right, left, f_left);
+            left = high - GOLDEN * (high - low);
+            f_left = f(left);
+        } else {
+            (low, left, f_left) = (left, right, f_right);
+            right = low + GOLDEN * (high - low);
+            f_right = f(right);
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::highest;
+
+    #[test]
+    fn the_highest_point_is_found() {
+        let found = highest(|x| -(x - 0.3) * (x - 0.3), -1.0, 2.0);
+        assert!((found - 0.3).abs() < 2e-3, "{found}");
+    }
+}

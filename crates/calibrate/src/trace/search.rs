@@ -1,0 +1,178 @@
+//! One pass over every candidate at one state of the model.
+
+use crate::arm::Row;
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::Candidate;
+use crate::effects::driver::{Conditions, Posture, Statics};
+use crate::effects::model::{Coupling, Term};
+use crate::measurements::Measurements;
+use crate::trace::linear::Linear;
+use crate::trace::projector::{Gain, Projector};
+use denavit_model::nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// Columns that are projected together.
+const BATCH: usize = 192;
+
+/// A candidate's result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scored {
+    /// Which one.
+    pub candidate: Candidate,
+    /// What it explains.
+    pub gain: Gain,
+    /// How much the Bayesian information criterion falls when it is added: positive speaks for it.
+    pub delta_bic: f64,
+    /// Probability of such a gain by chance, this candidate alone.
+    pub p_value: f64,
+}
+
+/// What a search is made against.
+#[derive(Debug, Clone, Copy)]
+pub struct Field<'a> {
+    /// Data.
+    pub data: &'a Measurements,
+    /// The chain and its masses.
+    pub statics: &'a Statics,
+    /// The arm in every row, nominal chain.
+    pub postures: &'a [Posture],
+    /// The model at its state.
+    pub linear: &'a Linear,
+}
+
+/// The arm in every row of the data.
+pub fn postures(statics: &Statics, data: &Measurements) -> Vec<Posture> {
+    (0..data.len())
+        .map(|index| {
+            let row = Row::new(data, index);
+            let recorded = |name: &str| row.covariate_named(name);
+            statics.posture(&Conditions { reading: row.reading(), covariate: &recorded })
+        })
+        .collect()
+}
+
+impl Field<'_> {
+    /// The term's columns in units of the noise, appended to `out`; returns how many.
+    pub fn columns_into(&self, term: &Term, out: &mut Vec<f64>) -> usize {
+        let Some(carrier) = self.linear.columns_of(term.carrier) else { return 0 };
+        let values = self.driver_values(term);
+        let count = term.driver.len(self.statics);
+        let total = self.linear.residual.len();
+        let pairs: Vec<Vec<(usize, usize)>> = match term.coupling {
+            Coupling::Paired => vec![(0..carrier.len().min(count)).map(|k| (k, k)).collect()],
+            Coupling::Each => (0..carrier.len()).flat_map(|d| (0..count).map(move |v| vec![(d, v)])).collect(),
+        };
+        for pair in &pairs {
+            let start = out.len();
+            out.resize(start + total, 0.0);
+            for &(direction, value) in pair {
+                let carrier = self.linear.carriers.column(carrier.start + direction);
+                for ((cell, row), unit) in out[start..].iter_mut().zip(&self.linear.rows).zip(carrier.iter()) {
+                    *cell += unit * values[row * count + value];
+                }
+            }
+        }
+        pairs.len()
+    }
+
+    /// The term's columns as a matrix.
+    pub fn columns(&self, term: &Term) -> DMatrix<f64> {
+        let mut cells = Vec::new();
+        let count = self.columns_into(term, &mut cells);
+        DMatrix::from_vec(self.linear.residual.len(), count, cells)
+    }
+
+    /// Values of the term's driver, row by row.
+    pub fn driver_values(&self, term: &Term) -> Vec<f64> {
+        let mut values = Vec::new();
+        for (index, posture) in self.postures.iter().enumerate() {
+            let row = Row::new(self.data, index);
+            let recorded = |name: &str| row.covariate_named(name);
+            let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+            term.driver.values_into(self.statics, &conditions, posture, &mut values);
+        }
+        values
+    }
+
+    /// Scores every candidate against the model, in the order given.
+    pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let share = candidates.len().div_ceil(threads).max(1);
+        std::thread::scope(|scope| {
+            let handles: Vec<_> =
+                candidates.chunks(share).map(|part| scope.spawn(move || self.score_part(projector, part))).collect();
+            handles.into_iter().flat_map(|handle| handle.join().expect("scoring does not panic")).collect()
+        })
+    }
+
+    fn score_part(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
+        let total = self.linear.residual.len();
+        let mut scored = Vec::with_capacity(candidates.len());
+        let mut waiting: Vec<(&Candidate, usize)> = Vec::new();
+        let mut cells: Vec<f64> = Vec::with_capacity((BATCH + 32) * total);
+        for (index, candidate) in candidates.iter().enumerate() {
+            let count = self.columns_into(&candidate.term, &mut cells);
+            waiting.push((candidate, count));
+            if cells.len() < BATCH * total && index + 1 < candidates.len() {
+                continue;
+            }
+            let mut block = DMatrix::from_vec(total, cells.len() / total, std::mem::take(&mut cells));
+            let norms: Vec<f64> = block.column_iter().map(|column| column.norm()).collect();
+            projector.remove_from(&mut block);
+            let mut first = 0;
+            for (candidate, count) in waiting.drain(..) {
+                let part = &mut block.as_mut_slice()[first * total..(first + count) * total];
+                let gain = projector.gain(part, &norms[first..first + count]);
+                scored.push(self.judged(projector, candidate, gain));
+                first += count;
+            }
+            cells = block.data.into();
+            cells.clear();
+        }
+        scored
+    }
+
+    /// Scores a gain: information criterion and F-test.
+    pub fn judged(&self, projector: &Projector, candidate: &Candidate, gain: Gain) -> Scored {
+        let used = gain.rank + candidate.scanned;
+        let values = self.linear.values() as f64;
+        let free = (self.linear.residual.len() - projector.rank()) as f64;
+        Scored {
+            candidate: candidate.clone(),
+            gain,
+            delta_bic: delta_bic(values, projector.rss, gain, used),
+            p_value: p_value(free, projector.rss, gain, used),
+        }
+    }
+}
+
+/// How much the information criterion falls: m ln(RSS before/after) - k ln m.
+fn delta_bic(values: f64, rss: f64, gain: Gain, used: usize) -> f64 {
+    if gain.rank == 0 {
+        return f64::NEG_INFINITY;
+    }
+    let after = (rss - gain.drop).max(f64::MIN_POSITIVE);
+    values * (rss / after).ln() - used as f64 * values.ln()
+}
+
+/// F-test of a gain with `used` numbers, where `free` degrees of freedom were left before.
+pub fn p_value(free: f64, rss: f64, gain: Gain, used: usize) -> f64 {
+    let left = free - used as f64;
+    if gain.rank == 0 || left < 1.0 {
+        return 1.0;
+    }
+    let after = (rss - gain.drop).max(f64::MIN_POSITIVE);
+    let f = (gain.drop / used as f64) / (after / left);
+    FisherSnedecor::new(used as f64, left).map_or(1.0, |distribution| distribution.sf(f))
+}
+
+/// The carriers that these candidates use, each once.
+pub fn carriers_of<'a>(terms: impl Iterator<Item = &'a Term>) -> Vec<Carrier> {
+    let mut carriers: Vec<Carrier> = Vec::new();
+    for term in terms {
+        if !carriers.contains(&term.carrier) {
+            carriers.push(term.carrier);
+        }
+    }
+    carriers
+}

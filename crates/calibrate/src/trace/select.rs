@@ -1,0 +1,426 @@
+//! The search: add the best, refit, swap, merge, drop, and say what cannot be told apart.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::{Candidate, KINDS, Kind};
+use crate::effects::driver::{Driver, Posture, Statics};
+use crate::effects::model::{Coupling, EffectModel};
+use crate::effects::survey::Survey;
+use crate::identify::fit_stage;
+use crate::measurements::Measurements;
+use crate::parameters::NoEffects;
+use crate::solve::Fit;
+use crate::trace::holdout::{Folds, held_out};
+use crate::trace::leftover::{self, Leftover};
+use crate::trace::linear::{Linear, linearise};
+use crate::trace::projector::Projector;
+use crate::trace::search::{Field, Scored, carriers_of, postures};
+use crate::trace::{Finding, ScanCell, Trace, TraceOptions, Value};
+use denavit_model::nalgebra::{DMatrix, DVector};
+
+/// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
+const LEAST_DELTA_BIC: f64 = 10.0;
+/// Two effects whose criteria differ by less than this cannot be told apart.
+pub const TOLD_APART: f64 = 10.0;
+/// A swap must gain this much, or the search would go round in circles.
+const SWAP_GAIN: f64 = 2.0;
+/// How many of the best candidates of a pass have their scanned numbers refined.
+const REFINED: usize = 6;
+/// Candidates this far behind the best are not worth refining as rivals.
+const BEHIND: f64 = 60.0;
+
+/// The search and what it works with.
+pub struct Tracer<'a> {
+    pub(crate) data: &'a Measurements,
+    pub(crate) statics: &'a Statics,
+    pub(crate) options: &'a TraceOptions,
+    geometric: &'a Fit<NoEffects>,
+    pub(crate) survey: Survey,
+    pub(crate) postures: Vec<Posture>,
+    candidates: Vec<Candidate>,
+    carriers: Vec<Carrier>,
+}
+
+/// The model at one point of the search.
+#[derive(Clone)]
+pub struct State {
+    pub(crate) chosen: Vec<Candidate>,
+    pub(crate) fit: Fit<EffectModel>,
+}
+
+impl<'a> Tracer<'a> {
+    /// Looks at the data and lists the candidates.
+    pub fn new(
+        statics: &'a Statics,
+        data: &'a Measurements,
+        geometric: &'a Fit<NoEffects>,
+        options: &'a TraceOptions,
+    ) -> Self {
+        let survey = Survey::of(statics, data, options.gear_ratios.clone());
+        let wanted = |kind: Kind| options.kinds.is_empty() || options.kinds.contains(&kind);
+        let candidates: Vec<Candidate> =
+            KINDS.iter().filter(|entry| wanted(entry.kind)).flat_map(|entry| (entry.terms)(&survey)).collect();
+        let mut carriers = carriers_of(candidates.iter().map(|candidate| &candidate.term));
+        for carrier in leftover::carriers(&survey) {
+            if !carriers.contains(&carrier) {
+                carriers.push(carrier);
+            }
+        }
+        let postures = postures(statics, data);
+        Self { data, statics, options, geometric, survey, postures, candidates, carriers }
+    }
+
+    /// The whole search.
+    pub fn run(&self) -> Trace {
+        let mut state = self.refitted(Vec::new(), None);
+        let mut stages = Vec::new();
+        let mut scan = Vec::new();
+        while state.chosen.len() < self.options.max_effects {
+            let linear = self.linear(&state);
+            let projector = Projector::new(&[&linear.geometry, &linear.effects], &linear.residual);
+            let field = self.field(&linear);
+            let scored = field.score(&projector, &self.candidates);
+            if stages.is_empty() {
+                scan = self.scan(&scored);
+            }
+            let Some(best) = self.best(&field, &projector, &scored) else { break };
+            if !self.passes(&best) || !self.helps_held_out(&field, &best) {
+                break;
+            }
+            let before = state.clone();
+            state = self.added(&state, &best.candidate);
+            state = self.tidied(state);
+            if state.chosen.len() <= before.chosen.len() && same_terms(&state.chosen, &before.chosen) {
+                break;
+            }
+            stages.push(state.fit.clone());
+            if stages.len() > 3 * self.options.max_effects {
+                break;
+            }
+        }
+        let (state, leftover) = self.without_mimics(state);
+        stages.truncate(state.chosen.len());
+        if let Some(last) = stages.last_mut() {
+            *last = state.fit.clone();
+        }
+        let findings = self.findings(&state);
+        Trace { fit: state.fit, stages, findings, candidates: self.candidates.len(), scan, leftover }
+    }
+
+    /// Refits with these terms and refines their scanned numbers at the new state.
+    fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
+        let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
+        let model = EffectModel::of_terms(self.statics, &terms);
+        let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
+        let weights = vec![1.0; self.data.observations()];
+        let fit = fit_stage(self.data, arm, &model, &weights, &self.options.identify);
+        State { chosen, fit }
+    }
+
+    /// The model linearised at a state.
+    pub(crate) fn linear(&self, state: &State) -> Linear {
+        linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers)
+    }
+
+    pub(crate) fn field<'b>(&'b self, linear: &'b Linear) -> Field<'b> {
+        Field { data: self.data, statics: self.statics, postures: &self.postures, linear }
+    }
+
+    /// The best candidate of a pass, the leaders' scanned numbers refined.
+    fn best(&self, field: &Field<'_>, projector: &Projector, scored: &[Scored]) -> Option<Scored> {
+        let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
+        order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+        let mut seen: Vec<(Kind, Carrier)> = Vec::new();
+        let mut leaders = Vec::new();
+        for scored in order {
+            let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
+            if !seen.contains(&key) {
+                seen.push(key);
+                leaders.push(field.refined(projector, &self.survey, &scored.candidate));
+            }
+            if leaders.len() == REFINED {
+                break;
+            }
+        }
+        leaders.into_iter().max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
+    }
+
+    /// Beyond chance, with the whole search counted.
+    pub(crate) fn passes(&self, scored: &Scored) -> bool {
+        scored.delta_bic > LEAST_DELTA_BIC && self.corrected(scored.p_value) < self.options.false_claims
+    }
+
+    /// A probability with the whole search counted.
+    fn corrected(&self, p_value: f64) -> f64 {
+        (p_value * self.candidates.len() as f64).min(1.0)
+    }
+
+    fn helps_held_out(&self, field: &Field<'_>, scored: &Scored) -> bool {
+        let linear = field.linear;
+        let clock = self.survey.clock.as_ref().map(|clock| clock.name.as_str());
+        let follows_run = scored.candidate.term.driver.covariate().is_some_and(|name| Some(name) == clock);
+        let folds = if follows_run { Folds::Interleaved } else { Folds::Stretches };
+        let columns = field.columns(&scored.candidate.term);
+        let without = held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds);
+        let with = held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds);
+        with < without
+    }
+
+    /// The state with one more term; a further step joins the steps that act at the same place.
+    fn added(&self, state: &State, candidate: &Candidate) -> State {
+        let mut chosen = state.chosen.clone();
+        if let Driver::Steps { at, .. } = &candidate.term.driver {
+            let same = chosen.iter_mut().find(|other| {
+                other.term.carrier == candidate.term.carrier && matches!(other.term.driver, Driver::Steps { .. })
+            });
+            if let Some(other) = same {
+                if let Driver::Steps { at: known, .. } = &mut other.term.driver {
+                    known.extend(at);
+                    known.sort_by(f64::total_cmp);
+                    known.dedup();
+                    other.scanned = known.len();
+                    return self.refitted(chosen, Some(state));
+                }
+            }
+        }
+        chosen.push(candidate.clone());
+        self.refitted(chosen, Some(state))
+    }
+
+    /// Swaps, merges and drops until nothing changes.
+    fn tidied(&self, state: State) -> State {
+        let mut state = self.rescanned(state);
+        for _ in 0..4 {
+            let Some(next) = self.improved(&state) else { break };
+            state = self.rescanned(next);
+        }
+        state
+    }
+
+    /// Refines every scanned number with all else in the model.
+    fn rescanned(&self, state: State) -> State {
+        if state.chosen.iter().all(|candidate| candidate.scanned == 0) {
+            return state;
+        }
+        let linear = self.linear(&state);
+        let field = self.field(&linear);
+        let mut chosen = state.chosen.clone();
+        for index in 0..chosen.len() {
+            if chosen[index].scanned > 0 {
+                let projector = self.without(&state, &linear, &[index]);
+                chosen[index] = field.refined(&projector, &self.survey, &chosen[index]).candidate;
+            }
+        }
+        self.refitted(chosen, Some(&state))
+    }
+
+    /// Geometry and all effects but those of these indices, and the residual that this would leave.
+    fn without(&self, state: &State, linear: &Linear, left_out: &[usize]) -> Projector {
+        let (others, residual) = self.parts(state, linear, left_out);
+        Projector::new(&[&linear.geometry, &others], &residual)
+    }
+
+    fn parts(&self, state: &State, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+        let mut residual = linear.residual.clone();
+        let mut kept = Vec::new();
+        let mut column = 0;
+        for (index, effect) in state.fit.effects.effects.iter().enumerate() {
+            for coefficient in &effect.coefficients {
+                if left_out.contains(&index) {
+                    residual.axpy(-coefficient, &linear.effects.column(column), 1.0);
+                } else {
+                    kept.push(column);
+                }
+                column += 1;
+            }
+        }
+        (linear.effects.select_columns(kept.iter()), residual)
+    }
+
+    /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
+    fn improved(&self, state: &State) -> Option<State> {
+        let linear = self.linear(state);
+        let field = self.field(&linear);
+        for index in 0..state.chosen.len() {
+            let projector = self.without(state, &linear, &[index]);
+            let own = self.own(&field, &projector, &state.chosen[index]);
+            if own.delta_bic < LEAST_DELTA_BIC {
+                let mut chosen = state.chosen.clone();
+                chosen.remove(index);
+                return Some(self.refitted(chosen, Some(state)));
+            }
+            if state.chosen.len() == 1 {
+                continue;
+            }
+            let scored = field.score(&projector, &self.candidates);
+            let best = self.best(&field, &projector, &scored)?;
+            if best.delta_bic > own.delta_bic + SWAP_GAIN && best.candidate.term != state.chosen[index].term {
+                let mut chosen = state.chosen.clone();
+                chosen[index] = best.candidate;
+                return Some(self.refitted(chosen, Some(state)));
+            }
+        }
+        self.merged(state, &field)
+    }
+
+    /// Several effects at one place where a single candidate does as well.
+    fn merged(&self, state: &State, field: &Field<'_>) -> Option<State> {
+        for first in 0..state.chosen.len() {
+            let joint = state.chosen[first].term.carrier.joint()?;
+            let same: Vec<usize> = (0..state.chosen.len())
+                .filter(|&other| state.chosen[other].term.carrier.joint() == Some(joint))
+                .collect();
+            if same.len() < 2 || same[0] != first {
+                continue;
+            }
+            let projector = self.without(state, field.linear, &same);
+            let mut columns = Vec::new();
+            let mut scanned = 0;
+            for &index in &same {
+                field.columns_into(&state.chosen[index].term, &mut columns);
+                scanned += state.chosen[index].scanned;
+            }
+            let total = field.linear.residual.len();
+            let count = columns.len() / total;
+            let gain = projector.gain_of(&DMatrix::from_vec(total, count, columns));
+            let together = field.judged(&projector, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
+            let scored = field.score(&projector, &self.candidates);
+            let best = self.best(field, &projector, &scored)?;
+            if best.delta_bic > together.delta_bic {
+                let mut chosen: Vec<Candidate> =
+                    (0..state.chosen.len()).filter(|k| !same.contains(k)).map(|k| state.chosen[k].clone()).collect();
+                chosen.push(best.candidate);
+                return Some(self.refitted(chosen, Some(state)));
+            }
+        }
+        None
+    }
+
+    /// What an effect of the model explains when it is put back.
+    fn own(&self, field: &Field<'_>, projector: &Projector, candidate: &Candidate) -> Scored {
+        let gain = projector.gain_of(&field.columns(&candidate.term));
+        field.judged(projector, candidate, gain)
+    }
+
+    /// Drops effects that only stand in for a structure that no entry describes, and says what is left.
+    fn without_mimics(&self, mut state: State) -> (State, Leftover) {
+        loop {
+            let linear = self.linear(&state);
+            let field = self.field(&linear);
+            let leftover = leftover::examine(self, &field, &state);
+            if !leftover.structured || state.chosen.is_empty() {
+                return (state, leftover);
+            }
+            let blocks = leftover.columns(&field);
+            let mut weakest: Option<(f64, usize)> = None;
+            for index in 0..state.chosen.len() {
+                let (others, residual) = self.parts(&state, &linear, &[index]);
+                let projector = Projector::new(&[&linear.geometry, &others, &blocks], &residual);
+                let own = self.own(&field, &projector, &state.chosen[index]);
+                if !self.passes(&own) && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
+                    weakest = Some((own.delta_bic, index));
+                }
+            }
+            let Some((_, index)) = weakest else { return (state, leftover) };
+            let mut chosen = state.chosen.clone();
+            chosen.remove(index);
+            state = self.refitted(chosen, Some(&state));
+        }
+    }
+
+    fn scan(&self, scored: &[Scored]) -> Vec<ScanCell> {
+        let mut cells: Vec<ScanCell> = Vec::new();
+        for scored in scored {
+            let kind = scored.candidate.term.kind;
+            let place = scored.candidate.term.carrier.place(&self.statics.chain);
+            match cells.iter_mut().find(|cell| cell.kind == kind && cell.place == place) {
+                Some(cell) => cell.delta_bic = cell.delta_bic.max(scored.delta_bic),
+                None => cells.push(ScanCell { kind, place, delta_bic: scored.delta_bic }),
+            }
+        }
+        cells
+    }
+
+    fn findings(&self, state: &State) -> Vec<Finding> {
+        let linear = self.linear(state);
+        let field = self.field(&linear);
+        let mut column = state.fit.layout.effects.start;
+        let mut findings = Vec::new();
+        for (index, candidate) in state.chosen.iter().enumerate() {
+            let projector = self.without(state, &linear, &[index]);
+            let own = self.own(&field, &projector, candidate);
+            let count = state.fit.effects.effects[index].coefficients.len();
+            findings.push(Finding {
+                term: candidate.term.clone(),
+                place: candidate.term.carrier.place(&self.statics.chain),
+                values: self.values(state, index, column),
+                p_value: self.corrected(own.p_value),
+                delta_bic: own.delta_bic,
+                ambiguous_with: self.rivals(&field, &projector, &own),
+            });
+            column += count;
+        }
+        findings
+    }
+
+    /// Kinds and places that do as well as an effect in its place.
+    fn rivals(&self, field: &Field<'_>, projector: &Projector, own: &Scored) -> Vec<(Kind, String)> {
+        let chain = &self.statics.chain;
+        let key = |scored: &Scored| (scored.candidate.term.kind, scored.candidate.term.carrier.place(chain));
+        let mut best: Vec<Scored> = Vec::new();
+        for scored in field.score(projector, &self.candidates) {
+            if scored.gain.rank == 0 || key(&scored) == key(own) || scored.delta_bic < own.delta_bic - BEHIND {
+                continue;
+            }
+            match best.iter_mut().find(|other| key(other) == key(&scored)) {
+                Some(other) if other.delta_bic >= scored.delta_bic => {}
+                Some(other) => *other = scored,
+                None => best.push(scored),
+            }
+        }
+        let mut rivals: Vec<Scored> = best
+            .into_iter()
+            .map(|scored| field.refined(projector, &self.survey, &scored.candidate))
+            .filter(|scored| scored.delta_bic > own.delta_bic - TOLD_APART)
+            .collect();
+        rivals.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+        rivals.iter().map(key).collect()
+    }
+
+    fn values(&self, state: &State, index: usize, first: usize) -> Vec<Value> {
+        let effect = &state.fit.effects.effects[index];
+        let mut values: Vec<Value> = effect
+            .coefficients
+            .iter()
+            .enumerate()
+            .map(|(k, value)| {
+                let (name, carrier, driver) = effect.term.coefficient_name(self.statics, k);
+                let variance = state.fit.covariance[(first + k, first + k)];
+                let unit = if driver == "1" { carrier.to_string() } else { format!("{carrier}/({driver})") };
+                Value { name, value: *value, std: Some(variance.max(0.0).sqrt()), unit }
+            })
+            .collect();
+        let chosen = |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
+        match &effect.term.driver {
+            Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
+            Driver::Bump { at, width, .. } => {
+                let unit = self.statics.chain.joints()[effect.term.carrier.joint().unwrap_or(0)].screw.pitch();
+                let unit = if unit.is_none() { "m" } else { "rad" };
+                values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
+            }
+            Driver::Decay { constant, covariate, .. } => {
+                values.push(chosen("time_constant", *constant, crate::effects::driver::unit_of(covariate)));
+            }
+            Driver::Steps { at, covariate } => {
+                let unit = crate::effects::driver::unit_of(covariate);
+                values.extend(at.iter().enumerate().map(|(k, at)| chosen(&format!("at_{}", k + 1), *at, unit)));
+            }
+            _ => {}
+        }
+        debug_assert!(effect.term.coupling == Coupling::Each || effect.coefficients.len() == 1);
+        values
+    }
+}
+
+fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
+}
