@@ -1,1 +1,21 @@
-//! See the crate description; written below.
+//! Is it still the same robot? Differences with bounds, fingerprints, and rules for URDF files.
+//!
+//! ```text
+//! a, b ──► Mechanism (no link frames) ──► Comparison ──► text · json · junit · sarif · github · markdown
+//! a    ──► Mechanism ──► Fingerprint
+//! text ──► RULES ──► findings ──► the same reports, or the text with what is certain mended
+//! ```
+//! The crate opens no files; whoever calls it says how a mesh is looked up.
+
+pub mod comparison;
+pub mod diff;
+pub mod lint;
+pub mod mechanism;
+pub mod report;
+pub mod subject;
+mod words;
+
+pub use comparison::{Change, Comparison, JointChange, JointDifference, PartDifference, TipDifference, Verdict};
+pub use diff::{Options, Range, Scope, compare};
+pub use lint::Finding;
+pub use subject::Subject;

@@ -1,0 +1,254 @@
+//! What changed about one joint, in words and numbers.
+
+use crate::comparison::{Change, JointChange};
+use crate::diff::alignment::{Alignment, least_motion};
+use crate::diff::features::axes_apart;
+use crate::diff::{Options, Scope};
+use crate::mechanism::{Mechanism, MovingJoint, reversed};
+use denavit_model::Screw;
+use denavit_model::nalgebra::Point3;
+use denavit_model::se3::{self, Pose};
+
+/// How a joint of b runs against its like in a: q_b = sense · q_a + shift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reparametrised {
+    pub sense: f64,
+    pub shift: f64,
+}
+
+/// Everything that changed between joint `index` of a and its like in b.
+pub(crate) fn changes(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, options: &Options) -> Vec<Change> {
+    let Some(other) = at.joint_b[index] else {
+        return vec![Change::counted(gone(a, b, index))];
+    };
+    let (one, two) = (&a.joints[index], &b.joints[other]);
+    let mut found = Vec::new();
+    let carrier = at.moved[one.parent.map_or(0, |parent| parent + 1)];
+    let geometry = geometry(one, two, &carrier, &at.moved[index + 1], options);
+    let free = |what: &JointChange| matches!(what, JointChange::SenseReversed | JointChange::ZeroShifted { .. });
+    found.extend(
+        geometry.changes.into_iter().map(|what| Change { counts: !(options.up_to_zeros && free(&what)), what }),
+    );
+    found.extend(kind(a, b, one, two).map(Change::counted));
+    found.extend(scale(a, b, one, two));
+    found.extend(carried(a, b, at, index, other).map(Change::counted));
+    let run = if options.up_to_zeros { geometry.run } else { Reparametrised { sense: 1.0, shift: 0.0 } };
+    found.extend(limits(a, b, one, two, run, options));
+    found.extend(mimic(a, b, at, one, two).map(Change::counted));
+    found
+}
+
+/// How joint `index` of b runs against its like in a.
+pub(crate) fn run(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, options: &Options) -> Reparametrised {
+    let (joint, carrier) = (&a.joints[index], at.moved[a.joints[index].parent.map_or(0, |parent| parent + 1)]);
+    at.joint_b[index].map_or(Reparametrised { sense: 1.0, shift: 0.0 }, |other| {
+        geometry(joint, &b.joints[other], &carrier, &at.moved[index + 1], options).run
+    })
+}
+
+fn gone(a: &Mechanism, b: &Mechanism, index: usize) -> JointChange {
+    let joint = &a.joints[index];
+    let fixed = b.fixed.iter().any(|(name, child)| *name == joint.name || *child == joint.child);
+    if fixed { JointChange::KindChanged { from: joint.kind.clone(), to: "fixed".into() } } else { JointChange::Removed }
+}
+
+/// A joint that only b has.
+pub(crate) fn new_in_b(a: &Mechanism, b: &Mechanism, index: usize) -> JointChange {
+    let joint = &b.joints[index];
+    let fixed = a.fixed.iter().any(|(name, child)| *name == joint.name || *child == joint.child);
+    if fixed { JointChange::KindChanged { from: "fixed".into(), to: joint.kind.clone() } } else { JointChange::Added }
+}
+
+pub(crate) struct GeometryFound {
+    pub changes: Vec<JointChange>,
+    pub run: Reparametrised,
+}
+
+/// Axis against the carrier's motion, then what the joint carries against the axis.
+pub(crate) fn geometry(
+    one: &MovingJoint,
+    two: &MovingJoint,
+    carrier: &Pose,
+    moved: &Pose,
+    options: &Options,
+) -> GeometryFound {
+    let mut result = GeometryFound { changes: Vec::new(), run: Reparametrised { sense: 1.0, shift: 0.0 } };
+    let back = carrier.inverse();
+    let carried = back * moved;
+    let (Some(screw), Some(screw_b)) = (&one.screw, &two.screw) else {
+        let (rad, m) = se3::difference(&Pose::identity(), &carried);
+        if rad > options.tolerance_rad || m > options.tolerance_m {
+            result.changes.push(JointChange::LinkMoved { rad, m });
+        }
+        return result;
+    };
+    let (screw_b, origin_b) = (screw_b.moved(&back), back * two.origin);
+    let (turned, distance, opposed) = axes_apart(screw, &one.origin, &screw_b, &origin_b);
+    let screw_b = if opposed { reversed(&screw_b) } else { screw_b };
+    if turned > options.tolerance_rad {
+        result.changes.push(JointChange::AxisTurned { rad: turned });
+    }
+    if distance > options.tolerance_m {
+        result.changes.push(JointChange::AxisMoved { m: distance });
+    }
+    if opposed {
+        result.changes.push(JointChange::SenseReversed);
+        result.run.sense = -1.0;
+    }
+    let (rad, m) = displacement_near(&carried, &one.origin);
+    if rad > options.tolerance_rad || m > options.tolerance_m {
+        behind(&mut result, screw, &one.origin, &screw_b, &carried, options);
+    }
+    if let (Some(from), Some(to)) = (screw.pitch(), screw_b.pitch())
+        && (from - to).abs() > options.tolerance_m
+    {
+        result.changes.push(JointChange::PitchChanged { from, to });
+    }
+    result
+}
+
+/// Angle of a motion, and how far it moves a point.
+fn displacement_near(motion: &Pose, point: &Point3<f64>) -> (f64, f64) {
+    (se3::rotation_angle(&motion.rotation), (motion * point - point).norm())
+}
+
+/// What a motion of the link behind the joint is beyond the motion of the axis.
+fn behind(
+    result: &mut GeometryFound,
+    screw: &Screw,
+    at: &Point3<f64>,
+    screw_b: &Screw,
+    carried: &Pose,
+    options: &Options,
+) {
+    let least = least_motion(screw, at, screw_b);
+    let rest = carried * least.inverse();
+    let u = screw_b.direction().into_inner();
+    let foot = least * screw.line().map_or(*at, |line| line.nearest_to(at));
+    let turn = se3::rotation_vector(&rest.rotation);
+    let (about, across) = (turn.dot(&u), (turn - u * turn.dot(&u)).norm());
+    let step = rest * foot - foot;
+    let (along, aside) = (step.dot(&u), (step - u * step.dot(&u)).norm());
+    if screw.line().is_none() {
+        shift(result, along, "m", options.tolerance_m);
+        if aside > options.tolerance_m {
+            result.changes.push(JointChange::AxisMoved { m: aside });
+        }
+        if turn.norm() > options.tolerance_rad {
+            result.changes.push(JointChange::LinkMoved { rad: turn.norm(), m: 0.0 });
+        }
+        return;
+    }
+    // Where the axis alone was turned, its link stays: then the least motion is undone behind it.
+    if across > options.tolerance_rad || aside > options.tolerance_m {
+        let turn = se3::rotation_vector(&carried.rotation);
+        let (rad, m) = displacement_near(carried, at);
+        shift(result, turn.dot(&u), "rad", options.tolerance_rad);
+        result.changes.push(JointChange::LinkMoved { rad, m });
+        return;
+    }
+    shift(result, about, "rad", options.tolerance_rad);
+    let along = along - screw_b.pitch().unwrap_or(0.0) * about;
+    if along.abs() > options.tolerance_m {
+        result.changes.push(JointChange::SlidAlongAxis { m: along });
+    }
+}
+
+fn shift(result: &mut GeometryFound, by: f64, unit: &'static str, tolerance: f64) {
+    if by.abs() > tolerance {
+        result.changes.push(JointChange::ZeroShifted { by, unit });
+        // b shows a's pose at zero when its value has gone back by the shift.
+        result.run.shift = -result.run.sense * by;
+    }
+}
+
+/// A table does not tell a joint that turns without end from one without limits.
+fn kind(a: &Mechanism, b: &Mechanism, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
+    let endless =
+        |joint: &MovingJoint| joint.kind == "continuous" || (joint.kind == "revolute" && joint.limits.is_none());
+    let unsaid = (a.bare || b.bare) && endless(one) && endless(two);
+    (one.kind != two.kind && !unsaid).then(|| JointChange::KindChanged { from: one.kind.clone(), to: two.kind.clone() })
+}
+
+fn scale(a: &Mechanism, b: &Mechanism, one: &MovingJoint, two: &MovingJoint) -> Option<Change> {
+    if !(a.bare || b.bare) || one.mimic.is_some() || two.mimic.is_some() {
+        return None;
+    }
+    let (from, to) = (one.drive?.scale, two.drive?.scale);
+    ((from - to).abs() > 1e-9 * from.abs()).then(|| Change::counted(JointChange::ScaleChanged { from, to }))
+}
+
+fn carried(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, other: usize) -> Option<JointChange> {
+    let paired = |joints: &[MovingJoint], paired: &[Option<usize>], mut joint: usize| loop {
+        joint = joints[joint].parent?;
+        if paired[joint].is_some() {
+            return Some(joint);
+        }
+    };
+    let in_a = paired(&a.joints, &at.joint_b, index);
+    let in_b = paired(&b.joints, &at.joint_a, other);
+    let name = |joints: &[MovingJoint], joint: Option<usize>| {
+        joint.map_or_else(String::new, |joint| joints[joint].name.clone())
+    };
+    (in_a.and_then(|joint| at.joint_b[joint]) != in_b)
+        .then(|| JointChange::CarriedByOther { from: name(&a.joints, in_a), to: name(&b.joints, in_b) })
+}
+
+fn limits(
+    a: &Mechanism,
+    b: &Mechanism,
+    one: &MovingJoint,
+    two: &MovingJoint,
+    run: Reparametrised,
+    options: &Options,
+) -> Vec<Change> {
+    if (a.bare && one.limits.is_none()) || (b.bare && two.limits.is_none()) {
+        return Vec::new();
+    }
+    let slides = matches!(one.screw, Some(Screw::Prismatic(_)));
+    let tolerance = if slides { options.tolerance_m } else { options.tolerance_rad };
+    let stated = |joint: &MovingJoint| joint.limits.filter(|_| joint.kind != "continuous");
+    let from = stated(one).map(|limits| (limits.lower, limits.upper));
+    let to = stated(two).map(|limits| {
+        let (x, y) = ((limits.lower - run.shift) * run.sense, (limits.upper - run.shift) * run.sense);
+        if run.sense < 0.0 { (y, x) } else { (x, y) }
+    });
+    let mut found = Vec::new();
+    let mut compare = |limit, from: Option<f64>, to: Option<f64>, tolerance: f64, counts| {
+        let same = match (from, to) {
+            (Some(x), Some(y)) => (x - y).abs() <= tolerance,
+            (None, None) => true,
+            _ => false,
+        };
+        if !same {
+            found.push(Change { what: JointChange::LimitChanged { limit, from, to }, counts });
+        }
+    };
+    compare("lower", from.map(|range| range.0), to.map(|range| range.0), tolerance, true);
+    compare("upper", from.map(|range| range.1), to.map(|range| range.1), tolerance, true);
+    if options.scope == Scope::Everything {
+        let speed = |joint: &MovingJoint| joint.limits.and_then(|limits| limits.velocity);
+        let effort = |joint: &MovingJoint| joint.limits.and_then(|limits| limits.effort);
+        for (limit, x, y) in [("velocity", speed(one), speed(two)), ("effort", effort(one), effort(two))] {
+            compare(limit, x, y, options.tolerance_mass * x.unwrap_or(0.0).abs(), true);
+        }
+    }
+    found
+}
+
+fn mimic(a: &Mechanism, b: &Mechanism, at: &Alignment, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
+    let same = match (&one.mimic, &two.mimic) {
+        (None, None) => true,
+        (Some((driver, factor, offset)), Some((driver_b, factor_b, offset_b))) => {
+            let paired = a.joint_index(driver).and_then(|joint| at.joint_b[joint]).map(|joint| &b.joints[joint].name);
+            let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * x.abs().max(1.0);
+            (driver == driver_b || paired == Some(driver_b)) && close(*factor, *factor_b) && close(*offset, *offset_b)
+        }
+        _ => false,
+    };
+    let words = |mimic: &Option<(String, f64, f64)>| match mimic {
+        None => "free".to_owned(),
+        Some((driver, factor, offset)) => format!("{factor} × \"{driver}\" + {offset}"),
+    };
+    (!same).then(|| JointChange::MimicChanged { from: words(&one.mimic), to: words(&two.mimic) })
+}

@@ -1,0 +1,62 @@
+//! What was found, for people and for machines.
+//!
+//! Every format takes the same [`Report`]; [`FORMATS`] lists them for arguments, docs and tests.
+
+mod entries;
+mod text;
+
+pub use entries::{Entry, Level};
+
+use crate::comparison::Comparison;
+use crate::lint::Finding;
+
+/// What a report is made of.
+#[derive(Debug, Clone, Copy)]
+pub enum Report<'a> {
+    /// Two robots compared.
+    Comparison(&'a Comparison),
+    /// Files held against the rules; with the names of all that were looked at.
+    Findings {
+        /// Every file, clean or not.
+        files: &'a [String],
+        /// In the order of the files.
+        findings: &'a [Finding],
+    },
+}
+
+/// Whether text is coloured by ANSI escapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Colour {
+    /// For a terminal.
+    Ansi,
+    /// For a file or a pipe.
+    None,
+}
+
+/// A format of reports.
+#[derive(Clone, Copy)]
+pub struct ReportFormat {
+    /// What the user calls it.
+    pub name: &'static str,
+    /// What it is for, a few words.
+    pub summary: &'static str,
+    /// Makes the text, ending in a line break.
+    pub render: fn(&Report) -> String,
+}
+
+/// Every format.
+pub const FORMATS: &[ReportFormat] = &[ReportFormat { name: "text", summary: "for people", render: plain }];
+
+fn plain(report: &Report) -> String {
+    text::render(report, Colour::None)
+}
+
+/// The text for people.
+pub fn text(report: &Report, colour: Colour) -> String {
+    text::render(report, colour)
+}
+
+/// The format of this name.
+pub fn format(name: &str) -> Option<&'static ReportFormat> {
+    FORMATS.iter().find(|format| format.name == name)
+}

@@ -1,0 +1,93 @@
+//! A comparison or a list of findings as flat entries: what the line-oriented formats need.
+
+use crate::comparison::{Comparison, Verdict};
+use crate::report::Report;
+use crate::words;
+
+/// How serious an entry is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// It makes the exit code 1.
+    Error,
+    /// Worth a look.
+    Warning,
+    /// For information.
+    Note,
+}
+
+/// One line of a report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// A rule's number, or `diff`.
+    pub code: String,
+    /// How serious it is.
+    pub level: Level,
+    /// The file that it is about.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: Option<usize>,
+    /// `joint "elbow"`.
+    pub subject: String,
+    /// A sentence.
+    pub message: String,
+}
+
+impl Report<'_> {
+    /// Every difference or finding, the serious ones of a comparison first.
+    pub fn entries(&self) -> Vec<Entry> {
+        match self {
+            Self::Comparison(comparison) => of_comparison(comparison),
+            Self::Findings { findings, .. } => findings
+                .iter()
+                .map(|finding| Entry {
+                    code: finding.rule.to_owned(),
+                    level: finding.level,
+                    file: finding.place.file.clone(),
+                    line: Some(finding.place.line),
+                    subject: finding.place.element.clone(),
+                    message: finding.message.clone(),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn of_comparison(comparison: &Comparison) -> Vec<Entry> {
+    let entry = |counts: bool, line, subject: String, message| Entry {
+        code: "diff".into(),
+        level: if counts { Level::Error } else { Level::Note },
+        file: comparison.b.file.clone(),
+        line,
+        subject,
+        message,
+    };
+    let mut entries = Vec::new();
+    for joint in &comparison.joints {
+        for change in &joint.changes {
+            let subject = format!("joint \"{}\"", joint.joint);
+            entries.push(entry(change.counts, joint.line, subject, change.what.to_string()));
+        }
+    }
+    for part in &comparison.parts {
+        entries.push(entry(part.counts, part.line, part.part.clone(), part.what.clone()));
+    }
+    let relevant = |m: f64| m > comparison.tolerance_m;
+    for tip in comparison.tips.iter().filter(|tip| relevant(tip.sampled_m)) {
+        let at: Vec<String> =
+            tip.at.iter().map(|joint| format!("{} = {}", joint.joint, words::digits(joint.value))).collect();
+        let message = format!(
+            "displaced by up to {} at {}; nowhere by more than {}",
+            words::length(tip.sampled_m),
+            if at.is_empty() { "any joint values".into() } else { at.join(", ") },
+            words::length(tip.bound_m)
+        );
+        let counts = comparison.verdict == Verdict::Different;
+        entries.push(entry(counts, None, format!("tip \"{}\"", tip.tip), message));
+    }
+    for note in &comparison.notes {
+        entries.push(entry(false, None, "note".into(), note.clone()));
+    }
+    entries.sort_by_key(|entry| entry.level);
+    entries
+}
