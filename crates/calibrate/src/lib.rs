@@ -9,12 +9,14 @@
 
 pub mod arm;
 pub mod effects;
+pub mod errors;
 pub mod gauge;
 pub mod identify;
 pub mod measurements;
 pub mod normal;
 pub mod parameters;
 pub mod placement;
+pub mod prior;
 pub mod residual;
 pub mod simulate;
 pub mod solve;

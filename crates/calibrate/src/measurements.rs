@@ -1,5 +1,17 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
+mod header;
+mod plausible;
+mod problem;
+mod read;
+mod units;
+mod write;
+
+pub use problem::{DataError, DataProblem, Problem};
+pub use read::{DataNote, Loaded, read};
+pub use units::{Units, UnitsError};
+pub use write::write;
+
 use denavit_model::nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,8 @@
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
 use crate::measurements::MeasurementKind;
-use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
+use crate::prior;
+use denavit_model::nalgebra::{DMatrix, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
 use std::ops::Range;
 
@@ -83,20 +84,21 @@ pub struct Parameter {
     pub kind: ParameterKind,
     /// Its unit: `rad`, `m`, `m/rad`, `1`.
     pub unit: &'static str,
-    /// Standard deviation of the prior about nominal, in the parameter's unit; `None`: no prior.
+    /// How far from nominal it is expected to be, in the parameter's unit; `None` where nothing is expected.
     pub tolerance: Option<f64>,
 }
 
-/// How far a robot is expected to be from its drawing: standard deviations of the prior.
-///
-/// The prior weighs 1/tolerance² against the data's 1/noise²: what the data tell well it leaves alone, and it
-/// vanishes where there is no noise.
+/// How far a robot is expected to be from its drawing: standard deviations of the prior (see [`crate::prior`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
-    /// Direction of an axis, rad.
+    /// Direction of an axis on the link that carries it, rad.
     pub turn: f64,
-    /// Place of an axis, m.
+    /// Place of an axis on the link that carries it, m.
     pub shift: f64,
+    /// Zero of a turning joint, rad: it is set when the arm is mastered, not machined.
+    pub zero_turn: f64,
+    /// Zero of a slide, m.
+    pub zero_slide: f64,
     /// Pitch, m/rad.
     pub pitch: f64,
     /// Relative scale.
@@ -105,8 +107,16 @@ pub struct Tolerances {
 
 impl Default for Tolerances {
     /// What a machine shop holds on an arm of about a metre: 1 mrad, 1 mm; 0.1 mm per turn; one part in a thousand.
+    /// Zeros: about a degree, 5 mm.
     fn default() -> Self {
-        Self { turn: 1e-3, shift: 1e-3, pitch: 1e-4 / std::f64::consts::TAU, scale: 1e-3 }
+        Self {
+            turn: 1e-3,
+            shift: 1e-3,
+            zero_turn: 0.02,
+            zero_slide: 5e-3,
+            pitch: 1e-4 / std::f64::consts::TAU,
+            scale: 1e-3,
+        }
     }
 }
 
@@ -150,6 +160,8 @@ pub struct Layout {
     pub across: Vec<Across>,
     /// What is measured.
     pub kind: MeasurementKind,
+    /// Inverse covariance of the prior on the joints' parameters.
+    pub prior: DMatrix<f64>,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -207,7 +219,8 @@ impl Layout {
         }
         let instrument = effects.end..effects.end + instrument_count;
         let targets = instrument.end..parameters.len();
-        Self { parameters, joints, effects, instrument, targets, across, kind }
+        let prior = prior::precision(chain, &parameters[joints.clone()], &across, tolerances);
+        Self { parameters, joints, effects, instrument, targets, across, kind, prior }
     }
 
     /// Number of parameters.

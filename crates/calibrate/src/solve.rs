@@ -72,6 +72,9 @@ pub struct Fit<E> {
 const LEAST_DAMPING: f64 = 1e-12;
 /// Weight of the gauge's conditions relative to the scaled diagonal.
 const GAUGE_WEIGHT: f64 = 10.0;
+/// Share of the nominal robot's residual that the first step takes for noise. Where prior and data disagree two noise
+/// levels can explain themselves; from below the data's is found.
+const TRUST_AT_START: f64 = 0.03;
 /// Noise is never taken to be smaller than this share of the robot's size: rounding.
 const ROUNDING: f64 = 1e-14;
 /// χ² that a step may still promise when the fit stops: a thousandth of a standard deviation, squared.
@@ -95,7 +98,8 @@ struct State<E> {
 
 /// Fit the free numbers of `layout` to the data, starting at `arm`.
 ///
-/// Minimises Σ w |r|²/σ² + Σ (departure/tolerance)², σ estimated from the residuals by channel. The departure of the
+/// Minimises Σ w |r|²/σ² + ηᵀ P η, σ estimated from the residuals by channel, η the axes' departure from nominal, P
+/// the [prior](crate::prior). The departure of the
 /// targets, where the gauge asks for it, is taken from the `arm` given.
 ///
 /// # Shape and units
@@ -127,8 +131,8 @@ impl Solver<'_> {
         let mut robust = self.options.robust;
         let mut noise = self.noise_of(&state.sums.squares, &weights, used, robust);
         // The nominal robot's residual is not noise: trust the data more than that in the first step.
-        noise.position *= 0.1;
-        noise.orientation *= 0.1;
+        noise.position *= TRUST_AT_START;
+        noise.orientation *= TRUST_AT_START;
         let (mut damping, mut iterations, mut rounds, mut converged) = (LEAST_DAMPING, 0, 0, false);
         while iterations < self.options.most_iterations {
             iterations += 1;
@@ -212,13 +216,8 @@ impl Solver<'_> {
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
         let sums = Problem { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
         let departure = self.layout.departure(&arm, &self.reference);
-        let prior = self
-            .layout
-            .parameters
-            .iter()
-            .zip(&departure)
-            .filter_map(|(parameter, value)| parameter.tolerance.map(|tolerance| (value / tolerance).powi(2)))
-            .sum();
+        let joints = DVector::from_row_slice(&departure[self.layout.joints.clone()]);
+        let prior = joints.dot(&(&self.layout.prior * &joints));
         State { arm, effects, sums, prior }
     }
 
@@ -242,12 +241,13 @@ impl Solver<'_> {
             }
         }
         matrix.fill_lower_triangle_with_upper_triangle();
-        for (i, parameter) in self.layout.parameters.iter().enumerate() {
-            if let Some(tolerance) = parameter.tolerance {
-                matrix[(i, i)] += tolerance.powi(-2);
-                gradient[i] -= departure[i] / tolerance.powi(2);
-            }
-        }
+        // The joints come first in the layout.
+        let count = self.layout.joints.len();
+        let pull = &self.layout.prior * departure.rows(0, count);
+        let mut block = matrix.view_mut((0, 0), (count, count));
+        block += &self.layout.prior;
+        let mut joints = gradient.rows_mut(0, count);
+        joints -= pull;
         let scale = DVector::from_fn(n, |i, _| if matrix[(i, i)] > 0.0 { matrix[(i, i)].powf(-0.5) } else { 1.0 });
         for i in 0..n {
             for k in 0..n {

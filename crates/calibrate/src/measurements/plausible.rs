@@ -1,0 +1,123 @@
+//! Whether measured data can belong to the chain, and what a user must know of them.
+
+use super::problem::Problem;
+use super::read::DataNote;
+use super::{MeasurementKind, Measurements};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::{Chain, Quantity};
+
+/// Readings may be this many times beyond the limits before another unit is the likely reason.
+const BEYOND_LIMITS: f64 = 3.0;
+/// Measured lengths may be this many times beyond the reach.
+const BEYOND_REACH: f64 = 4.0;
+/// Joint readings closer than this are one reading, rad or m.
+const SAME_READING: f64 = 1e-9;
+/// Targets closer than this in every row are one target, m.
+const SAME_TARGET: f64 = 1e-9;
+
+/// Leaves out targets that repeat another one or that no row sees.
+pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
+    if data.kind != MeasurementKind::Position {
+        return;
+    }
+    let count = data.targets.len();
+    let mut keep: Vec<usize> = Vec::new();
+    for target in 0..count {
+        let seen = (0..data.len()).any(|row| data.position(row, target).is_some());
+        let twin = keep.iter().copied().find(|&other| {
+            (0..data.len()).all(|row| match (data.position(row, target), data.position(row, other)) {
+                (Some(a), Some(b)) => (a - b).norm() < SAME_TARGET,
+                (None, None) => true,
+                _ => false,
+            })
+        });
+        match (seen, twin) {
+            (false, _) => notes.push(DataNote::NeverSeen { target: data.targets[target].clone() }),
+            (true, Some(of)) => notes
+                .push(DataNote::DuplicateTarget { target: data.targets[target].clone(), of: data.targets[of].clone() }),
+            (true, None) => keep.push(target),
+        }
+    }
+    if keep.len() < count {
+        let rows = data.len();
+        data.positions = (0..rows)
+            .flat_map(|row| keep.iter().map(|&target| data.positions[row * count + target]).collect::<Vec<_>>())
+            .collect();
+        data.targets = keep.iter().map(|&target| data.targets[target].clone()).collect();
+    }
+}
+
+/// Problems that only the values as a whole show: units, nothing seen.
+pub(super) fn problems(data: &Measurements, chain: &Chain) -> Vec<(u64, Problem)> {
+    if data.targets.is_empty() {
+        return vec![(0, Problem::NothingSeen)];
+    }
+    let mut problems = readings_in_other_units(data, chain);
+    if problems.is_empty() {
+        problems.extend(lengths_in_other_units(data, chain).map(|problem| (0, problem)));
+    }
+    problems
+}
+
+fn readings_in_other_units(data: &Measurements, chain: &Chain) -> Vec<(u64, Problem)> {
+    let mut problems = Vec::new();
+    for (index, coordinate) in chain.coordinates().iter().enumerate() {
+        let (lower, upper) = coordinate.range();
+        let bound = lower.abs().max(upper.abs());
+        let slides = coordinate.quantity == Quantity::Length;
+        // Angles may wind up where nothing limits them; slides without limits may be of any length.
+        let unlimited = coordinate.limits.is_none();
+        if unlimited && slides {
+            continue;
+        }
+        let factor = if unlimited { 10.0 } else { BEYOND_LIMITS };
+        let far =
+            (0..data.len()).map(|row| (row, data.reading(row)[index])).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let Some((row, value)) = far.filter(|(_, value)| value.abs() > factor * bound) else { continue };
+        let joint = coordinate.name.clone();
+        let problem = if slides {
+            Problem::LooksLikeMillimetres { joint, value, lower, upper }
+        } else {
+            Problem::LooksLikeDegrees { joint, value, lower, upper }
+        };
+        problems.push((data.lines[row] as u64, problem));
+    }
+    problems
+}
+
+fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<Problem> {
+    let reach = 2.0 * chain.reach_beyond(0, &denavit_model::nalgebra::Point3::origin());
+    let (what, span) = if data.kind == MeasurementKind::Distance {
+        let (low, high) =
+            data.distances.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
+        ("distances", high - low)
+    } else {
+        let seen = || data.positions.iter().flatten();
+        let low = seen().fold(Vector3::repeat(f64::INFINITY), |low, p| low.inf(p));
+        let high = seen().fold(Vector3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+        ("positions", (high - low).norm())
+    };
+    (span > BEYOND_REACH * reach.max(1e-3)).then_some(Problem::BeyondReach { what, span, reach })
+}
+
+/// Findings that are no failure.
+pub(super) fn notes(data: &Measurements, chain: &Chain) -> Vec<DataNote> {
+    let mut notes = Vec::new();
+    for (index, coordinate) in chain.coordinates().iter().enumerate() {
+        let values = || (0..data.len()).map(|row| data.reading(row)[index]);
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        if high - low < SAME_READING && data.len() > 1 {
+            notes.push(DataNote::NeverMoves { joint: coordinate.name.clone(), at: low });
+        }
+        if let Some(limits) = coordinate.limits {
+            let slack = 1e-6 + 1e-3 * (limits.upper - limits.lower).abs();
+            let (lower, upper) = coordinate.range();
+            let rows = values().filter(|value| *value < lower - slack || *value > upper + slack).count();
+            if rows > 0 {
+                notes.push(DataNote::OutsideLimits { joint: coordinate.name.clone(), rows });
+            }
+        }
+    }
+    notes
+}

@@ -1,0 +1,249 @@
+//! What can be wrong with a measurement file: each message says where, what, and the mend.
+
+use std::fmt;
+use thiserror::Error;
+
+/// A problem at a place in a measurement file.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{}{problem}", place(file, *line))]
+pub struct DataProblem {
+    /// The file's name.
+    pub file: String,
+    /// Line, counted from 1; 0 for the file as a whole.
+    pub line: u64,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+fn place(file: &str, line: u64) -> String {
+    if line == 0 { format!("{file}: ") } else { format!("{file}:{line}: ") }
+}
+
+/// All problems found in a file, in its order.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub struct DataError {
+    /// At least one.
+    pub problems: Vec<DataProblem>,
+    /// How many more there are.
+    pub more: usize,
+}
+
+impl fmt::Display for DataError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, problem) in self.problems.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{problem}")?;
+        }
+        if self.more > 0 {
+            write!(f, "\n… and {} more", self.more)?;
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// Nothing but comments.
+    #[error("there is no header row; the first row names the columns: joints, then x,y,z or distance")]
+    NoHeader,
+    /// A header and no data.
+    #[error("there are no rows below the header; each row is one pose of the robot")]
+    NoRows,
+    /// The text is not UTF-8, or a quote is never closed.
+    #[error("{0}; write the file as UTF-8 text with comma-separated columns")]
+    Unreadable(String),
+    /// The columns are separated by something else.
+    #[error("the header is a single column \"{found}\"; separate columns by commas, not by {separator}")]
+    Separator {
+        /// The header as read.
+        found: String,
+        /// What it seems to use.
+        separator: &'static str,
+    },
+    /// Two columns of one name.
+    #[error("column \"{0}\" is there twice; give each its own name")]
+    DuplicateColumn(String),
+    /// A column without a name.
+    #[error("column {0} has no name; name it or remove it")]
+    NamelessColumn(usize),
+    /// A joint of the chain has no column.
+    #[error("joint \"{joint}\" has no column; {}", mend_for_joint(suggestion.as_deref(), joints))]
+    MissingJoint {
+        /// The joint.
+        joint: String,
+        /// A column whose name is nearly right.
+        suggestion: Option<String>,
+        /// All joints that need a column.
+        joints: String,
+    },
+    /// No measured value.
+    #[error(
+        "no column holds a measured value; there must be x,y,z (with qx,qy,qz,qw for poses), or x1,y1,z1,x2,… for \
+         several targets, or distance{}",
+        suggestion.as_ref().map_or_else(String::new, |name| format!("; did you mean \"{name}\" to be one of them?"))
+    )]
+    NothingMeasured {
+        /// A column whose name is nearly right.
+        suggestion: Option<String>,
+    },
+    /// Positions and distances in one file.
+    #[error("there are both \"{0}\" and \"{1}\"; a file holds positions or distances: remove one")]
+    TwoKinds(String, String),
+    /// A part of a group of columns is missing.
+    #[error("column \"{missing}\" is missing beside \"{present}\"; {group} belong together")]
+    Incomplete {
+        /// What is missing.
+        missing: String,
+        /// What is there.
+        present: String,
+        /// The group.
+        group: String,
+    },
+    /// A quaternion with several targets.
+    #[error("a quaternion goes with one target x,y,z, and there are {0} targets; remove qx,qy,qz,qw")]
+    QuaternionOfSeveral(usize),
+    /// `<joint>.approach` of a joint that is not there.
+    #[error("column \"{column}\": there is no joint \"{joint}\"{}", did_you_mean(suggestion.as_deref()))]
+    ColumnOfUnknownJoint {
+        /// The column.
+        column: String,
+        /// The part before the dot.
+        joint: String,
+        /// A joint whose name is near.
+        suggestion: Option<String>,
+    },
+    /// A row with too many or too few cells.
+    #[error("{found} cells, but the header names {expected} columns; {}", if found > expected {
+        "is a decimal comma or an unquoted comma in it?"
+    } else {
+        "write an empty cell for what was not seen"
+    })]
+    Ragged {
+        /// Cells in this row.
+        found: usize,
+        /// Columns in the header.
+        expected: usize,
+    },
+    /// A cell that is not a number.
+    #[error("column \"{column}\": \"{text}\" is not a number; {}", mend_for_text(text))]
+    NotANumber {
+        /// The column.
+        column: String,
+        /// The cell.
+        text: String,
+    },
+    /// NaN or infinite.
+    #[error("column \"{column}\": \"{text}\" is not finite; {mend}")]
+    NotFinite {
+        /// The column.
+        column: String,
+        /// The cell.
+        text: String,
+        /// What to do.
+        mend: &'static str,
+    },
+    /// An empty cell where a number must be.
+    #[error("column \"{column}\" is empty; every row needs this value: fill it in or remove the row")]
+    Empty {
+        /// The column.
+        column: String,
+    },
+    /// Some but not all coordinates of a target.
+    #[error("target \"{target}\" has some of x, y, z but not all; leave all empty where it was not seen")]
+    PartOfTarget {
+        /// The target.
+        target: String,
+    },
+    /// A quaternion far from length 1.
+    #[error("the quaternion has length {length:.6}, not 1; the columns are qx,qy,qz,qw in this order of meaning")]
+    NotAUnitQuaternion {
+        /// Its length.
+        length: f64,
+    },
+    /// A distance that is not positive.
+    #[error("distance {0} is not positive; it is the length in m from the anchor to the target")]
+    NotPositive(f64),
+    /// A side other than +1 and -1.
+    #[error("column \"{column}\": {value} is no side; write 1 or -1, and 0 where it is not known")]
+    NotASide {
+        /// The column.
+        column: String,
+        /// The cell.
+        value: f64,
+    },
+    /// `locate` other than 0 and 1.
+    #[error("column \"locate\": {0} is neither 0 nor 1")]
+    NotAFlag(f64),
+    /// Joint readings that look like degrees.
+    #[error(
+        "joint \"{joint}\" reads {value} rad, and its limits are {lower:.3} to {upper:.3} rad; if the readings are in \
+         degrees, say --units deg"
+    )]
+    LooksLikeDegrees {
+        /// The joint.
+        joint: String,
+        /// The reading.
+        value: f64,
+        /// rad.
+        lower: f64,
+        /// rad.
+        upper: f64,
+    },
+    /// Slides that look like millimetres.
+    #[error(
+        "joint \"{joint}\" reads {value} m, and its limits are {lower:.3} to {upper:.3} m; if the lengths are in \
+         millimetres, say --units mm"
+    )]
+    LooksLikeMillimetres {
+        /// The joint.
+        joint: String,
+        /// The reading.
+        value: f64,
+        /// m.
+        lower: f64,
+        /// m.
+        upper: f64,
+    },
+    /// Measured lengths far beyond the robot.
+    #[error(
+        "the measured {what} span {span:.4} m, but no two places that this robot can reach are further apart than \
+         {reach:.4} m; if the lengths are in millimetres, say --units mm"
+    )]
+    BeyondReach {
+        /// `positions` or `distances`.
+        what: &'static str,
+        /// m.
+        span: f64,
+        /// m.
+        reach: f64,
+    },
+    /// No observation at all.
+    #[error("no row has a measured value; every cell of the targets is empty")]
+    NothingSeen,
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion
+        .map_or_else(|| "; name it after a joint of the chain".into(), |name| format!("; did you mean \"{name}\"?"))
+}
+
+fn mend_for_joint(suggestion: Option<&str>, joints: &str) -> String {
+    suggestion.map_or_else(
+        || format!("the file needs one column for each of {joints}"),
+        |name| format!("did you mean it by column \"{name}\"? Rename that column"),
+    )
+}
+
+fn mend_for_text(text: &str) -> &'static str {
+    if text.contains(',') {
+        "write the decimal point as a dot"
+    } else if text.starts_with('#') {
+        "comments stand on lines of their own"
+    } else {
+        "correct the cell or remove the row"
+    }
+}

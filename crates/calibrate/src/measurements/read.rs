@@ -1,0 +1,405 @@
+//! Reading a measurement file, row by row.
+
+use super::header::{Header, Role, quantity_of};
+use super::plausible;
+use super::problem::{DataError, DataProblem, Problem};
+use super::units::Units;
+use super::{Covariate, Label, MeasurementKind, Measurements};
+use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use denavit_model::{Chain, Quantity};
+use std::fmt;
+use std::io::Read;
+
+/// No more problems than this are listed.
+const MOST_PROBLEMS: usize = 10;
+/// A quaternion whose length is further from 1 than this was not meant as one.
+const QUATERNION_TOLERANCE: f64 = 1e-3;
+
+/// A measurement file's content and what a user must know of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The content, SI units.
+    pub data: Measurements,
+    /// Findings that are no failure.
+    pub notes: Vec<DataNote>,
+}
+
+/// A finding that is no failure but must not be silent.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum DataNote {
+    /// A target that repeats another in every row: counted once.
+    DuplicateTarget {
+        /// The one left out.
+        target: String,
+        /// The one that it repeats.
+        of: String,
+    },
+    /// A joint with one reading in all rows.
+    NeverMoves {
+        /// The joint.
+        joint: String,
+        /// Its reading, rad or m.
+        at: f64,
+    },
+    /// Readings outside of the joint's limits.
+    OutsideLimits {
+        /// The joint.
+        joint: String,
+        /// How many rows.
+        rows: usize,
+    },
+    /// Quaternions were brought to length 1.
+    Normalised {
+        /// The largest deviation from 1.
+        by: f64,
+    },
+    /// A target that no row sees: left out.
+    NeverSeen {
+        /// The target.
+        target: String,
+    },
+}
+
+impl fmt::Display for DataNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DuplicateTarget { target, of } => {
+                write!(f, "target {target} repeats target {of} in every row; it is counted once")
+            }
+            Self::NeverMoves { joint, at } => {
+                write!(
+                    f,
+                    "joint \"{joint}\" stands at {at} in every row; the data cannot tell its axis from its neighbours'"
+                )
+            }
+            Self::OutsideLimits { joint, rows } => {
+                write!(f, "joint \"{joint}\" is outside of its limits in {rows} rows")
+            }
+            Self::Normalised { by } => write!(f, "quaternions were brought to length 1, by up to {by:.1e}"),
+            Self::NeverSeen { target } => write!(f, "target {target} is seen in no row; it is left out"),
+        }
+    }
+}
+
+/// Reads measured data for a chain.
+///
+/// # Shape and units
+/// CSV with a header row; `#` lines are comments. One column per coordinate of the chain, by name; measured values
+/// `x,y,z`, with `qx,qy,qz,qw` for poses, or `x1,y1,z1,x2,…`, or `distance`. `units` are the file's; the result is in
+/// m and rad.
+///
+/// # Errors
+/// All problems found, each with file and line.
+pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Loaded, DataError> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .flexible(true)
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_reader(input);
+    let mut problems = Problems { source, found: Vec::new(), more: 0 };
+    let mut record = csv::StringRecord::new();
+    match reader.read_record(&mut record) {
+        Ok(true) => {}
+        Ok(false) => return Err(problems.only(0, Problem::NoHeader)),
+        Err(error) => return Err(problems.only(line_of(&error), unreadable(&error))),
+    }
+    let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
+    let header_line = record.position().map_or(1, csv::Position::line);
+    let header = match Header::read(names, chain.coordinates()) {
+        Ok(header) => header,
+        Err(found) => {
+            for problem in found {
+                problems.add(header_line, problem);
+            }
+            return Err(problems.error());
+        }
+    };
+    let mut table = Table::new(&header, chain, units, source);
+    loop {
+        match reader.read_record(&mut record) {
+            Ok(true) => table.row(&record, &mut problems),
+            Ok(false) => break,
+            Err(error) => {
+                problems.add(line_of(&error), unreadable(&error));
+                break;
+            }
+        }
+    }
+    table.finish(chain, problems)
+}
+
+fn line_of(error: &csv::Error) -> u64 {
+    error.position().map_or(0, csv::Position::line)
+}
+
+fn unreadable(error: &csv::Error) -> Problem {
+    match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => Problem::Unreadable("the text is not UTF-8".into()),
+        csv::ErrorKind::Io(error) => Problem::Unreadable(error.to_string()),
+        _ => Problem::Unreadable(error.to_string()),
+    }
+}
+
+struct Problems<'a> {
+    source: &'a str,
+    found: Vec<DataProblem>,
+    more: usize,
+}
+
+impl Problems<'_> {
+    fn add(&mut self, line: u64, problem: Problem) {
+        if self.found.len() < MOST_PROBLEMS {
+            self.found.push(DataProblem { file: self.source.into(), line, problem });
+        } else {
+            self.more += 1;
+        }
+    }
+
+    fn error(self) -> DataError {
+        DataError { problems: self.found, more: self.more }
+    }
+
+    fn only(mut self, line: u64, problem: Problem) -> DataError {
+        self.add(line, problem);
+        self.error()
+    }
+}
+
+/// A column that is neither joint nor measured value, while it is not known whether it holds numbers.
+struct OtherColumn {
+    name: String,
+    factor: f64,
+    numbers: Vec<f64>,
+    texts: Vec<String>,
+    /// The first cell that is not a number: row index, line, text.
+    first_text: Option<(usize, u64, String)>,
+    must_be_numeric: bool,
+}
+
+struct Table<'a> {
+    header: &'a Header,
+    factors: Vec<f64>,
+    data: Measurements,
+    others: Vec<OtherColumn>,
+    normalised_by: f64,
+}
+
+const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"];
+
+impl<'a> Table<'a> {
+    fn new(header: &'a Header, chain: &Chain, units: Units, source: &str) -> Self {
+        let coordinates = chain.coordinates();
+        let of = |quantity: Quantity| if quantity == Quantity::Angle { units.angle } else { units.length };
+        let factor = |(name, role): (&String, &Role)| match role {
+            Role::Joint(index) => of(coordinates[*index].quantity),
+            Role::Position(..) | Role::Distance => units.length,
+            Role::Other => quantity_of(name, coordinates).map_or(1.0, of),
+            Role::Quaternion(_) | Role::Locate => 1.0,
+        };
+        let factors: Vec<f64> = header.names.iter().zip(&header.roles).map(factor).collect();
+        let other = |((name, role), factor): ((&String, &Role), &f64)| {
+            (*role == Role::Other).then(|| OtherColumn {
+                name: name.clone(),
+                factor: *factor,
+                numbers: Vec::new(),
+                texts: Vec::new(),
+                first_text: None,
+                must_be_numeric: KNOWN_COVARIATES.contains(&name.as_str())
+                    || name.rsplit_once('.').is_some_and(|(joint, _)| coordinates.iter().any(|c| c.name == joint)),
+            })
+        };
+        let others = header.names.iter().zip(&header.roles).zip(&factors).filter_map(other).collect();
+        let data = Measurements {
+            source: source.into(),
+            kind: header.kind,
+            joints: coordinates.iter().map(|coordinate| coordinate.name.clone()).collect(),
+            readings: Vec::new(),
+            targets: header.targets.clone(),
+            positions: Vec::new(),
+            orientations: Vec::new(),
+            distances: Vec::new(),
+            covariates: Vec::new(),
+            labels: Vec::new(),
+            locate: Vec::new(),
+            lines: Vec::new(),
+        };
+        Self { header, factors, data, others, normalised_by: 0.0 }
+    }
+
+    fn row(&mut self, record: &csv::StringRecord, problems: &mut Problems<'_>) {
+        let line = record.position().map_or(0, csv::Position::line);
+        let expected = self.header.names.len();
+        if record.len() != expected {
+            problems.add(line, Problem::Ragged { found: record.len(), expected });
+            return;
+        }
+        let row = self.data.lines.len();
+        let first_reading = self.data.readings.len();
+        self.data.readings.resize(first_reading + self.data.joints.len(), 0.0);
+        let mut positions = vec![[None::<f64>; 3]; self.data.targets.len()];
+        let mut quaternion = [f64::NAN; 4];
+        let mut locate = false;
+        let mut other = 0;
+        for (column, cell) in record.iter().enumerate() {
+            let name = &self.header.names[column];
+            let role = self.header.roles[column];
+            if role == Role::Other {
+                self.others[other].take(row, line, cell);
+                other += 1;
+                continue;
+            }
+            if cell.is_empty() && matches!(role, Role::Position(..)) && self.header.kind == MeasurementKind::Position {
+                continue;
+            }
+            let value = match number(name, cell) {
+                Ok(value) => value * self.factors[column],
+                Err(problem) => {
+                    problems.add(line, problem);
+                    0.0
+                }
+            };
+            match role {
+                Role::Joint(index) => self.data.readings[first_reading + index] = value,
+                Role::Position(target, component) => positions[target][component] = Some(value),
+                Role::Quaternion(component) => quaternion[component] = value,
+                Role::Distance => {
+                    if value <= 0.0 && !cell.is_empty() {
+                        problems.add(line, Problem::NotPositive(value));
+                    }
+                    self.data.distances.push(value);
+                }
+                Role::Locate => {
+                    if value != 0.0 && (value - 1.0).abs() > 0.0 {
+                        problems.add(line, Problem::NotAFlag(value));
+                    }
+                    locate = value != 0.0;
+                }
+                Role::Other => {}
+            }
+        }
+        self.positions(line, &positions, problems);
+        if self.header.kind == MeasurementKind::Pose {
+            self.orientation(line, quaternion, problems);
+        }
+        self.data.locate.push(locate);
+        self.data.lines.push(usize::try_from(line).unwrap_or(usize::MAX));
+    }
+
+    fn positions(&mut self, line: u64, positions: &[[Option<f64>; 3]], problems: &mut Problems<'_>) {
+        if self.header.kind == MeasurementKind::Distance {
+            return;
+        }
+        for (target, position) in positions.iter().enumerate() {
+            let whole = match *position {
+                [Some(x), Some(y), Some(z)] => Some(Vector3::new(x, y, z)),
+                [None, None, None] => None,
+                _ => {
+                    problems.add(line, Problem::PartOfTarget { target: self.data.targets[target].clone() });
+                    None
+                }
+            };
+            self.data.positions.push(whole);
+        }
+    }
+
+    fn orientation(&mut self, line: u64, [x, y, z, w]: [f64; 4], problems: &mut Problems<'_>) {
+        let quaternion = Quaternion::new(w, x, y, z);
+        let length = quaternion.norm();
+        if (length - 1.0).abs() > QUATERNION_TOLERANCE {
+            problems.add(line, Problem::NotAUnitQuaternion { length });
+            self.data.orientations.push(Rotation3::identity());
+            return;
+        }
+        self.normalised_by = self.normalised_by.max((length - 1.0).abs());
+        self.data.orientations.push(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix());
+    }
+
+    fn finish(mut self, chain: &Chain, mut problems: Problems<'_>) -> Result<Loaded, DataError> {
+        if self.data.lines.is_empty() && problems.found.is_empty() {
+            problems.add(0, Problem::NoRows);
+        }
+        for column in std::mem::take(&mut self.others) {
+            column.finish(&mut self.data, &mut problems);
+        }
+        if !problems.found.is_empty() {
+            return Err(problems.error());
+        }
+        let mut notes = Vec::new();
+        // Rounding to six digits is not worth a word.
+        if self.normalised_by > 1e-5 {
+            notes.push(DataNote::Normalised { by: self.normalised_by });
+        }
+        plausible::drop_targets(&mut self.data, &mut notes);
+        for (line, problem) in plausible::problems(&self.data, chain) {
+            problems.add(line, problem);
+        }
+        if !problems.found.is_empty() {
+            return Err(problems.error());
+        }
+        notes.extend(plausible::notes(&self.data, chain));
+        Ok(Loaded { data: self.data, notes })
+    }
+}
+
+impl OtherColumn {
+    fn take(&mut self, row: usize, line: u64, cell: &str) {
+        if self.first_text.is_none() {
+            match cell.parse::<f64>() {
+                Ok(value) if value.is_finite() => {
+                    self.numbers.push(value * self.factor);
+                    return;
+                }
+                _ => {
+                    self.first_text = Some((row, line, cell.into()));
+                    // What came before was read as numbers; as texts they are written the shortest way.
+                    self.texts = self.numbers.iter().map(|value| (value / self.factor).to_string()).collect();
+                }
+            }
+        }
+        self.texts.push(cell.into());
+    }
+
+    fn finish(self, data: &mut Measurements, problems: &mut Problems<'_>) {
+        let Some((row, line, text)) = self.first_text else {
+            if self.name.ends_with(".approach") {
+                if let Some(row) =
+                    self.numbers.iter().position(|value| *value != 0.0 && (value.abs() - 1.0).abs() > 0.0)
+                {
+                    let problem = Problem::NotASide { column: self.name, value: self.numbers[row] };
+                    problems.add(data.lines[row] as u64, problem);
+                    return;
+                }
+            }
+            data.covariates.push(Covariate { name: self.name, values: self.numbers });
+            return;
+        };
+        let numeric = self.texts.iter().filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite)).count();
+        if self.must_be_numeric || row > 0 && 2 * numeric > self.texts.len() {
+            problems.add(line, number(&self.name, &text).err().unwrap_or(Problem::Empty { column: self.name }));
+        } else {
+            data.labels.push(Label { name: self.name, values: self.texts });
+        }
+    }
+}
+
+/// A finite number.
+fn number(column: &str, cell: &str) -> Result<f64, Problem> {
+    if cell.is_empty() {
+        return Err(Problem::Empty { column: column.into() });
+    }
+    match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(Problem::NotFinite {
+            column: column.into(),
+            text: cell.into(),
+            mend: if column.starts_with(['x', 'y', 'z']) && column[1..].chars().all(|c| c.is_ascii_digit()) {
+                "leave the cells of a target empty where it was not seen"
+            } else {
+                "correct the cell or remove the row"
+            },
+        }),
+        Err(_) => Err(Problem::NotANumber { column: column.into(), text: cell.into() }),
+    }
+}
