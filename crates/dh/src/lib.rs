@@ -11,6 +11,8 @@ mod candidates;
 pub mod conventions;
 pub mod convert;
 pub mod gauge;
+pub mod matching;
+pub mod opw;
 pub mod straighten;
 pub mod table;
 

@@ -157,7 +157,8 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
 fn placed(axes: &[Axis]) -> Vec<(Option<Vector3<f64>>, Vector3<f64>)> {
     let mut placed: Vec<(Option<Vector3<f64>>, Vector3<f64>)> = Vec::new();
     for axis in axes {
-        let inherited = placed.last().filter(|(_, before)| parallel(before, &axis.direction)).and_then(|(point, _)| *point);
+        let inherited =
+            placed.last().filter(|(_, before)| parallel(before, &axis.direction)).and_then(|(point, _)| *point);
         placed.push((if axis.turns { Some(axis.point) } else { inherited }, axis.direction));
     }
     placed

@@ -1,0 +1,464 @@
+//! Is this robot the one that a vendor's table describes? The joint senses, the zeros and the frames with which it is, and
+//! the numbers that differ where it is not.
+//!
+//! ```text
+//! robot(q) = B · vendor(sense · |scale| q + zero) · E      at every q
+//!
+//! axes ──► senses and zeros that could be ──► least squares over B, E, zeros ──► verdict
+//! (invariants of neighbouring lines)                     and over the table's numbers ──► differences
+//! ```
+//! A match with everything free hides slips: two robots that differ in a zero or a sense only are the same arm to it. So
+//! the senses and zeros that were needed are part of the answer, and of all that do, those with the fewest reversed
+//! senses and zeros are chosen.
+
+mod arm;
+mod axes;
+mod explain;
+mod fit;
+mod vendor;
+
+pub use vendor::{DhNumber, VendorJoint, VendorNumber, VendorRow, VendorTable};
+
+use crate::conventions::RowLabel;
+use crate::table::Motion;
+use arm::Arm;
+use axes::{Guess, alignment, guesses, with_senses, wrapped};
+use denavit_model::chain::Chain;
+use denavit_model::se3::{self, Pose};
+use fit::{Fit, Free, Product, State};
+use std::f64::consts::FRAC_PI_2;
+use thiserror::Error;
+
+/// How well a robot and a table agree, by the largest distance between their tips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// Below 1e-8 m: the same numbers.
+    Exact,
+    /// Below 0.2 mm: one of the two is rounded.
+    Rounded,
+    /// Below 10 mm: slightly different arms.
+    Close,
+    /// Not the same arm.
+    Mismatch,
+}
+
+impl Verdict {
+    /// The verdict on a largest tip error, m.
+    pub fn of(position_error: f64) -> Self {
+        match position_error {
+            error if error < 1e-8 => Self::Exact,
+            error if error < 2e-4 => Self::Rounded,
+            error if error < 1e-2 => Self::Close,
+            _ => Self::Mismatch,
+        }
+    }
+
+    /// `exact`, `rounded`, `close` or `mismatch`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rounded => "rounded",
+            Self::Close => "close",
+            Self::Mismatch => "mismatch",
+        }
+    }
+}
+
+/// Whether a joint of the robot and of the table count the same way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// They do.
+    Same,
+    /// They count in opposite directions.
+    Reversed,
+}
+
+impl Sense {
+    /// 1 or -1.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Same => 1.0,
+            Self::Reversed => -1.0,
+        }
+    }
+}
+
+/// What a joint needs: its value in the table is sense · |scale| · q + zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointMatch {
+    /// The robot's name for it.
+    pub name: String,
+    /// Which way it counts.
+    pub sense: Sense,
+    /// The table's joint value where the robot's coordinate is 0, rad or m. Where the base frame is free the first
+    /// joint's is 0 by choice, and where the tool frame is free the last one's.
+    pub zero: f64,
+}
+
+/// Everything that brings a table onto the robot, and what is left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// From base to tip.
+    pub joints: Vec<JointMatch>,
+    /// robot's base_from_table's base: B.
+    pub base: Pose,
+    /// table's tip_from_robot's tip: E.
+    pub tool: Pose,
+    /// Largest distance of the tips over random configurations, m.
+    pub position_error: f64,
+    /// Largest rotation between the tips over the same configurations, rad.
+    pub rotation_error: f64,
+}
+
+/// A number of the table beside the robot's own in the same gauge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberMatch {
+    /// Which.
+    pub number: DhNumber,
+    /// The vendor's, rad or m.
+    pub vendor: VendorNumber,
+    /// The robot's, rad or m.
+    pub robot: f64,
+    /// The two differ by no more than the vendor's last place, or than what a match that is exact or rounded leaves.
+    pub agrees: bool,
+}
+
+/// A row of the table beside the robot's own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowMatch {
+    /// Which row.
+    pub label: RowLabel,
+    /// The numbers that the row has.
+    pub numbers: Vec<NumberMatch>,
+}
+
+/// How a number differs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nature {
+    /// The same amount on the other side.
+    Sign,
+    /// Another amount.
+    Amount,
+}
+
+/// A number in which robot and table differ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    /// Its row.
+    pub label: RowLabel,
+    /// Which number of the row.
+    pub number: DhNumber,
+    /// The vendor's, rad or m.
+    pub vendor: f64,
+    /// The robot's, rad or m.
+    pub robot: f64,
+    /// How it differs.
+    pub nature: Nature,
+}
+
+/// The fewest numbers found that, changed, make the table the robot's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explanation {
+    /// In the order of the table.
+    pub differences: Vec<Difference>,
+    /// How the changed table lies on the robot.
+    pub placement: Placement,
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Match {
+    /// By the largest tip error of `placement`.
+    pub verdict: Verdict,
+    /// How the vendor's table as it stands lies best on the robot.
+    pub placement: Placement,
+    /// The vendor's numbers and the robot's own, row by row.
+    pub rows: Vec<RowMatch>,
+    /// Where the verdict is close or a mismatch: what differs; `None` where no change of the numbers makes them the same.
+    pub explanation: Option<Explanation>,
+}
+
+/// Why robot and table cannot be compared.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MatchError {
+    /// They have different numbers of joints.
+    #[error(
+        "the chain from \"{base}\" to \"{tip}\" has {robot} moving joints and the table has {vendor}; choose another --base \
+         or --tip, or another table"
+    )]
+    Count {
+        /// The chain's base link.
+        base: String,
+        /// The chain's tip link.
+        tip: String,
+        /// Joints of the robot.
+        robot: usize,
+        /// Joint rows of the table.
+        vendor: usize,
+    },
+    /// One turns and the other slides.
+    #[error(
+        "row {row}: joint \"{joint}\" of the robot is {robot} and the table's is {vendor}; a match needs the same kinds"
+    )]
+    Kind {
+        /// Counted from 1.
+        row: usize,
+        /// The robot's joint.
+        joint: String,
+        /// Its kind.
+        robot: &'static str,
+        /// The table's kind.
+        vendor: &'static str,
+    },
+    /// The table names the robot's joints in another order.
+    #[error(
+        "row {row} is named \"{vendor}\", but joint {row} from the base is \"{robot}\"; put the rows in the chain's order"
+    )]
+    Order {
+        /// Counted from 1.
+        row: usize,
+        /// The robot's joint at that place.
+        robot: String,
+        /// The row's name.
+        vendor: String,
+    },
+    /// A number is infinite or not a number.
+    #[error("row {row}: {number} is not finite")]
+    NotFinite {
+        /// Counted from 1; 0 for the base, one more than there are joints for the tool.
+        row: usize,
+        /// Which number.
+        number: &'static str,
+    },
+    /// A proximal table cannot hold Hayati's beta.
+    #[error("row {row}: beta belongs to the hayati convention")]
+    Beta {
+        /// Counted from 1.
+        row: usize,
+    },
+}
+
+/// Guesses that are fitted where the frames are free, where they are given, and where none of them came close.
+const TRIED: [usize; 3] = [12, 64, 64];
+
+/// A guess whose fit leaves no more than this many times the least says the same as the best one.
+const AS_GOOD: f64 = 2.0;
+
+/// A zero nearer to a quarter turn than this (rad) is that quarter turn and a difference in theta.
+const QUARTER: f64 = 1e-3;
+
+/// Finds how a vendor's table lies on a robot, and what differs.
+///
+/// # Errors
+/// The joints differ in number, kind or order, or a number is not finite.
+///
+/// # Validation
+/// tests/matching.rs: every published table that was verified elsewhere comes to the same verdict.
+///
+/// # Examples
+/// ```
+/// use denavit_dh::matching::{Verdict, VendorTable, match_table};
+/// use denavit_dh::{Convention, Options, convert};
+/// let chain = denavit_model::examples::puma_like();
+/// let table = convert::table(&chain, &Options::default())?.value;
+/// let mut vendor = VendorTable::of(&table, Convention::Distal, false);
+/// assert_eq!(match_table(&chain, &vendor).unwrap().verdict, Verdict::Exact);
+/// vendor.joints[1].row.a = Some(0.5.into());
+/// let found = match_table(&chain, &vendor).unwrap();
+/// assert_eq!(found.verdict, Verdict::Mismatch);
+/// assert!((found.explanation.unwrap().differences[0].robot - 0.43).abs() < 1e-12);
+/// # Ok::<(), denavit_model::ChainError>(())
+/// ```
+pub fn match_table(chain: &Chain, vendor: &VendorTable) -> Result<Match, MatchError> {
+    check(chain, vendor)?;
+    let arm = Arm::of(chain);
+    let (product, numbers) = Product::of(vendor);
+    let problem = Problem { chain, arm: &arm, vendor, product: &product, numbers: &numbers };
+    let (guess, state) = problem.best();
+    let placement = problem.placement(&guess.senses, &state);
+    let verdict = Verdict::of(placement.position_error);
+    let (found, explanation) = problem.explained(&guess, &state, &placement);
+    let rows = problem.rows(&found, verdict, &placement);
+    Ok(Match { verdict, placement, rows, explanation })
+}
+
+fn check(chain: &Chain, vendor: &VendorTable) -> Result<(), MatchError> {
+    let joints = chain.joints();
+    let rows = || vendor.base.iter().chain(vendor.joints.iter().map(|joint| &joint.row)).chain(&vendor.tool);
+    let first = usize::from(vendor.base.is_none());
+    for (row, numbers) in rows().enumerate().map(|(index, row)| (index + first, row)) {
+        for number in DhNumber::ALL {
+            if numbers.number(number).is_some_and(|number| !number.value.is_finite()) {
+                return Err(MatchError::NotFinite { row, number: number.word() });
+            }
+        }
+        if vendor.convention == crate::Convention::Proximal && numbers.beta.is_some() {
+            return Err(MatchError::Beta { row });
+        }
+    }
+    if joints.len() != vendor.joints.len() {
+        let (base, tip) = (chain.base().to_owned(), chain.tip().to_owned());
+        return Err(MatchError::Count { base, tip, robot: joints.len(), vendor: vendor.joints.len() });
+    }
+    for (index, (joint, of_vendor)) in joints.iter().zip(&vendor.joints).enumerate() {
+        let motion = Motion::of(&joint.screw);
+        let slides = |motion: Motion| matches!(motion, Motion::Prismatic);
+        if let Some(name) = &of_vendor.name
+            && *name != joint.name
+            && joints.iter().any(|other| other.name == *name)
+        {
+            return Err(MatchError::Order { row: index + 1, robot: joint.name.clone(), vendor: name.clone() });
+        }
+        if slides(motion) != slides(of_vendor.motion) {
+            return Err(MatchError::Kind {
+                row: index + 1,
+                joint: joint.name.clone(),
+                robot: motion.word(),
+                vendor: of_vendor.motion.word(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Robot and table, prepared.
+struct Problem<'a> {
+    chain: &'a Chain,
+    arm: &'a Arm,
+    vendor: &'a VendorTable,
+    product: &'a Product,
+    numbers: &'a [f64],
+}
+
+impl Problem<'_> {
+    /// Frames that are not given, the zeros that they do not hold, and no numbers.
+    fn free(&self) -> Free {
+        let n = self.arm.screws.len();
+        let (base, tool) = (self.vendor.base.is_none(), self.vendor.tool.is_none());
+        let zeros = (0..n).map(|k| !(base && k == 0 || tool && k + 1 == n)).collect();
+        Free { base, tool, zeros, numbers: vec![false; self.numbers.len()] }
+    }
+
+    /// The state that a guess stands for: frames by aligning the axes, or zeros of the outer joints where they are given.
+    fn start(&self, guess: &Guess) -> State {
+        let mut zeros = guess.zeros.clone();
+        let n = zeros.len();
+        let free = self.free();
+        for (zero, free) in zeros.iter_mut().zip(&free.zeros) {
+            if !free {
+                *zero = 0.0;
+            }
+        }
+        let robot = with_senses(&self.arm.axes(), &guess.senses);
+        let vendor = self.product.axes(self.numbers, &zeros);
+        let mut base = alignment(&vendor, &robot, self.arm.size);
+        let mut tool = (base * self.product.pose(self.numbers, &zeros)).inverse() * self.arm.home;
+        if n == 0 {
+            return State { base: Pose::identity(), tool, zeros, numbers: self.numbers.to_vec() };
+        }
+        if !free.base {
+            if vendor[0].turns {
+                zeros[0] = wrapped(zeros[0] + turn_about(&base, &vendor[0].direction));
+            }
+            base = Pose::identity();
+        }
+        if !free.tool {
+            let reached = self.product.pose(self.numbers, &zeros);
+            if vendor[n - 1].turns {
+                let axis = reached.rotation.inverse() * self.product.axes(self.numbers, &zeros)[n - 1].direction;
+                let left = (base * reached).inverse() * self.arm.home;
+                zeros[n - 1] = wrapped(zeros[n - 1] + turn_about(&left, &axis));
+            }
+            tool = Pose::identity();
+        }
+        State { base, tool, zeros, numbers: self.numbers.to_vec() }
+    }
+
+    /// The guess that fits best, the simplest of those that fit as well; and its fit.
+    fn best(&self) -> (Guess, State) {
+        let free = self.free();
+        let robot = self.arm.axes();
+        let unturned = vec![0.0; robot.len()];
+        let guesses = guesses(&robot, &self.product.axes(self.numbers, &unturned), self.arm.size);
+        let tried = if free.base && free.tool { TRIED[0] } else { TRIED[1] };
+        let mut fitted: Vec<(f64, Guess, State)> = Vec::new();
+        for (count, guess) in guesses.into_iter().enumerate() {
+            let least = fitted.iter().map(|(error, ..)| *error).fold(f64::INFINITY, f64::min);
+            if Verdict::of(least) == Verdict::Exact
+                || count >= TRIED[2]
+                || (count >= tried && Verdict::of(least) < Verdict::Mismatch)
+            {
+                break;
+            }
+            let fit = self.fit_of(&guess.senses);
+            let state = fit.solve(self.start(&guess), &free);
+            let (error, _) = fit.errors(&state, &self.arm.samples);
+            fitted.push((error, guess, state));
+        }
+        let least = fitted.iter().map(|(error, ..)| *error).fold(f64::INFINITY, f64::min);
+        let (error, guess, state) =
+            fitted.into_iter().find(|(error, ..)| *error <= AS_GOOD * least).expect("there is always a guess");
+        let state = self.tidied(&guess.senses, state, error, &free);
+        (guess, state)
+    }
+
+    fn fit_of<'s>(&'s self, senses: &'s [f64]) -> Fit<'s> {
+        Fit { product: self.product, senses, samples: &self.arm.samples, size: self.arm.size, damping: 1e-12 }
+    }
+
+    /// Zeros that nothing needs are 0, those that a quarter turn serves as well are one.
+    fn tidied(&self, senses: &[f64], mut state: State, error: f64, free: &Free) -> State {
+        let fit = self.fit_of(senses);
+        let allowed = error * (1.0 + 1e-6) + 1e-13 * self.arm.size;
+        let mut free = free.clone();
+        for k in 0..state.zeros.len() {
+            if !free.zeros[k] || state.zeros[k] == 0.0 {
+                continue;
+            }
+            state.zeros[k] = if self.turns(k) { wrapped(state.zeros[k]) } else { state.zeros[k] };
+            let quarter = if self.turns(k) { nearest_quarter(state.zeros[k]) } else { 0.0 };
+            for tidy in [0.0, quarter] {
+                let mut trial = state.clone();
+                trial.zeros[k] = tidy;
+                free.zeros[k] = false;
+                let trial = fit.solve(trial, &free);
+                if fit.errors(&trial, &self.arm.samples).0 <= allowed {
+                    state = trial;
+                    break;
+                }
+                free.zeros[k] = true;
+            }
+        }
+        state
+    }
+
+    fn turns(&self, joint: usize) -> bool {
+        !matches!(self.product.motions[joint], Motion::Prismatic)
+    }
+
+    fn placement(&self, senses: &[f64], state: &State) -> Placement {
+        let (position_error, rotation_error) = self.fit_of(senses).errors(state, &self.arm.proof);
+        let joints =
+            self.chain.joints().iter().zip(senses).zip(&state.zeros).map(|((joint, sense), zero)| JointMatch {
+                name: joint.name.clone(),
+                sense: if *sense < 0.0 { Sense::Reversed } else { Sense::Same },
+                zero: *zero,
+            });
+        Placement { joints: joints.collect(), base: state.base, tool: state.tool, position_error, rotation_error }
+    }
+}
+
+fn nearest_quarter(angle: f64) -> f64 {
+    wrapped((angle / FRAC_PI_2).round() * FRAC_PI_2)
+}
+
+/// Angle by which a motion turns about a direction, as well as one can say, rad.
+fn turn_about(motion: &Pose, direction: &denavit_model::nalgebra::Vector3<f64>) -> f64 {
+    let across = se3::skew(direction);
+    let rotation = motion.rotation.matrix();
+    // tr(R) = u'Ru + cos · tr(I - uu'), and [u]' meets sin only.
+    let sine = -(across * rotation).trace();
+    let cosine = rotation.trace() - direction.dot(&(rotation * direction));
+    sine.atan2(cosine)
+}
