@@ -1,1 +1,12 @@
-//! One test binary: a module per command, golden files, the oracle.
+//! The program as a user meets it, golden files, house rules, and the oracle: one binary, a module each.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+#![allow(clippy::print_stdout, reason = "tests say what they measured and what they skipped")]
+
+mod architecture;
+mod command_line;
+mod corpus;
+mod golden;
+mod oracle;
+mod quirky;
+mod support;

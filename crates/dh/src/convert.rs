@@ -9,7 +9,7 @@
 
 use crate::candidates::{Target, candidates};
 use crate::gauge::{Gauge, Weigher};
-use crate::straighten::{Parallelism, straightened};
+use crate::straighten::{Parallelism, angle_of_lines, straightened};
 use crate::table::{DhRow, Motion, Row, Table, TableJoint, ToolPart};
 use denavit_model::chain::{Chain, ChainError};
 use denavit_model::nalgebra::Vector3;
@@ -205,14 +205,18 @@ fn far_numbers(chain: &Chain, table: &Table) -> Vec<Note> {
         index if index <= chain.joints().len() => chain.joints()[index - 1].name.clone(),
         _ => "tool z".to_owned(),
     };
-    let mut notes = Vec::new();
-    for (index, row) in table.rows.iter().enumerate() {
-        let length =
-            [row.d().unwrap_or(0.0), row.a()].into_iter().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-        let angle = se3::angle_between(&targets[index].direction, &targets[index + 1].direction);
-        if length.abs() > FAR * size {
-            notes.push(Note::FarNumber { joints: (name(index), name(index + 1)), angle, length, size });
-        }
-    }
-    notes
+    let longest = |row: &Row| row.d().unwrap_or(0.0).abs().max(row.a().abs());
+    let far: Vec<(usize, f64)> =
+        table.rows.iter().map(longest).enumerate().filter(|(_, length)| *length > FAR * size).collect();
+    let angle = |index: usize| angle_of_lines(&targets[index].direction, &targets[index + 1].direction);
+    // A far common normal is named where the axes are near parallel; the way back from it is not another finding.
+    let named: Vec<&(usize, f64)> = far.iter().filter(|(index, _)| angle(*index) < HAYATI_BELOW).collect();
+    let named = if named.is_empty() { far.iter().collect() } else { named };
+    let note = |(index, length): &(usize, f64)| Note::FarNumber {
+        joints: (name(*index), name(index + 1)),
+        angle: angle(*index),
+        length: *length,
+        size,
+    };
+    named.into_iter().map(note).collect()
 }

@@ -181,7 +181,8 @@ impl Sheet<'_> {
 
     /// The most by which everything that was read otherwise than it is written moves the tip, m; with it, how many.
     pub fn displacement_bound(&self) -> (f64, usize) {
-        let moving: Vec<f64> = self.notes.iter().map(Note::tip_moves).filter(|moves| *moves > 0.0).collect();
+        let read = |note: &&Note| matches!(note, Note::IntendedAngle { .. } | Note::TreatedAsParallel { .. });
+        let moving: Vec<f64> = self.notes.iter().filter(read).map(Note::tip_moves).collect();
         (moving.iter().sum(), moving.len())
     }
 }

@@ -97,9 +97,14 @@ impl Literal {
         if gives(multiple) {
             return true;
         }
+        if self.significant_digits < 5 || quarters.fract() != 0.0 {
+            return false;
+        }
         // A quarter turn cut off at this place, then doubled, tripled, …: 3.14158 = 2 × 1.57079.
         let cut = (PI / 2.0 * scale).floor();
-        self.significant_digits >= 5 && quarters.fract() == 0.0 && written == quarters * cut
+        // A half turn cut off a place earlier, then halved: 1.570795 = 3.14159 / 2.
+        let cut_earlier = (2.0 * multiple * scale / 10.0).floor() * 10.0;
+        written == quarters * cut || 2.0 * written == cut_earlier
     }
 }
 
@@ -144,6 +149,7 @@ mod tests {
             ("1.57079632679", "π/2"),
             ("1.57079637050628662109", "π/2"),
             ("157.0796e-2", "π/2"),
+            ("1.570795", "π/2"),
             ("3.14", "π"),
             ("3.1415", "π"),
             ("3.1416", "π"),
@@ -181,6 +187,7 @@ mod tests {
             "1.05",
             "1.5712",
             "1.5700963",
+            "1.570785",
             "3.13",
             "3.15",
             "0",

@@ -177,10 +177,10 @@ def link_compliance(rng, arm):
                 give.after[i] = _turn(1e-5 * size * load) * give.after[i]
                 return
             # End load of link i in its own frame: what joint i+1 carries.
-            link_from_next = body.origins[i + 1]
+            link_from_next = moment.placements[i].actInv(moment.placements[i + 1])
             force, torque = moment.carried[i + 1]
             force, torque = -(link_from_next.rotation @ force), -(link_from_next.rotation @ torque)
-            reach = link_from_next.translation
+            reach = body.origins[i + 1].translation
             length = np.linalg.norm(reach)
             along = reach / length
             bend = torque - along * (along @ torque)
