@@ -53,16 +53,27 @@ fn witnesses() -> Option<Vec<Witness>> {
     Some(found.into_values().collect())
 }
 
+/// m and rad.
+const TOLERANCE: f64 = 1e-9;
+
 /// Agreement of one way to compute poses with the oracle's.
 #[derive(Default)]
 struct Agreement {
     turned: Vec<f64>,
     moved: Vec<f64>,
+    /// Poses of tables whose numbers are too long for 1e-9 m in f64, held to the rounding at those numbers instead.
+    beyond: usize,
 }
 
 impl Agreement {
-    fn add(&mut self, found: &Pose, expected: &Pose) {
+    /// `greatest`: the longest number that goes into `found`, m.
+    fn add(&mut self, found: &Pose, expected: &Pose, greatest: f64) {
         let (turned, moved) = se3::difference(found, expected);
+        let rounding = 64.0 * f64::EPSILON * greatest;
+        if moved > TOLERANCE && moved <= rounding {
+            self.beyond += 1;
+            return;
+        }
         self.turned.push(turned);
         self.moved.push(moved);
     }
@@ -76,7 +87,10 @@ impl Agreement {
         let (median, most, worst) = quantiles(&mut self.moved);
         println!("{name}: {} poses, m: median {median:.1e}, 99 % {most:.1e}, largest {worst:.1e}", self.moved.len());
         let (_, _, turned) = quantiles(&mut self.turned);
-        assert!(worst < 1e-9 && turned < 1e-9, "{name}: {worst:e} m, {turned:e} rad");
+        if self.beyond > 0 {
+            println!("{name}: {} more poses agree to the rounding at the table's longest number only", self.beyond);
+        }
+        assert!(worst < TOLERANCE && turned < TOLERANCE, "{name}: {worst:e} m, {turned:e} rad");
     }
 }
 
@@ -93,7 +107,8 @@ fn ordered(chain: &Chain, witness: &Witness, q: &[f64]) -> Vec<f64> {
 }
 
 fn tables(chain: &Chain) -> Vec<(&'static str, Convention, Table)> {
-    let exact = Options { parallelism: Parallelism::Exact, ..Options::default() };
+    // Axes half a nanoradian from parallel move a tip by less than the oracle's tolerance; kilometres of d by more.
+    let exact = Options { parallelism: Parallelism::Within { angle: 5e-10 }, ..Options::default() };
     let paper = Options { gauge: Gauge::Paper, ..exact };
     let hayati = Options { near_parallel: NearParallel::HayatiBelow(HAYATI_BELOW), ..exact };
     let made = |options| table(chain, &options).unwrap().value;
@@ -105,11 +120,6 @@ fn tables(chain: &Chain) -> Vec<(&'static str, Convention, Table)> {
     ]
 }
 
-/// What rounding allows at numbers as large as a table's: the oracle's 1e-9, and two spacings of f64 there for each row.
-fn readable(table: &Table) -> bool {
-    table.greatest_length() < 1e5
-}
-
 #[test]
 fn every_chain_of_every_file_moves_as_the_oracle_says() {
     let Some(witnesses) = witnesses() else { return };
@@ -117,7 +127,7 @@ fn every_chain_of_every_file_moves_as_the_oracle_says() {
     let mut by_convention: BTreeMap<&str, Agreement> = BTreeMap::new();
     let mut read_back: BTreeMap<&str, Agreement> = BTreeMap::new();
     let mut robots: BTreeMap<String, Robot> = BTreeMap::new();
-    let mut far = Vec::new();
+    let mut longest = 0.0f64;
     for witness in &witnesses {
         let robot = robots.entry(witness.file.clone()).or_insert_with(|| {
             let text = std::fs::read_to_string(&witness.file).unwrap();
@@ -125,13 +135,10 @@ fn every_chain_of_every_file_moves_as_the_oracle_says() {
         });
         let chain = robot.chain(Some(&witness.base), Some(&witness.tip), Reading::AsWritten).unwrap().value;
         for sample in &witness.samples {
-            poe.add(&chain.fk(&ordered(&chain, witness, &sample.q)), &sample.pose);
+            poe.add(&chain.fk(&ordered(&chain, witness, &sample.q)), &sample.pose, 0.0);
         }
         for (name, convention, table) in tables(&chain) {
-            if !readable(&table) {
-                far.push(format!("{} {} ({name}): {:.0e} m", witness.file, witness.tip, table.greatest_length()));
-                continue;
-            }
+            longest = longest.max(table.greatest_length());
             let rows = table.convention_rows(convention);
             let sheet = Sheet { table: &table, convention, units: Units::default(), notes: &[], source: "", gauge: "" };
             let again: Vec<(&str, Chain)> = ["csv", "json"]
@@ -145,12 +152,13 @@ fn every_chain_of_every_file_moves_as_the_oracle_says() {
                 let q = ordered(&chain, witness, &sample.q);
                 let values: Vec<f64> = table.joints.iter().map(|joint| joint.scale * q[joint.coordinate]).collect();
                 let found = conventions::fk_of_rows(convention, &rows, &table.joints, &values);
-                by_convention.entry(name).or_default().add(&found, &sample.pose);
+                by_convention.entry(name).or_default().add(&found, &sample.pose, table.greatest_length());
                 for (format, again) in &again {
-                    read_back
-                        .entry(format)
-                        .or_default()
-                        .add(&again.fk(&ordered(again, witness, &sample.q)), &sample.pose);
+                    read_back.entry(format).or_default().add(
+                        &again.fk(&ordered(again, witness, &sample.q)),
+                        &sample.pose,
+                        table.greatest_length(),
+                    );
                 }
             }
         }
@@ -160,6 +168,5 @@ fn every_chain_of_every_file_moves_as_the_oracle_says() {
     for (name, agreement) in by_convention.iter_mut().chain(&mut read_back) {
         agreement.report(name);
     }
-    println!("{} tables as written have numbers beyond 1e5 m and are not compared:", far.len());
-    far.iter().for_each(|line| println!("  {line}"));
+    println!("the longest number in a table as written: {longest:.1e} m");
 }
