@@ -1,0 +1,286 @@
+//! Runs the tracer on a folder of blind cases: `cargo run --release --example study_tracing -- FOLDER [NAME]`.
+use denavit_calibrate::effects::catalogue::Kind;
+use denavit_calibrate::effects::survey::with_run_order;
+use denavit_calibrate::effects::{Masses, Statics};
+use denavit_calibrate::measurements::{Covariate, Label, MeasurementKind, Measurements};
+use denavit_calibrate::trace::{TraceOptions, trace};
+use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};
+use denavit_model::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use denavit_model::{Chain, tree::Reading};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+fn read(path: &Path, chain: &Chain) -> Measurements {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().enumerate().filter(|(_, l)| !l.starts_with('#'));
+    let header: Vec<String> = lines.next().unwrap().1.split(',').map(str::to_string).collect();
+    let rows: Vec<(usize, Vec<String>)> =
+        lines.map(|(n, l)| (n + 1, l.split(',').map(str::to_string).collect())).collect();
+    let joints: Vec<String> = chain.coordinates().iter().map(|c| c.name.clone()).collect();
+    let col = |name: &str| header.iter().position(|h| h == name);
+    let num = |row: &[String], c: usize| row[c].parse::<f64>().unwrap_or(f64::NAN);
+    let mut used: Vec<usize> = joints.iter().map(|j| col(j).unwrap()).collect();
+    let jc = used.clone();
+    let mut targets: Vec<String> = Vec::new();
+    let mut kind = MeasurementKind::Position;
+    if col("distance").is_some() {
+        kind = MeasurementKind::Distance;
+        targets.push(String::new());
+        used.push(col("distance").unwrap());
+    } else if col("x").is_some() {
+        targets.push(String::new());
+        if col("qx").is_some() {
+            kind = MeasurementKind::Pose;
+        }
+    } else {
+        for k in 1..20 {
+            if col(&format!("x{k}")).is_some() {
+                targets.push(k.to_string());
+            }
+        }
+    }
+    let mut m = Measurements {
+        source: path.display().to_string(),
+        kind,
+        joints,
+        readings: rows.iter().flat_map(|(_, r)| jc.iter().map(|&c| num(r, c)).collect::<Vec<_>>()).collect(),
+        targets: targets.clone(),
+        positions: vec![],
+        orientations: vec![],
+        distances: vec![],
+        covariates: vec![],
+        labels: vec![],
+        locate: vec![false; rows.len()],
+        lines: rows.iter().map(|r| r.0).collect(),
+    };
+    if kind == MeasurementKind::Distance {
+        m.distances = rows.iter().map(|(_, r)| num(r, col("distance").unwrap())).collect();
+    } else {
+        for (_, r) in &rows {
+            for t in &targets {
+                let c: Vec<usize> = ["x", "y", "z"].iter().map(|a| col(&format!("{a}{t}")).unwrap()).collect();
+                used.extend(&c);
+                let v = Vector3::new(num(r, c[0]), num(r, c[1]), num(r, c[2]));
+                m.positions.push(v.x.is_finite().then_some(v));
+            }
+            if kind == MeasurementKind::Pose {
+                let c: Vec<usize> = ["qx", "qy", "qz", "qw"].iter().map(|a| col(a).unwrap()).collect();
+                used.extend(&c);
+                let q = Quaternion::new(num(r, c[3]), num(r, c[0]), num(r, c[1]), num(r, c[2]));
+                m.orientations.push(UnitQuaternion::from_quaternion(q).to_rotation_matrix());
+            }
+        }
+    }
+    for (c, name) in header.iter().enumerate() {
+        if used.contains(&c) {
+            continue;
+        }
+        if name == "locate" {
+            m.locate = rows.iter().map(|(_, r)| r[c] == "1").collect();
+        } else if rows.iter().all(|(_, r)| r[c].parse::<f64>().is_ok()) {
+            m.covariates.push(Covariate { name: name.clone(), values: rows.iter().map(|(_, r)| num(r, c)).collect() });
+        } else {
+            m.labels.push(Label { name: name.clone(), values: rows.iter().map(|(_, r)| r[c].clone()).collect() });
+        }
+    }
+    m
+}
+
+fn rms<E: Effects>(
+    data: &Measurements,
+    layout: &denavit_calibrate::Layout,
+    arm: &denavit_calibrate::Arm,
+    effects: &E,
+) -> f64 {
+    let squares = Problem { data, layout, effects }.squares(arm);
+    (squares.iter().map(|s| s[0]).sum::<f64>() / squares.len() as f64).sqrt() * 1e3
+}
+
+#[derive(Default)]
+struct Tally {
+    cases: usize,
+    right: usize,
+    among_rivals: usize,
+    false_claims: usize,
+    ratios: Vec<f64>,
+    errors: [f64; 4],
+}
+
+impl Tally {
+    fn line(&self, name: &str) -> String {
+        let mut r = self.ratios.clone();
+        r.sort_by(f64::total_cmp);
+        let n = self.cases.max(1) as f64;
+        let q = |p: f64| r.get(((r.len().max(1) - 1) as f64 * p) as usize).copied().unwrap_or(f64::NAN);
+        format!(
+            "{name:<34} {:>4} right {:>4} + rivals {:>3} = {:>5.1} %, false claims {:>3}, test/attainable median {:.3} 95 % {:.3}; mm {:.4} {:.4} {:.4} {:.4}",
+            self.cases,
+            self.right,
+            self.among_rivals,
+            100.0 * (self.right + self.among_rivals) as f64 / n,
+            self.false_claims,
+            q(0.5),
+            q(0.95),
+            self.errors[0] / n,
+            self.errors[1] / n,
+            self.errors[2] / n,
+            self.errors[3] / n
+        )
+    }
+}
+
+fn main() {
+    let root = std::env::args().nth(1).unwrap();
+    let only = std::env::args().nth(2);
+    let mut cases: Vec<_> = std::fs::read_dir(&root)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.join("truth.json").exists())
+        .collect();
+    cases.sort();
+    let mut tallies: BTreeMap<String, Tally> = BTreeMap::new();
+    for case in cases {
+        let name = case.file_name().unwrap().to_string_lossy().to_string();
+        if only.as_ref().is_some_and(|o| !name.contains(o.as_str())) {
+            continue;
+        }
+        let truth: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(case.join("truth.json")).unwrap()).unwrap();
+        let robot =
+            denavit_model::urdf::read("nominal.urdf", &std::fs::read_to_string(case.join("nominal.urdf")).unwrap())
+                .unwrap();
+        let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
+        let statics = Statics { masses: Masses::of(&robot, &chain), chain: chain.clone() };
+        let train = with_run_order(read(&case.join("train.csv"), &chain), 0);
+        let rows = train.len();
+        let test = with_run_order(read(&case.join("test.csv"), &chain), rows);
+        let mut options = TraceOptions::new(IdentifyOptions::axes(&chain));
+        if let Some(ratio) = truth["gear_ratio"].as_f64() {
+            options.gear_ratios = vec![Some(ratio); chain.joints().len()];
+        }
+        let started = Instant::now();
+        let identification = identify(&chain, &train, &options.identify);
+        let geometric = &identification.geometric;
+        let fitted = started.elapsed().as_secs_f64();
+        let result = trace(&statics, &train, geometric, &options);
+        let took = started.elapsed().as_secs_f64();
+        let nominal =
+            rms(&test, &identification.nominal.layout, &identification.nominal.arm, &identification.nominal.effects);
+        let before = rms(&test, &geometric.layout, &geometric.arm, &geometric.effects);
+        let after = rms(&test, &result.fit.layout, &result.fit.arm, &result.fit.effects);
+        let dimension: f64 = if train.kind == MeasurementKind::Distance { 1.0 } else { 3.0 };
+        let floor = truth["noise_m"].as_f64().unwrap() * 1e3 * dimension.sqrt();
+        let used: f64 = result.fit.parameters_used[0];
+        let attainable = floor * (1.0 + used / result.fit.values[0]).sqrt();
+        let claims: Vec<(String, String)> =
+            result.findings.iter().map(|f| (f.term.kind.name().to_string(), f.place.clone())).collect();
+        let text = |v: &serde_json::Value| v.as_str().unwrap().to_string();
+        let effects = truth["effects"].as_array().unwrap();
+        let truths: Vec<(String, Vec<String>)> = effects
+            .iter()
+            .map(|e| {
+                (
+                    text(&e["kind"]),
+                    e["places"].as_array().unwrap().iter().map(|p| text(p).replace("all", "all joints")).collect(),
+                )
+            })
+            .collect();
+        let strength = truth["strength"].as_f64().unwrap();
+        let mut good = true;
+        let mut note = |key: String, right: bool, rival: bool, wrong: usize| {
+            let t = tallies.entry(key).or_default();
+            t.cases += 1;
+            t.right += usize::from(right);
+            t.among_rivals += usize::from(!right && rival);
+            t.false_claims += wrong;
+            t.ratios.push(after / attainable);
+            for (sum, value) in t.errors.iter_mut().zip([nominal, before, after, attainable]) {
+                *sum += value;
+            }
+        };
+        let matches = |kind: &str, place: &str| truths.iter().any(|(k, p)| k == kind && p[0] == place);
+        let wrong = result
+            .findings
+            .iter()
+            .filter(|f| {
+                !matches(f.term.kind.name(), &f.place) && !f.ambiguous_with.iter().any(|(k, p)| matches(k.name(), p))
+            })
+            .count();
+        if truths.is_empty() {
+            note("null".into(), claims.is_empty(), false, wrong);
+            good = claims.is_empty();
+        } else if truths[0].0 == "alien" {
+            let places = &truths[0].1;
+            let outside = claims.iter().filter(|(_, p)| !places.contains(p)).count();
+            let first = result.leftover.places.first().and_then(|p| p.joint.clone().or(p.covariate.clone()));
+            let named = first.is_some_and(|f| places.contains(&f))
+                || claims.iter().any(|(k, p)| k == "drift" && places.contains(p));
+            let what = text(&effects[0]["shape"]["what"]);
+            note(format!("alien {what}"), named && outside == 0, false, outside);
+            good = named && outside == 0;
+        } else {
+            for (kind, places) in &truths {
+                let right = claims.iter().any(|(k, p)| k == kind && *p == places[0]);
+                let rival = result
+                    .findings
+                    .iter()
+                    .any(|f| f.ambiguous_with.iter().any(|(k, p)| k.name() == kind && *p == places[0]));
+                good &= right || rival;
+                let key =
+                    if truths.len() == 1 { format!("{kind} {strength}") } else { format!("{} at once", truths.len()) };
+                note(key.clone(), right, rival, wrong);
+                if truths.len() == 1 {
+                    note(format!("~all of strength {strength}"), right, rival, wrong);
+                }
+            }
+        }
+        good &= wrong == 0 && after / attainable < 1.1;
+        println!(
+            "{} {name}: {} {} {}x{} {rows} rows, fit {fitted:.2} s, all {took:.2} s",
+            if good { "ok " } else { "BAD" },
+            truth["arm"],
+            truth["measure"],
+            truth["targets"],
+            strength
+        );
+        if good {
+            continue;
+        }
+        for effect in effects {
+            println!(
+                "   truth {} {} {} size {}",
+                effect["kind"], effect["places"], effect["shape"], effect["visible_rms_in_noise"]
+            );
+        }
+        for f in &result.findings {
+            let rivals: Vec<String> =
+                f.ambiguous_with.iter().map(|(k, p): &(Kind, String)| format!("{}({p})", k.name())).collect();
+            println!(
+                "   found {}({}) {:?} {:?} dBIC {:.1} p {:.1e} rivals {:?}",
+                f.term.kind.name(),
+                f.place,
+                f.term.carrier,
+                f.term.driver,
+                f.delta_bic,
+                f.p_value,
+                rivals
+            );
+        }
+        println!(
+            "   test rms geometry {before:.4} -> {after:.4} mm (attainable {attainable:.4}); noise {:.4} mm; left p {:.1e} {:?}; rejected {}",
+            result.fit.noise.position * 1e3,
+            result.leftover.p_value,
+            result
+                .leftover
+                .places
+                .iter()
+                .map(|p| (p.joint.clone().or(p.covariate.clone()).unwrap(), (p.share * 100.0).round()))
+                .collect::<Vec<_>>(),
+            result.fit.weights.iter().filter(|w| **w == 0.0).count(),
+        );
+    }
+    for (name, tally) in &tallies {
+        println!("{}", tally.line(name));
+    }
+}

@@ -1,0 +1,92 @@
+"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|all] [--first-seed N] [--nulls N]
+
+singles  every kind on every arm that can show it, at strengths 1, 2, 5, 20 times the noise
+pairs    two and three kinds at once, strength 5
+nulls    no effect, every covariate in the file
+aliens   what no entry of the catalogue describes, strength 5
+"""
+
+import argparse
+from concurrent.futures import ProcessPoolExecutor
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from arms import ARMS
+from effects import ALIENS, KINDS
+from generate import make, parser
+
+STRENGTHS = (1, 2, 5, 20)
+# On a SCARA the weight never changes the tilt of an axis that stands upright, and only the payload moves the quill; a
+# scale of the instrument shows on slides alone, and is then the slide's own scale.
+CANNOT_SHOW = {("scara", "joint_compliance"), ("scara", "base_compliance"), ("six_axis", "instrument_scale"),
+               ("seven_axis", "instrument_scale"), ("scara", "instrument_scale"), ("rail_six_axis", "instrument_scale")}
+
+
+def case(out, arm, words, name, seed, rng):
+    """Options of one case; measurement kind, size and covariates are drawn."""
+    effects = words.get("effects", "none")
+    arguments = [str(out / name), "--arm", arm, "--seed", str(seed), "--effects", effects, "--strength", str(words.get("strength", 5))]
+    needs_angles = any(kind in effects for kind in ("joint_coupling", "axis_wobble", "link_compliance")) or arm == "scara"
+    measure = "pose" if needs_angles else str(rng.choice(["position", "position", "pose"]))
+    arguments += ["--measure", measure, "--count", str(int(rng.choice([200, 250, 400])))]
+    if measure == "position":
+        arguments += ["--targets", str(int(rng.choice([1, 1, 3])))]
+    if words.get("rich", rng.random() < 0.4):
+        arguments.append("--rich")
+    if rng.random() < 0.4 or words.get("rich"):
+        arguments.append("--payload")
+    return parser().parse_args(arguments)
+
+
+def cases(out, part, first_seed, nulls):
+    rng = np.random.default_rng([first_seed, 77])
+    seed = first_seed * 100_000
+    chosen = []
+    def add(arm, words, name):
+        nonlocal seed
+        seed += 1
+        chosen.append(case(out, arm, words, name, seed, rng))
+    if part in ("singles", "all"):
+        for kind, arm, strength in product(KINDS, ARMS, STRENGTHS):
+            if (arm, kind) not in CANNOT_SHOW:
+                add(arm, {"effects": kind, "strength": strength}, f"one_{strength:02d}_{seed}")
+    if part in ("pairs", "all"):
+        for number in range(40):
+            arm = str(rng.choice(list(ARMS)))
+            possible = [kind for kind in KINDS if (arm, kind) not in CANNOT_SHOW]
+            picked = rng.choice(possible, 2 + number % 2, replace=False)
+            add(arm, {"effects": "+".join(picked), "strength": 5}, f"many_{seed}")
+    if part in ("nulls", "all"):
+        for number in range(nulls):
+            add(list(ARMS)[number % len(ARMS)], {"rich": True}, f"null_{seed}")
+    if part in ("aliens", "all"):
+        for alien, arm in product(ALIENS, ARMS):
+            for _ in range(3):
+                add(arm, {"effects": alien, "strength": 5}, f"odd_{seed}")
+    return chosen
+
+
+def made(options):
+    try:
+        make(options.out, options)
+        return None
+    except SystemExit as swallowed:
+        return f"{options.out}: {swallowed}"
+    except RuntimeError as soft:
+        return f"{options.out}: {soft}"
+
+
+if __name__ == "__main__":
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("out", type=Path)
+    p.add_argument("--part", choices=["singles", "pairs", "nulls", "aliens", "all"], default="all")
+    p.add_argument("--first-seed", type=int, default=1)
+    p.add_argument("--nulls", type=int, default=40)
+    p.add_argument("--workers", type=int, default=1)
+    chosen = p.parse_args()
+    with ProcessPoolExecutor(chosen.workers) as pool:
+        for trouble in pool.map(made, cases(chosen.out, chosen.part, chosen.first_seed, chosen.nulls)):
+            if trouble:
+                print(trouble)
