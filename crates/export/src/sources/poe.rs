@@ -2,6 +2,7 @@
 
 use super::rows::{RowOf, Rows};
 use super::{SourceError, SourceErrorKind, place, stem};
+use crate::formats::json::CoordinateEntry;
 use crate::poe::PoeFile;
 use denavit_model::chain::{Chain, ChainJoint, Coordinate, Quantity};
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
@@ -62,7 +63,7 @@ pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceErro
         let units = format!("{} and {}", content.units.length, content.units.angle);
         return Err(error("units".into(), SourceErrorKind::Units(units)));
     }
-    let coordinates: Vec<Coordinate> = content.coordinates.iter().map(|entry| entry.coordinate()).collect();
+    let coordinates: Vec<Coordinate> = content.coordinates.iter().map(CoordinateEntry::coordinate).collect();
     let mut joints = Vec::new();
     for entry in &content.joints {
         let element = format!("joint \"{}\"", entry.name);

@@ -8,7 +8,7 @@ pub(super) struct Rows<'a> {
     /// Column name without unit, as written, and factor to SI.
     columns: Vec<(String, String, f64)>,
     header_line: usize,
-    rows: Vec<csv::StringRecord>,
+    records: Vec<csv::StringRecord>,
     /// What the `#` lines say: `# key: value`.
     comments: Vec<(String, String)>,
 }
@@ -50,18 +50,18 @@ impl<'a> Rows<'a> {
         });
         let columns = columns.collect();
         let header_line = line_of(&header);
-        let mut rows = Vec::new();
+        let mut records = Vec::new();
         for record in reader.records() {
             let record = record.map_err(wrong)?;
             if record.iter().any(|cell| !cell.is_empty()) {
-                rows.push(record);
+                records.push(record);
             }
         }
         let comments =
             text.lines().filter_map(|line| line.trim().strip_prefix('#')).filter_map(|line| line.split_once(':'));
         let comments =
             comments.map(|(key, value)| (key.trim().to_ascii_lowercase(), value.trim().to_owned())).collect();
-        Ok(Self { file, columns, header_line, rows, comments })
+        Ok(Self { file, columns, header_line, records, comments })
     }
 
     pub fn header_line(&self) -> usize {
@@ -81,7 +81,7 @@ impl<'a> Rows<'a> {
     }
 
     pub fn iter(&self) -> impl Iterator<Item = RowOf<'_>> {
-        self.rows.iter().map(|record| RowOf { rows: self, record })
+        self.records.iter().map(|record| RowOf { rows: self, record })
     }
 
     pub fn error(&self, kind: SourceErrorKind) -> SourceError {

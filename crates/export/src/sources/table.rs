@@ -2,7 +2,7 @@
 
 use super::rows::{RowOf, Rows};
 use super::{Source, SourceError, SourceErrorKind, place, stem};
-use crate::formats::json::TableFile;
+use crate::formats::json::{CoordinateEntry, TableFile};
 use denavit_dh::{Convention, ConventionRow, Motion, RowLabel, Table, TableJoint};
 use denavit_model::Pitch;
 use denavit_model::chain::{Coordinate, Quantity};
@@ -108,7 +108,7 @@ pub(super) fn of_file(file: &str, content: &TableFile) -> Result<Source, SourceE
         let units = format!("{} and {}", content.units.length, content.units.angle);
         return Err(error("units".into(), SourceErrorKind::Units(units)));
     }
-    let coordinates: Vec<Coordinate> = content.coordinates.iter().map(|entry| entry.coordinate()).collect();
+    let coordinates: Vec<Coordinate> = content.coordinates.iter().map(CoordinateEntry::coordinate).collect();
     let mut joints = Vec::new();
     for entry in &content.joints {
         let element = format!("joint \"{}\"", entry.name);
