@@ -6,8 +6,10 @@
 //! ```
 //! The crate opens no files. A new format is a file in `formats/` and a line in [`formats::FORMATS`].
 
+pub mod drawing;
 pub mod formats;
 pub mod numbers;
+pub mod page;
 pub mod poe;
 pub mod sheet;
 pub mod sources;

@@ -1,0 +1,217 @@
+//! Words put where there is room: beside what they name, off the lines, off each other.
+
+use super::strokes::Stroke;
+use super::view::{Frame, Place};
+use denavit_model::nalgebra::Point3;
+use serde::Serialize;
+
+/// Size of the letters, px.
+const SIZE: f64 = 14.5;
+const HEIGHT: f64 = 16.0;
+/// A word farther than this from what it names gets a leader, px.
+const LEADER: f64 = 14.0;
+/// Side of a cell of the grid that counts what is drawn, px.
+const CELL: f64 = 3.0;
+/// Free space from the edge of the sheet, px.
+const EDGE: f64 = 4.0;
+const DIRECTIONS: u32 = 32;
+const DISTANCES: [f64; 9] = [3.0, 7.0, 12.0, 19.0, 28.0, 40.0, 56.0, 76.0, 100.0];
+
+/// What a word names decides how far it may stray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Kind {
+    Axis,
+    Length,
+    Angle,
+}
+
+/// A word and the point that it names.
+pub(crate) struct Ask {
+    pub text: String,
+    pub at: Point3<f64>,
+    pub class: &'static str,
+    pub kind: Kind,
+}
+
+/// A word on the sheet: its middle, and a line to what it names where it is not beside it.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Label {
+    pub text: String,
+    pub x: f64,
+    pub y: f64,
+    pub class: &'static str,
+    pub leader: Option<[f64; 4]>,
+}
+
+#[derive(Clone, Copy)]
+struct Area {
+    x: f64,
+    y: f64,
+    half_width: f64,
+    half_height: f64,
+}
+
+impl Area {
+    fn overlap(&self, other: &Self) -> f64 {
+        let shared = |distance: f64, sum: f64| (sum - distance.abs()).max(0.0);
+        shared(self.x - other.x, self.half_width + other.half_width + 2.0)
+            * shared(self.y - other.y, self.half_height + other.half_height)
+    }
+
+    /// How far it sticks out of the sheet, px.
+    fn outside(&self, frame: &Frame) -> f64 {
+        let beyond = |at: f64, half: f64, size: f64| (EDGE + half - at).max(0.0) + (at + half + EDGE - size).max(0.0);
+        beyond(self.x, self.half_width, frame.width) + beyond(self.y, self.half_height, frame.height)
+    }
+
+    /// The point of its border towards a place.
+    fn border_towards(&self, place: &Place) -> (f64, f64) {
+        let (dx, dy) = (place.x - self.x, place.y - self.y);
+        let part = (self.half_width / dx.abs().max(1e-9)).min(self.half_height / dy.abs().max(1e-9)).min(1.0);
+        (self.x + dx * part, self.y + dy * part)
+    }
+}
+
+/// How much is drawn in any rectangle: a table of sums over cells.
+struct Ink {
+    columns: usize,
+    rows: usize,
+    sums: Vec<f64>,
+}
+
+impl Ink {
+    fn of(strokes: &[Stroke], frame: &Frame) -> Self {
+        let columns = (frame.width / CELL).ceil() as usize + 1;
+        let rows = (frame.height / CELL).ceil() as usize + 1;
+        let mut cells = vec![0.0; columns * rows];
+        let mut mark = |x: f64, y: f64, weight: f64| {
+            if x >= 0.0 && y >= 0.0 && x < frame.width && y < frame.height {
+                let cell: &mut f64 = &mut cells[(y / CELL) as usize * columns + (x / CELL) as usize];
+                *cell = cell.max(weight);
+            }
+        };
+        for stroke in strokes {
+            let weight = match stroke.class {
+                "ground" => 0.3,
+                "reference" => 0.5,
+                "x" | "z" | "x-head" | "z-head" | "x-mark" | "z-mark" => 1.6,
+                _ => 1.0,
+            };
+            for pair in stroke.places.windows(2) {
+                let count = (pair[0].distance(&pair[1]) / CELL).ceil().min(2000.0) as u32 + 1;
+                for k in 0..=count {
+                    let part = f64::from(k) / f64::from(count);
+                    mark(
+                        pair[0].x + (pair[1].x - pair[0].x) * part,
+                        pair[0].y + (pair[1].y - pair[0].y) * part,
+                        weight,
+                    );
+                }
+            }
+        }
+        let mut sums = vec![0.0; (columns + 1) * (rows + 1)];
+        for row in 0..rows {
+            let mut along = 0.0;
+            for column in 0..columns {
+                along += cells[row * columns + column];
+                sums[(row + 1) * (columns + 1) + column + 1] = sums[row * (columns + 1) + column + 1] + along;
+            }
+        }
+        Self { columns, rows, sums }
+    }
+
+    fn under(&self, area: &Area) -> f64 {
+        let cell = |at: f64, most: usize| ((at / CELL).max(0.0) as usize).min(most);
+        let (left, right) =
+            (cell(area.x - area.half_width, self.columns), cell(area.x + area.half_width + CELL, self.columns));
+        let (top, bottom) =
+            (cell(area.y - area.half_height, self.rows), cell(area.y + area.half_height + CELL, self.rows));
+        let sum = |row: usize, column: usize| self.sums[row * (self.columns + 1) + column];
+        sum(bottom, right) - sum(top, right) - sum(bottom, left) + sum(top, left)
+    }
+}
+
+/// Width of a text, px, by the usual widths of a sans serif.
+fn width(text: &str) -> f64 {
+    let em = |letter: char| match letter {
+        ' ' | '.' | ',' | '°' | 'l' | 'i' | '₁' => 0.33,
+        '₀'..='₉' | 'ₜ' => 0.38,
+        'm' | 'w' | '=' | '+' | '−' => 0.78,
+        _ => 0.58,
+    };
+    text.chars().map(em).sum::<f64>() * SIZE
+}
+
+/// Every word with a place: axes first, then lengths, then angles; then each once more with all others in place.
+pub(crate) fn placed(asks: &[Ask], strokes: &[Stroke], frame: &Frame) -> Vec<Label> {
+    let ink = Ink::of(strokes, frame);
+    let inside = |ask: &&Ask| {
+        let place = frame.place(&ask.at);
+        (0.0..frame.width).contains(&place.x) && (0.0..frame.height).contains(&place.y)
+    };
+    let mut order: Vec<&Ask> = asks.iter().filter(inside).collect();
+    order.sort_by_key(|ask| ask.kind);
+    let mut areas: Vec<Option<Area>> = vec![None; order.len()];
+    for _ in 0..3 {
+        for index in 0..order.len() {
+            areas[index] = None;
+            areas[index] = Some(best(order[index], &areas, &ink, frame));
+        }
+    }
+    let label = |(ask, area): (&&Ask, Option<Area>)| {
+        let area = area?;
+        let anchor = frame.place(&ask.at);
+        let (x, y) = area.border_towards(&anchor);
+        let far = (x - anchor.x).hypot(y - anchor.y) > LEADER;
+        let tenth = |v: f64| (v * 10.0).round() / 10.0;
+        Some(Label {
+            text: ask.text.clone(),
+            x: tenth(area.x),
+            y: tenth(area.y),
+            class: ask.class,
+            leader: far.then(|| [x, y, anchor.x, anchor.y].map(tenth)),
+        })
+    };
+    order.iter().zip(areas).filter_map(label).collect()
+}
+
+fn best(ask: &Ask, others: &[Option<Area>], ink: &Ink, frame: &Frame) -> Area {
+    let anchor = frame.place(&ask.at);
+    let (half_width, half_height) = (width(&ask.text) / 2.0 + 1.5, HEIGHT / 2.0);
+    let stray = match ask.kind {
+        Kind::Axis => 0.9,
+        Kind::Length | Kind::Angle => 0.4,
+    };
+    let mut chosen = (f64::INFINITY, Area { x: anchor.x, y: anchor.y, half_width, half_height });
+    // An axis is named at its tip, which already stands off the arrow.
+    let start = if ask.kind == Kind::Axis { -(0.7 * half_height) } else { 0.0 };
+    for distance in DISTANCES {
+        for k in 0..DIRECTIONS {
+            let (s, c) = (f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS)).sin_cos();
+            let reach = distance + start + c.abs() * half_width + s.abs() * half_height;
+            let area = Area { x: anchor.x + c * reach, y: anchor.y + s * reach, half_width, half_height };
+            let overlap: f64 = others.iter().flatten().map(|other| area.overlap(other)).sum();
+            let mut cost = 1.2 * overlap + 3.0 * ink.under(&area) + stray * distance + 40.0 * area.outside(frame);
+            if distance > LEADER {
+                let (x, y) = area.border_towards(&anchor);
+                cost += 5.0 + 25.0 * crossings((x, y), (anchor.x, anchor.y), others);
+            }
+            if cost < chosen.0 {
+                chosen = (cost, area);
+            }
+        }
+    }
+    chosen.1
+}
+
+/// How many words a leader would run through.
+fn crossings(from: (f64, f64), to: (f64, f64), others: &[Option<Area>]) -> f64 {
+    let runs_through = |area: &&Area| {
+        (1..20).any(|k| {
+            let part = f64::from(k) / 20.0;
+            let (x, y) = (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part);
+            (x - area.x).abs() < area.half_width && (y - area.y).abs() < area.half_height
+        })
+    };
+    others.iter().flatten().filter(runs_through).count() as f64
+}

@@ -1,0 +1,74 @@
+//! The skeleton of a robot as a figure: joints, common normals, every Denavit-Hartenberg frame and its four numbers.
+//!
+//! ```text
+//! Table ──► scene (3-D, m) ──► View ──► strokes sorted from far to near ──► labels put where there is room ──► SVG
+//! ```
+//! Drawn at zero of every coordinate. Frames are those of the distal convention: frame i stands behind row i.
+
+mod labels;
+mod scene;
+mod solids;
+mod strokes;
+mod view;
+
+use crate::numbers::Units;
+use denavit_dh::Table;
+use labels::Label;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment};
+use serde::Serialize;
+use strokes::Stroke;
+
+pub use scene::{far_from_scale, subscript};
+pub use view::View;
+
+/// Width of a figure in its own units (px on a desktop).
+const WIDTH: f64 = 960.0;
+const NARROW: f64 = 560.0;
+
+/// How much a figure says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detail {
+    /// Every frame and every number that is not zero; lengths and angles that the view foreshortens are left out in
+    /// front and side views.
+    #[default]
+    Dimensioned,
+    /// Joints, links and no words: for index pages.
+    Plain,
+}
+
+#[derive(Serialize)]
+struct Figure<'a> {
+    width: f64,
+    height: f64,
+    title: &'a str,
+    description: &'a str,
+    strokes: Vec<Stroke>,
+    labels: Vec<Label>,
+}
+
+/// The figure as an SVG document that stands alone or inside HTML.
+///
+/// Units are those of the labels; the drawing is to scale. Where a number lies far beyond the robot's size, the figure
+/// keeps to the arm and the rest runs off its edge.
+pub fn skeleton(table: &Table, view: View, detail: Detail, units: Units) -> String {
+    let width = match (view, detail) {
+        (View::Isometric, Detail::Dimensioned) => WIDTH,
+        _ => NARROW,
+    };
+    let frame = view::Frame::around(&scene::extent(table), view, width, detail);
+    let scene = scene::Scene::of(table, &frame, detail, units);
+    let strokes = strokes::painted(&scene, &frame);
+    let labels = labels::placed(&scene.labels, &strokes, &frame);
+    let title = format!("{}, {} view", table.name, view.word());
+    let description = format!(
+        "Skeleton of {} joints with their Denavit-Hartenberg frames (x red, z blue) at zero of every joint",
+        table.joints.len()
+    );
+    let figure = Figure { width, height: frame.height, title: &title, description: &description, strokes, labels };
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment
+        .render_named_str("skeleton.svg", include_str!("../../templates/skeleton.svg"), Serde(&figure))
+        .expect("the template names only fields of the figure")
+}

@@ -1,0 +1,201 @@
+//! From bodies and lines in space to strokes on the sheet, painted from far to near.
+//!
+//! Lines are cut into short pieces, each with its own depth. A piece that passes in front of another lies in a gap of it,
+//! as in drawings by hand; bodies cover what is behind them.
+
+use super::scene::{EndOn, Line, Scene};
+use super::solids::Solid;
+use super::view::{Frame, Place};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Length of a piece, px.
+const PIECE: f64 = 12.0;
+/// Pieces reach this far into the next one, so that no seam is seen, px.
+const SEAM: f64 = 0.4;
+const ARROW_HEAD: f64 = 11.0;
+const ARC_HEAD: f64 = 8.0;
+
+/// Something that is painted with one class.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Stroke {
+    /// SVG path data.
+    pub path: String,
+    pub class: &'static str,
+    /// Whether it clears a gap in what lies behind.
+    pub gap: bool,
+    #[serde(skip)]
+    pub near: f64,
+    /// Places along it, for the labels.
+    #[serde(skip)]
+    pub places: Vec<Place>,
+}
+
+/// Every stroke of a scene, far ones first.
+pub(crate) fn painted(scene: &Scene, frame: &Frame) -> Vec<Stroke> {
+    let mut strokes = Vec::new();
+    for line in &scene.lines {
+        pieces(line, frame, &mut strokes);
+    }
+    for solid in &scene.solids {
+        body(solid, frame, &mut strokes);
+    }
+    strokes.sort_by(|a, b| a.near.total_cmp(&b.near));
+    for mark in &scene.end_on {
+        end_on(mark, frame, &mut strokes);
+    }
+    strokes
+}
+
+fn path(places: &[Place], closed: bool) -> String {
+    let mut data = String::new();
+    for (index, place) in places.iter().enumerate() {
+        let letter = if index == 0 { 'M' } else { 'L' };
+        let _ = write!(data, "{letter}{:.1} {:.1}", place.x, place.y);
+    }
+    if closed {
+        data.push('Z');
+    }
+    data
+}
+
+fn between(a: &Place, b: &Place, part: f64) -> Place {
+    Place { x: a.x + (b.x - a.x) * part, y: a.y + (b.y - a.y) * part, near: a.near + (b.near - a.near) * part }
+}
+
+fn pieces(line: &Line, frame: &Frame, strokes: &mut Vec<Stroke>) {
+    let mut places: Vec<Place> = line.points.iter().map(|point| frame.place(point)).collect();
+    if line.arrow {
+        head(&mut places, line.class, strokes);
+    }
+    if line.class == "reference" {
+        let near = places.iter().map(|place| place.near).fold(f64::INFINITY, f64::min);
+        strokes.push(Stroke { path: path(&places, false), class: line.class, gap: false, near, places });
+        return;
+    }
+    // A far-off number would make a million pieces: beyond the sheet they are not needed.
+    let limit = 4.0 * frame.width;
+    let legs = places.len() - 1;
+    for (leg, pair) in places.windows(2).enumerate() {
+        let length = pair[0].distance(&pair[1]).min(limit);
+        let count = (length / PIECE).ceil().max(1.0);
+        let seam = SEAM / length.max(SEAM);
+        for k in 0..count as usize {
+            let part = |k: f64| (k / count).clamp(0.0, 1.0);
+            let from = between(&pair[0], &pair[1], (part(k as f64) - seam).max(0.0));
+            let to = between(&pair[0], &pair[1], (part(k as f64 + 1.0) + seam).min(1.0));
+            let inside = (leg > 0 || k > 0) && (leg + 1 < legs || k + 1 < count as usize);
+            let near = f64::midpoint(from.near, to.near);
+            let places = vec![from, between(&from, &to, 0.5), to];
+            strokes.push(Stroke { path: path(&[from, to], false), class: line.class, gap: inside, near, places });
+        }
+    }
+}
+
+/// An arrow head at the end of `places`, which are shortened to its middle.
+fn head(places: &mut [Place], class: &'static str, strokes: &mut Vec<Stroke>) {
+    let count = places.len();
+    let tip = places[count - 1];
+    let full = if count == 2 { ARROW_HEAD } else { ARC_HEAD };
+    let mut back = count - 2;
+    while back > 0 && places[back].distance(&tip) < full {
+        back -= 1;
+    }
+    let reach = places[back].distance(&tip);
+    if reach < 1e-6 {
+        return;
+    }
+    let length = full.min(0.6 * reach);
+    let (dx, dy) = ((tip.x - places[back].x) / reach, (tip.y - places[back].y) / reach);
+    let at = |along: f64, across: f64| Place {
+        x: tip.x - dx * along - dy * across,
+        y: tip.y - dy * along + dx * across,
+        near: tip.near,
+    };
+    let corners = [tip, at(length, 0.36 * length), at(0.8 * length, 0.0), at(length, -0.36 * length)];
+    let near = tip.near + 0.5;
+    for place in places.iter_mut().skip(1) {
+        if place.distance(&tip) < 0.7 * length {
+            *place = at(0.7 * length, 0.0);
+        }
+    }
+    let class = match class {
+        "x" => "x-head",
+        "z" => "z-head",
+        "theta" => "theta-head",
+        _ => "alpha-head",
+    };
+    strokes.push(Stroke { path: path(&corners, true), class, gap: false, near, places: corners.to_vec() });
+}
+
+fn body(solid: &Solid, frame: &Frame, strokes: &mut Vec<Stroke>) {
+    let base = frame.place(&solid.middle).near;
+    let mut seen: Vec<_> = solid.faces.iter().filter(|face| frame.towards_reader(&face.normal) > 1e-6).collect();
+    seen.sort_by(|a, b| frame.towards_reader(&a.normal).total_cmp(&frame.towards_reader(&b.normal)));
+    let outline: Vec<Place> =
+        hull(seen.iter().flat_map(|face| face.corners.iter().map(|corner| frame.place(corner))).collect());
+    let push = |strokes: &mut Vec<Stroke>, places: Vec<Place>, class, order: f64, closed| {
+        let near = base + 1e-3 * order;
+        strokes.push(Stroke { path: path(&places, closed), class, gap: false, near, places });
+    };
+    push(strokes, outline, solid.class, 0.0, true);
+    for face in seen.iter().filter(|face| face.outlined) {
+        let corners = face.corners.iter().map(|corner| frame.place(corner)).collect();
+        push(strokes, corners, if solid.class == "ground" { "ground" } else { "face" }, 1.0, true);
+    }
+    let visible: Vec<Place> = solid.thread.iter().map(|point| frame.place(point)).collect();
+    for run in visible.split(|place| place.near < base).filter(|run| run.len() > 1) {
+        push(strokes, run.to_vec(), "thread", 2.0, false);
+    }
+}
+
+/// The convex hull, in order around it (Andrew's monotone chain).
+fn hull(mut places: Vec<Place>) -> Vec<Place> {
+    places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let turn = |a: &Place, b: &Place, c: &Place| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    let half = |places: &mut dyn Iterator<Item = Place>| {
+        let mut side: Vec<Place> = Vec::new();
+        for place in places {
+            while side.len() > 1 && turn(&side[side.len() - 2], &side[side.len() - 1], &place) <= 0.0 {
+                side.pop();
+            }
+            side.push(place);
+        }
+        side.pop();
+        side
+    };
+    let mut around = half(&mut places.iter().copied());
+    around.extend(half(&mut places.iter().rev().copied()));
+    around
+}
+
+/// ⊙ points at the reader, ⊗ away.
+fn end_on(mark: &EndOn, frame: &Frame, strokes: &mut Vec<Stroke>) {
+    let middle = frame.place(&mark.at);
+    let radius = if mark.class == "z" { 7.0 } else { 5.0 };
+    let ring = |radius: f64| -> Vec<Place> {
+        let at = |k: i32| (f64::from(k) * 0.3926990816987241).sin_cos();
+        (0..16).map(at).map(|(s, c)| Place { x: middle.x + radius * c, y: middle.y + radius * s, ..middle }).collect()
+    };
+    let class = if mark.class == "z" { "z-mark" } else { "x-mark" };
+    let outline = ring(radius);
+    strokes.push(Stroke { path: path(&outline, true), class, gap: false, near: middle.near, places: outline });
+    let inner = if mark.towards {
+        path(&ring(1.8), true)
+    } else {
+        let r = 0.66 * radius;
+        let (x, y) = (middle.x, middle.y);
+        format!(
+            "M{:.1} {:.1}L{:.1} {:.1}M{:.1} {:.1}L{:.1} {:.1}",
+            x - r,
+            y - r,
+            x + r,
+            y + r,
+            x - r,
+            y + r,
+            x + r,
+            y - r
+        )
+    };
+    strokes.push(Stroke { path: inner, class, gap: false, near: middle.near, places: Vec::new() });
+}

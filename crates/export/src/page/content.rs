@@ -1,0 +1,352 @@
+//! What a document says, as text ready for the templates.
+
+use super::outline::outline_svg;
+use super::workspace::{POSTURES, SEED, Workspace};
+use super::{ChainPart, Document};
+use crate::drawing::{Detail, View, far_from_scale, skeleton};
+use crate::numbers::{Units, decimal};
+use crate::sheet::Sheet;
+use denavit_dh::{Convention, Motion};
+use denavit_model::chain::{Chain, Coordinate, Quantity};
+use denavit_model::forms::BaseForm;
+use denavit_model::robot::Robot;
+use denavit_model::se3::rpy_from_rotation;
+use serde::Serialize;
+
+/// Everything that a page shows but its 3-D view.
+#[derive(Serialize)]
+pub(super) struct Content {
+    pub name: String,
+    pub kinds: String,
+    pub length_unit: &'static str,
+    pub facts: Vec<(String, String)>,
+    pub source: String,
+    pub fingerprint: Option<String>,
+    /// Titles of the chains that the 3-D view holds.
+    pub chains: Vec<String>,
+    pub main: Chapter,
+    pub others: Vec<Chapter>,
+    pub limits: Vec<Vec<String>>,
+    pub workspace: Option<Envelope>,
+    pub masses: Option<Masses>,
+    pub notes: Vec<String>,
+}
+
+/// A chain's figures, tables, screw axes and home pose.
+#[derive(Serialize)]
+pub(super) struct Chapter {
+    pub title: String,
+    pub slug: String,
+    pub freedom: usize,
+    pub far: bool,
+    pub figures: Vec<Named>,
+    pub tables: Vec<Grid>,
+    pub gauge: String,
+    pub screws: Vec<Vec<String>>,
+    pub home: Vec<Vec<String>>,
+    pub home_words: String,
+    pub notes: Vec<String>,
+}
+
+/// A figure and its caption.
+#[derive(Serialize)]
+pub(super) struct Named {
+    pub view: &'static str,
+    pub name: String,
+    pub svg: String,
+}
+
+/// A table with headings.
+#[derive(Serialize)]
+pub(super) struct Grid {
+    pub title: String,
+    pub formula: &'static str,
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The workspace as outlines.
+#[derive(Serialize)]
+pub(super) struct Envelope {
+    pub beside: String,
+    pub above: String,
+    pub words: String,
+    pub across: &'static str,
+}
+
+/// Links that have a mass.
+#[derive(Serialize)]
+pub(super) struct Masses {
+    pub rows: Vec<Vec<String>>,
+    pub total: String,
+    pub massless: usize,
+}
+
+impl Content {
+    pub fn of(document: &Document) -> Self {
+        let Document { main, units, .. } = document;
+        let chain = &main.chain;
+        let moves = !chain.joints().is_empty();
+        let workspace = moves.then(|| Workspace::of(chain));
+        let masses = document.robot.as_ref().and_then(|robot| masses(robot, *units));
+        let chapter = |part: &ChainPart, index: usize| Chapter::of(part, document, index);
+        let sheet = sheet(main, document, Convention::Distal);
+        Self {
+            name: chain.name().to_owned(),
+            kinds: sheet.kinds(),
+            length_unit: units.length_word(),
+            facts: facts(document, workspace.as_ref(), masses.as_ref()),
+            source: document.source.clone(),
+            fingerprint: document.fingerprint.clone(),
+            chains: document.parts_from_one_base().iter().map(|part| part.title()).collect(),
+            limits: limits(chain, *units),
+            workspace: workspace.as_ref().map(|workspace| envelope(workspace, *units)),
+            masses,
+            notes: main.notes.iter().map(ToString::to_string).collect(),
+            main: chapter(main, 0),
+            others: document.others.iter().enumerate().map(|(k, part)| chapter(part, k + 1)).collect(),
+        }
+    }
+
+    /// Every figure with its file name's last part.
+    pub fn figures(&self) -> impl Iterator<Item = (&str, &str)> {
+        let chapters = std::iter::once(&self.main).chain(&self.others);
+        let skeletons = chapters.flat_map(|chapter| &chapter.figures).map(|figure| (&*figure.name, &*figure.svg));
+        let outlines = self
+            .workspace
+            .iter()
+            .flat_map(|envelope| [("workspace-side", &*envelope.beside), ("workspace-above", &*envelope.above)]);
+        skeletons.chain(outlines)
+    }
+}
+
+impl Chapter {
+    fn of(part: &ChainPart, document: &Document, index: usize) -> Self {
+        let units = document.units;
+        let views: &[View] = if index == 0 { &View::ALL } else { &[View::Isometric] };
+        let slug = if index == 0 { String::new() } else { format!("chain-{index}-") };
+        let figures = views.iter().map(|view| Named {
+            view: view.word(),
+            name: format!("{slug}{}", view.word()),
+            svg: skeleton(&part.table, *view, Detail::Dimensioned, units),
+        });
+        let hayati = part.table.rows.iter().any(|row| row.beta().is_some());
+        let conventions: &[Convention] =
+            if hayati { &[Convention::Hayati] } else { &[Convention::Distal, Convention::Proximal] };
+        let form = BaseForm::of(&part.chain);
+        let rotation = rpy_from_rotation(&form.home.rotation).map(|angle| units.angle(angle));
+        let place: Vec<String> = form.home.translation.vector.iter().map(|x| units.length(*x)).collect();
+        Self {
+            title: part.title(),
+            freedom: part.chain.coordinates().len(),
+            far: far_from_scale(&part.table),
+            figures: figures.collect(),
+            tables: conventions.iter().map(|convention| grid(&sheet(part, document, *convention))).collect(),
+            gauge: document.gauge.clone(),
+            screws: screws(&part.chain, &form, units),
+            home: home(&form, units),
+            home_words: format!(
+                "x {} {length}, y {} {length}, z {} {length}; roll {} {angle}, pitch {} {angle}, yaw {} {angle}",
+                place[0],
+                place[1],
+                place[2],
+                rotation[0],
+                rotation[1],
+                rotation[2],
+                length = units.length_word(),
+                angle = units.angle_word(),
+            ),
+            notes: part.notes.iter().map(ToString::to_string).collect(),
+            slug,
+        }
+    }
+}
+
+fn variable(number: usize) -> String {
+    format!("q{}", crate::drawing::subscript(number))
+}
+
+fn sheet<'a>(part: &'a ChainPart, document: &'a Document, convention: Convention) -> Sheet<'a> {
+    Sheet {
+        table: &part.table,
+        convention,
+        units: document.units,
+        notes: &part.notes,
+        source: &document.source,
+        gauge: &document.gauge,
+    }
+}
+
+fn minus(text: &str) -> String {
+    text.replace('-', "−")
+}
+
+fn grid(sheet: &Sheet) -> Grid {
+    let symbol = |column: &&str| match *column {
+        "theta" => format!("θ ({})", sheet.units.angle_word()),
+        "alpha" => format!("α ({})", sheet.units.angle_word()),
+        "beta" => format!("β ({})", sheet.units.angle_word()),
+        column => format!("{column} ({})", sheet.units.length_word()),
+    };
+    let columns = ["", "joint", "kind"].map(str::to_owned).into_iter();
+    let rows = sheet.text_rows(variable).into_iter().map(|row| {
+        let numbers = row.numbers.iter().map(|number| minus(number));
+        [row.label, row.joint, row.kind].into_iter().chain(numbers).collect()
+    });
+    Grid {
+        title: capital(sheet.convention_words()),
+        formula: sheet.row_formula(),
+        columns: columns.chain(sheet.number_columns().iter().map(symbol)).collect(),
+        rows: rows.collect(),
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn facts(document: &Document, workspace: Option<&Workspace>, masses: Option<&Masses>) -> Vec<(String, String)> {
+    let (chain, units) = (&document.main.chain, document.units);
+    let mut facts = vec![
+        ("Chain".to_owned(), format!("{} → {}", chain.base(), chain.tip())),
+        ("Degrees of freedom".to_owned(), chain.coordinates().len().to_string()),
+    ];
+    if let Some(workspace) = workspace {
+        facts.push(("Reach".to_owned(), reach_words(workspace.reach, units)));
+    }
+    if let Some(masses) = masses {
+        facts.push(("Mass".to_owned(), format!("{} kg", masses.total)));
+    }
+    facts.push(("Source".to_owned(), document.source.clone()));
+    if let Some(fingerprint) = &document.fingerprint {
+        facts.push(("Fingerprint".to_owned(), fingerprint.clone()));
+    }
+    facts
+}
+
+pub(super) fn reach_words(reach: f64, units: Units) -> String {
+    let shown = match units.length_word() {
+        "mm" => decimal(reach * 1e3, 0),
+        _ => decimal(reach, 3),
+    };
+    format!("{shown} {}", units.length_word())
+}
+
+fn limits(chain: &Chain, units: Units) -> Vec<Vec<String>> {
+    let row = |(k, coordinate): (usize, &Coordinate)| {
+        let unit = match coordinate.quantity {
+            Quantity::Angle => units.angle_word(),
+            Quantity::Length => units.length_word(),
+        };
+        let value = |value: f64| with_unit(&minus(&units.value(value, coordinate.quantity)), unit);
+        let none = || "–".to_owned();
+        let limits = coordinate.limits.as_ref();
+        let bound = |bound: Option<f64>| match bound {
+            Some(bound) => value(bound),
+            None if coordinate.continuous => "endless".to_owned(),
+            None => none(),
+        };
+        let effort_unit = if coordinate.quantity == Quantity::Angle { "N·m" } else { "N" };
+        vec![
+            variable(k + 1),
+            coordinate.name.clone(),
+            bound(limits.map(|limits| limits.lower)),
+            bound(limits.map(|limits| limits.upper)),
+            limits.and_then(|limits| limits.velocity).map_or_else(none, |v| format!("{}/s", value(v))),
+            limits.and_then(|limits| limits.effort).map_or_else(none, |e| format!("{} {effort_unit}", decimal(e, 4))),
+        ]
+    };
+    chain.coordinates().iter().enumerate().map(row).collect()
+}
+
+fn with_unit(number: &str, unit: &str) -> String {
+    if unit == "°" { format!("{number}°") } else { format!("{number} {unit}") }
+}
+
+/// Unit twists at zero of every coordinate, with a point on the axis that can be checked on a drawing.
+fn screws(chain: &Chain, form: &BaseForm, units: Units) -> Vec<Vec<String>> {
+    let row = |(joint, twist): (&denavit_model::ChainJoint, &denavit_model::nalgebra::Vector6<f64>)| {
+        let unit = twist / joint.scale;
+        let slides = joint.screw.line().is_none();
+        let vector = |from: usize, length: bool| -> String {
+            let number = |k: usize| if length { units.length(unit[k]) } else { decimal(unit[k], 8) };
+            minus(&(from..from + 3).map(number).collect::<Vec<_>>().join(", "))
+        };
+        let motion = Motion::of(&joint.screw);
+        let pitch = match motion {
+            Motion::Revolute => "0".to_owned(),
+            Motion::Prismatic => "∞".to_owned(),
+            Motion::Helical(pitch) => {
+                let factor = if units.length_word() == "mm" { 1e3 } else { 1.0 };
+                minus(&decimal(pitch.metres_per_radian() * factor, 9))
+            }
+        };
+        let coordinate = &chain.coordinates()[joint.coordinate];
+        let mut moved_by = variable(joint.coordinate + 1);
+        let scale = minus(&decimal(joint.scale, 9));
+        if scale != "1" {
+            moved_by = format!("{scale} {moved_by}");
+        }
+        if coordinate.name != joint.name {
+            moved_by = format!("{moved_by} ({})", coordinate.name);
+        }
+        vec![joint.name.clone(), motion.word().to_owned(), vector(0, false), vector(3, !slides), pitch, moved_by]
+    };
+    chain.joints().iter().zip(&form.twists).map(row).collect()
+}
+
+fn home(form: &BaseForm, units: Units) -> Vec<Vec<String>> {
+    let matrix = form.home.to_homogeneous();
+    let cell = |row: usize, column: usize| {
+        let value = matrix[(row, column)];
+        minus(&if column == 3 && row < 3 { units.length(value) } else { decimal(value, 8) })
+    };
+    (0..4).map(|row| (0..4).map(|column| cell(row, column)).collect()).collect()
+}
+
+fn masses(robot: &Robot, units: Units) -> Option<Masses> {
+    let carrying: Vec<_> = robot.links.iter().filter_map(|link| Some((link, link.inertial.as_ref()?))).collect();
+    if carrying.is_empty() {
+        return None;
+    }
+    let rows = carrying.iter().map(|(link, inertial)| {
+        let centre: Vec<String> = inertial.origin.xyz.iter().map(|x| units.length(*x)).collect();
+        let moments: Vec<String> = (0..3).map(|k| significant(inertial.tensor[(k, k)])).collect();
+        vec![link.name.clone(), decimal(inertial.mass, 4), minus(&centre.join(", ")), minus(&moments.join(", "))]
+    });
+    let total: f64 = carrying.iter().map(|(_, inertial)| inertial.mass).sum();
+    Some(Masses { rows: rows.collect(), total: decimal(total, 3), massless: robot.links.len() - carrying.len() })
+}
+
+/// Four digits that count.
+fn significant(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".to_owned();
+    }
+    let places = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    decimal(value, places)
+}
+
+fn envelope(workspace: &Workspace, units: Units) -> Envelope {
+    let bounds: Vec<String> = ["x", "y", "z"]
+        .iter()
+        .zip(workspace.bounds)
+        .map(|(axis, (lower, upper))| {
+            let shown = |value: f64| reach_words(value, units).split(' ').next().map_or_else(String::new, minus);
+            format!("{axis} {} … {} {}", shown(lower), shown(upper), units.length_word())
+        })
+        .collect();
+    let across = if workspace.turns_about_z { "distance from z" } else { "x" };
+    Envelope {
+        beside: outline_svg(&workspace.beside(), across, "z", units),
+        above: outline_svg(&workspace.above(), "x", "y", units),
+        words: format!(
+            "Outline of the tip's places at {POSTURES} postures (low-discrepancy sequence, seed {SEED}): {}. \
+             Farthest from the base's origin: {}.",
+            bounds.join(", "),
+            reach_words(workspace.reach, units)
+        ),
+        across,
+    }
+}

@@ -1,0 +1,133 @@
+//! A robot's document: one HTML page that needs nothing else, or Markdown with figures, and the index of a fleet.
+//!
+//! ```text
+//! Document ──► content (numbers as people write them) ──┬─► templates/page.html + style + scene.js ──► HTML
+//!      │                                                └─► templates/page.md ──► Markdown, SVG files
+//!      └─────► motion (screw axes at full precision) ──► the page's 3-D view
+//! ```
+//! The 3-D view is a script of our own, `templates/scene.js`: it draws line segments on a 2-D canvas. The plotly script
+//! that a crate could embed makes each page 4.7 MB, needs WebGL, and writes to the console where there is none.
+
+mod content;
+mod index;
+mod motion;
+mod outline;
+mod workspace;
+
+use crate::drawing::{self, Detail, View};
+use crate::numbers::Units;
+use denavit_dh::Table;
+use denavit_model::notes::Note;
+use denavit_model::{Chain, Robot};
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment};
+use serde::Serialize;
+
+pub use index::{Card, index};
+
+/// A chain of the robot and its numbers.
+#[derive(Debug, Clone)]
+pub struct ChainPart {
+    /// Screw axes and home pose.
+    pub chain: Chain,
+    /// Its Denavit-Hartenberg numbers.
+    pub table: Table,
+    /// What was read otherwise than it is written, and other findings, of this chain.
+    pub notes: Vec<Note>,
+}
+
+/// What a robot's document is made from.
+#[derive(Debug, Clone)]
+pub struct Document {
+    /// The chain that the document is about.
+    pub main: ChainPart,
+    /// Other chains of the same robot, each shown with its figure and tables.
+    pub others: Vec<ChainPart>,
+    /// Links with their masses, where the source gives them.
+    pub robot: Option<Robot>,
+    /// Where the robot came from: a file's name.
+    pub source: String,
+    /// Hash of the gauge-free invariants, where it was computed.
+    pub fingerprint: Option<String>,
+    /// How the gauge was chosen, in words.
+    pub gauge: String,
+    /// Of the tables and figures.
+    pub units: Units,
+}
+
+impl Document {
+    /// The main chain and those that start at the same link: they can stand in one picture.
+    fn parts_from_one_base(&self) -> Vec<&ChainPart> {
+        let base = self.main.chain.base();
+        std::iter::once(&self.main).chain(self.others.iter().filter(|part| part.chain.base() == base)).collect()
+    }
+}
+
+impl ChainPart {
+    fn title(&self) -> String {
+        format!("{} → {}", self.chain.base(), self.chain.tip())
+    }
+}
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Name without a folder.
+    pub name: String,
+    /// UTF-8.
+    pub text: String,
+}
+
+/// The page as one file of HTML: no network, no other file.
+pub fn html(document: &Document) -> String {
+    #[derive(Serialize)]
+    struct Page<'a> {
+        #[serde(flatten)]
+        content: &'a content::Content,
+        style: &'a str,
+        script: &'a str,
+        motion: String,
+    }
+    let content = content::Content::of(document);
+    let page = Page {
+        content: &content,
+        style: include_str!("../../templates/page.css"),
+        script: include_str!("../../templates/scene.js"),
+        motion: motion::json(document),
+    };
+    render("page.html", include_str!("../../templates/page.html"), &page)
+}
+
+/// Markdown for a repository's folder of documents, and the figures beside it; names start with `stem`.
+pub fn markdown(document: &Document, stem: &str) -> Vec<File> {
+    #[derive(Serialize)]
+    struct Page<'a> {
+        #[serde(flatten)]
+        content: &'a content::Content,
+        stem: &'a str,
+    }
+    let content = content::Content::of(document);
+    let mut files: Vec<File> = content
+        .figures()
+        .map(|(name, svg)| File { name: format!("{stem}-{name}.svg"), text: svg.to_owned() })
+        .collect();
+    let page = Page { content: &content, stem };
+    let text = render("page.md", include_str!("../../templates/page.md"), &page);
+    files.insert(0, File { name: format!("{stem}.md"), text });
+    files
+}
+
+/// A template filled in; what is not Markdown is escaped as HTML.
+fn render(name: &str, template: &str, value: &impl Serialize) -> String {
+    let mut environment = Environment::new();
+    environment
+        .set_auto_escape_callback(|name| if name.ends_with(".md") { AutoEscape::None } else { AutoEscape::Html });
+    environment
+        .render_named_str(name, template, Serde(value))
+        .expect("the template names only fields of the value; tests render every template")
+}
+
+/// A figure without words, for cards.
+fn small_figure(table: &Table, units: Units) -> String {
+    drawing::skeleton(table, View::Isometric, Detail::Plain, units)
+}

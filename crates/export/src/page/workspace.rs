@@ -1,0 +1,230 @@
+//! Where the tip can go: sampled over the joint ranges, as outlines seen from the side and from above.
+
+use denavit_model::chain::Chain;
+use denavit_model::nalgebra::Point3;
+use std::fmt::Write as _;
+
+/// Postures that are tried.
+pub(super) const POSTURES: usize = 40_000;
+/// Start of the sequence of postures.
+pub(super) const SEED: u32 = 1;
+/// Cells along the longer side of an outline.
+const CELLS: usize = 96;
+
+/// The places of the tip, and the farthest.
+pub(super) struct Workspace {
+    places: Vec<Point3<f64>>,
+    /// Farthest place of the tip from the base's origin, m: found, so the true one is not smaller.
+    pub reach: f64,
+    /// Smallest and largest coordinates of the tip, m.
+    pub bounds: [(f64, f64); 3],
+    /// Whether the first joint turns about the base's z axis.
+    pub turns_about_z: bool,
+}
+
+/// An outline on a plane of the base frame.
+pub(super) struct Outline {
+    /// SVG path data, m, the second coordinate pointing up.
+    pub path: String,
+    pub left: f64,
+    pub bottom: f64,
+    pub wide: f64,
+    pub high: f64,
+}
+
+impl Workspace {
+    /// Low-discrepancy postures (additive recurrence with the powers of the generalised golden ratio), every second one
+    /// with some joints pushed to a limit: the border of a workspace lies there.
+    pub fn of(chain: &Chain) -> Self {
+        let ranges: Vec<(f64, f64)> = chain.coordinates().iter().map(denavit_model::Coordinate::range).collect();
+        let steps = additive_steps(ranges.len() * 2);
+        let mut at: Vec<f64> = steps.iter().map(|step| (step * f64::from(SEED)).fract()).collect();
+        let mut q = vec![0.0; ranges.len()];
+        let mut places = Vec::with_capacity(POSTURES);
+        let mut farthest = (0.0, q.clone());
+        for posture in 0..POSTURES {
+            for (value, step) in at.iter_mut().zip(&steps) {
+                *value = (*value + step).fract();
+            }
+            for (k, (lower, upper)) in ranges.iter().enumerate() {
+                let part = match at[ranges.len() + k] {
+                    push if posture % 2 == 0 && push < 0.3 => at[k].round(),
+                    _ => at[k],
+                };
+                q[k] = lower + (upper - lower) * part;
+            }
+            let place = Point3::from(chain.fk(&q).translation.vector);
+            if place.coords.norm() > farthest.0 {
+                farthest = (place.coords.norm(), q.clone());
+            }
+            places.push(place);
+        }
+        let reach = farther(chain, &ranges, farthest.1, &mut places);
+        let bounds = [0, 1, 2].map(|k| {
+            let along = places.iter().map(|place| place[k]);
+            (along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max))
+        });
+        let first = chain.joints().first().and_then(|joint| joint.screw.line());
+        let turns_about_z = first.is_some_and(|line| {
+            let near = line.nearest_to(&Point3::origin());
+            line.direction.z.abs() > 1.0 - 1e-6 && near.x.hypot(near.y) < 1e-6 * chain.size()
+        });
+        Self { places, reach, bounds, turns_about_z }
+    }
+
+    /// Height over the distance from the z axis, or where the first joint does not turn about z, over x.
+    pub fn beside(&self) -> Outline {
+        let across = |place: &Point3<f64>| if self.turns_about_z { place.x.hypot(place.y) } else { place.x };
+        outline(self.places.iter().map(|place| (across(place), place.z)).collect())
+    }
+
+    /// x and y.
+    pub fn above(&self) -> Outline {
+        outline(self.places.iter().map(|place| (place.x, place.y)).collect())
+    }
+}
+
+/// Steps of the additive recurrence in `count` dimensions: powers of 1/phi, phi^(count + 1) = phi + 1.
+fn additive_steps(count: usize) -> Vec<f64> {
+    let mut phi: f64 = 2.0;
+    for _ in 0..64 {
+        phi = (1.0 + phi).powf(1.0 / (count as f64 + 1.0));
+    }
+    (1..=count).map(|k| phi.powi(-i32::try_from(k).unwrap_or(i32::MAX))).collect()
+}
+
+/// Climbs from the farthest posture, one coordinate at a time, with smaller and smaller steps.
+fn farther(chain: &Chain, ranges: &[(f64, f64)], mut q: Vec<f64>, places: &mut Vec<Point3<f64>>) -> f64 {
+    let mut reach = chain.fk(&q).translation.vector.norm();
+    let mut step = 0.25;
+    while step > 1e-6 {
+        let mut better = false;
+        for (k, (lower, upper)) in ranges.iter().enumerate() {
+            for sign in [1.0, -1.0] {
+                let old = q[k];
+                q[k] = (old + sign * step * (upper - lower)).clamp(*lower, *upper);
+                let place = Point3::from(chain.fk(&q).translation.vector);
+                if place.coords.norm() > reach {
+                    reach = place.coords.norm();
+                    places.push(place);
+                    better = true;
+                } else {
+                    q[k] = old;
+                }
+            }
+        }
+        if !better {
+            step *= 0.5;
+        }
+    }
+    reach
+}
+
+fn outline(points: Vec<(f64, f64)>) -> Outline {
+    let bound = |pick: fn(&(f64, f64)) -> f64| {
+        let along = points.iter().map(pick);
+        (along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max))
+    };
+    let ((left, right), (bottom, top)) = (bound(|p| p.0), bound(|p| p.1));
+    let cell = ((right - left).max(top - bottom) / CELLS as f64).max(1e-9);
+    // Two empty cells all around, so that every outline closes.
+    let columns = ((right - left) / cell).ceil() as usize + 5;
+    let rows = ((top - bottom) / cell).ceil() as usize + 5;
+    let mut filled = vec![false; columns * rows];
+    for (x, y) in points {
+        let (column, row) = (((x - left) / cell + 2.0) as usize, ((y - bottom) / cell + 2.0) as usize);
+        filled[row * columns + column] = true;
+    }
+    let closed = closing(&filled, columns, rows);
+    let mut path = String::new();
+    for ring in rings(&closed, columns, rows) {
+        let corners = ring.iter().map(|(x, y)| (left + (x - 1.5) * cell, bottom + (y - 1.5) * cell));
+        for (index, (x, y)) in corners.enumerate() {
+            let _ = write!(path, "{}{x:.4} {y:.4}", if index == 0 { 'M' } else { 'L' });
+        }
+        path.push('Z');
+    }
+    Outline {
+        path,
+        left: left - cell,
+        bottom: bottom - cell,
+        wide: right - left + 2.0 * cell,
+        high: top - bottom + 2.0 * cell,
+    }
+}
+
+/// Fills holes and notches that are only gaps between samples: grown by a cell, then shrunk by it.
+fn closing(filled: &[bool], columns: usize, rows: usize) -> Vec<bool> {
+    let spread = |cells: &[bool], wanted: bool| -> Vec<bool> {
+        (0..cells.len())
+            .map(|index| {
+                let (row, column) = (index / columns, index % columns);
+                let near = |r: usize, c: usize| cells[r * columns + c] == wanted;
+                let rows = row.saturating_sub(1)..(row + 2).min(rows);
+                let hit =
+                    rows.into_iter().any(|r| (column.saturating_sub(1)..(column + 2).min(columns)).any(|c| near(r, c)));
+                if hit { wanted } else { !wanted }
+            })
+            .collect()
+    };
+    spread(&spread(filled, true), false)
+}
+
+/// The borders of the filled cells as closed polygons in units of cells, corners cut (marching squares at the middles).
+fn rings(filled: &[bool], columns: usize, rows: usize) -> Vec<Vec<(f64, f64)>> {
+    let is = |column: usize, row: usize| filled[row * columns + column];
+    // Directed edges between middles of cell sides, the filled side on the left; keyed by where they start.
+    let mut next = vec![Vec::new(); 2 * columns * rows];
+    let across = |column: usize, row: usize| 2 * (row * columns + column);
+    let upright = |column: usize, row: usize| 2 * (row * columns + column) + 1;
+    for row in 0..rows - 1 {
+        for column in 0..columns - 1 {
+            let corners = [is(column, row), is(column + 1, row), is(column + 1, row + 1), is(column, row + 1)];
+            // Sides of the square between four cell middles: bottom, right, top, left.
+            let sides = [across(column, row), upright(column + 1, row), across(column, row + 1), upright(column, row)];
+            for side in 0..4 {
+                if !corners[side] || corners[(side + 1) % 4] {
+                    continue;
+                }
+                // Leaves the filled part here; it comes back at the first side, going on, where it begins again.
+                let back = (1..4).map(|k| (side + k) % 4).find(|k| !corners[*k] && corners[(*k + 1) % 4]);
+                if let Some(back) = back {
+                    next[sides[side]].push(sides[back]);
+                }
+            }
+        }
+    }
+    let place = |edge: usize| {
+        let (index, is_upright) = (edge / 2, edge % 2 == 1);
+        let (column, row) = ((index % columns) as f64, (index / columns) as f64);
+        if is_upright { (column, row + 0.5) } else { (column + 0.5, row) }
+    };
+    let mut rings = Vec::new();
+    for start in 0..next.len() {
+        while let Some(mut edge) = next[start].pop() {
+            let mut ring = vec![place(start)];
+            while edge != start {
+                ring.push(place(edge));
+                match next[edge].pop() {
+                    Some(following) => edge = following,
+                    None => break,
+                }
+            }
+            if ring.len() > 6 {
+                rings.push(smoothed(&ring));
+            }
+        }
+    }
+    rings
+}
+
+/// Each point moved to the mean of five: the steps of the cells go, the shape stays.
+fn smoothed(ring: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let count = ring.len();
+    let mean = |index: usize| {
+        let near = (0..5).map(|k| ring[(index + count + k - 2) % count]);
+        let (x, y) = near.fold((0.0, 0.0), |sum, point| (sum.0 + point.0, sum.1 + point.1));
+        (x / 5.0, y / 5.0)
+    };
+    (0..count).map(mean).collect()
+}
