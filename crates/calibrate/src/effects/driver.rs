@@ -269,8 +269,20 @@ impl Driver {
     pub fn unit(&self, chain: &Chain) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
         match self {
-            Self::Reading(joint) => if slides(*joint) { "m" } else { "rad" },
-            Self::Torque(joint) => if slides(*joint) { "N" } else { "N m" },
+            Self::Reading(joint) => {
+                if slides(*joint) {
+                    "m"
+                } else {
+                    "rad"
+                }
+            }
+            Self::Torque(joint) => {
+                if slides(*joint) {
+                    "N"
+                } else {
+                    "N m"
+                }
+            }
             Self::TorqueTerms { .. } => "kg m²/s² per m",
             Self::MomentAcross(_) | Self::Overturning => "N m",
             Self::Cantilever(_) => "1/(N m²)",
@@ -377,8 +389,9 @@ mod tests {
             let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
             let posture = statics.posture(&Conditions { reading: &q, covariate: &none });
             for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
-                let movers: Vec<usize> =
-                    (0..statics.chain.joints().len()).filter(|&j| statics.chain.joints()[j].coordinate == coordinate).collect();
+                let movers: Vec<usize> = (0..statics.chain.joints().len())
+                    .filter(|&j| statics.chain.joints()[j].coordinate == coordinate)
+                    .collect();
                 let (mut up, mut low) = (q.clone(), q.clone());
                 up[index] += 1e-5;
                 low[index] -= 1e-5;

@@ -72,7 +72,9 @@ impl Term {
             (Driver::Harmonic { .. }, _) => ["sin", "cos"][value].to_string(),
             (Driver::Steps { .. }, _) => format!("step_{}", value + 1),
             (Driver::Smooth { .. }, _) => format!("knot_{}", value + 2),
-            (Driver::TorqueTerms { joint, .. }, _) => format!("link_{}_{}", joint + value / 2 + 1, ["a", "b"][value % 2]),
+            (Driver::TorqueTerms { joint, .. }, _) => {
+                format!("link_{}_{}", joint + value / 2 + 1, ["a", "b"][value % 2])
+            }
             _ => "coefficient".to_string(),
         };
         if self.coupling == Coupling::Each {

@@ -57,7 +57,8 @@ impl Survey {
             })
         };
         let ranges = statics.chain.joints().iter().map(range).collect();
-        let varies = |covariate: &&Covariate| rows.iter().any(|&row| covariate.values[row] != covariate.values[rows[0]]);
+        let varies =
+            |covariate: &&Covariate| rows.iter().any(|&row| covariate.values[row] != covariate.values[rows[0]]);
         let recorded: Vec<String> = data.covariates.iter().filter(varies).map(|c| c.name.clone()).collect();
         let temperatures = recorded
             .iter()
@@ -190,7 +191,8 @@ impl Clock {
     /// Sets of knots for a curve of straight pieces; finer ones where one number per row drifts.
     pub fn pieces(&self, fine: bool) -> Vec<Vec<f64>> {
         let counts: &[usize] = if fine { &[5, 10, 20, 40] } else { &[5] };
-        let knots = |pieces: usize| (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect();
+        let knots =
+            |pieces: usize| (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect();
         counts.iter().filter(|&&pieces| self.sorted.len() > 8 * pieces).map(|&pieces| knots(pieces)).collect()
     }
 }

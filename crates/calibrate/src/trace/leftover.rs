@@ -169,11 +169,8 @@ fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
         functions.push((vec![Variable::Joint(joint)], waves(joint, &WAVES)));
         for &other in &moving[index + 1..] {
             let (a, b) = (waves(joint, &PAIR_WAVES), waves(other, &PAIR_WAVES));
-            let products = a
-                .iter()
-                .zip(&b)
-                .map(|(a, b)| a.iter().flat_map(|x| b.iter().map(move |y| x * y)).collect())
-                .collect();
+            let products =
+                a.iter().zip(&b).map(|(a, b)| a.iter().flat_map(|x| b.iter().map(move |y| x * y)).collect()).collect();
             functions.push((vec![Variable::Joint(joint), Variable::Joint(other)], products));
         }
     }

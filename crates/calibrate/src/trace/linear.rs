@@ -82,6 +82,7 @@ pub fn with_effects(layout: &Layout, effects: Vec<Parameter>) -> Layout {
         targets: shift(&layout.targets),
         across: layout.across.clone(),
         kind: layout.kind,
+        prior: layout.prior.clone(),
     }
 }
 

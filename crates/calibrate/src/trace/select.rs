@@ -399,7 +399,8 @@ impl<'a> Tracer<'a> {
                 Value { name, value: *value, std: Some(variance.max(0.0).sqrt()), unit }
             })
             .collect();
-        let chosen = |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
+        let chosen =
+            |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
         match &effect.term.driver {
             Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
             Driver::Bump { at, width, .. } => {
