@@ -17,7 +17,7 @@ mod explain;
 mod fit;
 mod vendor;
 
-pub use vendor::{DhNumber, VendorJoint, VendorNumber, VendorRow, VendorTable};
+pub use vendor::{DhNumber, VendorJoint, VendorNumber, VendorRow, VendorTable, Written};
 
 use crate::conventions::RowLabel;
 use crate::table::Motion;
@@ -135,8 +135,14 @@ pub struct RowMatch {
 /// How a number differs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Nature {
-    /// The same amount on the other side.
+    /// The same amount on the other side of the axis.
     Sign,
+    /// The robot has the length on the other side of the joint: it is 0 here, and across the neighbouring row's length,
+    /// which is then the hypotenuse of the two.
+    OtherSideOfJoint {
+        /// The row that has it.
+        with: RowLabel,
+    },
     /// Another amount.
     Amount,
 }
@@ -245,6 +251,9 @@ const TRIED: [usize; 3] = [12, 64, 64];
 /// A guess whose fit leaves no more than this many times the least says the same as the best one.
 const AS_GOOD: f64 = 2.0;
 
+/// A zero that is 0 or a quarter turn may leave this many times what one in between leaves.
+const TIDIER: f64 = 1.1;
+
 /// A zero nearer to a quarter turn than this (rad) is that quarter turn and a difference in theta.
 const QUARTER: f64 = 1e-3;
 
@@ -275,19 +284,22 @@ pub fn match_table(chain: &Chain, vendor: &VendorTable) -> Result<Match, MatchEr
     let arm = Arm::of(chain);
     let (product, numbers) = Product::of(vendor);
     let problem = Problem { chain, arm: &arm, vendor, product: &product, numbers: &numbers };
-    let (guess, state) = problem.best();
-    let placement = problem.placement(&guess.senses, &state);
+    let fits = problem.best_fits();
+    let placement = problem.placement(&fits.guess.senses, &fits.state);
     let verdict = Verdict::of(placement.position_error);
-    let (found, explanation) = problem.explained(&guess, &state, &placement);
+    let (found, explanation) = problem.explained(&fits, &placement);
     let rows = problem.rows(&found, verdict, &placement);
     Ok(Match { verdict, placement, rows, explanation })
 }
 
 fn check(chain: &Chain, vendor: &VendorTable) -> Result<(), MatchError> {
     let joints = chain.joints();
-    let rows = || vendor.base.iter().chain(vendor.joints.iter().map(|joint| &joint.row)).chain(&vendor.tool);
-    let first = usize::from(vendor.base.is_none());
-    for (row, numbers) in rows().enumerate().map(|(index, row)| (index + first, row)) {
+    for (label, numbers) in vendor.rows() {
+        let row = match label {
+            RowLabel::Base => 0,
+            RowLabel::Joint(index) => index + 1,
+            RowLabel::Tool => vendor.joints.len() + 1,
+        };
         for number in DhNumber::ALL {
             if numbers.number(number).is_some_and(|number| !number.value.is_finite()) {
                 return Err(MatchError::NotFinite { row, number: number.word() });
@@ -320,6 +332,13 @@ fn check(chain: &Chain, vendor: &VendorTable) -> Result<(), MatchError> {
         }
     }
     Ok(())
+}
+
+/// The guess that fits best (the simplest of those that fit as well), and the simplest that the axes allow.
+struct BestFits {
+    guess: Guess,
+    state: State,
+    simplest: (Guess, State),
 }
 
 /// Robot and table, prepared.
@@ -375,42 +394,41 @@ impl Problem<'_> {
         State { base, tool, zeros, numbers: self.numbers.to_vec() }
     }
 
-    /// The guess that fits best, the simplest of those that fit as well; and its fit.
-    fn best(&self) -> (Guess, State) {
+    fn best_fits(&self) -> BestFits {
         let free = self.free();
         let robot = self.arm.axes();
         let unturned = vec![0.0; robot.len()];
         let guesses = guesses(&robot, &self.product.axes(self.numbers, &unturned), self.arm.size);
         let tried = if free.base && free.tool { TRIED[0] } else { TRIED[1] };
         let mut fitted: Vec<(f64, Guess, State)> = Vec::new();
-        for (count, guess) in guesses.into_iter().enumerate() {
-            let least = fitted.iter().map(|(error, ..)| *error).fold(f64::INFINITY, f64::min);
-            if Verdict::of(least) == Verdict::Exact
-                || count >= TRIED[2]
-                || (count >= tried && Verdict::of(least) < Verdict::Mismatch)
-            {
+        let mut least = f64::INFINITY;
+        for guess in guesses {
+            let verdict = Verdict::of(least);
+            let count = fitted.len();
+            if verdict == Verdict::Exact || count >= TRIED[2] || (count >= tried && verdict < Verdict::Mismatch) {
                 break;
             }
-            let fit = self.fit_of(&guess.senses);
+            let fit = self.fit(&guess.senses);
             let state = fit.solve(self.start(&guess), &free);
             let (error, _) = fit.errors(&state, &self.arm.samples);
+            least = least.min(error);
             fitted.push((error, guess, state));
         }
-        let least = fitted.iter().map(|(error, ..)| *error).fold(f64::INFINITY, f64::min);
-        let (error, guess, state) =
-            fitted.into_iter().find(|(error, ..)| *error <= AS_GOOD * least).expect("there is always a guess");
+        let simplest = fitted.first().map(|(_, guess, state)| (guess.clone(), state.clone()));
+        let best = fitted.into_iter().find(|(error, ..)| *error <= AS_GOOD * least);
+        let (simplest, (error, guess, state)) = simplest.zip(best).expect("there is always a guess");
         let state = self.tidied(&guess.senses, state, error, &free);
-        (guess, state)
+        BestFits { guess, state, simplest }
     }
 
-    fn fit_of<'s>(&'s self, senses: &'s [f64]) -> Fit<'s> {
+    fn fit<'s>(&'s self, senses: &'s [f64]) -> Fit<'s> {
         Fit { product: self.product, senses, samples: &self.arm.samples, size: self.arm.size, damping: 1e-12 }
     }
 
     /// Zeros that nothing needs are 0, those that a quarter turn serves as well are one.
     fn tidied(&self, senses: &[f64], mut state: State, error: f64, free: &Free) -> State {
-        let fit = self.fit_of(senses);
-        let allowed = error * (1.0 + 1e-6) + 1e-13 * self.arm.size;
+        let fit = self.fit(senses);
+        let allowed = error * TIDIER + 1e-13 * self.arm.size;
         let mut free = free.clone();
         for k in 0..state.zeros.len() {
             if !free.zeros[k] || state.zeros[k] == 0.0 {
@@ -438,7 +456,7 @@ impl Problem<'_> {
     }
 
     fn placement(&self, senses: &[f64], state: &State) -> Placement {
-        let (position_error, rotation_error) = self.fit_of(senses).errors(state, &self.arm.proof);
+        let (position_error, rotation_error) = self.fit(senses).errors(state, &self.arm.proof);
         let joints =
             self.chain.joints().iter().zip(senses).zip(&state.zeros).map(|((joint, sense), zero)| JointMatch {
                 name: joint.name.clone(),

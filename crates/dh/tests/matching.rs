@@ -65,7 +65,7 @@ fn published(folder: &std::path::Path) -> Vec<Published> {
                 },
             });
         }
-        let number = |name| Some(VendorNumber::from_written(field(name)).expect("a number"));
+        let number = |name| Some(VendorNumber::from_written(field(name), 1.0).expect("a number"));
         let row = VendorRow {
             theta: number("theta_offset_rad"),
             d: number("d_m"),
@@ -86,9 +86,30 @@ fn summary(found: &Match) -> String {
         .iter()
         .map(|joint| format!("{}{:.5}", if joint.sense == Sense::Same { "+" } else { "-" }, joint.zero))
         .collect();
-    let differences: Vec<String> = found.explanation.iter().flat_map(|explanation| &explanation.differences).map(|difference| format!("{:?} {} {} -> {} {:?}", difference.label, difference.number.word(), difference.vendor, difference.robot, difference.nature)).collect();
+    let differences: Vec<String> = found
+        .explanation
+        .iter()
+        .flat_map(|explanation| &explanation.differences)
+        .map(|difference| {
+            format!(
+                "{:?} {} {} -> {} {:?}",
+                difference.label,
+                difference.number.word(),
+                difference.vendor,
+                difference.robot,
+                difference.nature
+            )
+        })
+        .collect();
     let after = found.explanation.as_ref().map(|e| e.placement.position_error);
-    format!("{} {:.1e} m {:.1e} rad [{}] {} {differences:?} {after:?}", found.verdict.word(), found.placement.position_error, found.placement.rotation_error, joints.join(" "), found.prints_back())
+    format!(
+        "{} {:.1e} m {:.1e} rad [{}] {} {differences:?} {after:?}",
+        found.verdict.word(),
+        found.placement.position_error,
+        found.placement.rotation_error,
+        joints.join(" "),
+        found.prints_back()
+    )
 }
 
 #[test]
@@ -102,7 +123,12 @@ fn published_tables_come_to_their_verdicts() {
             let start = std::time::Instant::now();
             let found = match_table(&chain, &published.table).unwrap();
             let time = start.elapsed();
-            println!("{:14} {reading:?} expected {}: {} {time:.0?}", published.robot, published.verdict, summary(&found));
+            println!(
+                "{:14} {reading:?} expected {}: {} {time:.0?}",
+                published.robot,
+                published.verdict,
+                summary(&found)
+            );
             compared += 1;
         }
     }

@@ -37,6 +37,9 @@ const COINCIDES: f64 = 5e-4;
 /// Costs within this many times the robot's size of each other say the same.
 const SAME_COST: f64 = 2e-3;
 
+/// A number that is wrong altogether costs this many times the robot's size: one such is better than two, however wrong.
+const ONE_WRONG: f64 = 2e-2;
+
 /// A zero beyond this (rad) is one that a reader has to be told of.
 const A_ZERO: f64 = 0.01;
 
@@ -124,13 +127,14 @@ impl Invariants {
 
     /// Zeros that bring the joint angles together, and the sum of what stays apart, m.
     fn compare(&self, expected: &Self, axes: &[Axis], size: f64) -> (Vec<f64>, f64) {
+        let soft = |apart: f64| apart.abs().min(ONE_WRONG * size);
         let mut cost = 0.0;
         for (found, expected) in self.alpha.iter().zip(&expected.alpha) {
-            cost += (found - expected).abs() * size;
+            cost += soft((found - expected) * size);
         }
         for (found, expected) in self.a.iter().chain(&self.d).zip(expected.a.iter().chain(&expected.d)) {
             if let (Some(found), Some(expected)) = (found, expected) {
-                cost += (found - expected).abs();
+                cost += soft(found - expected);
             }
         }
         let mut zeros = vec![0.0; axes.len()];
@@ -140,7 +144,7 @@ impl Invariants {
             if axis.turns {
                 zeros[k] = apart;
             } else {
-                cost += apart.abs() * size;
+                cost += soft(apart * size);
             }
         }
         (zeros, cost)

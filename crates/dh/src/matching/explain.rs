@@ -4,7 +4,7 @@ use super::axes::Guess;
 use super::fit::{Fit, Free, State};
 use super::vendor::{DhNumber, VendorNumber};
 use super::{
-    Difference, Explanation, Match, Nature, NumberMatch, Placement, Problem, QUARTER, RowMatch, Verdict,
+    BestFits, Difference, Explanation, Match, Nature, NumberMatch, Placement, Problem, QUARTER, RowMatch, Verdict,
     nearest_quarter,
 };
 use crate::conventions::RowLabel;
@@ -19,48 +19,66 @@ const MOVES: f64 = 1e-6;
 /// A number is the same amount on the other side when the two add up to less than this share of it.
 const OTHER_SIDE: f64 = 0.02;
 
+/// What rounding leaves of a number that was fitted (rad, m of the robot's size).
+const LEFT: f64 = 1e-9;
+
 /// Least damping of a fit over all numbers: what two axes 1e-4 rad from parallel say of d is not followed.
 const HELD: f64 = 1e-8;
 
 impl Problem<'_> {
     /// The state with the robot's own numbers, and where the vendor's do not serve, the fewest that must change.
-    pub(super) fn explained(
-        &self,
-        guess: &Guess,
-        fitted: &State,
-        placement: &Placement,
-    ) -> (State, Option<Explanation>) {
-        let verdict = Verdict::of(placement.position_error);
-        let mut fit = self.fit_of(&guess.senses);
-        fit.damping = HELD;
-        let mut all = self.free();
-        all.numbers = self.product.places.iter().map(|place| self.is_own_number(*place)).collect();
-        if verdict <= Verdict::Rounded {
-            return (fit.solve(fitted.clone(), &all), None);
+    pub(super) fn explained(&self, fits: &BestFits, placement: &Placement) -> (State, Option<Explanation>) {
+        if Verdict::of(placement.position_error) <= Verdict::Rounded {
+            let mut fit = self.fit(&fits.guess.senses);
+            fit.damping = HELD;
+            return (fit.solve(fits.state.clone(), &self.all_free()), None);
         }
+        let simplest = (&fits.simplest.0, &fits.simplest.1);
+        let mut found = self.explained_from(simplest.0, simplest.1, placement);
+        let alone = found.as_ref().is_some_and(|(_, explanation)| explanation.differences.len() == 1);
+        if !alone && fits.simplest.0.senses != fits.guess.senses {
+            let other = self.explained_from(&fits.guess, &fits.state, placement);
+            let count = |found: &Option<(State, Explanation)>| {
+                found.as_ref().map_or(usize::MAX, |(_, explanation)| explanation.differences.len())
+            };
+            if count(&other) < count(&found) {
+                found = other;
+            }
+        }
+        found.map_or_else(|| (fits.state.clone(), None), |(state, explanation)| (state, Some(explanation)))
+    }
+
+    fn all_free(&self) -> Free {
+        let numbers = self.product.places.iter().map(|place| self.is_own_number(*place)).collect();
+        Free { numbers, ..self.free() }
+    }
+
+    fn explained_from(&self, guess: &Guess, fitted: &State, placement: &Placement) -> Option<(State, Explanation)> {
+        let mut fit = self.fit(&guess.senses);
+        fit.damping = HELD;
+        let all = self.all_free();
         let start = self.start(guess);
-        let whole = [start.clone(), fitted.clone()].map(|start| fit.solve(start, &all));
         let error = |state: &State| fit.errors(state, fit.samples).0;
-        let whole = whole.into_iter().min_by(|a, b| error(a).total_cmp(&error(b))).expect("there are two");
+        let mut whole = fit.solve(start.clone(), &all);
+        if error(&whole) > EXPLAINED * self.arm.size {
+            let other = fit.solve(fitted.clone(), &all);
+            whole = if error(&other) < error(&whole) { other } else { whole };
+        }
         let enough = (2.0 * error(&whole)).max(EXPLAINED * self.arm.size);
         if enough > 0.5 * placement.position_error {
-            return (fitted.clone(), None);
+            return None;
         }
         let order = self.most_likely_first(&whole, &all);
         let single = order.iter().find_map(|number| {
-            let free = self.only(&[*number]);
-            let starts = [start.clone(), fitted.clone()];
-            let found = starts.into_iter().map(|start| fit.solve(start, &free)).find(|state| error(state) <= enough)?;
-            Some((vec![*number], found))
+            let state = fit.solve(start.clone(), &self.only(&[*number]));
+            (error(&state) <= enough).then(|| (vec![*number], state))
         });
         let (support, state) = single.unwrap_or_else(|| self.fewest(&fit, &order, whole, enough));
-        let state = self.tidied(&guess.senses, state, enough, &self.only(&support));
-        let differences = support.iter().map(|number| self.difference(*number, state.numbers[*number]));
-        let mut differences: Vec<(usize, Difference)> = support.iter().copied().zip(differences).collect();
-        differences.sort_by_key(|(number, _)| *number);
-        let differences = differences.into_iter().map(|(_, difference)| difference).collect();
+        let left = error(&state);
+        let state = self.tidied(&guess.senses, state, left, &self.only(&support));
+        let differences = self.differences(support, &state);
         let placement = self.placement(&guess.senses, &state);
-        (state, Some(Explanation { differences, placement }))
+        Some((state, Explanation { differences, placement }))
     }
 
     /// Numbers that a zero does not stand for already.
@@ -112,19 +130,42 @@ impl Problem<'_> {
         (support, state)
     }
 
-    fn difference(&self, number: usize, robot: f64) -> Difference {
-        let (label, which) = self.product.places[number];
-        let vendor = self.numbers[number];
-        let other_side = vendor != 0.0 && (robot + vendor).abs() < OTHER_SIDE * vendor.abs();
-        let nature = if other_side { Nature::Sign } else { Nature::Amount };
-        Difference { label, number: which, vendor, robot, nature }
+    /// The numbers of `support` in the order of the table, with the nature of each difference.
+    fn differences(&self, mut support: Vec<usize>, state: &State) -> Vec<Difference> {
+        support.sort_unstable();
+        let nature = |number: usize| {
+            let (vendor, robot) = (self.numbers[number], state.numbers[number]);
+            if vendor != 0.0 && (robot + vendor).abs() < OTHER_SIDE * vendor.abs() {
+                return Nature::Sign;
+            }
+            let is_length = |place: &(RowLabel, DhNumber)| place.1 == DhNumber::A;
+            let lengths: Vec<usize> = (0..self.numbers.len()).filter(|k| is_length(&self.product.places[*k])).collect();
+            let Some(at) = lengths.iter().position(|length| *length == number) else { return Nature::Amount };
+            let beside = [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter_map(|k| lengths.get(k));
+            let gone = robot.abs() < OTHER_SIDE * vendor.abs();
+            let taken = |other: &&usize| {
+                let whole = self.numbers[**other].hypot(vendor);
+                support.contains(other) && (state.numbers[**other].abs() - whole).abs() < MOVES * self.arm.size
+            };
+            match beside.filter(|_| gone).find(taken) {
+                Some(other) => Nature::OtherSideOfJoint { with: self.product.places[*other].0 },
+                None => Nature::Amount,
+            }
+        };
+        let difference = |number: &usize| {
+            let (label, which) = self.product.places[*number];
+            let (vendor, robot) = (self.numbers[*number], state.numbers[*number]);
+            Difference { label, number: which, vendor, robot, nature: nature(*number) }
+        };
+        support.iter().map(difference).collect()
     }
 
     /// The table beside the robot's own numbers.
     pub(super) fn rows(&self, found: &State, verdict: Verdict, placement: &Placement) -> Vec<RowMatch> {
         let left = if verdict <= Verdict::Rounded { 2.0 } else { 0.0 };
-        let length = (left * placement.position_error).max(EXPLAINED * 1e-3 * self.arm.size);
-        let angle = (left * placement.rotation_error).max(length / self.arm.size);
+        let written = |lengths| self.vendor.half_last_place(lengths);
+        let length = (left * placement.position_error).max(LEFT * self.arm.size).max(written(true));
+        let angle = (left * placement.rotation_error).max(LEFT).max(written(false));
         let mut rows: Vec<RowMatch> = Vec::new();
         for (index, (label, number)) in self.product.places.iter().enumerate() {
             let vendor = self.written(*label, *number);
@@ -136,8 +177,7 @@ impl Problem<'_> {
                 let odd = zero - nearest_quarter(zero);
                 robot += if odd.abs() < QUARTER { odd } else { 0.0 };
             }
-            let left = if number.is_length() { length } else { angle };
-            let agrees = (robot - vendor.value).abs() <= left.max(vendor.half_last_place());
+            let agrees = (robot - vendor.value).abs() <= if number.is_length() { length } else { angle };
             let matched = NumberMatch { number: *number, vendor, robot, agrees };
             match rows.last_mut() {
                 Some(row) if row.label == *label => row.numbers.push(matched),
@@ -148,26 +188,24 @@ impl Problem<'_> {
     }
 
     fn written(&self, label: RowLabel, number: DhNumber) -> VendorNumber {
-        let row = match label {
-            RowLabel::Base => self.vendor.base.as_ref(),
-            RowLabel::Joint(index) => self.vendor.joints.get(index).map(|joint| &joint.row),
-            RowLabel::Tool => self.vendor.tool.as_ref(),
-        };
-        row.and_then(|row| row.number(number)).cloned().unwrap_or_default()
+        let row = self.vendor.rows().find(|(of, _)| *of == label);
+        row.and_then(|(_, row)| row.number(number)).cloned().unwrap_or_default()
     }
 }
 
 impl NumberMatch {
-    /// The robot's number at the vendor's precision: the vendor's own text where the two agree.
+    /// The robot's number in the vendor's unit and to the vendor's places: the vendor's own text where the two agree,
+    /// as many places as show the difference where not.
     pub fn printed(&self) -> String {
-        match (&self.vendor.written, self.agrees) {
-            (Some(written), true) => written.clone(),
-            (None, true) => format!("{}", self.vendor.value),
-            (_, false) => {
-                let places = self.vendor.places().unwrap_or(6).max(6);
-                format!("{:.*}", usize::try_from(places).unwrap_or(6), self.robot)
-            }
+        let Some(written) = &self.vendor.written else {
+            return format!("{}", if self.agrees { self.vendor.value } else { self.robot });
+        };
+        if self.agrees {
+            return written.text.clone();
         }
+        let most = self.vendor.places().map_or(0, |places| usize::try_from(places).unwrap_or(0)).max(6);
+        let (robot, vendor) = (self.robot / written.unit, self.vendor.value / written.unit);
+        format!("{:.*}", if (robot - vendor).abs() < 1e-6 { 12 } else { most.min(12) }, robot)
     }
 }
 

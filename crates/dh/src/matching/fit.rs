@@ -60,6 +60,9 @@ pub(crate) struct Fit<'a> {
 /// A rotation error of 1 rad weighs as this many times the robot's size.
 const ROTATION_WEIGHT: f64 = 0.25;
 
+/// Residuals below this many times the robot's size are rounding; following them would only stir what is not determined.
+const ROUNDING: f64 = 3e-14;
+
 /// Steps of a fit at most.
 const STEPS: usize = 40;
 
@@ -218,7 +221,7 @@ impl Fit<'_> {
     /// The state of least squares near `start`: Levenberg-Marquardt, columns in closed form.
     pub fn solve(&self, start: State, free: &Free) -> State {
         let count = free.count();
-        let enough = self.samples.len() as f64 * (1e-15 * self.size).powi(2);
+        let enough = self.samples.len() as f64 * (ROUNDING * self.size).powi(2);
         let mut state = start;
         let mut sum = self.sum_of_squares(&state);
         let mut damping = 1e-4f64.max(self.damping);

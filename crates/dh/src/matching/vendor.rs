@@ -44,8 +44,17 @@ impl DhNumber {
 pub struct VendorNumber {
     /// rad or m.
     pub value: f64,
-    /// The decimal literal, in the same unit as `value`; its last place says how precise the vendor is.
-    pub written: Option<String>,
+    /// How it is written; its last place says how precise the vendor is.
+    pub written: Option<Written>,
+}
+
+/// A decimal literal and its unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Written {
+    /// As the table has it.
+    pub text: String,
+    /// One of its units in rad or m: 1, π/180 for degrees, 1e-3 for millimetres.
+    pub unit: f64,
 }
 
 impl From<f64> for VendorNumber {
@@ -55,38 +64,32 @@ impl From<f64> for VendorNumber {
 }
 
 impl VendorNumber {
-    /// From a decimal literal in rad or m; `None` where it is no number.
+    /// From a decimal literal in units of `unit` rad or m; `None` where it is no number.
     ///
     /// # Examples
     /// ```
     /// use denavit_dh::matching::VendorNumber;
-    /// let d = VendorNumber::from_written("0.1625").unwrap();
-    /// assert_eq!(d.half_last_place(), 0.5e-4);
+    /// let d = VendorNumber::from_written("162.5", 1e-3).unwrap();
+    /// assert_eq!((d.value, d.places()), (0.1625, Some(1)));
     /// ```
-    pub fn from_written(written: &str) -> Option<Self> {
-        let written = written.trim();
-        let value = written.parse().ok()?;
-        Some(Self { value, written: Some(written.to_owned()) })
+    pub fn from_written(text: &str, unit: f64) -> Option<Self> {
+        let text = text.trim();
+        let number: f64 = text.parse().ok()?;
+        // Divided by the whole number that 1e-3 stands for, 162.5 mm is the f64 0.1625.
+        let whole = (1.0 / unit).round();
+        let value = if whole > 1.0 && (whole * unit - 1.0).abs() < 1e-15 { number / whole } else { number * unit };
+        Some(Self { value, written: Some(Written { text: text.to_owned(), unit }) })
     }
 
     /// Decimal places that are written; `None` for a number without text.
     pub fn places(&self) -> Option<i32> {
-        let written = self.written.as_deref()?;
+        let written = &self.written.as_ref()?.text;
         let (mantissa, exponent) = match written.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, exponent.parse().ok()?),
-            None => (written, 0),
+            None => (written.as_str(), 0),
         };
         let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
         Some(i32::try_from(decimals).ok()? - exponent)
-    }
-
-    /// Half a unit of the last place that is written, rad or m; 0 for a number without text, and for a plain `0` or
-    /// `0.0`, which is written for nothing at all.
-    pub fn half_last_place(&self) -> f64 {
-        match self.places() {
-            Some(places) if self.value != 0.0 => 0.5 * 10f64.powi(-places),
-            _ => 0.0,
-        }
     }
 }
 
@@ -154,6 +157,25 @@ pub struct VendorTable {
 }
 
 impl VendorTable {
+    /// Its rows: base, joints, tool.
+    pub fn rows(&self) -> impl Iterator<Item = (RowLabel, &VendorRow)> {
+        let joints = self.joints.iter().enumerate().map(|(index, joint)| (RowLabel::Joint(index), &joint.row));
+        let base = self.base.iter().map(|row| (RowLabel::Base, row));
+        base.chain(joints).chain(self.tool.iter().map(|row| (RowLabel::Tool, row)))
+    }
+
+    /// Half a unit of the last place that the table's lengths (m), or its angles (rad), are written to anywhere: "0.2"
+    /// beside "0.2433" is 0.2000. 0 for a table without text.
+    pub fn half_last_place(&self, lengths: bool) -> f64 {
+        let numbers = self.rows().flat_map(|(_, row)| DhNumber::ALL.map(|number| (number, row.number(number))));
+        let halves = numbers.filter(|(number, _)| number.is_length() == lengths).filter_map(|(_, number)| {
+            let number = number?;
+            Some(0.5 * number.written.as_ref()?.unit * 10f64.powi(-number.places()?))
+        });
+        let least = halves.fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 0.0 }
+    }
+
     /// A table of ours as if a vendor had printed it; `frames` says whether its base and tool rows hold.
     pub fn of(table: &Table, convention: Convention, frames: bool) -> Self {
         let rows = table.convention_rows(convention);
