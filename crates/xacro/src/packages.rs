@@ -1,0 +1,284 @@
+//! Where ROS packages are, and what `package://`, `model://` and `file://` mean.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use crate::error::{did_you_mean, near};
+
+mod crawl;
+
+/// Environment variables, as values: the library does not look at the process's own.
+///
+/// ```
+/// use denavit_xacro::Environment;
+///
+/// let environment: Environment = [("AMENT_PREFIX_PATH".to_owned(), "/opt/ros/jazzy".to_owned())].into_iter().collect();
+/// assert_eq!(environment.get("AMENT_PREFIX_PATH"), Some("/opt/ros/jazzy"));
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Environment(BTreeMap<String, String>);
+
+impl Environment {
+    /// The value of a variable.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.0.get(name).map(String::as_str)
+    }
+
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
+    }
+}
+
+impl FromIterator<(String, String)> for Environment {
+    fn from_iter<T: IntoIterator<Item = (String, String)>>(variables: T) -> Self {
+        Self(variables.into_iter().collect())
+    }
+}
+
+/// A package, or what a URI names, cannot be told.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PackageError {
+    /// No folder that was looked at holds the package.
+    #[error("package \"{name}\" is not found{}", looked_text(looked, near))]
+    NotFound {
+        /// The package that was asked for.
+        name: String,
+        /// The folders that were looked at, in order.
+        looked: Vec<PathBuf>,
+        /// Packages there with a name like it.
+        near: Vec<String>,
+    },
+    /// Not the name of a package.
+    #[error("\"{name}\" is not a package name; write letters, digits, \"_\" and \"-\" only")]
+    Name {
+        /// What was asked for.
+        name: String,
+    },
+    /// A URI of a kind that names no file.
+    #[error("\"{uri}\" names no file; write package://, file://, model:// or a path")]
+    Uri {
+        /// The URI.
+        uri: String,
+    },
+}
+
+fn looked_text(looked: &[PathBuf], near: &[String]) -> String {
+    let mut text = String::new();
+    if looked.is_empty() {
+        text.push_str("; no folder is known to look into");
+    } else {
+        let folders: Vec<String> = looked.iter().map(|folder| folder.display().to_string()).collect();
+        text.push_str("; looked in ");
+        text.push_str(&folders.join(", "));
+    }
+    text.push_str("; ");
+    match did_you_mean(near) {
+        Some(question) => text.push_str(&question),
+        None => text.push_str("give the folder that holds it with --package-path, or set ROS_PACKAGE_PATH"),
+    }
+    text
+}
+
+/// Folders in which packages are looked for, in order.
+///
+/// First the folders given by hand, then those around a file ([`PackagePath::near`]), then `AMENT_PREFIX_PATH`, then
+/// `ROS_PACKAGE_PATH`, and for `model://` also `GAZEBO_MODEL_PATH` and `GZ_SIM_RESOURCE_PATH`. A package is a folder
+/// with a `package.xml` that gives the name, or a folder of that name right below a folder given by hand.
+#[derive(Debug, Clone, Default)]
+pub struct PackagePath {
+    given: Vec<Root>,
+    around: Vec<Root>,
+    ament: Vec<Root>,
+    ros: Vec<Root>,
+    models: Vec<Root>,
+}
+
+#[derive(Debug, Clone)]
+struct Root {
+    folder: PathBuf,
+    /// How many folders deep packages are looked for.
+    depth: usize,
+    /// Whether a folder of the right name will do, without a `package.xml`.
+    by_folder_name: bool,
+    /// What a walk through the folder has found: package name and folder.
+    packages: OnceLock<Vec<(String, PathBuf)>>,
+}
+
+impl Root {
+    fn new(folder: impl Into<PathBuf>, depth: usize, by_folder_name: bool) -> Self {
+        let folder = folder.into();
+        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        Self { folder, depth, by_folder_name, packages: OnceLock::new() }
+    }
+
+    fn find(&self, name: &str) -> Option<PathBuf> {
+        for direct in [self.folder.join(name), self.folder.join("share").join(name)] {
+            let named = crawl::package_name(&direct);
+            let fits = match &named {
+                Some(named) => named == name,
+                None => self.by_folder_name && direct.is_dir(),
+            };
+            if fits {
+                return Some(direct);
+            }
+        }
+        if self.by_folder_name && self.folder.file_name().is_some_and(|folder| folder == name) {
+            return Some(self.folder.clone());
+        }
+        self.packages().iter().find(|(found, _)| found == name).map(|(_, folder)| folder.clone())
+    }
+
+    fn packages(&self) -> &[(String, PathBuf)] {
+        self.packages.get_or_init(|| crawl::packages(&self.folder, self.depth))
+    }
+}
+
+/// Source trees nest packages a few folders deep, installed ones right below `share`.
+const SOURCE_DEPTH: usize = 5;
+const INSTALLED_DEPTH: usize = 2;
+/// Siblings of a file's package, and packages of the repository next to it.
+const AROUND_DEPTH: usize = 2;
+
+impl PackagePath {
+    /// Search folders from `--package-path` values and the variables named above.
+    ///
+    /// A folder may be a package, hold packages, or be an install prefix with a `share` folder.
+    pub fn new(given: &[PathBuf], environment: &Environment) -> Self {
+        let listed = |variable: &str, depth: usize, by_folder_name: bool| -> Vec<Root> {
+            let value = environment.get(variable).unwrap_or_default();
+            std::env::split_paths(value)
+                .filter(|folder| !folder.as_os_str().is_empty())
+                .map(|folder| Root::new(folder, depth, by_folder_name))
+                .collect()
+        };
+        let mut models = listed("GAZEBO_MODEL_PATH", 1, true);
+        models.extend(listed("GZ_SIM_RESOURCE_PATH", 1, true));
+        Self {
+            given: given.iter().map(|folder| Root::new(folder, SOURCE_DEPTH, true)).collect(),
+            around: Vec::new(),
+            ament: listed("AMENT_PREFIX_PATH", INSTALLED_DEPTH, false),
+            ros: listed("ROS_PACKAGE_PATH", SOURCE_DEPTH, false),
+            models,
+        }
+    }
+
+    /// The same path with the packages around `file`: the one that it is in, found by walking up to a `package.xml`,
+    /// and the packages beside that one.
+    #[must_use]
+    pub fn near(&self, file: &Path) -> Self {
+        let mut path = self.clone();
+        let Some(package) = package_of(file) else { return path };
+        path.around.push(Root::new(&package, 0, false));
+        if let Some(parent) = package.parent() {
+            path.around.push(Root::new(parent, AROUND_DEPTH, false));
+        }
+        path
+    }
+
+    /// The folder of a package.
+    ///
+    /// # Errors
+    /// [`PackageError::NotFound`] with the folders that were looked at; [`PackageError::Name`] for what can be no name.
+    pub fn find(&self, name: &str) -> Result<PathBuf, PackageError> {
+        self.find_in(name, &[])
+    }
+
+    /// The file that a mesh's or texture's URI names. It need not exist.
+    ///
+    /// `package://name/path`, `model://name/path`, `file:///path`, an absolute path, or a path relative to the folder
+    /// of `from`.
+    ///
+    /// # Errors
+    /// As [`PackagePath::find`]; [`PackageError::Uri`] for other schemes.
+    pub fn resolve(&self, uri: &str, from: Option<&Path>) -> Result<PathBuf, PackageError> {
+        let wrong = || PackageError::Uri { uri: uri.to_owned() };
+        let Some((scheme, rest)) = uri.split_once("://") else {
+            let folder = from.and_then(Path::parent).unwrap_or(Path::new(""));
+            return Ok(folder.join(uri));
+        };
+        let in_package = |models: &[Root]| {
+            let (name, path) = rest.split_once('/').unwrap_or((rest, ""));
+            let folder = self.find_in(name, models)?;
+            let path = path.trim_start_matches('/');
+            let written = folder.join(path);
+            Ok(if written.exists() || !path.contains('%') { written } else { folder.join(decoded(path)) })
+        };
+        match scheme {
+            "package" => in_package(&[]),
+            "model" => in_package(&self.models),
+            "file" => {
+                let path = rest.strip_prefix("localhost").unwrap_or(rest);
+                if !path.starts_with('/') {
+                    return Err(wrong());
+                }
+                Ok(PathBuf::from(decoded(path)))
+            }
+            _ => Err(wrong()),
+        }
+    }
+
+    /// Names of all packages in sight, sorted.
+    pub fn packages(&self) -> Vec<String> {
+        let mut names: Vec<String> =
+            self.roots().flat_map(|root| root.packages().iter().map(|(name, _)| name.clone())).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    fn roots(&self) -> impl Iterator<Item = &Root> {
+        self.given.iter().chain(&self.around).chain(&self.ament).chain(&self.ros)
+    }
+
+    fn find_in(&self, name: &str, models: &[Root]) -> Result<PathBuf, PackageError> {
+        let is_name = !name.is_empty()
+            && name.chars().all(|c| c.is_alphanumeric() || "_-.+".contains(c))
+            && !name.starts_with('.');
+        if !is_name {
+            return Err(PackageError::Name { name: name.to_owned() });
+        }
+        let roots = || self.roots().chain(models);
+        if let Some(folder) = roots().find_map(|root| root.find(name)) {
+            return Ok(folder);
+        }
+        let mut looked: Vec<PathBuf> = Vec::new();
+        for root in roots() {
+            if !looked.contains(&root.folder) {
+                looked.push(root.folder.clone());
+            }
+        }
+        let names = self.packages();
+        let near = near(name, &names);
+        Err(PackageError::NotFound { name: name.to_owned(), looked, near })
+    }
+}
+
+/// The folder of the package that `file` is in: the nearest one above with a `package.xml`.
+pub(crate) fn package_of(file: &Path) -> Option<PathBuf> {
+    let file = std::path::absolute(file).ok()?;
+    let folder = file.ancestors().skip(1).find(|folder| folder.join("package.xml").is_file())?;
+    Some(folder.to_path_buf())
+}
+
+/// A path with `%20` and the like written out.
+fn decoded(path: &str) -> String {
+    let bytes = path.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let code = path.get(at + 1..at + 3).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        match code {
+            Some(code) if bytes[at] == b'%' => {
+                out.push(code);
+                at += 3;
+            }
+            _ => {
+                out.push(bytes[at]);
+                at += 1;
+            }
+        }
+    }
+    String::from_utf8(out).unwrap_or_else(|_| path.to_owned())
+}
