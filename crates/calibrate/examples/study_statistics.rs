@@ -35,7 +35,8 @@ fn runs(chain: &Chain, base: &SimulationOptions, count: u64) -> Tally {
         // Orientation in the tally too, each in its true noise.
         let mut chi = 0.0;
         for (square, weight) in fit.squares.iter().zip(&fit.weights) {
-            let turned = if base.kind == MeasurementKind::Pose { square[1] / base.noise_orientation.powi(2) } else { 0.0 };
+            let turned =
+                if base.kind == MeasurementKind::Pose { square[1] / base.noise_orientation.powi(2) } else { 0.0 };
             chi += weight * (square[0] / base.noise_position.powi(2) + turned);
         }
         let values: f64 = fit.values.iter().sum();
@@ -63,7 +64,9 @@ fn runs(chain: &Chain, base: &SimulationOptions, count: u64) -> Tally {
 }
 
 fn main() {
-    println!("robot          measured  rows  outliers  inside 95 %  chi2/dof  error/attainable  iterations  wrongly rejected  missed");
+    println!(
+        "robot          measured  rows  outliers  inside 95 %  chi2/dof  error/attainable  iterations  wrongly rejected  missed"
+    );
     let chains = examples::all();
     for chain in &chains[1..] {
         for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {

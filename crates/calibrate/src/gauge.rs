@@ -10,6 +10,11 @@ use denavit_model::se3;
 /// Weight of the targets' places beside the axes' tolerances: only what moves no axis is left to them.
 const WEIGHT_OF_TARGETS: f64 = 1e-8;
 
+/// Moves that make the conditions hold exactly, one better than the other.
+const MOST_MOVES: usize = 5;
+/// A move of this size (rad, m) is the last.
+const SMALL_MOVE: f64 = 1e-10;
+
 /// Change of each parameter by a common motion of axes and targets: 6 columns, twists `[omega; v]` in the base frame.
 ///
 /// Columns of the instrument and the anchor are their own countermove.
@@ -49,9 +54,12 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
 
 /// The six conditions that hold the frame: their product with the departure from nominal is to be 0.
 ///
-/// They say that no common motion brings the axes nearer to nominal, each departure taken in its tolerance.
-pub fn conditions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
-    let mut conditions = common_motions(layout, arm);
+/// They say that no common motion brings the axes nearer to nominal, each departure taken in its tolerance. Motions
+/// are those of the robot as drawn: what moves none of its axes (along the parallel axes of a SCARA) is settled by
+/// the targets, which stay where `reference` has them.
+pub fn conditions(layout: &Layout, reference: &Arm) -> DMatrix<f64> {
+    let drawn = Arm { joints: reference.nominal.joints().to_vec(), ..reference.clone() };
+    let mut conditions = common_motions(layout, &drawn);
     for (row, parameter) in layout.parameters.iter().enumerate() {
         let weight = match (parameter.kind, parameter.tolerance) {
             (ParameterKind::Turn { .. } | ParameterKind::Move { .. }, Some(tolerance)) => tolerance.powi(-2),
@@ -66,33 +74,46 @@ pub fn conditions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
 /// The arm that measures exactly the same, moved so that the conditions hold: its axes are as near to nominal as the
 /// common frame allows.
 pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
+    let conditions = conditions(layout, reference);
+    let mut moved = arm.clone();
+    for _ in 0..MOST_MOVES {
+        let Some(twist) = missing(layout, &conditions, &moved, reference) else { break };
+        move_all(layout, &mut moved, &twist);
+        if twist.norm() < SMALL_MOVE {
+            break;
+        }
+    }
+    moved
+}
+
+/// The common motion that, to first order, makes the conditions hold.
+fn missing(layout: &Layout, conditions: &DMatrix<f64>, arm: &Arm, reference: &Arm) -> Option<Vector6<f64>> {
     if layout.joints.is_empty() {
-        return arm.clone();
+        return None;
     }
     let departure = DVector::from_vec(layout.departure(arm, reference));
-    let conditions = conditions(layout, arm);
     let matrix = conditions.transpose() * common_motions(layout, arm);
     // Rows and columns brought to size 1: rotations and translations weigh differently.
     let size = DVector::from_fn(6, |i, _| matrix[(i, i)].abs().max(f64::MIN_POSITIVE).sqrt());
     let scaled = DMatrix::from_fn(6, 6, |i, k| matrix[(i, k)] / (size[i] * size[k]));
     let right = (conditions.transpose() * departure).component_div(&size);
-    let Ok(solution) = scaled.svd(true, true).solve(&right, 1e-13) else { return arm.clone() };
+    let solution = scaled.svd(true, true).solve(&right, 1e-13).ok()?;
     let twist = Vector6::from_fn(|i, _| -solution[i] / size[i]);
-    if twist == Vector6::zeros() || !twist.iter().all(|x| x.is_finite()) {
-        return arm.clone();
-    }
-    let motion = se3::exp(&twist);
-    let mut moved = arm.clone();
-    for (index, joint) in moved.joints.iter_mut().enumerate() {
+    (twist != Vector6::zeros() && twist.iter().all(|x| x.is_finite())).then_some(twist)
+}
+
+/// Move axes, anchor and targets, and the instrument's frame against them.
+fn move_all(layout: &Layout, arm: &mut Arm, twist: &Vector6<f64>) {
+    let motion = se3::exp(twist);
+    for (index, joint) in arm.joints.iter_mut().enumerate() {
         joint.screw = joint.screw.moved(&motion).about(&layout.across[index].centre);
     }
     let instrument = arm.instrument * motion.inverse();
-    moved.instrument = se3::pose(se3::orthonormalised(&instrument.rotation), instrument.translation.vector);
-    moved.anchor = (motion * Point3::from(arm.anchor)).coords;
+    arm.instrument = se3::pose(se3::orthonormalised(&instrument.rotation), instrument.translation.vector);
+    arm.anchor = (motion * Point3::from(arm.anchor)).coords;
     let home = arm.nominal.home();
-    for target in &mut moved.targets {
+    for target in &mut arm.targets {
         *target = home.inverse() * motion * home * *target;
         target.rotation = se3::orthonormalised(&target.rotation);
     }
-    moved
 }

@@ -79,8 +79,12 @@ const TRUST_AT_START: f64 = 0.03;
 const ROUNDING: f64 = 1e-14;
 /// χ² that a step may still promise when the fit stops: a thousandth of a standard deviation, squared.
 const PROMISE_AT_END: f64 = 1e-7;
-/// One clean file in a hundred may lose a row.
+/// One clean file in a hundred may have a row that far out.
 const FALSE_REJECTIONS: f64 = 0.01;
+/// Gross means this many times further out than that: what the model lacks is no outlier.
+const GROSS: f64 = 1.5;
+/// If more than this share lies outside, it is not outliers.
+const MOST_REJECTIONS: f64 = 0.3;
 
 struct System {
     matrix: DMatrix<f64>,
@@ -256,7 +260,7 @@ impl Solver<'_> {
         }
         gradient.component_mul_assign(&scale);
         let gauge = (!self.layout.joints.is_empty()).then(|| {
-            let mut conditions = gauge::conditions(self.layout, &state.arm);
+            let mut conditions = gauge::conditions(self.layout, &self.reference);
             for (mut row, s) in conditions.row_iter_mut().zip(scale.iter()) {
                 row.scale_mut(*s);
             }
@@ -342,12 +346,17 @@ impl Solver<'_> {
         squares.iter().zip(given).map(|(square, given)| given * weight(square)).collect()
     }
 
-    /// 0 for what lies so far outside the noise that a clean file would lose a row once in a hundred times.
+    /// 0 for gross outliers.
     fn kept(&self, squares: &[[f64; 2]], given: &[f64], noise: Noise) -> Vec<f64> {
         let count = given.iter().filter(|weight| **weight > 0.0).count().max(1);
-        let limit = quantile_of_chi_squared(self.degrees().iter().sum(), 1.0 - FALSE_REJECTIONS / count as f64);
-        let inside = |square: &[f64; 2]| f64::from(u8::from(chi_squared(*square, noise) <= limit));
-        squares.iter().zip(given).map(|(square, given)| given * inside(square)).collect()
+        let quantile = quantile_of_chi_squared(self.degrees().iter().sum(), 1.0 - FALSE_REJECTIONS / count as f64);
+        let limit = GROSS * GROSS * quantile;
+        let outside = |(square, given): (&[f64; 2], &f64)| *given > 0.0 && chi_squared(*square, noise) > limit;
+        let rejected = squares.iter().zip(given).filter(|pair| outside(*pair)).count();
+        if rejected as f64 > MOST_REJECTIONS * count as f64 {
+            return given.to_vec();
+        }
+        squares.iter().zip(given).map(|pair| if outside(pair) { 0.0 } else { *pair.1 }).collect()
     }
 
     fn parameters_used<E: Effects>(&self, state: &State<E>, noise: Noise) -> [f64; 2] {
