@@ -126,8 +126,8 @@ pub struct PlacedShape {
 /// Mass, centre and tensor about the centre, in the root frame at zero.
 #[derive(Debug, Clone)]
 pub struct Mass {
-    /// The links that have a share.
-    pub links: Vec<String>,
+    /// The links that have a share, and their shares.
+    pub shares: Vec<Share>,
     /// kg.
     pub mass: f64,
     /// m.
@@ -136,24 +136,45 @@ pub struct Mass {
     pub tensor: Matrix3<f64>,
 }
 
+/// A link's share of a body's mass.
+#[derive(Debug, Clone)]
+pub struct Share {
+    /// The link.
+    pub link: String,
+    /// kg.
+    pub mass: f64,
+    /// m.
+    pub centre: Point3<f64>,
+    /// kg·m², about its own centre.
+    pub tensor: Matrix3<f64>,
+}
+
 impl Mass {
     fn of(link: &str, inertial: &Inertial, root_from_link: &Pose, reading: Reading) -> Self {
         let placed = root_from_link * pose_of(&inertial.origin, reading);
         let r = placed.rotation.matrix();
-        Self {
-            links: vec![link.to_owned()],
-            mass: inertial.mass,
-            centre: Point3::from(placed.translation.vector),
-            tensor: r * inertial.tensor * r.transpose(),
-        }
+        let (mass, centre) = (inertial.mass, Point3::from(placed.translation.vector));
+        let tensor = r * inertial.tensor * r.transpose();
+        Self { shares: vec![Share { link: link.to_owned(), mass, centre, tensor }], mass, centre, tensor }
+    }
+
+    /// The whole as if it were one link's, under the first link's name.
+    pub(crate) fn sum(&self) -> Share {
+        let link = self.shares.first().map_or_else(String::new, |share| share.link.clone());
+        Share { link, mass: self.mass, centre: self.centre, tensor: self.tensor }
     }
 
     /// The same after a motion.
     #[must_use]
     pub(crate) fn moved(&self, motion: &Pose) -> Self {
         let r = motion.rotation.matrix();
-        let (centre, tensor) = (motion * self.centre, r * self.tensor * r.transpose());
-        Self { links: self.links.clone(), mass: self.mass, centre, tensor }
+        let turned = |tensor: &Matrix3<f64>| r * tensor * r.transpose();
+        let shares = self.shares.iter().map(|share| Share {
+            centre: motion * share.centre,
+            tensor: turned(&share.tensor),
+            ..share.clone()
+        });
+        Self { shares: shares.collect(), mass: self.mass, centre: motion * self.centre, tensor: turned(&self.tensor) }
     }
 
     /// Both as one rigid body (parallel axis theorem).
@@ -166,8 +187,8 @@ impl Mass {
         };
         let about = |part: &Self| part.tensor + steiner(part.mass, &(part.centre - centre));
         let tensor = about(&self) + about(&other);
-        self.links.extend(other.links);
-        Self { links: self.links, mass, centre, tensor }
+        self.shares.extend(other.shares);
+        Self { shares: self.shares, mass, centre, tensor }
     }
 }
 
@@ -271,7 +292,8 @@ impl Mechanism {
                 None => share,
             });
         }
-        let matter = link.inertial.is_some() || !link.visuals.is_empty() || !link.collisions.is_empty();
+        let weighs = link.inertial.as_ref().is_some_and(|inertial| inertial.mass != 0.0);
+        let matter = weighs || !link.visuals.is_empty() || !link.collisions.is_empty();
         body.frames.push(Frame { link: link.name.clone(), pose, carrier, leaf, matter });
     }
 

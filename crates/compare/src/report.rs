@@ -3,6 +3,11 @@
 //! Every format takes the same [`Report`]; [`FORMATS`] lists them for arguments, docs and tests.
 
 mod entries;
+mod github;
+mod json;
+mod junit;
+mod markdown;
+mod sarif;
 mod text;
 
 pub use entries::{Entry, Level};

@@ -5,7 +5,7 @@
 //! has there. An edit at one joint moves all that is behind it rigidly, so the motion changes at that joint only.
 
 use crate::diff::Options;
-use crate::diff::features::Features;
+use crate::diff::features::{Features, Precision};
 use crate::mechanism::{Mechanism, MovingJoint, apart};
 use denavit_model::Screw;
 use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
@@ -29,12 +29,23 @@ const UNMOVED: f64 = 1.0;
 const UNMOVED_FREE: f64 = 0.3;
 /// Link frames count as a hint only: they may be re-placed at will.
 const FRAMES: f64 = 0.25;
+/// Where this share of all features agrees to rounding, one robot was made from the other by a few edits.
+const MOSTLY: f64 = 0.5;
 /// Frames and shapes of a body that are tried as what carried the body along.
 const TRIED: usize = 6;
 
 impl Alignment {
     /// Pairs the joints and finds each body's motion, the root body's being given.
     pub fn new(a: &Mechanism, b: &Mechanism, root: Pose, options: &Options) -> Self {
+        let features = Features::of(a, Precision::Rounding);
+        let exact = Self::by(a, b, &features, root, options);
+        if features.agreeing(&exact, a, b, options) >= MOSTLY {
+            return exact;
+        }
+        Self::by(a, b, &Features::of(a, Precision::Tolerance), root, options)
+    }
+
+    fn by(a: &Mechanism, b: &Mechanism, features: &Features, root: Pose, options: &Options) -> Self {
         let mut result = Self {
             joint_b: vec![None; a.joints.len()],
             joint_a: vec![None; b.joints.len()],
@@ -46,7 +57,6 @@ impl Alignment {
                 result.pair(index, other);
             }
         }
-        let features = Features::of(a);
         result.pair_children(a, b, None, options);
         for index in 0..a.joints.len() {
             let (body, carrier) = (index + 1, a.joints[index].parent.map_or(0, |parent| parent + 1));
@@ -57,7 +67,7 @@ impl Alignment {
                 }
                 Some(other) => {
                     result.body_b[body] = other + 1;
-                    result.moved[body] = result.motion_of(a, b, &features, index, options);
+                    result.moved[body] = result.motion_of(a, b, features, index, options);
                 }
             }
             result.pair_children(a, b, Some(index), options);

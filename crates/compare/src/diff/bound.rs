@@ -25,24 +25,21 @@ const HALVINGS: usize = 1500;
 /// An upper bound for [`Way::displacement`] over the intervals, m.
 pub(crate) fn upper(way: &Way, intervals: &[Interval]) -> f64 {
     let steps: f64 = (0..way.steps.len()).map(|index| step_upper(way, index, intervals)).sum();
-    let whole = whole_ball(way, intervals);
-    let rounding = 64.0 * f64::EPSILON * (whole.radius + whole.centre.coords.norm()) * (1.0 + way.steps.len() as f64);
-    steps + (way.tip_b - way.tip_a).norm() + rounding
+    let cell: Vec<(f64, f64)> = intervals.iter().map(|interval| (interval.lower, interval.upper)).collect();
+    let (mut one, mut other) = (Ball { centre: way.tip_a, radius: 0.0 }, Ball { centre: way.tip_b, radius: 0.0 });
+    for step in way.steps.iter().rev() {
+        one = one.carried(step, &cell).0;
+        other = other.carried_in_b(step, &cell);
+    }
+    let reach = one.radius + other.radius + one.centre.coords.norm();
+    let rounding = 64.0 * f64::EPSILON * reach * (1.0 + way.steps.len() as f64);
+    (steps + (way.tip_b - way.tip_a).norm()).min(one.widest_gap(&other)) + rounding
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Ball {
     centre: Point3<f64>,
     radius: f64,
-}
-
-fn whole_ball(way: &Way, intervals: &[Interval]) -> Ball {
-    let cell: Vec<(f64, f64)> = intervals.iter().map(|interval| (interval.lower, interval.upper)).collect();
-    let mut ball = Ball { centre: way.tip_a, radius: 0.0 };
-    for step in way.steps.iter().rev() {
-        ball = ball.carried(step, &cell).0;
-    }
-    ball
 }
 
 /// A box of joint values and the bound over it.
@@ -157,7 +154,8 @@ fn bounds(way: &Way, index: usize, cell: &[(f64, f64)]) -> (f64, f64, usize) {
     }
     let widest = (0..growth.len()).max_by(|x, y| growth[*x].total_cmp(&growth[*y])).unwrap_or(0);
     let at_middle = (moved_b * point - moved_a * point).norm();
-    (shifted + factor * places.radius + change, at_middle, widest)
+    let upper = (shifted + factor * places.radius + change).min(places.widest_gap(&ball.carried_in_b(step, cell)));
+    (upper, at_middle, widest)
 }
 
 impl Ball {
@@ -167,6 +165,20 @@ impl Ball {
         let (lower, upper) = cell[motor.drive.coordinate];
         let (x, y) = (motor.drive.scale * lower + motor.drive.offset, motor.drive.scale * upper + motor.drive.offset);
         self.swept(&motor.screw, x.min(y), x.max(y))
+    }
+
+    /// The ball around all places that a step of b takes the ball to.
+    fn carried_in_b(self, step: &Step, cell: &[(f64, f64)]) -> Self {
+        let carried = Self { centre: step.carried * self.centre, radius: self.radius };
+        let Some(motor) = &step.b else { return carried };
+        let (lower, upper) = cell[motor.drive.coordinate];
+        let (x, y) = (motor.drive.scale * lower + motor.drive.offset, motor.drive.scale * upper + motor.drive.offset);
+        carried.swept(&motor.screw, x.min(y), x.max(y)).0
+    }
+
+    /// No point of one is farther from a point of the other.
+    fn widest_gap(&self, other: &Self) -> f64 {
+        (self.centre - other.centre).norm() + self.radius + other.radius
     }
 
     /// The ball around all places under joint values from `lower` to `upper`, and by how much it grew.

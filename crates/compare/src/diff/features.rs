@@ -23,15 +23,25 @@ enum Feature {
 
 /// The features of every body of a, and which bodies hang behind which.
 pub(crate) struct Features {
+    precision: Precision,
     of_body: Vec<Vec<Feature>>,
     behind: Vec<Vec<usize>>,
+}
+
+/// How well features must agree to tell where a body is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Precision {
+    /// To rounding: for robots that are the same but for a few edits.
+    Rounding,
+    /// Within the tolerances: for robots that were written down independently.
+    Tolerance,
 }
 
 /// Shapes of a body that are looked at to place it; a robot made of hundreds of spheres needs no more.
 const SHAPES: usize = 8;
 
 impl Features {
-    pub fn of(a: &Mechanism) -> Self {
+    pub fn of(a: &Mechanism, precision: Precision) -> Self {
         let mut of_body: Vec<Vec<Feature>> = Vec::new();
         for body in &a.bodies {
             let mut features: Vec<Feature> = (0..body.shapes.len().min(SHAPES)).map(Feature::Shape).collect();
@@ -51,7 +61,16 @@ impl Features {
             behind[0].push(index + 1);
         }
         behind[0].insert(0, 0);
-        Self { of_body, behind }
+        Self { precision, of_body, behind }
+    }
+
+    /// The share of all features that agree to rounding where the bodies were found to be.
+    pub fn agreeing(&self, at: &Alignment, a: &Mechanism, b: &Mechanism, options: &Options) -> f64 {
+        let all =
+            || self.of_body.iter().enumerate().flat_map(|(body, own)| own.iter().map(move |feature| (body, *feature)));
+        let exact = all()
+            .filter(|(body, feature)| self.agreement(at, a, b, (*body, *feature), &at.moved[*body], options) > 0.5);
+        exact.count() as f64 / all().count().max(1) as f64
     }
 
     /// How many features of a body and of those behind it a motion takes to where b has them; those that agree to
@@ -66,61 +85,65 @@ impl Features {
         options: &Options,
     ) -> f64 {
         let of_body = |body: &usize| -> f64 {
-            self.of_body[*body].iter().map(|feature| agreement(at, a, b, (*body, *feature), moved, options)).sum()
+            self.of_body[*body].iter().map(|feature| self.agreement(at, a, b, (*body, *feature), moved, options)).sum()
         };
         self.behind[body].iter().map(of_body).sum()
     }
-}
 
-/// 1 to rounding, 0.9 within tolerance, 0 else; a little less for an axis of reversed sense.
-fn agreement(
-    at: &Alignment,
-    a: &Mechanism,
-    b: &Mechanism,
-    (body, feature): (usize, Feature),
-    moved: &Pose,
-    options: &Options,
-) -> f64 {
-    let (in_a, in_b) = (&a.bodies[body], &b.bodies[at.body_b[body]]);
-    let (turned, distance, weight) = match feature {
-        Feature::Axis(joint) => {
-            let Some(other) = at.joint_b[joint] else { return 0.0 };
-            let (one, other) = (&a.joints[joint], &b.joints[other]);
-            let (Some(screw), Some(screw_b)) = (&one.screw, &other.screw) else { return 0.0 };
-            let (turned, distance, reversed) =
-                axes_apart(&screw.moved(moved), &(moved * one.origin), screw_b, &other.origin);
-            (turned, distance, if reversed { 0.98 } else { 1.0 })
+    /// 1 to rounding, 0.9 within tolerance, 0 else; a little less for an axis of reversed sense.
+    fn agreement(
+        &self,
+        at: &Alignment,
+        a: &Mechanism,
+        b: &Mechanism,
+        (body, feature): (usize, Feature),
+        moved: &Pose,
+        options: &Options,
+    ) -> f64 {
+        let (in_a, in_b) = (&a.bodies[body], &b.bodies[at.body_b[body]]);
+        let (turned, distance, weight) = match feature {
+            Feature::Axis(joint) => {
+                let Some(other) = at.joint_b[joint] else { return 0.0 };
+                let (one, other) = (&a.joints[joint], &b.joints[other]);
+                let (Some(screw), Some(screw_b)) = (&one.screw, &other.screw) else { return 0.0 };
+                let (turned, distance, reversed) =
+                    axes_apart(&screw.moved(moved), &(moved * one.origin), screw_b, &other.origin);
+                (turned, distance, if reversed { 0.98 } else { 1.0 })
+            }
+            Feature::Shape(index) => {
+                let shape = &in_a.shapes[index];
+                let placed = moved * shape.pose;
+                let alike = in_b.shapes.iter().filter(|other| alike(shape, other));
+                let nearest = alike
+                    .map(|other| shape_apart(&shape.geometry, &placed, &other.pose))
+                    .min_by(|x, y| (x.0 * a.size + x.1).total_cmp(&(y.0 * a.size + y.1)));
+                let Some((turned, distance)) = nearest else { return 0.0 };
+                (turned, distance, 1.0)
+            }
+            Feature::Centre => {
+                let (Some(one), Some(other)) = (&in_a.mass, &in_b.mass) else { return 0.0 };
+                let turned = if same_tensor(one, other, moved, options.tolerance_mass) { 1.0 } else { 0.6 };
+                (0.0, (moved * one.centre - other.centre).norm(), turned)
+            }
+            Feature::Tip(index) => {
+                let frame = &in_a.frames[index];
+                let mut leaves = in_b.frames.iter().filter(|other| other.leaf);
+                let other = leaves.clone().find(|other| other.link == frame.link).or_else(|| leaves.next());
+                let Some(other) = other else { return 0.0 };
+                let (turned, distance) = apart(&(moved * frame.pose), &other.pose);
+                (turned, distance, 1.0)
+            }
+        };
+        if turned < TIGHT && distance < TIGHT * a.size {
+            weight
+        } else if self.precision == Precision::Tolerance
+            && turned < options.tolerance_rad
+            && distance < options.tolerance_m
+        {
+            0.9 * weight
+        } else {
+            0.0
         }
-        Feature::Shape(index) => {
-            let shape = &in_a.shapes[index];
-            let placed = moved * shape.pose;
-            let alike = in_b.shapes.iter().filter(|other| alike(shape, other));
-            let nearest = alike
-                .map(|other| shape_apart(&shape.geometry, &placed, &other.pose))
-                .min_by(|x, y| (x.0 * a.size + x.1).total_cmp(&(y.0 * a.size + y.1)));
-            let Some((turned, distance)) = nearest else { return 0.0 };
-            (turned, distance, 1.0)
-        }
-        Feature::Centre => {
-            let (Some(one), Some(other)) = (&in_a.mass, &in_b.mass) else { return 0.0 };
-            let turned = if same_tensor(one, other, moved, options.tolerance_mass) { 1.0 } else { 0.6 };
-            (0.0, (moved * one.centre - other.centre).norm(), turned)
-        }
-        Feature::Tip(index) => {
-            let frame = &in_a.frames[index];
-            let mut leaves = in_b.frames.iter().filter(|other| other.leaf);
-            let other = leaves.clone().find(|other| other.link == frame.link).or_else(|| leaves.next());
-            let Some(other) = other else { return 0.0 };
-            let (turned, distance) = apart(&(moved * frame.pose), &other.pose);
-            (turned, distance, 1.0)
-        }
-    };
-    if turned < TIGHT && distance < TIGHT * a.size {
-        weight
-    } else if turned < options.tolerance_rad && distance < options.tolerance_m {
-        0.9 * weight
-    } else {
-        0.0
     }
 }
 

@@ -2,9 +2,9 @@
 
 use crate::comparison::{PartDifference, PartKind};
 use crate::diff::alignment::Alignment;
-use crate::diff::features::{alike, same_tensor, shape_apart};
+use crate::diff::features::{alike, shape_apart};
 use crate::diff::{Options, Scope};
-use crate::mechanism::{Frame, Mass, Mechanism, PlacedShape, Role, apart};
+use crate::mechanism::{Frame, Mass, Mechanism, PlacedShape, Role, Share, apart};
 use crate::words;
 use denavit_model::nalgebra::Point3;
 use denavit_model::robot::Geometry;
@@ -104,16 +104,27 @@ fn masses(found: &mut Matter, a: &Mechanism, b: &Mechanism, at: &Alignment, grou
         (Some(one), Some(other)) => (one, other),
         (Some(one), None) => {
             let what = format!("mass {} kg is gone", words::digits(one.mass));
-            return found.parts.push(part(&one.links[0], PartKind::Inertial, what));
+            return found.parts.push(part(&one.shares[0].link, PartKind::Inertial, what));
         }
         (None, Some(other)) => {
             let what = format!("mass {} kg is new", words::digits(other.mass));
-            return found.parts.push(part(&other.links[0], PartKind::Inertial, what));
+            return found.parts.push(part(&other.shares[0].link, PartKind::Inertial, what));
         }
         (None, None) => return,
     };
-    // One link's share, where only one changed; else the first of the body.
-    let link = &one.links[0];
+    let links = |mass: &Mass| mass.shares.iter().map(|share| share.link.clone()).collect::<Vec<_>>();
+    if links(&one) == links(&other) {
+        for (share, now) in one.shares.iter().zip(&other.shares) {
+            share_changes(found, share, now, options);
+        }
+    } else {
+        share_changes(found, &one.sum(), &other.sum(), options);
+    }
+}
+
+/// Compares a link's share, or the sum of a body's where links were split, joined or renamed.
+fn share_changes(found: &mut Matter, one: &Share, other: &Share, options: &Options) {
+    let link = &one.link;
     if (one.mass - other.mass).abs() > options.tolerance_mass * one.mass.abs() {
         let what = format!("mass {} kg to {} kg", shortest(one.mass), shortest(other.mass));
         found.parts.push(part(link, PartKind::Inertial, what));
@@ -122,8 +133,8 @@ fn masses(found: &mut Matter, a: &Mechanism, b: &Mechanism, at: &Alignment, grou
     if moved > options.tolerance_m && (one.mass != 0.0 || other.mass != 0.0) {
         found.parts.push(part(link, PartKind::Inertial, format!("centre of mass moved by {}", words::length(moved))));
     }
-    if !same_tensor(&one, &other, &Pose::identity(), options.tolerance_mass) {
-        let relative = (one.tensor - other.tensor).norm() / one.tensor.norm().max(other.tensor.norm());
+    let relative = (one.tensor - other.tensor).norm() / one.tensor.norm().max(other.tensor.norm());
+    if relative > options.tolerance_mass {
         let what = format!("inertia tensor changed by {} % of its norm", words::digits(100.0 * relative));
         found.parts.push(part(link, PartKind::Inertial, what));
     }

@@ -1,0 +1,71 @@
+//! SARIF 2.1.0: results with rules and places, for code scanning.
+//!
+//! # Source
+//! OASIS, Static Analysis Results Interchange Format 2.1.0, sections 3.13 to 3.30.
+
+use crate::lint::RULES;
+use crate::report::{Entry, Level, Report};
+use serde_json::{Value, json};
+
+pub(super) fn render(report: &Report) -> String {
+    let results: Vec<Value> = report.entries().iter().map(result).collect();
+    let rules: Vec<Value> = match report {
+        Report::Comparison(_) => vec![json!({
+            "id": "diff",
+            "shortDescription": { "text": "The robot is not the one that it was" }
+        })],
+        Report::Findings { .. } => RULES
+            .iter()
+            .map(|rule| {
+                json!({
+                    "id": rule.code,
+                    "name": rule.name,
+                    "shortDescription": { "text": rule.summary },
+                    "fullDescription": { "text": rule.why },
+                })
+            })
+            .collect(),
+    };
+    let driver = json!({
+        "name": "denavit",
+        "version": env!("CARGO_PKG_VERSION"),
+        "rules": rules,
+    });
+    let log = json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{ "tool": { "driver": driver }, "results": results }]
+    });
+    serde_json::to_string_pretty(&log).expect("plain values with text keys") + "\n"
+}
+
+fn result(entry: &Entry) -> Value {
+    let level = match entry.level {
+        Level::Error => "error",
+        Level::Warning => "warning",
+        Level::Note => "note",
+    };
+    let mut place = json!({ "artifactLocation": { "uri": uri(&entry.file) } });
+    if let Some(line) = entry.line {
+        place["region"] = json!({ "startLine": line });
+    }
+    json!({
+        "ruleId": entry.code,
+        "level": level,
+        "message": { "text": entry.sentence() },
+        "locations": [{ "physicalLocation": place }],
+    })
+}
+
+/// A path as a URI reference: what a URI reserves is written as `%XX`.
+fn uri(path: &str) -> String {
+    let mut out = String::new();
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~/:".contains(&byte) {
+            out.push(char::from(byte));
+        } else {
+            out.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    out
+}

@@ -1,0 +1,99 @@
+//! Harmless edits must read as the same robot, real ones must be found, named and measured.
+
+use denavit_compare::{Options, Subject, Verdict, compare};
+use denavit_model::Robot;
+use crate::support::chance::Chance;
+use crate::support::write::{PLAIN, again};
+use crate::support::{harmless, real, vendor};
+
+/// Edits of each sort per robot, and robots that there must be at least.
+const EDITS: usize = 20;
+const ROBOTS: usize = 60;
+
+/// Robots with a joint that moves, each read back from what is written of it; `None` where the corpus is not there.
+fn robots() -> Option<Vec<Robot>> {
+    let robots: Vec<Robot> =
+        vendor::robots().into_iter().filter(|robot| robot.joints.iter().any(|j| j.kind.moves())).collect();
+    if robots.len() < ROBOTS {
+        println!("skipped, because only {} robots are in ../shared/vendor and robots/", robots.len());
+        return None;
+    }
+    Some(robots.iter().map(|robot| again(robot, &PLAIN)).collect())
+}
+
+fn quick() -> Options {
+    Options { samples: 256, ..Options::default() }
+}
+
+#[test]
+fn harmless_edits_leave_the_same_robot() {
+    let Some(robots) = robots() else { return };
+    let (mut edits, mut faults) = (0, Vec::new());
+    for (index, robot) in robots.iter().enumerate() {
+        let mut chance = Chance::new(index as u64);
+        let mut done = 0;
+        for attempt in 0..4 * EDITS {
+            let Some((what, edited)) = harmless::edit(robot, attempt, &mut chance) else { continue };
+            let found = compare(&Subject::Robot(robot), &Subject::Robot(&edited), &quick()).unwrap();
+            if found.verdict != Verdict::Same {
+                faults.push(format!("{}: {what}: {:?} {:?}", robot.source.file, found.joints, found.parts));
+            }
+            done += 1;
+            if done == EDITS {
+                break;
+            }
+        }
+        assert!(done == EDITS, "{}: {done} edits", robot.source.file);
+        edits += done;
+    }
+    println!("{} robots, {edits} harmless edits, {} read as different", robots.len(), faults.len());
+    assert!(faults.is_empty(), "{}", faults.iter().take(15).cloned().collect::<Vec<_>>().join("\n"));
+}
+
+#[test]
+fn real_edits_are_found_named_measured_and_bounded() {
+    let Some(robots) = robots() else { return };
+    let (mut edits, mut faults, mut ratios) = (0, Vec::new(), Vec::new());
+    for (index, robot) in robots.iter().enumerate() {
+        let mut chance = Chance::new(1000 + index as u64);
+        let mut done = 0;
+        for attempt in 0..4 * EDITS {
+            let mut edited = robot.clone();
+            let what = real::KINDS[attempt % real::KINDS.len()];
+            let Some(edit) = real::edit(&mut edited, what, &mut chance) else { continue };
+            let edited = again(&edited, &PLAIN);
+            let found = compare(&Subject::Robot(robot), &Subject::Robot(&edited), &quick()).unwrap();
+            let name = format!("{}: {:?} of {} by {}", robot.source.file, edit.what, edit.name, edit.by);
+            if found.verdict != Verdict::Different {
+                faults.push(format!("{name}: not found"));
+            } else if let Some(fault) = real::fault(&edit, &found) {
+                faults.push(format!("{name}: {fault}"));
+            }
+            for tip in &found.tips {
+                if tip.bound_m < tip.sampled_m {
+                    faults.push(format!(
+                        "{name}: {} displaced by {} above its bound {}",
+                        tip.tip, tip.sampled_m, tip.bound_m
+                    ));
+                }
+                if tip.sampled_m > 1e-9 && what != real::What::Kind {
+                    ratios.push((
+                        tip.bound_m / tip.sampled_m,
+                        format!("{name}: tip {}: {} {}", tip.tip, tip.sampled_m, tip.bound_m),
+                    ));
+                }
+            }
+            done += 1;
+            if done == EDITS {
+                break;
+            }
+        }
+        assert!(done == EDITS, "{}: {done} edits", robot.source.file);
+        edits += done;
+    }
+    ratios.sort_by(|one, other| other.0.total_cmp(&one.0));
+    println!("{} robots, {edits} real edits, {} faults", robots.len(), faults.len());
+    println!("{} bounds; largest {:?}; median {:?}", ratios.len(), ratios.first(), ratios.get(ratios.len() / 2));
+    assert!(faults.is_empty(), "{}", faults.iter().take(25).cloned().collect::<Vec<_>>().join("\n"));
+    assert!(ratios[0].0 <= 2.0, "{:#?}", &ratios[..ratios.len().min(12)]);
+}
