@@ -177,3 +177,31 @@ fn intended_angles_are_listed_and_can_be_switched_off() {
     let exact = denavit_with_input(&["table", "-", "--exact"], urdf).succeeded();
     assert!(!exact.contains("read as"), "{exact}");
 }
+
+#[test]
+fn a_robot_that_is_not_the_vendors_is_told_apart_by_row_and_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("other.csv");
+    let text = std::fs::read_to_string(robot("unimation/puma560_dh.csv")).unwrap();
+    assert!(text.contains("0.0203"));
+    std::fs::write(&path, text.replace("0.0203", "-0.0203")).unwrap();
+    let run = denavit(&["table", &robot("unimation/puma560.urdf"), "--match", path.to_str().unwrap()]);
+    assert_eq!(run.code, 1);
+    assert!(run.stdout.contains("mismatch") && run.stdout.contains("row 3: a is -0.0203 m"), "{}", run.stdout);
+}
+
+#[test]
+fn every_table_of_the_project_matches_its_robot() {
+    for table in crate::support::files(&crate::support::top().join("robots"), "csv") {
+        let name = table.to_str().unwrap().to_owned();
+        let Some(stem) = name.strip_suffix("_dh.csv") else { continue };
+        let urdf = format!("{stem}.urdf");
+        if !std::path::Path::new(&urdf).is_file() {
+            continue;
+        }
+        let tips: &[&str] = if stem.ends_with("panda") { &["--tip", "panda_link8"] } else { &[] };
+        let mut arguments = vec!["table", &urdf, "--match", &name];
+        arguments.extend(tips);
+        assert!(denavit(&arguments).succeeded().contains("Every number prints back"), "{name}");
+    }
+}

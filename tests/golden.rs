@@ -47,6 +47,14 @@ fn chains_and_forward_kinematics() {
 }
 
 #[test]
+fn matches() {
+    let table = robot("unimation/puma560_dh.csv");
+    let robot = robot("unimation/puma560.urdf");
+    snapshot("match_puma_text", &denavit(&["table", &robot, "--match", &table]).succeeded());
+    snapshot("match_puma_json", &denavit(&["table", &robot, "--match", &table, "--format", "json"]).succeeded());
+}
+
+#[test]
 fn help_teaches() {
     snapshot("help", &denavit(&["--help"]).succeeded());
     snapshot("help_table", &denavit(&["table", "--help"]).succeeded());

@@ -9,4 +9,5 @@ mod corpus;
 mod golden;
 mod oracle;
 mod quirky;
+mod readme;
 mod support;

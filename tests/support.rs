@@ -53,9 +53,10 @@ fn outcome(output: &Output) -> Run {
     }
 }
 
-/// Runs `denavit` with these arguments.
+/// Runs `denavit` with these arguments in the project's top folder.
 pub fn denavit(arguments: &[&str]) -> Run {
-    outcome(&Command::new(env!("CARGO_BIN_EXE_denavit")).args(arguments).stdin(Stdio::null()).output().unwrap())
+    let mut command = Command::new(env!("CARGO_BIN_EXE_denavit"));
+    outcome(&command.args(arguments).current_dir(top()).stdin(Stdio::null()).output().unwrap())
 }
 
 /// Runs `denavit` with text on standard input.

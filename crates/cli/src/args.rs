@@ -103,6 +103,10 @@ pub struct TableArguments {
     /// How to choose what the geometry leaves free
     #[arg(long, value_enum)]
     pub gauge: Option<GaugeName>,
+    /// Compare with a vendor's table (CSV or JSON): find the senses, zeros, base and tool frames in which the robot
+    /// equals it, print it in the vendor's form, say where they differ; exit code 1 unless exact or rounded
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["convention", "gauge"])]
+    pub r#match: Option<String>,
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,

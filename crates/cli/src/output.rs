@@ -14,7 +14,6 @@ pub enum Status {
     /// Done; the same; nothing found.
     Same = 0,
     /// Different; something found.
-    #[expect(dead_code, reason = "told by the commands that compare")]
     Different = 1,
     /// The work could not be done.
     Trouble = 2,

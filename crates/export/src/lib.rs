@@ -8,11 +8,13 @@
 
 pub mod drawing;
 pub mod formats;
+pub mod matched;
 pub mod numbers;
 pub mod page;
 pub mod poe;
 pub mod sheet;
 pub mod sources;
+pub mod urdf;
 
 pub use formats::{FORMATS, Format, RenderError};
 pub use numbers::{AngleUnit, LengthUnit, Units};

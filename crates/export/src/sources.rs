@@ -7,6 +7,7 @@ mod rows;
 mod table;
 
 use denavit_dh::Table;
+use denavit_dh::matching::VendorTable;
 use denavit_model::chain::{Chain, ChainError};
 use denavit_model::notes::Place;
 use denavit_model::screw::TwistError;
@@ -141,6 +142,29 @@ pub fn read(file: &str, text: &str) -> Result<Source, SourceError> {
     }
     let found = rows.columns().join(", ");
     Err(SourceError { place: place(file, rows.header_line(), "header"), kind: SourceErrorKind::Columns { found } })
+}
+
+/// Reads a table to match a robot against: numbers keep the text that they are written as; base and tool frames are
+/// free, whatever the file says of them.
+///
+/// # Errors
+/// As [`read`]. Screw axes count as their distal table.
+pub fn read_vendor_table(file: &str, text: &str) -> Result<VendorTable, SourceError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    match read(file, text)? {
+        Source::Table { table, convention } if text.trim_start().starts_with('{') => {
+            Ok(VendorTable::of(&table, convention, false))
+        }
+        Source::Table { table: read, convention } => {
+            table::vendor_of_rows(&rows::Rows::read(file, text)?, &read, convention)
+        }
+        Source::Poe(chain) => {
+            let options = denavit_dh::Options::default();
+            let table = denavit_dh::convert::table(&chain, &options)
+                .map_err(|error| SourceError { place: place(file, 1, "file"), kind: error.into() })?;
+            Ok(VendorTable::of(&table.value, denavit_dh::Convention::Distal, false))
+        }
+    }
 }
 
 fn json(file: &str, text: &str) -> Result<Source, SourceError> {

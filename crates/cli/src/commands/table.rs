@@ -5,8 +5,9 @@ use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source::{self, Loaded};
 use denavit_dh::convert::{HAYATI_BELOW, table};
+use denavit_dh::matching::{self, Verdict};
 use denavit_dh::{Convention, Gauge, NearParallel, Options, Parallelism, Table};
-use denavit_export::{Sheet, formats};
+use denavit_export::{Sheet, formats, matched, sources};
 use denavit_model::notes::{Note, Noted};
 
 /// Runs the command.
@@ -14,6 +15,9 @@ pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
     let format = formats::named(&arguments.format).expect("the argument parser knows the formats");
     let loaded = source::load(&arguments.robot)?;
+    if let Some(vendor) = &arguments.r#match {
+        return matched(arguments, &loaded, vendor);
+    }
     let convention = convention(arguments, &loaded);
     let Noted { value: table, notes } = made(arguments, &loaded, convention)?;
     let gauge = if arguments.gauge == Some(GaugeName::Paper) { "paper" } else { "simple" };
@@ -22,11 +26,32 @@ pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
     if format.name == "csv" {
         output::remark(&notes);
     }
-    match &arguments.output {
-        Some(path) => output::write_file(path, text.as_bytes())?,
-        None => output::print(&text)?,
-    }
+    deliver(arguments, &text)?;
     Ok(Status::Same)
+}
+
+fn deliver(arguments: &TableArguments, text: &str) -> Result<(), Failure> {
+    match &arguments.output {
+        Some(path) => output::write_file(path, text.as_bytes()),
+        None => output::print(text),
+    }
+}
+
+fn matched(arguments: &TableArguments, loaded: &Loaded, vendor: &str) -> Result<Status, Failure> {
+    let units = super::units(&arguments.units)?;
+    let (file, text) = source::read_text(vendor)?;
+    let vendor = sources::read_vendor_table(&file, &text)?;
+    let Noted { value: chain, notes } = loaded.chain(&arguments.robot)?;
+    let found =
+        matching::match_table(&chain, &vendor).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
+    let text = match arguments.format.as_str() {
+        "text" => matched::text(&chain, &file, &vendor, &found, units),
+        "json" => matched::json(&chain, &file, &found),
+        other => return Err(Failure::Argument(format!("--match prints text or json, not {other}"))),
+    };
+    output::remark(&notes);
+    deliver(arguments, &text)?;
+    Ok(if found.verdict <= Verdict::Rounded { Status::Same } else { Status::Different })
 }
 
 fn convention(arguments: &TableArguments, loaded: &Loaded) -> Convention {

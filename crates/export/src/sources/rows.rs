@@ -120,6 +120,13 @@ impl RowOf<'_> {
         }
     }
 
+    /// A cell's text and its unit in SI; `None` where it is empty.
+    pub fn written(&self, name: &str) -> Option<(&str, f64)> {
+        let (_, _, factor) = self.rows.columns.iter().find(|(known, _, _)| known == name)?;
+        let text = self.text(name);
+        (!text.is_empty()).then_some((text, *factor))
+    }
+
     pub fn required(&self, name: &str) -> Result<f64, SourceError> {
         self.number(name)?.ok_or_else(|| self.error(SourceErrorKind::Missing { column: name.to_owned() }))
     }

@@ -3,6 +3,7 @@
 use super::rows::{RowOf, Rows};
 use super::{Source, SourceError, SourceErrorKind, place, stem};
 use crate::formats::json::{CoordinateEntry, TableFile};
+use denavit_dh::matching::{VendorJoint, VendorNumber, VendorRow, VendorTable};
 use denavit_dh::{Convention, ConventionRow, Motion, RowLabel, Table, TableJoint};
 use denavit_model::Pitch;
 use denavit_model::chain::{Coordinate, Quantity};
@@ -97,6 +98,25 @@ fn numbers_of(row: &RowOf, label: RowLabel) -> Result<ConventionRow, SourceError
     let d = if hayati { None } else { number("d")? };
     let beta = if hayati { beta } else { beta.filter(|beta| *beta != 0.0) };
     Ok(ConventionRow { label, theta: number("theta")?, d, alpha: number("alpha")?, a: number("a")?, beta })
+}
+
+/// The joint rows with the text that their numbers are written as.
+pub(super) fn vendor_of_rows(rows: &Rows, table: &Table, convention: Convention) -> Result<VendorTable, SourceError> {
+    let mut joints = Vec::new();
+    for row in rows.iter().filter(|row| !["base", "tool"].contains(&row.text("row"))) {
+        let number = |name: &str| row.written(name).and_then(|(text, unit)| VendorNumber::from_written(text, unit));
+        let numbers = VendorRow {
+            theta: number("theta"),
+            d: number("d"),
+            alpha: number("alpha"),
+            a: number("a"),
+            beta: number("beta").filter(|_| convention == Convention::Hayati),
+        };
+        let name = row.text("joint");
+        let motion = table.joints[joints.len()].motion;
+        joints.push(VendorJoint { name: (!name.is_empty()).then(|| name.to_owned()), motion, row: numbers });
+    }
+    Ok(VendorTable { convention, base: None, joints, tool: None })
 }
 
 /// A table from its JSON file.

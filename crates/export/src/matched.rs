@@ -1,0 +1,241 @@
+//! How a robot and a vendor's table agree, as documents: text and JSON.
+
+use crate::numbers::{Units, decimal};
+use comfy_table::{CellAlignment, Table as Grid, presets};
+use denavit_dh::RowLabel;
+use denavit_dh::matching::{Difference, Match, Nature, Placement, RowMatch, Sense, VendorTable};
+use denavit_model::Pose;
+use denavit_model::chain::{Chain, Quantity};
+use denavit_model::se3::rpy_from_rotation;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// The schema's name and version.
+pub const SCHEMA: &str = "denavit.match/1";
+
+#[derive(Serialize)]
+struct MatchFile<'a> {
+    schema: &'a str,
+    robot: &'a str,
+    table: &'a str,
+    verdict: &'a str,
+    position_error_m: f64,
+    rotation_error_rad: f64,
+    joints: Vec<JointEntry<'a>>,
+    base: FrameEntry,
+    tool: FrameEntry,
+    rows: Vec<RowEntry>,
+    differences: Vec<DifferenceEntry>,
+}
+
+#[derive(Serialize)]
+struct JointEntry<'a> {
+    name: &'a str,
+    sense: i8,
+    zero: f64,
+}
+
+#[derive(Serialize)]
+struct FrameEntry {
+    xyz: [f64; 3],
+    rpy: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct RowEntry {
+    row: String,
+    numbers: Vec<NumberEntry>,
+}
+
+#[derive(Serialize)]
+struct NumberEntry {
+    number: &'static str,
+    table: f64,
+    robot: f64,
+    printed: String,
+    agrees: bool,
+}
+
+#[derive(Serialize)]
+struct DifferenceEntry {
+    row: String,
+    number: &'static str,
+    table: f64,
+    robot: f64,
+    words: String,
+}
+
+fn label(label: RowLabel) -> String {
+    match label {
+        RowLabel::Base => "base".to_owned(),
+        RowLabel::Joint(index) => (index + 1).to_string(),
+        RowLabel::Tool => "tool".to_owned(),
+    }
+}
+
+fn frame(pose: &Pose) -> FrameEntry {
+    FrameEntry { xyz: pose.translation.vector.into(), rpy: rpy_from_rotation(&pose.rotation) }
+}
+
+fn differences(found: &Match) -> &[Difference] {
+    found.explanation.as_ref().map_or(&[], |explanation| &explanation.differences)
+}
+
+/// JSON in m and rad. `table` is the table's file.
+pub fn json(chain: &Chain, table: &str, found: &Match) -> String {
+    let placement = &found.placement;
+    let row = |row: &RowMatch| RowEntry {
+        row: label(row.label),
+        numbers: row
+            .numbers
+            .iter()
+            .map(|number| NumberEntry {
+                number: number.number.word(),
+                table: number.vendor.value,
+                robot: number.robot,
+                printed: number.printed(),
+                agrees: number.agrees,
+            })
+            .collect(),
+    };
+    let difference = |difference: &Difference| DifferenceEntry {
+        row: label(difference.label),
+        number: difference.number.word(),
+        table: difference.vendor,
+        robot: difference.robot,
+        words: words(difference, Units::default()),
+    };
+    let file = MatchFile {
+        schema: SCHEMA,
+        robot: chain.name(),
+        table,
+        verdict: found.verdict.word(),
+        position_error_m: placement.position_error,
+        rotation_error_rad: placement.rotation_error,
+        joints: placement
+            .joints
+            .iter()
+            .map(|joint| JointEntry {
+                name: &joint.name,
+                sense: if joint.sense == Sense::Same { 1 } else { -1 },
+                zero: joint.zero,
+            })
+            .collect(),
+        base: frame(&placement.base),
+        tool: frame(&placement.tool),
+        rows: found.rows.iter().map(row).collect(),
+        differences: differences(found).iter().map(difference).collect(),
+    };
+    serde_json::to_string_pretty(&file).expect("every number of a match is finite") + "\n"
+}
+
+/// Text: the verdict, what the match needed, the table in the vendor's own form, and where the robot differs.
+pub fn text(chain: &Chain, table: &str, vendor: &VendorTable, found: &Match, units: Units) -> String {
+    let placement = &found.placement;
+    let mut out = format!(
+        "{} against {table}: {}\nlargest tip error {} mm, {:.1e} rad over random joint values\n\n",
+        chain.name(),
+        found.verdict.word(),
+        decimal(placement.position_error * 1e3, 6),
+        placement.rotation_error,
+    );
+    out.push_str(&needed(chain, placement, units));
+    let _ = writeln!(
+        out,
+        "\nthe table in the vendor's form ({}); * marks a number of the robot's that differs:\n",
+        vendor.convention.word()
+    );
+    out.push_str(&rows(found));
+    if found.prints_back() {
+        out.push_str("\nEvery number prints back as the vendor wrote it.\n");
+    }
+    match &found.explanation {
+        None => {}
+        Some(explanation) if explanation.differences.is_empty() => {}
+        Some(explanation) => {
+            out.push_str("\nwhere they differ:\n");
+            for difference in &explanation.differences {
+                let _ = writeln!(out, "  {}", words(difference, units));
+            }
+            let left = explanation.placement.position_error;
+            let _ = writeln!(out, "  with that changed the largest tip error is {} mm", decimal(left * 1e3, 6));
+        }
+    }
+    out
+}
+
+/// Senses, zeros and frames: a free match hides slips unless it says what it needed.
+fn needed(chain: &Chain, placement: &Placement, units: Units) -> String {
+    let mut out = String::new();
+    let mut plain = true;
+    for (joint, of_chain) in placement.joints.iter().zip(chain.joints()) {
+        let quantity = chain.coordinates()[of_chain.coordinate].quantity;
+        let unit = if quantity == Quantity::Angle { units.angle_word() } else { units.length_word() };
+        let zero = units.value(joint.zero, quantity);
+        if joint.sense == Sense::Reversed || zero != "0" {
+            plain = false;
+            let sense = if joint.sense == Sense::Reversed { "counts the other way" } else { "counts the same way" };
+            let _ = writeln!(
+                out,
+                "  {}: {sense}, stands at {zero} {unit} in the table where it is 0 in the robot",
+                joint.name
+            );
+        }
+    }
+    if plain {
+        out.push_str("  every joint counts the same way from the same zero\n");
+    }
+    for (name, pose) in [("base", &placement.base), ("tool", &placement.tool)] {
+        let FrameEntry { xyz, rpy } = frame(pose);
+        let xyz: Vec<String> = xyz.iter().map(|value| units.length(*value)).collect();
+        let rpy: Vec<String> = rpy.iter().map(|value| units.angle(*value)).collect();
+        let (length, angle) = (units.length_word(), units.angle_word());
+        let _ = writeln!(out, "  {name} frame: xyz {} {length}, rpy {} {angle}", xyz.join(" "), rpy.join(" "));
+    }
+    format!("the match needs\n{out}")
+}
+
+fn rows(found: &Match) -> String {
+    let mut grid = Grid::new();
+    grid.load_style(presets::NOTHING);
+    if let Some(first) = found.rows.first() {
+        let names = first.numbers.iter().map(|number| number.number.word().to_owned());
+        grid.set_header(std::iter::once("row".to_owned()).chain(names).collect::<Vec<_>>());
+    }
+    for row in &found.rows {
+        let cells = row.numbers.iter().map(|number| {
+            let printed = number.printed();
+            match printed.parse() {
+                Ok(value) if !number.agrees => format!("*{}", decimal(value, 12)),
+                _ => printed,
+            }
+        });
+        grid.add_row(std::iter::once(label(row.label)).chain(cells).collect::<Vec<_>>());
+    }
+    for (index, column) in grid.column_iter_mut().enumerate() {
+        column.set_cell_alignment(if index > 0 { CellAlignment::Right } else { CellAlignment::Left });
+    }
+    grid.lines().fold(String::new(), |text, line| text + line.trim_end() + "\n")
+}
+
+fn words(difference: &Difference, units: Units) -> String {
+    let show = |value: f64| {
+        if difference.number.is_length() {
+            format!("{} {}", units.length(value), units.length_word())
+        } else {
+            format!("{} {}", units.angle(value), units.angle_word())
+        }
+    };
+    let (vendor, robot) = (show(difference.vendor), show(difference.robot));
+    let place = format!("row {}: {}", label(difference.label), difference.number.word());
+    match difference.nature {
+        Nature::Sign => {
+            format!("{place} is {vendor} in the table and {robot} in the robot: on the other side of the axis")
+        }
+        Nature::OtherSideOfJoint { with } => format!(
+            "{place} is {vendor} in the table and {robot} in the robot, which has it on the other side of the joint, in row {}",
+            label(with)
+        ),
+        Nature::Amount => format!("{place} is {vendor} in the table and {robot} in the robot"),
+    }
+}
