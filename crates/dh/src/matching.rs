@@ -428,10 +428,13 @@ impl Problem<'_> {
     /// Zeros that nothing needs are 0, those that a quarter turn serves as well are one.
     fn tidied(&self, senses: &[f64], mut state: State, error: f64, free: &Free) -> State {
         let fit = self.fit(senses);
-        let allowed = error * TIDIER + 1e-13 * self.arm.size;
+        let allowed = error * TIDIER + 1e-12 * self.arm.size;
         let mut free = free.clone();
         for k in 0..state.zeros.len() {
-            if !free.zeros[k] || state.zeros[k] == 0.0 {
+            if state.zeros[k] == 0.0 {
+                free.zeros[k] = false;
+            }
+            if !free.zeros[k] {
                 continue;
             }
             state.zeros[k] = if self.turns(k) { wrapped(state.zeros[k]) } else { state.zeros[k] };
