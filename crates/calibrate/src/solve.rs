@@ -77,8 +77,10 @@ const GAUGE_WEIGHT: f64 = 10.0;
 const TRUST_AT_START: f64 = 0.03;
 /// Noise is never taken to be smaller than this share of the robot's size: rounding.
 const ROUNDING: f64 = 1e-14;
+/// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
+const PROMISE_FOR_REJECTION: f64 = 1.0;
 /// χ² that a step may still promise when the fit stops: a thousandth of a standard deviation, squared.
-const PROMISE_AT_END: f64 = 1e-7;
+const PROMISE_AT_END: f64 = 1e-6;
 /// One clean file in a hundred may have a row that far out.
 const FALSE_REJECTIONS: f64 = 0.01;
 /// Gross means this many times further out than that: what the model lacks is no outlier.
@@ -148,7 +150,7 @@ impl Solver<'_> {
             }
             if robust {
                 noise = self.noise_of(&state.sums.squares, &weights, used, true);
-                if stuck || promise < 1e-2 || iterations > 12 {
+                if stuck || promise < PROMISE_FOR_REJECTION || iterations > 12 {
                     robust = false;
                     weights = self.kept(&state.sums.squares, &given, noise);
                     state = self.evaluate(state.arm, state.effects, &weights);
@@ -287,14 +289,13 @@ impl Solver<'_> {
             };
             promise = scaled.dot(&(&system.matrix * &scaled));
             let step: Vec<f64> = scaled.iter().zip(system.scale.iter()).map(|(y, s)| y * s).collect();
-            let arm = self.layout.stepped(&state.arm, &step);
+            let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
             let next = self.evaluate(arm, effects, weights);
             let after = Self::objective(&next, weights, noise);
             if after <= before + 1e-9 * promise.min(1.0) {
                 *damping = (*damping * 0.1).max(LEAST_DAMPING);
-                let centred = gauge::centred(self.layout, &next.arm, &self.reference);
-                return (Some(self.evaluate(centred, next.effects, weights)), promise);
+                return (Some(next), promise);
             }
             if promise < PROMISE_AT_END.max(1e-9 * before) {
                 break;

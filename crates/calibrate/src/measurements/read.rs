@@ -271,7 +271,7 @@ impl<'a> Table<'a> {
                     self.data.distances.push(value);
                 }
                 Role::Locate => {
-                    if value != 0.0 && (value - 1.0).abs() > 0.0 {
+                    if value != 0.0 && value != 1.0 {
                         problems.add(line, Problem::NotAFlag(value));
                     }
                     locate = value != 0.0;
@@ -363,14 +363,12 @@ impl OtherColumn {
 
     fn finish(self, data: &mut Measurements, problems: &mut Problems<'_>) {
         let Some((row, line, text)) = self.first_text else {
-            if self.name.ends_with(".approach") {
-                if let Some(row) =
-                    self.numbers.iter().position(|value| *value != 0.0 && (value.abs() - 1.0).abs() > 0.0)
-                {
-                    let problem = Problem::NotASide { column: self.name, value: self.numbers[row] };
-                    problems.add(data.lines[row] as u64, problem);
-                    return;
-                }
+            let side = |value: &f64| *value == 0.0 || value.abs() == 1.0;
+            let odd = self.name.ends_with(".approach").then(|| self.numbers.iter().position(|value| !side(value)));
+            if let Some(row) = odd.flatten() {
+                let problem = Problem::NotASide { column: self.name, value: self.numbers[row] };
+                problems.add(data.lines[row] as u64, problem);
+                return;
             }
             data.covariates.push(Covariate { name: self.name, values: self.numbers });
             return;

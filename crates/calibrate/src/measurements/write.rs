@@ -7,7 +7,9 @@ use denavit_model::nalgebra::UnitQuaternion;
 pub fn write(data: &Measurements, comments: &[String]) -> String {
     let mut text = String::new();
     for comment in comments {
-        text.push_str(&format!("# {comment}\n"));
+        text.push_str("# ");
+        text.push_str(comment);
+        text.push('\n');
     }
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = data.joints.clone();
