@@ -120,13 +120,12 @@ impl Expander<'_> {
     fn declare_argument(&mut self, element: &Rc<Element>, sight: &Sight) -> Outcome<()> {
         let [name, default] = self.attributes(element, ["name", "default"], &[])?;
         let name_text = name.value.to_string();
-        let value = match self.arguments.get(&name_text) {
-            Some(value) => value.clone(),
-            None => {
-                let value = self.words(&default.value, &element.spot_of(default), &sight.symbols)?;
-                self.arguments.insert(name_text.clone(), value.to_string());
-                value.to_string()
-            }
+        let value = if let Some(value) = self.arguments.get(&name_text) {
+            value.clone()
+        } else {
+            let value = self.words(&default.value, &element.spot_of(default), &sight.symbols)?.to_string();
+            self.arguments.insert(name_text.clone(), value.clone());
+            value
         };
         if !self.declared.iter().any(|argument| argument.name == name_text) {
             self.declared.push(Argument { name: name_text, default: Some(default.value.to_string()), value });

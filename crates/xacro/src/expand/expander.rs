@@ -46,11 +46,10 @@ pub(super) struct Sight {
 }
 
 pub(super) fn run(source: &Source, given: &[(String, String)], options: &Options) -> Outcome<Expanded> {
-    let (path, text) = match source {
-        Source::Path(path) => (path.clone(), None),
-        Source::Text { name, text, folder } => {
-            let path = folder.as_ref().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
-            (path, Some(text))
+    let path = match source {
+        Source::Path(path) => path.clone(),
+        Source::Text { name, folder, .. } => {
+            folder.as_ref().map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
         }
     };
     let mut gate = Gate::new(&options.access);
@@ -74,20 +73,17 @@ pub(super) fn run(source: &Source, given: &[(String, String)], options: &Options
         parsed: HashMap::new(),
         documents: HashMap::new(),
     };
-    let document = match text {
-        Some(text) => {
-            let name = match source {
-                Source::Text { name, .. } => PathBuf::from(name),
-                Source::Path(path) => path.clone(),
-            };
-            Rc::new(tree::read(&Rc::new(SourceFile { path: name, text: text.clone() }))?)
+    let document = match source {
+        Source::Text { name, text, .. } => {
+            let text = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
+            Rc::new(tree::read(&Rc::new(SourceFile { path: name.into(), text }))?)
         }
-        None => {
+        Source::Path(path) => {
             // A link may lead to the document itself from anywhere.
             if let Ok(real) = path.canonicalize() {
                 expander.gate.open(folder_of(&real));
             }
-            expander.document(&path)?
+            expander.document(path)?
         }
     };
     let sight = Sight { macros: Rc::new(Macros::default()), symbols: Scope::root() };

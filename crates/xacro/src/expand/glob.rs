@@ -14,12 +14,16 @@ pub(super) fn files_matching(pattern: &Path, meter: &mut Meter) -> Outcome<Vec<P
     let mut found = vec![PathBuf::new()];
     for component in pattern.components() {
         let Component::Normal(name) = component else {
-            found.iter_mut().for_each(|path| path.push(component));
+            for path in &mut found {
+                path.push(component);
+            }
             continue;
         };
         let name = name.to_string_lossy();
         if !is_pattern(&name) {
-            found.iter_mut().for_each(|path| path.push(&*name));
+            for path in &mut found {
+                path.push(&*name);
+            }
             continue;
         }
         let wanted: Vec<char> = name.chars().collect();

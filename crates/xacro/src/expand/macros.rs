@@ -245,10 +245,16 @@ fn default_length(text: &str) -> Option<usize> {
     let mut at = 0;
     while !ends(at) {
         let rest = &text[at..];
-        let quote = rest.chars().next().filter(|c| matches!(c, '\'' | '"'));
-        at += match quote {
-            Some(quote) => rest[1..].find(quote)? + 2,
-            None => rest.find(|c: char| c.is_whitespace() || c == '\'' || c == '"').unwrap_or(rest.len()),
+        let first = rest.chars().next();
+        at += match first {
+            Some(quote @ ('\'' | '"')) => rest[1..].find(quote)? + 2,
+            Some('$') if rest.starts_with("${") => rest.find('}')? + 1,
+            Some('$') if rest.starts_with("$(") => rest.find(')')? + 1,
+            _ => {
+                let first = first.map_or(0, char::len_utf8);
+                let stops = |c: char| c.is_whitespace() || "'\"$".contains(c);
+                rest[first..].find(stops).map_or(rest.len(), |length| first + length)
+            }
         };
     }
     Some(at)

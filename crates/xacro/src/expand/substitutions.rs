@@ -23,7 +23,7 @@ impl Expander<'_> {
             if inner.starts_with("find ") {
                 out.push_str(&self.substitute(inner).map_err(|error| error.at(spot))?);
             } else {
-                out.push_str(&format!("$({inner})"));
+                out.extend(["$(", inner, ")"]);
             }
             let next = after.find("$(").unwrap_or(after.len());
             out.push_str(&after[..next]);

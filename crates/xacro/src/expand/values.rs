@@ -82,15 +82,14 @@ impl Expander<'_> {
 
     /// Evaluates an expression; the failure knows its span in `text`.
     pub fn evaluate(&mut self, text: &str, spot: &Spot, scope: &Rc<Scope>) -> Result<Value, Fault> {
-        let expression = match self.parsed.get(text) {
-            Some(expression) => Rc::clone(expression),
-            None => {
-                self.meter.text(text.len())?;
-                self.meter.step(text.len())?;
-                let expression = Rc::new(expression::parse(text)?);
-                self.parsed.insert(text.into(), Rc::clone(&expression));
-                expression
-            }
+        let expression = if let Some(expression) = self.parsed.get(text) {
+            Rc::clone(expression)
+        } else {
+            self.meter.text(text.len())?;
+            self.meter.step(text.len())?;
+            let expression = Rc::new(expression::parse(text)?);
+            self.parsed.insert(text.into(), Rc::clone(&expression));
+            expression
         };
         let mut host = DocumentHost { expander: self, scope, spot };
         expression::evaluate(&expression, &mut host)
@@ -195,18 +194,16 @@ impl Host for DocumentHost<'_, '_, '_> {
     }
 
     fn member(&mut self, namespace: &Rc<Scope>, name: &str) -> Result<Value, Fault> {
-        match self.expander.name(name, self.spot, namespace)? {
-            Some(value) => Ok(value),
-            None => {
-                let known = namespace.names();
-                let alike = near(name, known.iter().map(|name| &**name));
-                let fault = Fault::new(ErrorKind::UndefinedName, format!("the namespace has no property \"{name}\""));
-                Err(match did_you_mean(&alike) {
-                    Some(question) => fault.help(question),
-                    None => fault,
-                })
-            }
+        if let Some(value) = self.expander.name(name, self.spot, namespace)? {
+            return Ok(value);
         }
+        let known = namespace.names();
+        let alike = near(name, known.iter().map(|name| &**name));
+        let fault = Fault::new(ErrorKind::UndefinedName, format!("the namespace has no property \"{name}\""));
+        Err(match did_you_mean(&alike) {
+            Some(question) => fault.help(question),
+            None => fault,
+        })
     }
 
     fn load_yaml(&mut self, file: &str) -> Result<Value, Fault> {

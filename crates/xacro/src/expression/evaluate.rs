@@ -6,8 +6,8 @@ use super::Fault;
 use super::builtins::{self, Builtin};
 use super::methods;
 use super::operators::{binary, compare, describe, dotted, index, length, slice, unary};
-use super::syntax::{CallArgument, Clause, Expression, Kind, Lambda};
-use super::value::{Dict, Value};
+use super::syntax::{CallArgument, Clause, Expression, Kind};
+use super::value::{Closure, Dict, Value};
 use crate::error::ErrorKind;
 use crate::limits::Meter;
 use crate::scope::Scope;
@@ -117,7 +117,7 @@ impl Evaluator<'_> {
                 for (bound, part) in bounds.iter_mut().zip(parts) {
                     *bound = part.as_ref().map(|part| self.value(part)).transpose()?;
                 }
-                slice(&container, bounds, self.meter())
+                slice(&container, &bounds, self.meter())
             }
             Kind::Call { function, arguments } => {
                 let function = self.value(function)?;
@@ -131,7 +131,10 @@ impl Evaluator<'_> {
                 self.locals.truncate(locals);
                 result.map(|()| Value::list(items))
             }
-            Kind::Lambda(lambda) => Ok(Value::Lambda(Rc::new((Rc::clone(lambda), self.locals.clone())))),
+            Kind::Lambda(lambda) => {
+                let closure = Closure { lambda: Rc::clone(lambda), captured: self.locals.clone() };
+                Ok(Value::Lambda(Rc::new(closure)))
+            }
         }
     }
 
@@ -186,7 +189,7 @@ impl Evaluator<'_> {
         match function {
             Value::Builtin(builtin) => self.builtin(*builtin, arguments),
             Value::Method(method) => methods::call(&method.0, method.1, arguments, self),
-            Value::Lambda(closure) => self.lambda(&closure.0, &closure.1, arguments),
+            Value::Lambda(closure) => self.lambda(closure, arguments),
             other => Err(Fault::value(format!("{} cannot be called", describe(other)))),
         }
     }
@@ -201,7 +204,8 @@ impl Evaluator<'_> {
         })
     }
 
-    fn lambda(&mut self, lambda: &Lambda, captured: &[(Rc<str>, Value)], arguments: Arguments) -> Result<Value, Fault> {
+    fn lambda(&mut self, closure: &Closure, arguments: Arguments) -> Result<Value, Fault> {
+        let Closure { lambda, captured } = closure;
         if arguments.plain.len() != lambda.parameters.len() || !arguments.named.is_empty() {
             return Err(Fault::value(format!(
                 "the lambda takes {} arguments, {} are given",

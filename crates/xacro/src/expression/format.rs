@@ -371,7 +371,7 @@ fn grouped(digits: &str, group: Option<char>) -> String {
     let Some(separator) = group else { return digits.to_owned() };
     let mut out = String::new();
     for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at) % 3 == 0 {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
             out.push(separator);
         }
         out.push(digit);

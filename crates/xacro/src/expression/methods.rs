@@ -189,9 +189,9 @@ fn text_method(text: &str, name: &str, arguments: &[Value], evaluator: &mut Eval
         ("count", [Value::Text(part)]) => Value::Integer(text.matches(&**part).count() as i128),
         ("partition" | "rpartition", [Value::Text(separator)]) => {
             let parts = if name == "partition" {
-                text.split_once(&**separator).map(|(a, b)| [a, separator, b]).unwrap_or([text, "", ""])
+                text.split_once(&**separator).map_or([text, "", ""], |(a, b)| [a, separator, b])
             } else {
-                text.rsplit_once(&**separator).map(|(a, b)| [a, separator, b]).unwrap_or(["", "", text])
+                text.rsplit_once(&**separator).map_or(["", "", text], |(a, b)| [a, separator, b])
             };
             Value::tuple(parts.map(Value::text).to_vec())
         }

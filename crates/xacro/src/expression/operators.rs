@@ -382,12 +382,12 @@ pub(super) fn dotted(entries: &[(Value, Value)], key: &str) -> Fault {
 }
 
 /// `container[start:stop:step]`
-pub(super) fn slice(container: &Value, parts: [Option<Value>; 3], meter: &mut Meter) -> Result<Value, Fault> {
+pub(super) fn slice(container: &Value, parts: &[Option<Value>; 3], meter: &mut Meter) -> Result<Value, Fault> {
     let Some(length) = length(container).filter(|_| !matches!(container, Value::Dict(_))) else {
         return Err(Fault::value(format!("{} has no items to take some of", describe(container))));
     };
     let mut bounds = [None; 3];
-    for (bound, part) in bounds.iter_mut().zip(&parts) {
+    for (bound, part) in bounds.iter_mut().zip(parts) {
         *bound = match part {
             None | Some(Value::None) => None,
             Some(value) => Some(

@@ -1,6 +1,7 @@
 //! Values of expressions, and how Python writes them.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::rc::Rc;
 
 use super::Fault;
@@ -25,11 +26,18 @@ pub(crate) enum Value {
     Module(Module),
     /// A method that waits for its arguments.
     Method(Rc<(Value, &'static str)>),
-    Lambda(Rc<(Rc<Lambda>, Vec<(Rc<str>, Value)>)>),
+    Lambda(Rc<Closure>),
     /// Properties of a file that was included with `ns`.
     Namespace(Rc<Scope>),
     /// A block parameter, or the content of a property.
     Block(Rc<Element>),
+}
+
+/// A lambda with the local names that it was written among.
+#[derive(Debug)]
+pub(crate) struct Closure {
+    pub lambda: Rc<Lambda>,
+    pub captured: Vec<(Rc<str>, Value)>,
 }
 
 /// A dictionary that keeps the order of insertion.
@@ -226,7 +234,7 @@ fn write_quoted(out: &mut String, text: &str) {
             '\t' => out.push_str("\\t"),
             c if c == quote => out.extend(['\\', c]),
             c if u32::from(c) < 0x20 || u32::from(c) == 0x7f => {
-                out.push_str(&format!("\\x{:02x}", u32::from(c)));
+                let _ = write!(out, "\\x{:02x}", u32::from(c));
             }
             c => out.push(c),
         }
