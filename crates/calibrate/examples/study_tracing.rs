@@ -1,7 +1,7 @@
 //! Runs the tracer on a folder of blind cases: `cargo run --release --example study_tracing -- FOLDER [NAME]`.
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::{Masses, Statics};
+use denavit_calibrate::effects::Statics;
 use denavit_calibrate::measurements::{Covariate, Label, MeasurementKind, Measurements};
 use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};
@@ -151,7 +151,7 @@ fn main() {
             denavit_model::urdf::read("nominal.urdf", &std::fs::read_to_string(case.join("nominal.urdf")).unwrap())
                 .unwrap();
         let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
-        let statics = Statics { masses: Masses::of(&robot, &chain), chain: chain.clone() };
+        let statics = Statics::of(&robot, &chain);
         let train = with_run_order(read(&case.join("train.csv"), &chain), 0);
         let rows = train.len();
         let test = with_run_order(read(&case.join("test.csv"), &chain), rows);

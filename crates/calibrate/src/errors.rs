@@ -138,7 +138,7 @@ fn stand<E: Effects>(
     deviation: &mut Deviation,
 ) {
     deviation.clear();
-    let deviates = effects.deviate(Row::new(data, row), deviation);
+    let deviates = effects.deviate(Row::new(data, row), arm, deviation);
     arm.state_into(data.reading(row), deviates.then_some(deviation), state);
 }
 

@@ -123,8 +123,8 @@ impl Default for Tolerances {
 /// Which parts of the arm a fit may change; the instrument and the targets are always free.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Freedom {
-    /// The axes.
-    pub axes: bool,
+    /// For each joint, its axis.
+    pub axes: Vec<bool>,
     /// For each joint, its scale.
     pub scales: Vec<bool>,
     /// For each joint, its pitch; helical joints' pitches are part of the axes and free with them.
@@ -134,12 +134,12 @@ pub struct Freedom {
 impl Freedom {
     /// Instrument and targets alone: the nominal stage.
     pub fn placement(joints: usize) -> Self {
-        Self { axes: false, scales: vec![false; joints], pitches: vec![false; joints] }
+        Self { axes: vec![false; joints], scales: vec![false; joints], pitches: vec![false; joints] }
     }
 
     /// Every axis, no scale, no pitch of a revolute joint.
     pub fn axes(joints: usize) -> Self {
-        Self { axes: true, ..Self::placement(joints) }
+        Self { axes: vec![true; joints], ..Self::placement(joints) }
     }
 }
 
@@ -313,7 +313,7 @@ fn joint_parameters(
     };
     let names = [direction_name(&across.a, "a"), direction_name(&across.b, "b")];
     let slides = matches!(screw, Screw::Prismatic(_));
-    if freedom.axes {
+    if freedom.axes[joint] {
         for (across, direction) in names.iter().enumerate() {
             add(&format!("turn_{direction}"), ParameterKind::Turn { joint, across }, "rad", tolerances.turn);
         }
@@ -324,7 +324,7 @@ fn joint_parameters(
         }
     }
     let helical = matches!(screw, Screw::Helical { .. });
-    if (helical && freedom.axes) || (!slides && freedom.pitches[joint]) {
+    if (helical && freedom.axes[joint]) || (!slides && freedom.pitches[joint]) {
         add("pitch", ParameterKind::Pitch { joint }, "m/rad", tolerances.pitch);
     }
     if freedom.scales[joint] {
@@ -358,8 +358,8 @@ pub trait Effects: Clone + Sync {
     /// The free numbers, each of kind [`ParameterKind::Effect`].
     fn parameters(&self) -> Vec<Parameter>;
 
-    /// What the effects do in a row, into `out`, which comes all zero; `false` if nothing.
-    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool;
+    /// What the effects do to this arm in a row, into `out`, which comes all zero; `false` if nothing.
+    fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool;
 
     /// How the prediction moves per unit of each parameter, into `out`, which comes all zero.
     fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]);
@@ -378,7 +378,7 @@ impl Effects for NoEffects {
         Vec::new()
     }
 
-    fn deviate(&self, _row: Row<'_>, _out: &mut Deviation) -> bool {
+    fn deviate(&self, _row: Row<'_>, _arm: &Arm, _out: &mut Deviation) -> bool {
         false
     }
 

@@ -106,7 +106,7 @@ impl<E: Effects> Problem<'_, E> {
     ) {
         let at = Row::new(self.data, row);
         scratch.deviation.clear();
-        let deviates = self.effects.deviate(at, &mut scratch.deviation);
+        let deviates = self.effects.deviate(at, arm, &mut scratch.deviation);
         arm.state_into(at.reading(), deviates.then_some(&scratch.deviation), &mut scratch.state);
         if jacobian.is_some() {
             self.twists(arm, at, scratch);

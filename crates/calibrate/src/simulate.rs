@@ -122,7 +122,7 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     let mut outliers = Vec::new();
     for row in 0..options.rows {
         deviation.clear();
-        effects.deviate(Row::new(&data, row), &mut deviation);
+        effects.deviate(Row::new(&data, row), arm, &mut deviation);
         arm.state_into(data.reading(row), Some(&deviation), &mut state);
         let gross = random.random::<f64>() < options.outliers;
         let direction = normal_vector(random, 1.0).normalize();

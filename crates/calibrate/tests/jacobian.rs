@@ -30,7 +30,7 @@ impl Effects for Everything {
             .collect()
     }
 
-    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool {
+    fn deviate(&self, row: Row<'_>, _arm: &Arm, out: &mut Deviation) -> bool {
         out.twists[self.joint] += self.carrier * (self.values[0] * row.reading()[0].sin());
         out.target += Vector3::new(0.0, self.values[1], 0.0);
         out.anchor += Vector3::new(self.values[2], 0.0, 0.0);
@@ -65,7 +65,7 @@ fn columns_are_the_derivatives_of_the_residual() {
                 SimulationOptions { kind, rows: 4, targets: 2, turn: 0.02, shift: 0.02, ..Default::default() };
             let run = simulate(&chain, &options, &NoEffects);
             let n = chain.joints().len();
-            let freedom = Freedom { axes: true, scales: vec![true; n], pitches: vec![true; n] };
+            let freedom = Freedom { axes: vec![true; n], scales: vec![true; n], pitches: vec![true; n] };
             let effects = Everything {
                 values: [0.01, 0.02, -0.03, 0.01, 0.02],
                 joint: n / 2,

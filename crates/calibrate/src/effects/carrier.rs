@@ -5,7 +5,7 @@
 
 use crate::arm::{Across, Deviation};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
-use denavit_model::{Chain, Screw};
+use denavit_model::{Chain, ChainJoint, Pose, Robot, Screw};
 use serde::{Deserialize, Serialize};
 
 /// Where an effect acts. Joints are counted from 0, base to tip.
@@ -22,6 +22,8 @@ pub enum Carrier {
     Sideways(usize),
     /// The far end of a joint's link, turned (rad) and shifted (m) in the link's own axes: six directions.
     LinkEnd(usize),
+    /// The far end of a joint's link, turned about its end point (rad), link's own axes: three directions.
+    LinkEndTurn(usize),
     /// The length of one link, m per m: one direction.
     LinkLength(usize),
     /// Every length of the arm, m per m: one direction.
@@ -86,10 +88,34 @@ fn shift(direction: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(0.0, 0.0, 0.0, direction.x, direction.y, direction.z)
 }
 
-/// Points on the arm at home, m: `points[i]` on joint i's axis, the last at the tip.
+/// Points on the arm at home, m: `points[i]` on joint i where the URDF places it, the last at the tip.
 ///
-/// A slide has no line; it stands where the joint before it stands.
-pub fn link_points(chain: &Chain) -> Vec<Point3<f64>> {
+/// Joints that the tree does not know by name stand as in [`axis_points`].
+pub fn link_points(robot: &Robot, chain: &Chain) -> Vec<Point3<f64>> {
+    let mut points = axis_points(chain);
+    let Some(base) = robot.link_index(chain.base()) else { return points };
+    for (point, joint) in points.iter_mut().zip(chain.joints()) {
+        let Some(index) = robot.joint_index(&joint.name) else { continue };
+        let mut base_from_joint = Pose::identity();
+        let mut at = Some(index);
+        while let Some(joint) = at {
+            base_from_joint = robot.joints[joint].origin.pose() * base_from_joint;
+            let parent = robot.joints[joint].parent;
+            at = if parent == base { None } else { robot.joint_to(parent) };
+        }
+        let placed = Point3::from(base_from_joint.translation.vector);
+        // Where the joint's line does not pass the place, the path runs another way than up the tree.
+        let passes = joint.screw.line().is_none_or(|line| (line.nearest_to(&placed) - placed).norm() < 1e-6);
+        if passes {
+            *point = placed;
+        }
+    }
+    points
+}
+
+/// The same without a tree: on each axis the point nearest to the one before; a slide stands where the joint before it
+/// stands.
+pub fn axis_points(chain: &Chain) -> Vec<Point3<f64>> {
     let tip = Point3::from(chain.home().translation.vector);
     let mut points = Vec::with_capacity(chain.joints().len() + 1);
     let mut last = Point3::origin();
@@ -104,10 +130,11 @@ pub fn link_points(chain: &Chain) -> Vec<Point3<f64>> {
 }
 
 impl Carrier {
-    /// The directions of the carrier on this chain: each a sum of actions that share one coefficient.
-    pub fn directions(&self, chain: &Chain) -> Vec<Vec<Action>> {
+    /// The directions of the carrier on an arm: each a sum of actions that share one coefficient.
+    ///
+    /// `points` as [`link_points`] gives them; axes are those of `joints`, actual ones where they are known.
+    pub fn directions(&self, joints: &[ChainJoint], points: &[Point3<f64>]) -> Vec<Vec<Action>> {
         let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
-        let joints = chain.joints();
         let n = joints.len();
         let twist = |slot: usize, twist: Vector6<f64>| vec![Action::Twist { slot, twist }];
         match *self {
@@ -115,7 +142,7 @@ impl Carrier {
             Self::Along(i) => vec![twist(i, shift(&joints[i].screw.direction()))],
             Self::Across(i) => {
                 let across = Across::of(&joints[i].screw);
-                let centre = link_points(chain)[i];
+                let centre = joints[i].screw.line().map_or(points[i], |line| line.nearest_to(&points[i]));
                 vec![twist(i, turn(&across.a, &centre)), twist(i, turn(&across.b, &centre))]
             }
             Self::Sideways(i) => {
@@ -123,16 +150,15 @@ impl Carrier {
                 vec![twist(i, shift(&across.a)), twist(i, shift(&across.b))]
             }
             Self::LinkEnd(i) => {
-                let end = link_points(chain)[i + 1];
+                let end = points[i + 1];
                 let turns = unit.iter().map(|u| twist(i + 1, turn(u, &end)));
                 turns.chain(unit.iter().map(|u| twist(i + 1, shift(u)))).collect()
             }
+            Self::LinkEndTurn(i) => unit.iter().map(|u| twist(i + 1, turn(u, &points[i + 1]))).collect(),
             Self::LinkLength(i) => {
-                let points = link_points(chain);
                 vec![twist(i + 1, shift(&(points[i + 1] - points[i])))]
             }
             Self::Lengths => {
-                let points = link_points(chain);
                 let first = Action::Twist { slot: 0, twist: shift(&points[0].coords) };
                 let links = (0..n).map(|i| Action::Twist { slot: i + 1, twist: shift(&(points[i + 1] - points[i])) });
                 vec![std::iter::once(first).chain(links).collect()]
@@ -158,6 +184,7 @@ impl Carrier {
             | Self::Across(i)
             | Self::Sideways(i)
             | Self::LinkEnd(i)
+            | Self::LinkEndTurn(i)
             | Self::LinkLength(i) => Some(i),
             _ => None,
         }
@@ -179,6 +206,7 @@ impl Carrier {
             | Self::Across(i)
             | Self::Sideways(i)
             | Self::LinkEnd(i)
+            | Self::LinkEndTurn(i)
             | Self::LinkLength(i) => chain.joints()[*i].name.clone(),
         }
     }
@@ -188,7 +216,7 @@ impl Carrier {
         match self {
             Self::Joint(i) if matches!(chain.joints()[*i].screw, Screw::Prismatic(_)) => "m",
             Self::AllJoints if matches!(chain.joints()[direction].screw, Screw::Prismatic(_)) => "m",
-            Self::Joint(_) | Self::AllJoints | Self::Across(_) | Self::BaseTurn => "rad",
+            Self::Joint(_) | Self::AllJoints | Self::Across(_) | Self::BaseTurn | Self::LinkEndTurn(_) => "rad",
             Self::Along(_) | Self::Sideways(_) | Self::Target | Self::Anchor | Self::Reading => "m",
             Self::LinkEnd(_) | Self::Base if direction < 3 => "rad",
             Self::LinkEnd(_) | Self::Base => "m",
@@ -202,7 +230,7 @@ impl Carrier {
         match self {
             Self::Across(_) => ["tilt_a", "tilt_b"][direction],
             Self::Sideways(_) => ["shift_a", "shift_b"][direction],
-            Self::Base | Self::BaseTurn | Self::LinkEnd(_) => SIX[direction],
+            Self::Base | Self::BaseTurn | Self::LinkEnd(_) | Self::LinkEndTurn(_) => SIX[direction],
             Self::Target | Self::Anchor => SIX[direction + 3],
             _ => "",
         }
@@ -224,6 +252,7 @@ mod tests {
                 Carrier::Across(i),
                 Carrier::Sideways(i),
                 Carrier::LinkEnd(i),
+                Carrier::LinkEndTurn(i),
                 Carrier::LinkLength(i),
             ]);
         }
@@ -237,7 +266,7 @@ mod tests {
             let n = chain.coordinates().len();
             let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
             for carrier in all(chain.joints().len()) {
-                for (index, direction) in carrier.directions(&chain).iter().enumerate() {
+                for (index, direction) in carrier.directions(chain.joints(), &axis_points(&chain)).iter().enumerate() {
                     let mut deviation = Deviation::none(chain.joints().len());
                     direction.iter().for_each(|action| action.add_to(1e-4, &mut deviation));
                     let (mut still, mut moved) = (RowState::default(), RowState::default());
@@ -263,7 +292,7 @@ mod tests {
         let chain = examples::planar_arm();
         let arm = Arm::new(&chain, 1);
         let mut deviation = Deviation::none(chain.joints().len());
-        Carrier::Lengths.directions(&chain)[0].iter().for_each(|action| action.add_to(0.01, &mut deviation));
+        Carrier::Lengths.directions(chain.joints(), &axis_points(&chain))[0].iter().for_each(|action| action.add_to(0.01, &mut deviation));
         let (mut still, mut stretched) = (RowState::default(), RowState::default());
         arm.state_into(&[0.4, 0.9], None, &mut still);
         arm.state_into(&[0.4, 0.9], Some(&deviation), &mut stretched);

@@ -311,6 +311,7 @@ fn link_compliance(survey: &Survey) -> Vec<Candidate> {
             [
                 paired(Kind::LinkCompliance, Carrier::LinkEnd(i), Driver::Cantilever(i)),
                 paired(Kind::LinkCompliance, Carrier::Across(i), Driver::MomentAcross(i)),
+                paired(Kind::LinkCompliance, Carrier::LinkEndTurn(i), Driver::EndMoment(i)),
             ]
         })
         .collect()

@@ -4,11 +4,11 @@
 //! [`Driver::len`] and [`Driver::unit`]), and an entry that uses it in [`super::catalogue::KINDS`]; the test
 //! `every_driver_gives_as_many_values_as_it_says` then covers it.
 
-use crate::arm::{Across, RowState};
-use crate::effects::carrier::link_points;
+use crate::arm::{Across, Deviation, RowState};
+use crate::effects::carrier::{axis_points, link_points};
 use crate::effects::gravity::{Load, Masses};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
-use denavit_model::{Chain, Screw};
+use denavit_model::{Chain, Robot, Screw, se3};
 use serde::{Deserialize, Serialize};
 
 /// Name of the covariate that counts rows in run order.
@@ -63,6 +63,8 @@ pub enum Driver {
     MomentAcross(usize),
     /// Turn and shift of the end of a joint's link as a round cantilever of unit flexural rigidity (1 N·m²): six values.
     Cantilever(usize),
+    /// Gravity's moment on the end of a joint's link, in the link's axes at home, N·m: three values.
+    EndMoment(usize),
     /// Gravity's moment on the base about its origin, N·m: three values.
     Overturning,
     /// The side from which a joint came, +1 from below.
@@ -128,21 +130,39 @@ pub struct Statics {
     pub chain: Chain,
     /// What gravity acts on.
     pub masses: Masses,
+    /// One point per joint and one for the tip, base frame at home, m: where links begin and end.
+    pub points: Vec<Point3<f64>>,
 }
 
 impl Statics {
-    /// Stands the arm as one row has it.
-    pub fn posture(&self, conditions: &Conditions<'_>) -> Posture {
+    /// For a chain of this robot.
+    pub fn of(robot: &Robot, chain: &Chain) -> Self {
+        Self { chain: chain.clone(), masses: Masses::of(robot, chain), points: link_points(robot, chain) }
+    }
+
+    /// For a chain without a tree: masses stand in, links run from axis to axis.
+    pub fn of_chain(chain: &Chain) -> Self {
+        Self { chain: chain.clone(), masses: Masses::stand_in(chain), points: axis_points(chain) }
+    }
+
+    /// Stands the arm as one row has it, given way by a deviation where one is known.
+    pub fn posture(&self, conditions: &Conditions<'_>, deviation: Option<&Deviation>) -> Posture {
         let mut state = RowState::default();
         let mut reached = denavit_model::Pose::identity();
-        for joint in self.chain.joints() {
+        for (index, joint) in self.chain.joints().iter().enumerate() {
+            if let Some(deviation) = deviation {
+                reached *= se3::exp(&deviation.twists[index]);
+            }
             state.before.push(reached);
             reached *= joint.screw.motion(joint.value(conditions.reading));
             state.after.push(reached);
         }
+        if let Some(last) = deviation.and_then(|deviation| deviation.twists.last()) {
+            reached *= se3::exp(last);
+        }
         state.tip = reached * self.chain.home();
         let payload = (conditions.covariate)(PAYLOAD).unwrap_or(0.0);
-        let loads = self.masses.loads(&self.chain, &state, payload);
+        let loads = self.masses.loads(&self.points, &state, payload);
         Posture { state, loads }
     }
 
@@ -169,15 +189,14 @@ impl Statics {
             out.push(lever.dot(&(rotation * across.b)));
         }
         if payload {
-            let at = state.before[joint] * link_points(&self.chain)[joint];
+            let at = state.before[joint] * self.points[joint];
             let reach = state.tip.translation.vector - at.coords;
             out.push(lever.dot(&reach));
         }
     }
 
     fn cantilever(&self, posture: &Posture, joint: usize) -> [Vector3<f64>; 2] {
-        let points = link_points(&self.chain);
-        let reach = points[joint + 1] - points[joint];
+        let reach = self.points[joint + 1] - self.points[joint];
         let length = reach.norm();
         if length == 0.0 {
             return [Vector3::zeros(); 2];
@@ -204,7 +223,7 @@ impl Driver {
             Self::Harmonic { .. } | Self::MomentAcross(_) => 2,
             Self::TorqueTerms { joint, links } => 2 * (*links).min(statics.chain.joints().len() - joint),
             Self::Cantilever(_) => 6,
-            Self::Overturning => 3,
+            Self::Overturning | Self::EndMoment(_) => 3,
             Self::Velocities => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len() - 1,
@@ -240,8 +259,13 @@ impl Driver {
                     out.extend(part.iter());
                 }
             }
+            Self::EndMoment(joint) => {
+                let load = posture.loads.get(*joint + 1);
+                let moment = load.map_or_else(Vector3::zeros, |load| load.moment);
+                out.extend((posture.state.after[*joint].rotation.inverse() * moment).iter());
+            }
             Self::Overturning => {
-                let at = link_points(&statics.chain).first().map_or_else(Point3::origin, |point| *point);
+                let at = statics.points[0];
                 let load = &posture.loads[0];
                 out.extend((load.moment + at.coords.cross(&load.force)).iter());
             }
@@ -265,6 +289,19 @@ impl Driver {
         }
     }
 
+    /// Whether its values depend on how far the arm has given way.
+    pub fn feels_gravity(&self) -> bool {
+        matches!(
+            self,
+            Self::Torque(_)
+                | Self::TorqueTerms { .. }
+                | Self::MomentAcross(_)
+                | Self::Cantilever(_)
+                | Self::EndMoment(_)
+                | Self::Overturning
+        )
+    }
+
     /// Unit of one value: what a coefficient is per.
     pub fn unit(&self, chain: &Chain) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
@@ -284,7 +321,7 @@ impl Driver {
                 }
             }
             Self::TorqueTerms { .. } => "kg m²/s² per m",
-            Self::MomentAcross(_) | Self::Overturning => "N m",
+            Self::MomentAcross(_) | Self::EndMoment(_) | Self::Overturning => "N m",
             Self::Cantilever(_) => "1/(N m²)",
             Self::Velocities => "1/s",
             Self::Covariate(name) => unit_of(name),
@@ -335,7 +372,7 @@ mod tests {
     #[test]
     fn every_driver_gives_as_many_values_as_it_says() {
         for chain in examples::all() {
-            let statics = Statics { masses: Masses::stand_in(&chain), chain };
+            let statics = Statics::of_chain(&chain);
             let n = statics.chain.joints().len();
             let name = || "time".to_string();
             let mut drivers = vec![
@@ -356,13 +393,14 @@ mod tests {
                     Driver::TorqueTerms { joint, links: 2 },
                     Driver::MomentAcross(joint),
                     Driver::Cantilever(joint),
+                    Driver::EndMoment(joint),
                     Driver::Approach { joint, from_rows: true },
                     Driver::GravitySide(joint),
                 ]);
             }
             let q = vec![0.3; statics.chain.coordinates().len()];
             let conditions = Conditions { reading: &q, covariate: &|name| (name == "time").then_some(3.0) };
-            let posture = statics.posture(&conditions);
+            let posture = statics.posture(&conditions, None);
             for driver in drivers {
                 let mut values = Vec::new();
                 driver.values_into(&statics, &conditions, &posture, &mut values);
@@ -375,10 +413,10 @@ mod tests {
     #[test]
     fn torque_is_the_change_of_potential_energy() {
         for chain in examples::all() {
-            let statics = Statics { masses: Masses::stand_in(&chain), chain };
+            let statics = Statics::of_chain(&chain);
             let none = |_: &str| None;
             let energy = |q: &[f64]| -> f64 {
-                let posture = statics.posture(&Conditions { reading: q, covariate: &none });
+                let posture = statics.posture(&Conditions { reading: q, covariate: &none }, None);
                 statics
                     .masses
                     .points
@@ -387,7 +425,7 @@ mod tests {
                     .sum()
             };
             let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
-            let posture = statics.posture(&Conditions { reading: &q, covariate: &none });
+            let posture = statics.posture(&Conditions { reading: &q, covariate: &none }, None);
             for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
                 let movers: Vec<usize> = (0..statics.chain.joints().len())
                     .filter(|&j| statics.chain.joints()[j].coordinate == coordinate)

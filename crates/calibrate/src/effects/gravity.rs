@@ -1,7 +1,7 @@
 //! Gravity on an arm: masses from the URDF, or a stand-in with the arm's own shape where it has none.
 
 use crate::arm::RowState;
-use crate::effects::carrier::link_points;
+use crate::effects::carrier::axis_points;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, Pose, Robot};
 
@@ -39,7 +39,7 @@ pub struct Masses {
 pub struct Load {
     /// N.
     pub force: Vector3<f64>,
-    /// N·m about the point of [`link_points`] on joint i, where it stands now.
+    /// N·m about joint i's point, where it stands now.
     pub moment: Vector3<f64>,
 }
 
@@ -79,7 +79,7 @@ impl Masses {
 
     /// A rod along each link, heavier towards the base as arms are: mass in proportion to the reach from there on.
     pub fn stand_in(chain: &Chain) -> Self {
-        let points = link_points(chain);
+        let points = axis_points(chain);
         let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
         let masses = (0..lengths.len()).map(|joint| {
             let beyond: f64 = lengths[joint..].iter().sum();
@@ -91,10 +91,9 @@ impl Masses {
 
     /// Loads on every joint in a row.
     ///
-    /// `payload` (kg) hangs at the tip's origin.
-    pub fn loads(&self, chain: &Chain, state: &RowState, payload: f64) -> Vec<Load> {
-        let n = chain.joints().len();
-        let homes = link_points(chain);
+    /// `points`: one per joint, base frame at home, m; `payload` (kg) hangs at the tip's origin.
+    pub fn loads(&self, points: &[Point3<f64>], state: &RowState, payload: f64) -> Vec<Load> {
+        let n = state.before.len();
         // Mass and first moment about the base origin of everything from the tip down to joint i.
         let mut mass = vec![0.0; n];
         let mut first = vec![Vector3::zeros(); n];
@@ -114,7 +113,7 @@ impl Masses {
         }
         (0..n)
             .map(|joint| {
-                let at = state.before[joint] * homes[joint];
+                let at = state.before[joint] * points[joint];
                 let force = self.gravity * mass[joint];
                 Load { force, moment: (first[joint] - at.coords * mass[joint]).cross(&self.gravity) }
             })
@@ -139,8 +138,8 @@ mod tests {
         masses.gravity = Vector3::new(0.0, -STANDARD_GRAVITY, 0.0);
         let mut state = RowState::default();
         Arm::new(&chain, 1).state_into(&[0.0, 0.0], None, &mut state);
-        let points = link_points(&chain);
-        let loads = masses.loads(&chain, &state, 2.0);
+        let points = axis_points(&chain);
+        let loads = masses.loads(&axis_points(&chain), &state, 2.0);
         let length = (points[2] - points[1]).norm();
         let mass = STAND_IN_DENSITY * length;
         let expected = -STANDARD_GRAVITY * (mass * length / 2.0 + 2.0 * length);

@@ -6,7 +6,7 @@ use crate::effects::catalogue::Kind;
 use crate::effects::driver::{Conditions, Driver, Posture, Statics};
 use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::Vector6;
-use denavit_model::{Chain, se3};
+use denavit_model::{Chain, ChainJoint, Pose, se3};
 use serde::{Deserialize, Serialize};
 
 /// How the values of a driver meet the directions of a carrier.
@@ -37,7 +37,9 @@ impl Term {
     pub fn coefficients(&self, statics: &Statics) -> usize {
         match self.coupling {
             Coupling::Paired => 1,
-            Coupling::Each => self.carrier.directions(&statics.chain).len() * self.driver.len(statics),
+            Coupling::Each => {
+                self.carrier.directions(statics.chain.joints(), &statics.points).len() * self.driver.len(statics)
+            }
         }
     }
 
@@ -104,14 +106,12 @@ pub struct EffectModel {
     pub statics: Statics,
     /// The effects; they add up.
     pub effects: Vec<Effect>,
-    directions: Vec<Vec<Vec<Action>>>,
 }
 
 impl EffectModel {
     /// The effects on this chain.
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
-        let directions = effects.iter().map(|effect| effect.term.carrier.directions(&statics.chain)).collect();
-        Self { statics, effects, directions }
+        Self { statics, effects }
     }
 
     /// The same terms with every coefficient zero.
@@ -123,12 +123,25 @@ impl EffectModel {
         Self::new(statics.clone(), effects)
     }
 
-    /// What the effects do under these conditions, added to `out`.
-    pub fn add_deviation(&self, conditions: &Conditions<'_>, out: &mut Deviation) {
-        let posture = self.statics.posture(conditions);
-        for (effect, directions) in self.effects.iter().zip(&self.directions) {
-            let values = self.values(&effect.term, conditions, &posture);
-            for (actions, coefficient) in effect.term.actions(directions, &values).iter().zip(&effect.coefficients) {
+    /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
+    ///
+    /// Where gravity bends the arm, its moment is that of the arm as bent: the second of two passes.
+    pub fn add_deviation(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Deviation) -> Posture {
+        let mut posture = self.statics.posture(conditions, None);
+        if self.effects.iter().any(|effect| effect.term.driver.feels_gravity()) {
+            let mut first = Deviation::none(joints.len());
+            self.add_for(conditions, joints, &posture, &mut first);
+            posture = self.statics.posture(conditions, Some(&first));
+        }
+        self.add_for(conditions, joints, &posture, out);
+        posture
+    }
+
+    fn add_for(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], posture: &Posture, out: &mut Deviation) {
+        for effect in &self.effects {
+            let directions = effect.term.carrier.directions(joints, &self.statics.points);
+            let values = self.values(&effect.term, conditions, posture);
+            for (actions, coefficient) in effect.term.actions(&directions, &values).iter().zip(&effect.coefficients) {
                 for (action, amount) in actions {
                     action.add_to(amount * coefficient, out);
                 }
@@ -148,10 +161,10 @@ impl EffectModel {
     ///
     /// # Panics
     /// `chain` has other joints than the model, or `conditions.reading` is too short.
-    pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> denavit_model::Pose {
+    pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> Pose {
         let mut deviation = Deviation::none(chain.joints().len());
-        self.add_deviation(conditions, &mut deviation);
-        let mut reached = denavit_model::Pose::identity();
+        self.add_deviation(conditions, chain.joints(), &mut deviation);
+        let mut reached = Pose::identity();
         for (joint, twist) in chain.joints().iter().zip(&deviation.twists) {
             reached *= se3::exp(twist) * joint.screw.motion(joint.value(conditions.reading));
         }
@@ -189,23 +202,28 @@ impl Effects for EffectModel {
         parameters
     }
 
-    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool {
+    fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool {
         if self.effects.is_empty() {
             return false;
         }
         let recorded = |name: &str| row.covariate_named(name);
-        self.add_deviation(&Conditions { reading: row.reading(), covariate: &recorded }, out);
+        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        self.add_deviation(&conditions, &arm.joints, out);
         true
     }
 
-    fn sensitivities(&self, row: Row<'_>, _arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+        if self.effects.is_empty() {
+            return;
+        }
         let recorded = |name: &str| row.covariate_named(name);
         let conditions = Conditions { reading: row.reading(), covariate: &recorded };
-        let posture = self.statics.posture(&conditions);
+        let posture = self.add_deviation(&conditions, &arm.joints, &mut Deviation::none(arm.joints.len()));
         let mut column = 0;
-        for (effect, directions) in self.effects.iter().zip(&self.directions) {
+        for effect in &self.effects {
+            let directions = effect.term.carrier.directions(&arm.joints, &self.statics.points);
             let values = self.values(&effect.term, &conditions, &posture);
-            for actions in effect.term.actions(directions, &values) {
+            for actions in effect.term.actions(&directions, &values) {
                 for (action, amount) in &actions {
                     add_sensitivity(action, *amount, state, &mut out[column]);
                 }

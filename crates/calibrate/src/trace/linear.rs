@@ -2,11 +2,13 @@
 
 use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::effects::carrier::{Action, Carrier};
+use crate::effects::driver::Posture;
 use crate::effects::model::{EffectModel, add_sensitivity};
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, Layout, Parameter, ParameterKind, Sensitivity};
 use crate::residual::{Problem, Scratch, width};
 use crate::solve::Fit;
+use crate::trace::search::postures;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
@@ -28,6 +30,8 @@ pub struct Linear {
     pub places: Vec<(Carrier, std::ops::Range<usize>)>,
     /// The data row that each value belongs to.
     pub rows: Vec<usize>,
+    /// The arm in every data row, as the model has it give way.
+    pub postures: Vec<Posture>,
 }
 
 /// The model as it is, and beside it every carrier's directions as free numbers.
@@ -47,8 +51,8 @@ impl Effects for Probe<'_> {
         parameters
     }
 
-    fn deviate(&self, row: Row<'_>, out: &mut Deviation) -> bool {
-        self.model.deviate(row, out)
+    fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool {
+        self.model.deviate(row, arm, out)
     }
 
     fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
@@ -92,7 +96,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let mut places = Vec::new();
     let mut directions = Vec::new();
     for carrier in carriers {
-        let own = carrier.directions(&model.statics.chain);
+        let own = carrier.directions(&fit.arm.joints, &model.statics.points);
         places.push((*carrier, directions.len()..directions.len() + own.len()));
         directions.extend(own);
     }
@@ -128,6 +132,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         carriers: DMatrix::zeros(total, last - first),
         places,
         rows: Vec::with_capacity(values),
+        postures: postures(model, &fit.arm, data),
     };
     let mut at = 0;
     let mut computed = usize::MAX;

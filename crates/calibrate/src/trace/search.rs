@@ -1,10 +1,10 @@
 //! One pass over every candidate at one state of the model.
 
-use crate::arm::Row;
+use crate::arm::{Arm, Deviation, Row};
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Candidate;
 use crate::effects::driver::{Conditions, Posture, Statics};
-use crate::effects::model::{Coupling, Term};
+use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::measurements::Measurements;
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector};
@@ -34,19 +34,18 @@ pub struct Field<'a> {
     pub data: &'a Measurements,
     /// The chain and its masses.
     pub statics: &'a Statics,
-    /// The arm in every row, nominal chain.
-    pub postures: &'a [Posture],
     /// The model at its state.
     pub linear: &'a Linear,
 }
 
-/// The arm in every row of the data.
-pub fn postures(statics: &Statics, data: &Measurements) -> Vec<Posture> {
+/// The arm in every row of the data, as the model has it give way.
+pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
     (0..data.len())
         .map(|index| {
             let row = Row::new(data, index);
             let recorded = |name: &str| row.covariate_named(name);
-            statics.posture(&Conditions { reading: row.reading(), covariate: &recorded })
+            let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+            model.add_deviation(&conditions, &arm.joints, &mut Deviation::none(arm.joints.len()))
         })
         .collect()
 }
@@ -85,7 +84,7 @@ impl Field<'_> {
     /// Values of the term's driver, row by row.
     pub fn driver_values(&self, term: &Term) -> Vec<f64> {
         let mut values = Vec::new();
-        for (index, posture) in self.postures.iter().enumerate() {
+        for (index, posture) in self.linear.postures.iter().enumerate() {
             let row = Row::new(self.data, index);
             let recorded = |name: &str| row.covariate_named(name);
             let conditions = Conditions { reading: row.reading(), covariate: &recorded };

@@ -2,7 +2,7 @@
 
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
-use crate::effects::driver::{Driver, Posture, Statics};
+use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::{Coupling, EffectModel};
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
@@ -13,7 +13,7 @@ use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
-use crate::trace::search::{Field, Scored, carriers_of, postures};
+use crate::trace::search::{Field, Scored, carriers_of};
 use crate::trace::{Finding, ScanCell, Trace, TraceOptions, Value};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
@@ -35,7 +35,6 @@ pub struct Tracer<'a> {
     pub(crate) options: &'a TraceOptions,
     geometric: &'a Fit<NoEffects>,
     pub(crate) survey: Survey,
-    pub(crate) postures: Vec<Posture>,
     candidates: Vec<Candidate>,
     carriers: Vec<Carrier>,
 }
@@ -65,8 +64,7 @@ impl<'a> Tracer<'a> {
                 carriers.push(carrier);
             }
         }
-        let postures = postures(statics, data);
-        Self { data, statics, options, geometric, survey, postures, candidates, carriers }
+        Self { data, statics, options, geometric, survey, candidates, carriers }
     }
 
     /// The whole search.
@@ -83,6 +81,21 @@ impl<'a> Tracer<'a> {
                 scan = self.scan(&scored);
             }
             let Some(best) = self.best(&field, &projector, &scored) else { break };
+            #[cfg(feature = "dbg")]
+            {}
+            eprintln!(
+                "best {:?} dBIC {:.1} p {:.1e} drop {:.1} rss {:.1} values {} passes {} helps {} conv {} it {}",
+                best.candidate.term,
+                best.delta_bic,
+                best.p_value,
+                best.gain.drop,
+                projector.rss,
+                linear.values(),
+                self.passes(&best),
+                self.helps_held_out(&field, &best),
+                state.fit.converged,
+                state.fit.iterations
+            );
             if !self.passes(&best) || !self.helps_held_out(&field, &best) {
                 break;
             }
@@ -108,6 +121,7 @@ impl<'a> Tracer<'a> {
 
     /// Refits with these terms and refines their scanned numbers at the new state.
     fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
+        let chosen = with_steps_joined(chosen);
         let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(self.statics, &terms);
         let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
@@ -122,7 +136,7 @@ impl<'a> Tracer<'a> {
     }
 
     pub(crate) fn field<'b>(&'b self, linear: &'b Linear) -> Field<'b> {
-        Field { data: self.data, statics: self.statics, postures: &self.postures, linear }
+        Field { data: self.data, statics: self.statics, linear }
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
@@ -165,24 +179,9 @@ impl<'a> Tracer<'a> {
         with < without
     }
 
-    /// The state with one more term; a further step joins the steps that act at the same place.
+    /// The state with one more term.
     fn added(&self, state: &State, candidate: &Candidate) -> State {
-        let mut chosen = state.chosen.clone();
-        if let Driver::Steps { at, .. } = &candidate.term.driver {
-            let same = chosen.iter_mut().find(|other| {
-                other.term.carrier == candidate.term.carrier && matches!(other.term.driver, Driver::Steps { .. })
-            });
-            if let Some(other) = same {
-                if let Driver::Steps { at: known, .. } = &mut other.term.driver {
-                    known.extend(at);
-                    known.sort_by(f64::total_cmp);
-                    known.dedup();
-                    other.scanned = known.len();
-                    return self.refitted(chosen, Some(state));
-                }
-            }
-        }
-        chosen.push(candidate.clone());
+        let chosen = state.chosen.iter().chain([candidate]).cloned().collect();
         self.refitted(chosen, Some(state))
     }
 
@@ -424,4 +423,27 @@ impl<'a> Tracer<'a> {
 
 fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
+}
+
+/// Steps that act at one place are one effect with several steps.
+fn with_steps_joined(chosen: Vec<Candidate>) -> Vec<Candidate> {
+    let mut joined: Vec<Candidate> = Vec::with_capacity(chosen.len());
+    for candidate in chosen {
+        let known = joined.iter_mut().find_map(|other| match (&mut other.term.driver, &candidate.term.driver) {
+            (Driver::Steps { at, .. }, Driver::Steps { at: more, .. })
+                if other.term.carrier == candidate.term.carrier =>
+            {
+                at.extend(more);
+                at.sort_by(f64::total_cmp);
+                at.dedup();
+                other.scanned = at.len();
+                Some(())
+            }
+            _ => None,
+        });
+        if known.is_none() {
+            joined.push(candidate);
+        }
+    }
+    joined
 }
