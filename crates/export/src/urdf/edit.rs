@@ -1,0 +1,166 @@
+//! Edits of a source text by byte ranges: whatever no edit covers stays byte for byte.
+
+use denavit_model::robot::SourceText;
+use roxmltree::Node;
+use std::ops::Range;
+
+/// Replacements and insertions, applied all at once.
+#[derive(Debug, Default)]
+pub(crate) struct Edits {
+    pieces: Vec<(Range<usize>, String)>,
+}
+
+impl Edits {
+    /// Puts `text` in the place of the bytes `range`; an empty range inserts.
+    pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
+        self.pieces.push((range, text.into()));
+    }
+
+    /// Gives an attribute a value: in its place, or as a new attribute behind the others.
+    pub fn attribute(&mut self, source: &SourceText, node: Node, name: &str, value: &str) {
+        if let Some(attribute) = node.attribute_node(name) {
+            self.replace(attribute.range_value(), escaped(value));
+            return;
+        }
+        let at = node
+            .attributes()
+            .map(|attribute| attribute.range().end)
+            .max()
+            .unwrap_or_else(|| name_end(&source.text, node.range().start));
+        self.replace(at..at, format!(" {name}=\"{}\"", escaped(value)));
+    }
+
+    /// Puts an element in front of the other children, with the white space that the first of them has.
+    pub fn first_child(&mut self, source: &SourceText, node: Node, element: &str) {
+        let text = &source.text;
+        let Some(open) = open_tag_end(text, node.range().start) else { return };
+        if text[..open].ends_with("/>") {
+            let tag = text[name_start(node)..name_end(text, node.range().start)].to_owned();
+            self.replace(open - 2..open, format!(">{element}</{tag}>"));
+            return;
+        }
+        let space = &text[open..open + text[open..].len() - text[open..].trim_start().len()];
+        self.replace(open..open, format!("{}{element}", last_line_break(space)));
+    }
+
+    /// Puts an element behind the `<origin>` child, or in front of the other children where there is none.
+    pub fn behind_origin(&mut self, source: &SourceText, node: Node, element: &str) {
+        match node.children().find(|child| child.is_element() && child.tag_name().name() == "origin") {
+            Some(origin) => self.lines_behind(source, origin, &[element.to_owned()]),
+            None => self.first_child(source, node, element),
+        }
+    }
+
+    /// Puts lines behind an element, each with the element's own indentation.
+    pub fn lines_behind(&mut self, source: &SourceText, node: Node, lines: &[String]) {
+        let (start, end) = (node.range().start, node.range().end);
+        let before = &source.text[..start];
+        let space = last_line_break(&before[before.trim_end().len()..]);
+        self.replace(end..end, lines.iter().map(|line| format!("{space}{line}")).collect::<String>());
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// The original text of `source` with the edits; as it was read where there are none.
+    pub fn apply(mut self, source: &SourceText) -> String {
+        self.pieces.push((source.declared.clone(), String::new()));
+        // Stable: insertions at one place keep their order.
+        self.pieces.sort_by_key(|(range, _)| (range.start, range.end));
+        let mut result = source.dropped_before.clone();
+        let mut at = 0;
+        for (range, piece) in &self.pieces {
+            debug_assert!(range.start >= at, "edits overlap at {}", range.start);
+            result.push_str(&source.text[at..range.start.max(at)]);
+            result.push_str(piece);
+            at = range.end.max(at);
+        }
+        result.push_str(&source.text[at..]);
+        result
+    }
+}
+
+/// The end of white space, from its last line break on: what stands before an element on a line of its own.
+fn last_line_break(space: &str) -> &str {
+    match space.rfind('\n') {
+        Some(at) if space[..at].ends_with('\r') => &space[at - 1..],
+        Some(at) => &space[at..],
+        None => space,
+    }
+}
+
+fn name_start(node: Node) -> usize {
+    node.range().start + 1
+}
+
+/// Byte offset behind the name of the tag that opens at `start`.
+fn name_end(text: &str, start: usize) -> usize {
+    let name = &text[start + 1..];
+    start + 1 + name.find(|c: char| c.is_whitespace() || c == '>' || c == '/').unwrap_or(name.len())
+}
+
+/// Byte offset behind the `>` of the tag that opens at `start`.
+pub(crate) fn open_tag_end(text: &str, start: usize) -> Option<usize> {
+    let mut quote = None;
+    for (at, c) in text[start..].char_indices() {
+        match (quote, c) {
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), _) if open == c => quote = None,
+            (None, '>') => return Some(start + at + 1),
+            _ => {}
+        }
+    }
+    None
+}
+
+/// A name or value as it may stand between double quotes.
+pub(crate) fn escaped(value: &str) -> String {
+    value.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use roxmltree::Document;
+
+    fn check(text: &str, expected: &str, edit: impl Fn(&mut Edits, &SourceText, Node)) {
+        let source =
+            SourceText { file: "f".into(), text: text.into(), dropped_before: "\u{feff}".into(), declared: 2..2 };
+        let document = Document::parse(text).unwrap();
+        let mut edits = Edits::default();
+        edit(&mut edits, &source, document.root_element());
+        assert_eq!(edits.apply(&source), format!("\u{feff}{expected}"));
+    }
+
+    #[test]
+    fn attributes_are_replaced_or_added() {
+        check("<a x = '1' y=\"2\"  />", "<a x = '3' y=\"2\"  />", |e, s, n| e.attribute(s, n, "x", "3"));
+        check("<a x='1'  />", "<a x='1' z=\"3\"  />", |e, s, n| e.attribute(s, n, "z", "3"));
+        check("<a/>", "<a z=\"3\"/>", |e, s, n| e.attribute(s, n, "z", "3"));
+        check("<a>t</a>", "<a z=\"3\">t</a>", |e, s, n| e.attribute(s, n, "z", "3"));
+    }
+
+    #[test]
+    fn children_are_put_in_on_lines_of_their_own() {
+        check("<a k='>'>\r\n\r\n  <b/>\n</a>", "<a k='>'>\r\n  <o/>\r\n\r\n  <b/>\n</a>", |e, s, n| {
+            e.first_child(s, n, "<o/>");
+        });
+        check("<a><b/></a>", "<a><o/><b/></a>", |e, s, n| e.first_child(s, n, "<o/>"));
+        check("<a k=''/>", "<a k=''><o/></a>", |e, s, n| e.first_child(s, n, "<o/>"));
+        check("<a>\n  <b/>\n</a>", "<a>\n  <b/>\n  <l/>\n  <j/>\n</a>", |e, s, n| {
+            e.lines_behind(s, n.first_element_child().unwrap(), &["<l/>".into(), "<j/>".into()]);
+        });
+    }
+
+    #[test]
+    fn what_was_declared_for_the_parser_is_taken_out() {
+        let source = SourceText {
+            file: "f".into(),
+            text: "<robot xmlns:x='u'/>".into(),
+            dropped_before: " ".into(),
+            declared: 6..18,
+        };
+        assert_eq!(Edits::default().apply(&source), " <robot/>");
+    }
+}

@@ -1,0 +1,330 @@
+//! Where the D-H frames of a whole tree lie, and the joint origins that lead to them.
+//!
+//! The tree is cut into ways: first the one to the tip that was asked for, then, from the frames that are already
+//! there, the longest that is left, until every joint has its frame. Each way is a chain whose rows come from
+//! [`denavit_dh::convert::table`]: joint origin = row, so that a reader sees the table in the file.
+
+use super::bodies::{Bodies, has_axis};
+use super::written::{Numbers, clean, clean_angle};
+use super::{ExportError, Frames, Options};
+use denavit_dh::straighten::ROUNDING;
+use denavit_dh::table::{DhRow, Row, ToolPart};
+use denavit_dh::{NearParallel, Parallelism, convert};
+use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate, Quantity};
+use denavit_model::nalgebra::{Point3, Unit, Vector3};
+use denavit_model::notes::Note;
+use denavit_model::robot::{JointKind, Robot};
+use denavit_model::screw::{AxisLine, Pitch, Screw};
+use denavit_model::se3::{self, Pose};
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// New frames of links and the joint origins that lead to them.
+pub(crate) struct Plan {
+    /// Of each joint that has an axis: its origin in the new frames.
+    pub origins: Vec<Option<Numbers>>,
+    /// root_from_frame of each link, in the new frames.
+    pub poses: Vec<Pose>,
+    /// What the user must know.
+    pub notes: Vec<Note>,
+}
+
+/// A number beyond this many times the robot's size is no place for a frame; as for tables.
+const FAR: f64 = 3.0;
+
+/// Turn and slide closer to parallel than this (rad) are a helical joint with one frame.
+const SAME_AXIS: f64 = 1e-12;
+
+impl Plan {
+    pub fn of(robot: &Robot, bodies: &Bodies, options: &Options) -> Result<Self, ExportError> {
+        let links = robot.links.len();
+        let mut plan = Self { origins: vec![None; robot.joints.len()], poses: bodies.poses.clone(), notes: Vec::new() };
+        let mut placed: Vec<bool> = (0..links).map(|link| !carried_by_axis(robot, bodies, bodies.body[link])).collect();
+        let mut tip = match &options.tip {
+            Some(name) => Some(
+                robot
+                    .link_index(name)
+                    .ok_or_else(|| ExportError::NoSuchLink { file: robot.source.file.clone(), name: name.clone() })?,
+            ),
+            None => robot.link_index(&robot.default_chain().tip),
+        };
+        let leaves: Vec<usize> = (0..links).filter(|link| robot.joints_from(*link).next().is_none()).collect();
+        loop {
+            let ways = leaves.iter().map(|leaf| (*leaf, way(robot, bodies, &placed, *leaf)));
+            let longest = ways.rev().max_by_key(|(_, way)| way.len());
+            let (tip, joints) = match (tip.take(), longest) {
+                (Some(tip), _) => (tip, way(robot, bodies, &placed, tip)),
+                (None, Some((tip, joints))) if !joints.is_empty() => (tip, joints),
+                _ => break,
+            };
+            if !joints.is_empty() {
+                plan.place(robot, bodies, options, tip, &joints)?;
+            }
+            for joint in joints {
+                placed[robot.joints[joint].child] = true;
+            }
+        }
+        for link in &bodies.order {
+            if bodies.on_the_way[*link] {
+                plan.poses[*link] = plan.poses[bodies.body[*link]];
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Frames and origins of the joints on one way.
+    fn place(
+        &mut self,
+        robot: &Robot,
+        bodies: &Bodies,
+        options: &Options,
+        tip: usize,
+        joints: &[usize],
+    ) -> Result<(), ExportError> {
+        let start = bodies.body[robot.joints[joints[0]].parent];
+        let base = self.poses[start];
+        let base_from = |link: usize| base.inverse() * bodies.poses[link];
+        let steps = steps(robot, joints, &base_from);
+        let names = (robot.name.clone(), robot.links[start].name.clone(), robot.links[tip].name.clone());
+        let chain = chain(robot, names, &steps, base_from(tip))
+            .map_err(|source| ExportError::Chain { file: robot.source.file.clone(), source })?;
+        let size = chain.size().max(bodies.size);
+        let rows = self.rows(robot, &chain, &steps, options, size)?;
+        let mut frame = base;
+        let (mut shift, mut upright) = (Pose::identity(), true);
+        for (index, step) in steps.iter().enumerate() {
+            let before = shift;
+            shift = Pose::identity();
+            if options.frames == Frames::Proximal
+                && let Row::Dh(next) = rows[index + 1]
+                && next.d.abs() <= FAR * size
+            {
+                shift = ToolPart { theta: next.theta, d: next.d }.pose();
+            }
+            for (place, (joint, same_sense)) in step.joints.iter().enumerate() {
+                let numbers = match (place, rows[index]) {
+                    (0, Row::Dh(row)) if before == Pose::identity() && shift == Pose::identity() => {
+                        dh_numbers(turned_over(row, upright, *same_sense), size)
+                    }
+                    (0, row) => {
+                        let between = before.inverse() * row.pose() * shift;
+                        Numbers::of(&(over(upright) * between * over(*same_sense)), size)
+                    }
+                    _ => Numbers::of(&over(upright == *same_sense), size),
+                };
+                upright = *same_sense;
+                frame *= numbers.pose();
+                frame.rotation = se3::orthonormalised(&frame.rotation);
+                self.origins[*joint] = Some(numbers);
+                self.poses[robot.joints[*joint].child] = frame;
+            }
+        }
+        Ok(())
+    }
+
+    /// The table's rows; Hayati's where neighbours are so nearly parallel that the usual four would lead far away.
+    ///
+    /// The chain is cut behind each such pair: what comes after is a table of its own, from the frame that is reached.
+    fn rows(
+        &mut self,
+        robot: &Robot,
+        chain: &Chain,
+        steps: &[Step],
+        options: &Options,
+        size: f64,
+    ) -> Result<Vec<Row>, ExportError> {
+        let chain_error = |source| ExportError::Chain { file: robot.source.file.clone(), source };
+        let dh =
+            convert::Options { parallelism: Parallelism::Exact, gauge: options.gauge, near_parallel: NearParallel::Dh };
+        let mut rows = Vec::new();
+        let mut left = chain.clone();
+        loop {
+            let table = convert::table(&left, &dh).map_err(chain_error)?.value;
+            let Some((index, angle)) = nearly_parallel(&left, &table.rows, options.parallelism, size) else {
+                rows.extend(table.rows);
+                return Ok(rows);
+            };
+            let here = index.checked_sub(1).map_or_else(Pose::identity, |before| table.frames()[before]);
+            let only = behind(&left, index..index + 1, &here).map_err(chain_error)?;
+            let hayati = convert::Options { near_parallel: NearParallel::HayatiBelow(angle * (1.0 + 1e-6)), ..dh };
+            let row = convert::table(&only, &hayati).map_err(chain_error)?.value.rows[0];
+            left = behind(&left, index + 1..left.joints().len(), &(here * row.pose())).map_err(chain_error)?;
+            rows.extend(&table.rows[..index]);
+            self.notes.push(tilted(robot, &steps[rows.len()], angle));
+            rows.push(row);
+        }
+    }
+}
+
+/// The first joint whose axis is nearly parallel to the one before, and the angle between them, rad.
+fn nearly_parallel(chain: &Chain, rows: &[Row], parallelism: Parallelism, size: f64) -> Option<(usize, f64)> {
+    let far = |row: &Row| row.a().abs().max(row.d().unwrap_or(0.0).abs()) > FAR * size;
+    let tolerance = match parallelism {
+        Parallelism::Exact => 0.0,
+        Parallelism::Within { angle } => angle,
+    };
+    let mut before = Vector3::z_axis();
+    chain.joints().iter().enumerate().find_map(|(index, joint)| {
+        let direction = joint.screw.direction();
+        let angle = se3::angle_between(&before, &direction).min(se3::angle_between(&before, &-direction.into_inner()));
+        before = direction;
+        (angle > ROUNDING && (angle < tolerance || far(&rows[index]))).then_some((index, angle))
+    })
+}
+
+/// The joints `range` of a chain and its tip, as they are seen from the frame `base`.
+fn behind(chain: &Chain, range: Range<usize>, base: &Pose) -> Result<Chain, ChainError> {
+    let seen = base.inverse();
+    let joints = chain.joints()[range].iter().enumerate().map(|(coordinate, joint)| ChainJoint {
+        screw: joint.screw.moved(&seen),
+        coordinate,
+        ..joint.clone()
+    });
+    let joints: Vec<ChainJoint> = joints.collect();
+    let of = |joint: &ChainJoint| chain.coordinates().iter().find(|coordinate| coordinate.name == joint.name).cloned();
+    let coordinates = joints.iter().filter_map(of).collect();
+    Chain::new((chain.name(), chain.base(), chain.tip()), coordinates, joints, seen * chain.home())
+}
+
+fn tilted(robot: &Robot, step: &Step, angle: f64) -> Note {
+    let what = format!(
+        "its axis is {angle:.1e} rad from parallel to the axis before; the origin has a pitch for it, so that the motion \
+         stays as it was and the frame near the arm"
+    );
+    Note::Mended { place: robot.joint_place(step.joints[0].0), what }
+}
+
+fn carried_by_axis(robot: &Robot, bodies: &Bodies, link: usize) -> bool {
+    bodies.to_parent[link].is_some_and(|joint| has_axis(&robot.joints[joint].kind))
+}
+
+/// The joints with an axis on the way from the nearest frame that is already placed down to `link`.
+fn way(robot: &Robot, bodies: &Bodies, placed: &[bool], link: usize) -> Vec<usize> {
+    let mut joints = Vec::new();
+    let mut at = bodies.body[link];
+    while let Some(joint) = bodies.to_parent[at] {
+        if placed[at] {
+            break;
+        }
+        joints.push(joint);
+        at = bodies.body[robot.joints[joint].parent];
+    }
+    joints.reverse();
+    joints
+}
+
+/// One screw axis of a way: a joint, or a turn and the slide that it drives, and whether each has the axis' sense.
+struct Step {
+    joints: Vec<(usize, bool)>,
+    screw: Screw,
+}
+
+fn steps(robot: &Robot, joints: &[usize], base_from: &impl Fn(usize) -> Pose) -> Vec<Step> {
+    let mut steps: Vec<Step> = Vec::new();
+    for index in joints {
+        let joint = &robot.joints[*index];
+        let pose = base_from(joint.child);
+        let direction = Unit::new_normalize(pose.rotation * joint.axis.as_ref());
+        let axis = AxisLine { direction, point: Point3::from(pose.translation.vector) };
+        let screw = match joint.kind {
+            JointKind::Prismatic => Screw::Prismatic(direction),
+            JointKind::Screw(pitch) => Screw::Helical { axis, pitch },
+            _ => Screw::Revolute(axis),
+        };
+        if let Some(last) = steps.last_mut()
+            && let [(before, _)] = last.joints[..]
+            && let Some(pitch) = coupled(robot, before, *index)
+            && last.screw.direction().cross(&direction).norm() < SAME_AXIS
+        {
+            let same = last.screw.direction().dot(&direction) > 0.0;
+            let sense = if same { 1.0 } else { -1.0 };
+            let turn = *last.screw.line().unwrap_or(&axis);
+            let turn_first = last.screw.line().is_some();
+            if let Some(pitch) = Pitch::from_metres_per_radian(sense * pitch) {
+                last.joints = if turn_first {
+                    vec![(before, true), (*index, same)]
+                } else {
+                    vec![(before, same), (*index, true)]
+                };
+                last.screw = Screw::Helical { axis: turn, pitch };
+                continue;
+            }
+        }
+        steps.push(Step { joints: vec![(*index, true)], screw });
+    }
+    steps
+}
+
+/// Metres of slide per radian of turn where one of two neighbouring joints drives the other, or both follow a third.
+fn coupled(robot: &Robot, one: usize, other: usize) -> Option<f64> {
+    let turns = |joint: usize| matches!(robot.joints[joint].kind, JointKind::Revolute | JointKind::Continuous);
+    let slides = |joint: usize| robot.joints[joint].kind == JointKind::Prismatic;
+    let (turn, slide) = match (turns(one) && slides(other), slides(one) && turns(other)) {
+        (true, _) => (one, other),
+        (_, true) => (other, one),
+        _ => return None,
+    };
+    let (turn, slide) = (&robot.joints[turn], &robot.joints[slide]);
+    match (&turn.mimic, &slide.mimic) {
+        (None, Some(follows)) if follows.joint == turn.name => Some(follows.multiplier),
+        (Some(follows), None) if follows.joint == slide.name && follows.multiplier != 0.0 => {
+            Some(1.0 / follows.multiplier)
+        }
+        (Some(a), Some(b)) if a.joint == b.joint && a.multiplier != 0.0 => Some(b.multiplier / a.multiplier),
+        _ => None,
+    }
+}
+
+/// The chain of a way, each step with a coordinate of its own: at joint values 0, whatever mimics say.
+fn chain(robot: &Robot, names: (String, String, String), steps: &[Step], home: Pose) -> Result<Chain, ChainError> {
+    let lead = |step: &Step| {
+        let turn = step.joints.iter().find(|(joint, _)| robot.joints[*joint].kind != JointKind::Prismatic);
+        turn.unwrap_or(&step.joints[0]).0
+    };
+    let coordinates = steps.iter().map(|step| {
+        let joint = &robot.joints[lead(step)];
+        let slides = joint.kind == JointKind::Prismatic;
+        let continuous = joint.kind == JointKind::Continuous;
+        Coordinate {
+            name: joint.name.clone(),
+            quantity: if slides { Quantity::Length } else { Quantity::Angle },
+            limits: if continuous { None } else { joint.limits },
+            continuous,
+        }
+    });
+    let joints = steps.iter().enumerate().map(|(coordinate, step)| ChainJoint {
+        name: robot.joints[lead(step)].name.clone(),
+        screw: step.screw,
+        coordinate,
+        scale: 1.0,
+        offset: 0.0,
+    });
+    Chain::new(names, coordinates.collect(), joints.collect(), home)
+}
+
+/// Half a turn about x where the sense differs.
+fn over(same_sense: bool) -> Pose {
+    let alpha = if same_sense { 0.0 } else { PI };
+    DhRow { alpha, ..DhRow::default() }.pose()
+}
+
+/// The row between frames of which the one before or the one behind lies on its face.
+fn turned_over(row: DhRow, before_upright: bool, behind_upright: bool) -> DhRow {
+    let half_turn = |alpha: f64| if alpha > 0.0 { alpha - PI } else { alpha + PI };
+    let mut row = row;
+    if !before_upright {
+        row = DhRow { theta: -row.theta, d: -row.d, alpha: half_turn(row.alpha), a: row.a };
+    }
+    if !behind_upright {
+        row.alpha = half_turn(row.alpha);
+    }
+    row
+}
+
+/// A row as URDF writes it: rpy = (alpha, 0, theta), xyz = (a cos theta, a sin theta, d).
+pub(crate) fn dh_numbers(row: DhRow, size: f64) -> Numbers {
+    let (theta, a) = (clean_angle(row.theta), clean(row.a, size));
+    let (sine, cosine) = se3::sin_cos_of_written(theta);
+    let xyz = Vector3::new(clean(a * cosine, a), clean(a * sine, a), clean(row.d, size));
+    Numbers { xyz: xyz.into(), rpy: [clean_angle(row.alpha), 0.0, theta] }
+}

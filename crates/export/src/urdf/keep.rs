@@ -1,0 +1,84 @@
+//! D-H frames in links of their own, every old frame under its old name fixed to them.
+
+use super::ExportError;
+use super::bodies::Bodies;
+use super::edit::{Edits, escaped};
+use super::frames::Plan;
+use super::nodes::Nodes;
+use super::reframe::Moves;
+use super::written::Numbers;
+use denavit_model::robot::Robot;
+use roxmltree::{Document, Node};
+
+/// Links get this behind their name for the link that has their D-H frame.
+const SUFFIX: &str = "_dh";
+
+/// Joints lead to the D-H frames, which carry the old links: nothing that is given in a link changes.
+pub(crate) fn edit(
+    robot: &Robot,
+    document: &Document,
+    bodies: &Bodies,
+    plan: &Plan,
+    edits: &mut Edits,
+) -> Result<(), ExportError> {
+    let moves = Moves::of(robot, bodies, plan);
+    let nodes = Nodes::of(robot, document)?;
+    let dh_name = |link: usize| {
+        let name = &robot.links[link].name;
+        if moves.new_from_old[link].is_some() { format!("{name}{SUFFIX}") } else { name.clone() }
+    };
+    for (index, joint) in robot.joints.iter().enumerate() {
+        let node = nodes.joint(index);
+        let Some(numbers) = plan.origins[index] else {
+            if bodies.reread[index] {
+                moves.joint_origin(edits, node, &bodies.origins[index]);
+            }
+            continue;
+        };
+        moves.joint_origin(edits, node, &numbers);
+        moves.joint_axis(edits, node);
+        let parent = dh_name(bodies.body[joint.parent]);
+        set_end(robot, edits, node, "parent", &robot.links[joint.parent].name, &parent);
+        let Some(step) = moves.new_from_old[joint.child] else { continue };
+        let old = &robot.links[joint.child].name;
+        let new = dh_name(joint.child);
+        let holder = format!("{new}_to_{old}");
+        free(robot, robot.link_index(&new).map(|link| ("link", robot.links[link].at, new.as_str())))?;
+        free(robot, robot.joint_index(&holder).map(|at| ("joint", robot.joints[at].at, holder.as_str())))?;
+        set_end(robot, edits, node, "child", old, &new);
+        let scale = step.translation.vector.norm();
+        edits.lines_behind(
+            &robot.source,
+            node,
+            &[
+                format!("<link name=\"{}\"/>", escaped(&new)),
+                format!(
+                    "<joint name=\"{}\" type=\"fixed\"><parent link=\"{}\"/><child link=\"{}\"/>{}</joint>",
+                    escaped(&holder),
+                    escaped(&new),
+                    escaped(old),
+                    Numbers::of(&step, scale).element()
+                ),
+            ],
+        );
+    }
+    Ok(())
+}
+
+fn set_end(robot: &Robot, edits: &mut Edits, joint: Node, role: &str, old: &str, new: &str) {
+    let end = joint.children().find(|child| child.is_element() && child.tag_name().name() == role);
+    if let (Some(end), true) = (end, old != new) {
+        edits.attribute(&robot.source, end, "link", new);
+    }
+}
+
+/// # Errors
+/// There is an element of that name.
+pub(crate) fn free(robot: &Robot, taken: Option<(&str, usize, &str)>) -> Result<(), ExportError> {
+    match taken {
+        None => Ok(()),
+        Some((tag, at, name)) => {
+            Err(ExportError::NameTaken { place: robot.source.place(at, format!("{tag} \"{name}\"")) })
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Whether joint origins are rows already.
+
+use super::Frames;
+use super::bodies::{Bodies, has_axis, has_short_angle};
+use super::written::Numbers;
+use denavit_dh::straighten::ROUNDING;
+use denavit_dh::table::{DhRow, HayatiRow, Row};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::robot::Robot;
+use denavit_model::se3;
+use denavit_model::tree::Reading;
+
+/// Rounding of a row that was written and read again: rad, and m relative to the origin's own length.
+const WRITTEN: f64 = 1e-14;
+
+/// Axes closer to parallel than this (rad) may have Hayati's row; as may those whose feet lie farther than this many
+/// times the robot's size.
+const SURELY_PARALLEL: f64 = 1e-5;
+const FAR: f64 = 1.0;
+
+/// Axes farther than this (rad) from parallel have a D-H row like any others.
+const NEARLY_PARALLEL: f64 = 0.3;
+
+/// Whether every joint with an axis is in canonical form as it is written, and no shortened angle is left to be mended.
+pub(crate) fn is_canonical(robot: &Robot, frames: Frames, reading: Reading) -> bool {
+    let all = |test: &dyn Fn(usize) -> bool| (0..robot.joints.len()).all(test);
+    let mended = reading == Reading::AsWritten || !robot.joints.iter().any(has_short_angle);
+    if !mended || !all(&|index| has_z_axis(robot, index)) {
+        return false;
+    }
+    let bodies = &Bodies::of(robot, Reading::AsWritten);
+    let row = |index: usize| row_of(&bodies.origins[index], bodies.size);
+    let merged = all(&|index| {
+        let joint = &robot.joints[index];
+        joint.kind.moves() || !bodies.on_the_way[joint.child] || bodies.origins[index] == Numbers::default()
+    });
+    let turning = |index: &usize| has_axis(&robot.joints[*index].kind);
+    merged
+        && match frames {
+            Frames::Distal => (0..robot.joints.len()).filter(turning).all(|index| row(index).is_some()),
+            // The foot of a common normal with one of the axes behind.
+            Frames::Proximal => (0..robot.joints.len()).filter(turning).all(|index| {
+                let link = robot.joints[index].child;
+                let mut behind = (0..robot.joints.len())
+                    .filter(turning)
+                    .filter(|next| bodies.body[robot.joints[*next].parent] == link)
+                    .peekable();
+                let fits = |origin: &Numbers| is_proximal(origin) || is_nearly_parallel(origin, bodies.size);
+                behind.peek().is_none() || behind.any(|next| fits(&bodies.origins[next]))
+            }),
+        }
+}
+
+fn has_z_axis(robot: &Robot, index: usize) -> bool {
+    let joint = &robot.joints[index];
+    !has_axis(&joint.kind) || joint.axis_written == Some([0.0, 0.0, 1.0])
+}
+
+/// The row that an origin is, if it is one: rpy = (alpha, 0, theta) and xyz = (a cos theta, a sin theta, d), or Hayati's
+/// where the axes are nearly parallel and the four numbers would lead far away.
+pub(crate) fn row_of(origin: &Numbers, size: f64) -> Option<Row> {
+    let [x, y, z] = origin.xyz;
+    let length = x.hypot(y).max(z.abs());
+    let [alpha, pitch, theta] = origin.rpy;
+    if pitch.abs() <= WRITTEN {
+        let (sine, cosine) = se3::sin_cos_of_written(theta);
+        let (along, across) = (x * cosine + y * sine, y * cosine - x * sine);
+        return (across.abs() <= WRITTEN * length)
+            .then(|| Row::Dh(DhRow { theta, d: z, alpha, a: exact_length(along, [x, y], [cosine, sine]) }));
+    }
+    // Rz(theta) Tx(a) Rx(alpha) Ry(beta).
+    let rotation = se3::rotation_from_rpy(origin.rpy);
+    let r = rotation.matrix();
+    let theta = (-r[(0, 1)]).atan2(r[(1, 1)]);
+    let (sine, cosine) = theta.sin_cos();
+    let (along, across) = (x * cosine + y * sine, y * cosine - x * sine);
+    let alpha = r[(2, 1)].atan2(cosine * r[(1, 1)] - sine * r[(0, 1)]);
+    let beta = (cosine * r[(0, 2)] + sine * r[(1, 2)]).atan2(cosine * r[(0, 0)] + sine * r[(1, 0)]);
+    let flat = z.abs() <= WRITTEN * length && across.abs() <= WRITTEN * length;
+    (flat && is_nearly_parallel(origin, size)).then_some(Row::Hayati(HayatiRow { theta, a: along, alpha, beta }))
+}
+
+/// Whether the z axes before and behind are so nearly parallel that their common normal is no place for a frame.
+fn is_nearly_parallel(origin: &Numbers, size: f64) -> bool {
+    let z_axis = se3::rotation_from_rpy(origin.rpy).matrix().column(2).into_owned();
+    let tilt = se3::angle_between(&Vector3::z(), &z_axis).min(se3::angle_between(&-Vector3::z(), &z_axis));
+    let normal = Vector3::z().cross(&z_axis);
+    // How far along the axis before the foot of the common normal lies.
+    let foot = Vector3::from(origin.xyz).cross(&z_axis).dot(&normal) / normal.norm_squared();
+    tilt > ROUNDING && tilt < NEARLY_PARALLEL && (foot.abs() > FAR * size || tilt < SURELY_PARALLEL)
+}
+
+/// The length whose products with cosine and sine are what is written: the shortest of those that rounding allows.
+fn exact_length(along: f64, [x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
+    let gives_both =
+        |a: f64| super::written::clean(a * cosine, a.abs()) == x && super::written::clean(a * sine, a.abs()) == y;
+    let candidates = (12..=16).map(|digits| format!("{along:.digits$e}").parse::<f64>().unwrap_or(along));
+    candidates.chain([along, along.next_up(), along.next_down()]).find(|a| gives_both(*a)).unwrap_or(along) + 0.0
+}
+
+/// Whether an origin is Rx(alpha) Tx(a) Rz(theta) Tz(d).
+fn is_proximal(origin: &Numbers) -> bool {
+    let rotation = se3::rotation_from_rpy(origin.rpy);
+    let r = rotation.matrix();
+    let [x, y, z] = origin.xyz;
+    let length = x.abs().max(y.hypot(z));
+    // x of the new frame turned about the new z stays across it in the old y-z plane: row 0 of Rx Rz is (cos, -sin, 0).
+    let across = y * r[(2, 2)] - z * r[(1, 2)];
+    r[(0, 2)].abs() <= WRITTEN && across.abs() <= WRITTEN * length
+}

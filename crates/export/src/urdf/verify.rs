@@ -1,0 +1,77 @@
+//! Whether two robots are one: every shape, centre of mass and tensor at joint values that move all joints.
+
+use super::ExportError;
+use super::bodies::Bodies;
+use denavit_model::nalgebra::Point3;
+use denavit_model::robot::{Joint, JointKind, Link, Robot};
+use denavit_model::screw::{AxisLine, Screw};
+use denavit_model::se3::{self, Pose};
+use denavit_model::tree::Reading;
+use denavit_model::urdf;
+
+/// Shapes may differ by this many times the robot's size, m, and by as much in rad.
+const SAME: f64 = 1e-11;
+
+/// # Errors
+/// The text is no URDF, or its robot is another one.
+pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str) -> Result<(), ExportError> {
+    let made = urdf::read(&robot.source.file, text)?;
+    let made_bodies = Bodies::of(&made, Reading::AsWritten);
+    let unfaithful = |what: String| ExportError::Unfaithful { file: robot.source.file.clone(), what };
+    for seed in [0.0, 1.0] {
+        let value =
+            |joint: &Joint| seed * (joint.name.bytes().fold(0.0, |sum, byte| 0.7 * sum + f64::from(byte))).sin();
+        let (before, after) = (poses(robot, bodies, &value), poses(&made, &made_bodies, &value));
+        for (link, pose) in robot.links.iter().zip(&before) {
+            let twin =
+                made.link_index(&link.name).ok_or_else(|| unfaithful(format!("link \"{}\" is lost", link.name)))?;
+            if let Some(part) = moved_part(link, pose, &made.links[twin], &after[twin], bodies.size) {
+                return Err(unfaithful(format!("the {part} of link \"{}\" would move", link.name)));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// root_from_link at the joint values that `value` gives; joints of several values stand at zero.
+pub(crate) fn poses(robot: &Robot, bodies: &Bodies, value: &dyn Fn(&Joint) -> f64) -> Vec<Pose> {
+    let mut poses = vec![Pose::identity(); robot.links.len()];
+    for link in &bodies.order {
+        let Some(index) = bodies.to_parent[*link] else { continue };
+        let joint = &robot.joints[index];
+        let line = AxisLine { direction: joint.axis, point: Point3::origin() };
+        let motion = match &joint.kind {
+            JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line).motion(value(joint)),
+            JointKind::Prismatic => Screw::Prismatic(joint.axis).motion(value(joint)),
+            JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch }.motion(value(joint)),
+            _ => Pose::identity(),
+        };
+        poses[*link] = poses[joint.parent] * bodies.origins[index].pose() * motion;
+    }
+    poses
+}
+
+fn moved_part(link: &Link, pose: &Pose, twin: &Link, twin_pose: &Pose, size: f64) -> Option<String> {
+    let same = |one: &Pose, other: &Pose| {
+        let (turned, moved) = se3::difference(&(pose * one), &(twin_pose * other));
+        turned <= SAME && moved <= SAME * (size + one.translation.vector.norm())
+    };
+    match (&link.inertial, &twin.inertial) {
+        (None, None) => {}
+        (Some(a), Some(b)) if a.mass == b.mass && a.tensor == b.tensor && same(&a.origin.pose(), &b.origin.pose()) => {}
+        _ => return Some("inertial".into()),
+    }
+    for (part, shapes, twins) in
+        [("visual", &link.visuals, &twin.visuals), ("collision", &link.collisions, &twin.collisions)]
+    {
+        let alike = shapes.len() == twins.len()
+            && shapes
+                .iter()
+                .zip(twins)
+                .all(|(a, b)| a.geometry == b.geometry && same(&a.origin.pose(), &b.origin.pose()));
+        if !alike {
+            return Some(part.into());
+        }
+    }
+    None
+}
