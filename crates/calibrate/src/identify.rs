@@ -38,8 +38,25 @@ pub struct Identification {
     pub geometric: Fit<NoEffects>,
 }
 
-/// Fit the nominal stage, then the geometry.
+impl IdentifyOptions {
+    /// The same, but joints that never move in these data keep their axes, scales and pitches.
+    #[must_use]
+    pub fn for_data(&self, chain: &Chain, data: &Measurements) -> Self {
+        let mut options = self.clone();
+        for (index, joint) in chain.joints().iter().enumerate() {
+            if data.never_moves(joint.coordinate) {
+                options.freedom.axes[index] = false;
+                options.freedom.scales[index] = false;
+                options.freedom.pitches[index] = false;
+            }
+        }
+        options
+    }
+}
+
+/// Fit the nominal stage, then the geometry; joints that never move keep their axes.
 pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -> Identification {
+    let options = &options.for_data(chain, data);
     let weights = vec![1.0; data.observations()];
     let first = nominal_fit(chain, data, &weights, &FitOptions { robust: true, ..options.fit });
     let geometric = fit_stage(data, &first.arm, &NoEffects, &weights, options);

@@ -8,9 +8,11 @@
 //! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
 
 pub mod arm;
+pub mod dh_form;
 pub mod effects;
 pub mod errors;
 pub mod gauge;
+pub mod identifiability;
 pub mod identify;
 pub mod measurements;
 pub mod normal;

@@ -79,7 +79,17 @@ pub struct Measurements {
     pub lines: Vec<usize>,
 }
 
+/// Joint readings closer than this are one reading, rad or m.
+const SAME_READING: f64 = 1e-9;
+
 impl Measurements {
+    /// Whether a coordinate has one reading in all rows.
+    pub fn never_moves(&self, coordinate: usize) -> bool {
+        let values = || (0..self.len()).map(|row| self.reading(row)[coordinate]);
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        high - low < SAME_READING
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.lines.len()

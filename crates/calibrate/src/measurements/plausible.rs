@@ -10,8 +10,6 @@ use denavit_model::{Chain, Quantity};
 const BEYOND_LIMITS: f64 = 3.0;
 /// Measured lengths may be this many times beyond the reach.
 const BEYOND_REACH: f64 = 4.0;
-/// Joint readings closer than this are one reading, rad or m.
-const SAME_READING: f64 = 1e-9;
 /// Targets closer than this in every row are one target, m.
 const SAME_TARGET: f64 = 1e-9;
 
@@ -106,8 +104,7 @@ pub(super) fn notes(data: &Measurements, chain: &Chain) -> Vec<DataNote> {
     for (index, coordinate) in chain.coordinates().iter().enumerate() {
         let values = || (0..data.len()).map(|row| data.reading(row)[index]);
         let low = values().fold(f64::INFINITY, f64::min);
-        let high = values().fold(f64::NEG_INFINITY, f64::max);
-        if high - low < SAME_READING && data.len() > 1 {
+        if data.never_moves(index) {
             notes.push(DataNote::NeverMoves { joint: coordinate.name.clone(), at: low });
         }
         if let Some(limits) = coordinate.limits {

@@ -1,0 +1,68 @@
+//! The paper's count against the numerical rank.
+
+use denavit_calibrate::dh_form::dh_form;
+use denavit_calibrate::identifiability::{identifiability, of_chain};
+use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::{Freedom, IdentifyOptions, MeasurementKind, NoEffects, identify};
+use denavit_model::examples;
+
+#[test]
+fn rank_is_the_papers_count() {
+    for chain in examples::all() {
+        let n = chain.joints().len();
+        for (targets, scales) in [(1, false), (3, false), (1, true)] {
+            let freedom = Freedom { scales: vec![scales; n], ..Freedom::axes(n) };
+            for found in of_chain(&chain, &freedom, targets, 60) {
+                let place = format!("{} {:?} {}", chain.name(), found.kind, found.formula);
+                if chain.name() == "planar_arm" && found.kind == MeasurementKind::Distance {
+                    // Of two parallel axes as drawn, distances tell one number less, and its names are given.
+                    assert_eq!(found.rank + 1, found.expected, "{place}");
+                    assert!(found.untold.iter().any(|untold| untold.parameter == "target.x"), "{:?}", found.untold);
+                } else {
+                    assert_eq!(found.rank, found.expected, "{place}");
+                    assert!(found.untold.is_empty() && found.smallest > 1e-2, "{place} {:?}", found.untold);
+                }
+            }
+        }
+        let readings: Vec<Vec<f64>> =
+            (0..60).map(|row| (0..n).map(|k| ((row * 37 + k * 11) % 17) as f64 * 0.3 - 2.4).collect()).collect();
+        let form = dh_form(&chain, &readings);
+        assert_eq!((form.redundant_in_base, form.redundant_in_tool), (4, 2), "{}", chain.name());
+        let poe = of_chain(&chain, &Freedom::axes(n), 1, 60)[0].rank;
+        if form.parallel.is_empty() && form.prismatic.is_empty() {
+            assert_eq!((form.numbers - 6, form.rank), (poe, poe), "{}", chain.name());
+        } else if form.prismatic.is_empty() {
+            // Each parallel pair costs a direction that only the POE form has.
+            assert_eq!(form.rank, poe - form.parallel.len(), "{}", chain.name());
+        }
+    }
+}
+
+#[test]
+fn a_joint_that_never_moves_is_named_and_left_at_nominal() {
+    let chain = &examples::puma_like();
+    for kind in [MeasurementKind::Pose, MeasurementKind::Position] {
+        let mut run = simulate(chain, &SimulationOptions { kind, rows: 80, ..Default::default() }, &NoEffects);
+        // The joint stands still, and the measured values are those of the robot standing so.
+        let truth = run.arm.clone();
+        for row in 0..run.data.len() {
+            run.data.readings[row * 6 + 3] = 0.4;
+        }
+        for row in 0..run.data.len() {
+            let pose = truth.instrument * denavit_calibrate::simulate::true_target(&truth, run.data.reading(row), 0);
+            run.data.positions[row] = Some(pose.translation.vector);
+            if kind == MeasurementKind::Pose {
+                run.data.orientations[row] = pose.rotation;
+            }
+        }
+        let freedom = Freedom::axes(6);
+        let found = identifiability(&run.data, &run.arm, &NoEffects, &freedom);
+        assert_eq!(found.rank, found.expected - 4);
+        assert!(found.untold.iter().all(|untold| untold.joint == "joint_4" && untold.why.contains("never moves")));
+        let fit = identify(chain, &run.data, &IdentifyOptions::axes(chain)).geometric;
+        assert!(fit.noise.position < 1e-11, "{}", fit.noise.position);
+        let change = fit.arm.change(3);
+        let largest = [change.turned, change.moved].concat().iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        assert!(largest < 1e-6, "{change:?}");
+    }
+}
