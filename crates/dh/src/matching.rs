@@ -246,7 +246,7 @@ pub enum MatchError {
 }
 
 /// Guesses that are fitted where the frames are free, where they are given, and where none of them came close.
-const TRIED: [usize; 3] = [12, 64, 64];
+const TRIED: [usize; 3] = [12, 64, 32];
 
 /// A guess whose fit leaves no more than this many times the least says the same as the best one.
 const AS_GOOD: f64 = 2.0;

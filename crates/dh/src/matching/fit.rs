@@ -115,7 +115,7 @@ impl Product {
     /// The joints' axes at joint values `zeros`, in the table's own base frame.
     pub fn axes(&self, numbers: &[f64], zeros: &[f64]) -> Vec<Axis> {
         let mut axes = Vec::new();
-        self.walk(numbers, zeros, Pose::identity(), |element, reached| {
+        self.walk(&self.steps(numbers), zeros, Pose::identity(), |element, reached| {
             if let Element::Motion(index) = element {
                 axes.push(Axis {
                     direction: reached.rotation.matrix().column(2).into_owned(),
@@ -129,20 +129,40 @@ impl Product {
 
     /// The product at the joint values `values`.
     pub fn pose(&self, numbers: &[f64], values: &[f64]) -> Pose {
-        self.walk(numbers, values, Pose::identity(), |_, _| {})
+        self.walk(&self.steps(numbers), values, Pose::identity(), |_, _| {})
     }
 
-    fn walk(&self, numbers: &[f64], values: &[f64], start: Pose, mut at: impl FnMut(Element, &Pose)) -> Pose {
+    /// The motion that each number stands for; they are the same in every configuration.
+    fn steps(&self, numbers: &[f64]) -> Vec<Pose> {
+        self.places.iter().zip(numbers).map(|((_, number), value)| elementary(*number, *value)).collect()
+    }
+
+    fn walk(&self, steps: &[Pose], values: &[f64], start: Pose, mut at: impl FnMut(Element, &Pose)) -> Pose {
         let mut reached = start;
         for element in &self.elements {
             at(*element, &reached);
-            match *element {
-                Element::Number(index) if numbers[index] == 0.0 => {}
-                Element::Number(index) => reached *= elementary(self.places[index].1, numbers[index]),
-                Element::Motion(index) => reached *= self.motions[index].pose(values[index]),
-            }
+            reached *= match *element {
+                Element::Number(index) => steps[index],
+                Element::Motion(index) => self.motions[index].pose(values[index]),
+            };
         }
         reached
+    }
+
+    /// What stands between the joints: one more than there are.
+    fn links(&self, numbers: &[f64]) -> Vec<Pose> {
+        let mut links = vec![Pose::identity()];
+        for element in &self.elements {
+            match *element {
+                Element::Number(index) => {
+                    if let Some(link) = links.last_mut() {
+                        *link *= elementary(self.places[index].1, numbers[index]);
+                    }
+                }
+                Element::Motion(_) => links.push(Pose::identity()),
+            }
+        }
+        links
     }
 }
 
@@ -190,17 +210,25 @@ impl Fit<'_> {
         joints.map(|((sense, value), zero)| sense * value + zero).collect()
     }
 
-    /// base_from_tip as the state has it.
-    fn pose(&self, state: &State, sample: &Sample) -> Pose {
-        let values = self.values(state, sample);
-        self.product.walk(&state.numbers, &values, state.base, |_, _| {}) * state.tool
+    /// base_from_tip as the state has it, at every sample.
+    fn poses<'s>(&'s self, state: &'s State, samples: &'s [Sample]) -> impl Iterator<Item = (&'s Sample, Pose)> {
+        let mut links = self.product.links(&state.numbers);
+        links[0] = state.base * links[0];
+        samples.iter().map(move |sample| {
+            let mut reached = links[0];
+            for (joint, link) in links[1..].iter().enumerate() {
+                let value = self.senses[joint] * sample.values[joint] + state.zeros[joint];
+                reached *= self.product.motions[joint].pose(value) * link;
+            }
+            (sample, reached * state.tool)
+        })
     }
 
     /// Largest position (m) and rotation (rad) error over samples.
     pub fn errors(&self, state: &State, samples: &[Sample]) -> (f64, f64) {
         let mut worst = (0.0f64, 0.0f64);
-        for sample in samples {
-            let (turned, moved) = se3::difference(&sample.tip, &self.pose(state, sample));
+        for (sample, found) in self.poses(state, samples) {
+            let (turned, moved) = se3::difference(&sample.tip, &found);
             worst = (worst.0.max(moved), worst.1.max(turned));
         }
         worst
@@ -215,7 +243,7 @@ impl Fit<'_> {
     }
 
     fn sum_of_squares(&self, state: &State) -> f64 {
-        self.samples.iter().map(|sample| self.residual(sample, &self.pose(state, sample)).norm_squared()).sum()
+        self.poses(state, self.samples).map(|(sample, found)| self.residual(sample, &found).norm_squared()).sum()
     }
 
     /// The state of least squares near `start`: Levenberg-Marquardt, columns in closed form.
@@ -260,9 +288,10 @@ impl Fit<'_> {
         let mut normal = DMatrix::zeros(count, count);
         let mut right = DVector::zeros(count);
         let mut columns: Vec<Vector6<f64>> = Vec::with_capacity(count);
+        let steps = self.product.steps(&state.numbers);
         for sample in self.samples {
             columns.clear();
-            let found = self.columns(state, free, sample, &mut columns);
+            let found = self.columns(state, &steps, free, sample, &mut columns);
             let residual = self.residual(sample, &found);
             let tip = found.translation.vector;
             for column in &mut columns {
@@ -287,13 +316,20 @@ impl Fit<'_> {
     }
 
     /// Space twists of what is free: base, zeros and numbers in the order of the product, tool.
-    fn columns(&self, state: &State, free: &Free, sample: &Sample, columns: &mut Vec<Vector6<f64>>) -> Pose {
+    fn columns(
+        &self,
+        state: &State,
+        steps: &[Pose],
+        free: &Free,
+        sample: &Sample,
+        columns: &mut Vec<Vector6<f64>>,
+    ) -> Pose {
         let unit = |index: usize| Vector6::from_fn(|row, _| f64::from(u8::from(row == index)));
         if free.base {
             columns.extend((0..6).map(unit));
         }
         let values = self.values(state, sample);
-        let reached = self.product.walk(&state.numbers, &values, state.base, |element, reached| match element {
+        let reached = self.product.walk(steps, &values, state.base, |element, reached| match element {
             Element::Number(index) if free.numbers[index] => {
                 columns.push(adjoint_times(reached, &direction(self.product.places[index].1)));
             }
