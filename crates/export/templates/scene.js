@@ -92,7 +92,7 @@
     const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
     const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
     const right = [-sa, ca, 0], up = [-se * ca, -se * sa, ce], near = [ce * ca, ce * sa, se];
-    const eye = 5 * radius, scale = (0.4 * Math.min(width, 1.3 * height) / radius) * camera.zoom;
+    const eye = 5 * radius, scale = (0.36 * Math.min(width, 1.2 * height) / radius) * camera.zoom;
     const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     return (p) => {
       const d = [p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]];
@@ -193,15 +193,16 @@
     pen.textBaseline = "middle";
     pen.font = "600 12px system-ui, sans-serif";
     pen.lineJoin = "round";
-    for (const { text, at, colour } of tags) {
+    for (const { text, at, out, colour } of tags) {
       const wide = pen.measureText(text).width / 2 + 2;
-      let [x, y] = at;
+      const middle = [0, 1].map((i) => at[i] + out[i] * (3 + Math.abs(out[0]) * wide + Math.abs(out[1]) * 8));
+      let [x, y] = middle;
       for (let k = 0; k < 12; k++) {
         const hit = taken.some((t) => Math.abs(t[0] - x) < t[2] + wide && Math.abs(t[1] - y) < 13);
         if (!hit) break;
         const turn = (k * Math.PI) / 4;
-        x = at[0] + (10 + 2 * k) * Math.cos(turn);
-        y = at[1] + (10 + 2 * k) * Math.sin(turn);
+        x = middle[0] + (10 + 2 * k) * Math.cos(turn);
+        y = middle[1] + (10 + 2 * k) * Math.sin(turn);
       }
       taken.push([x, y, wide]);
       pen.strokeStyle = "rgb(255 255 255 / 0.9)";
@@ -251,8 +252,6 @@
           line(add(at, tip.map((t, i) => t - at[i]), 0.5), tip, INK[colour], 2.2);
           const [p, r] = [project(at), project(tip)];
           const reach = Math.hypot(r[0] - p[0], r[1] - p[1]);
-          const out = reach > 8 ? 9 / reach : 0;
-          const place = [r[0] + (r[0] - p[0]) * out, r[1] + (r[1] - p[1]) * out];
           const head = Math.min(9, 0.7 * reach), [dx, dy] = reach > 1 ? [(r[0] - p[0]) / reach, (r[1] - p[1]) / reach] : [0, 0];
           items.push({ depth: r[2] + 2e-3 * radius, paint: () => {
             pen.fillStyle = INK[colour];
@@ -265,12 +264,12 @@
           const key = `${colour} ${tip.map((t) => Math.round(t / (1e-3 * radius))).join()}`;
           const known = named.get(key);
           if (known) known.names.push(frame.name);
-          else named.set(key, { names: [frame.name], letter: colour, at: place, colour: INK[colour] });
+          else named.set(key, { names: [frame.name], letter: colour, at: r, out: [dx, dy], colour: INK[colour] });
         }
       }
-      for (const { names, letter, at, colour } of named.values()) {
+      for (const { names, letter, at, out, colour } of named.values()) {
         const kept = names.length > 1 ? names.filter((name) => name !== "base") : names;
-        tags.push({ text: `${letter} ${kept.join(",")}`, at, colour });
+        tags.push({ text: `${letter} ${kept.join(",")}`, at, out, colour });
       }
     });
     items.sort((a, b) => a.depth - b.depth).forEach((item) => item.paint());

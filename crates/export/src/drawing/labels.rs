@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Size of the letters, px.
 const SIZE: f64 = 14.5;
-const HEIGHT: f64 = 16.0;
+pub(crate) const HEIGHT: f64 = 16.0;
 /// A word farther than this from what it names gets a leader, px.
 const LEADER: f64 = 14.0;
 /// Side of a cell of the grid that counts what is drawn, px.
@@ -15,7 +15,7 @@ const CELL: f64 = 3.0;
 /// Free space from the edge of the sheet, px.
 const EDGE: f64 = 4.0;
 const DIRECTIONS: u32 = 32;
-const DISTANCES: [f64; 9] = [3.0, 7.0, 12.0, 19.0, 28.0, 40.0, 56.0, 76.0, 100.0];
+const DISTANCES: [f64; 10] = [3.0, 7.0, 12.0, 19.0, 28.0, 40.0, 56.0, 76.0, 100.0, 130.0];
 
 /// What a word names decides how far it may stray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -41,6 +41,8 @@ pub(crate) struct Label {
     pub y: f64,
     pub class: &'static str,
     pub leader: Option<[f64; 4]>,
+    #[serde(skip)]
+    pub half_width: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -120,12 +122,12 @@ impl Ink {
         Self { columns, rows, sums }
     }
 
+    /// What a word in this area would lie on, a hair's breadth around it included.
     fn under(&self, area: &Area) -> f64 {
         let cell = |at: f64, most: usize| ((at / CELL).max(0.0) as usize).min(most);
-        let (left, right) =
-            (cell(area.x - area.half_width, self.columns), cell(area.x + area.half_width + CELL, self.columns));
-        let (top, bottom) =
-            (cell(area.y - area.half_height, self.rows), cell(area.y + area.half_height + CELL, self.rows));
+        let (wide, high) = (area.half_width + CELL, area.half_height);
+        let (left, right) = (cell(area.x - wide, self.columns), cell(area.x + wide + CELL, self.columns));
+        let (top, bottom) = (cell(area.y - high, self.rows), cell(area.y + high + CELL, self.rows));
         let sum = |row: usize, column: usize| self.sums[row * (self.columns + 1) + column];
         sum(bottom, right) - sum(top, right) - sum(bottom, left) + sum(top, left)
     }
@@ -134,10 +136,10 @@ impl Ink {
 /// Width of a text, px, by the usual widths of a sans serif.
 fn width(text: &str) -> f64 {
     let em = |letter: char| match letter {
-        ' ' | '.' | ',' | '°' | 'l' | 'i' | '₁' => 0.33,
-        '₀'..='₉' | 'ₜ' => 0.38,
-        'm' | 'w' | '=' | '+' | '−' => 0.78,
-        _ => 0.58,
+        ' ' | '.' | ',' | 'l' | 'i' => 0.32,
+        '₀'..='₉' | 'ₜ' => 0.4,
+        'm' | 'w' | '=' | '+' | '−' => 0.86,
+        _ => 0.62,
     };
     text.chars().map(em).sum::<f64>() * SIZE
 }
@@ -169,6 +171,7 @@ pub(crate) fn placed(asks: &[Ask], strokes: &[Stroke], frame: &Frame) -> Vec<Lab
             x: tenth(area.x),
             y: tenth(area.y),
             class: ask.class,
+            half_width: area.half_width,
             leader: far.then(|| [x, y, anchor.x, anchor.y].map(tenth)),
         })
     };
@@ -191,7 +194,7 @@ fn best(ask: &Ask, others: &[Option<Area>], ink: &Ink, frame: &Frame) -> Area {
             let reach = distance + start + c.abs() * half_width + s.abs() * half_height;
             let area = Area { x: anchor.x + c * reach, y: anchor.y + s * reach, half_width, half_height };
             let overlap: f64 = others.iter().flatten().map(|other| area.overlap(other)).sum();
-            let mut cost = 1.2 * overlap + 3.0 * ink.under(&area) + stray * distance + 40.0 * area.outside(frame);
+            let mut cost = 1.2 * overlap + 4.5 * ink.under(&area) + stray * distance + 40.0 * area.outside(frame);
             if distance > LEADER {
                 let (x, y) = area.border_towards(&anchor);
                 cost += 5.0 + 25.0 * crossings((x, y), (anchor.x, anchor.y), others);

@@ -39,6 +39,8 @@ pub enum Detail {
 
 #[derive(Serialize)]
 struct Figure<'a> {
+    left: f64,
+    top: f64,
     width: f64,
     height: f64,
     title: &'a str,
@@ -65,10 +67,26 @@ pub fn skeleton(table: &Table, view: View, detail: Detail, units: Units) -> Stri
         "Skeleton of {} joints with their Denavit-Hartenberg frames (x red, z blue) at zero of every joint",
         table.joints.len()
     );
-    let figure = Figure { width, height: frame.height, title: &title, description: &description, strokes, labels };
+    let [left, top, width, height] = trimmed(&frame, &strokes, &labels);
+    let figure = Figure { left, top, width, height, title: &title, description: &description, strokes, labels };
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment
         .render_named_str("skeleton.svg", include_str!("../../templates/skeleton.svg"), Serde(&figure))
         .expect("the template names only fields of the figure")
+}
+
+/// The part of the sheet that has something on it, and a little more: left, top, width, height.
+fn trimmed(frame: &view::Frame, strokes: &[Stroke], labels: &[Label]) -> [f64; 4] {
+    const EDGE: f64 = 10.0;
+    let drawn = strokes.iter().flat_map(|stroke| &stroke.places).map(|place| (place.x, place.y, 0.0));
+    let written = labels.iter().map(|label| (label.x, label.y, label.half_width));
+    let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    for (x, y, half) in drawn.chain(written) {
+        let high = if half > 0.0 { labels::HEIGHT / 2.0 } else { 0.0 };
+        bounds = [bounds[0].min(x - half), bounds[1].min(y - high), bounds[2].max(x + half), bounds[3].max(y + high)];
+    }
+    let (left, top) = ((bounds[0] - EDGE).max(0.0).floor(), (bounds[1] - EDGE).max(0.0).floor());
+    let (right, bottom) = ((bounds[2] + EDGE).min(frame.width).ceil(), (bounds[3] + EDGE).min(frame.height).ceil());
+    [left, top, right - left, bottom - top]
 }

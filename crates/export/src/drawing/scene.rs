@@ -7,12 +7,16 @@ use super::view::Frame;
 use crate::numbers::{Units, decimal};
 use denavit_dh::{Motion, Row, Table};
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
-use denavit_model::se3::{Pose, rotation_about};
+use denavit_model::se3::{self, Pose, rotation_about};
 
 /// Sizes on the sheet, px.
 const ARROW: f64 = 50.0;
 const ARC: f64 = 27.0;
 const TWIST_ARC: f64 = 35.0;
+const AROUND: f64 = 12.0;
+const BEYOND: f64 = 22.0;
+/// Bodies of joints nearer than this are moved apart.
+const APART: f64 = 28.0;
 /// Of directions that are seen nearly end-on nothing is left to read.
 const END_ON: f64 = 0.94;
 /// Lengths tilted more than this (part towards the reader) are not dimensioned in front and side views.
@@ -41,6 +45,8 @@ pub(crate) struct Scene {
     pub solids: Vec<Solid>,
     pub end_on: Vec<EndOn>,
     pub labels: Vec<Ask>,
+    /// Middles of the joints' bodies.
+    joints: Vec<Point3<f64>>,
 }
 
 /// Whether the table has lengths that no figure of the robot can show to scale.
@@ -118,7 +124,7 @@ impl Scene {
         for (index, step) in steps.iter().enumerate() {
             scene.link(step);
             if let Some(joint) = table.joints.get(index) {
-                scene.solids.push(Solid::joint(joint.motion, &step.after, frame.pixel));
+                scene.joint(joint.motion, &step.after, frame.pixel);
             }
         }
         if detail == Detail::Plain {
@@ -131,6 +137,18 @@ impl Scene {
             scene.angles(step, &words, frame);
         }
         scene
+    }
+
+    /// A joint's body at its frame, or farther along its axis where another joint's body is in the way.
+    fn joint(&mut self, motion: Motion, frame: &Pose, pixel: f64) {
+        let taken = |at: &Point3<f64>| self.joints.iter().any(|other| (other - at).norm() < APART * pixel);
+        let along = |offset: f64| frame * Point3::new(0.0, 0.0, offset * APART * pixel);
+        let origin = along(0.0);
+        let middle = [0.0, -1.1, 1.1, -2.2, 2.2].map(along).into_iter().find(|at| !taken(at)).unwrap_or(origin);
+        self.lines.push(Line { points: vec![origin, middle], class: "reference", arrow: false });
+        self.joints.push(middle);
+        let body = se3::pose(frame.rotation, middle.coords);
+        self.solids.push(Solid::joint(motion, &body, pixel));
     }
 
     fn link(&mut self, step: &Step) {
@@ -210,7 +228,11 @@ impl Scene {
             radius: ARC,
         };
         if let Some((text, turns)) = words.theta(step.theta) {
-            let arc = if step.theta.abs() < 1e-9 && turns { about_z.turning(step.start()) } else { about_z };
+            let body = words.joint().and_then(|joint| self.joints.get(joint)).copied();
+            let arc = match body {
+                Some(body) if step.theta.abs() < 1e-9 && turns => about_z.turning(body, frame.pixel),
+                _ => about_z,
+            };
             self.arc(&arc, text, "theta", frame);
         }
         let alpha = step.row.map_or(0.0, |row| row.alpha());
@@ -239,7 +261,7 @@ impl Scene {
         let points = arc.points(frame.pixel);
         let middle = points[points.len() / 2];
         self.lines.push(Line { points, class, arrow: true });
-        if arc.angle.abs() < 6.0 {
+        if arc.radius > AROUND {
             let reference = arc.from.normalize() * (1.35 * arc.radius * frame.pixel);
             self.lines.push(Line { points: vec![arc.at, arc.at + reference], class: "reference", arrow: false });
         }
@@ -256,19 +278,18 @@ struct Arc {
 }
 
 impl Arc {
-    /// An arrow around the joint for a coordinate whose zero turns nothing.
-    fn turning(self, joint: Point3<f64>) -> Self {
-        let from = rotation_about(&self.about, -2.2) * self.from;
-        Self { at: joint, from, angle: 4.4, radius: 0.7 * ARC, ..self }
+    /// An arrow around the axis just beyond the joint's body, for a coordinate whose zero turns nothing.
+    fn turning(self, joint: Point3<f64>, pixel: f64) -> Self {
+        let from = rotation_about(&self.about, -2.3) * self.from;
+        Self { at: joint + self.about * (BEYOND * pixel), from, angle: 4.6, radius: AROUND, ..self }
     }
 
     fn points(&self, pixel: f64) -> Vec<Point3<f64>> {
         let about = Unit::new_normalize(self.about);
         let start = self.from * (self.radius * pixel);
-        let count = 24;
-        (0..=count)
-            .map(|k| self.at + rotation_about(&about, self.angle * f64::from(k) / f64::from(count)) * start)
-            .collect()
+        let count = (self.angle.abs() / 0.16).ceil().max(2.0);
+        let corner = |k: u32| self.at + rotation_about(&about, self.angle * f64::from(k) / count) * start;
+        (0..=count as u32).map(corner).collect()
     }
 }
 
@@ -284,12 +305,17 @@ impl RowWords<'_> {
         if self.index > self.table.joints.len() { "ₜ".to_owned() } else { subscript(self.index) }
     }
 
+    /// Index of the joint that the row follows.
+    fn joint(&self) -> Option<usize> {
+        self.index.checked_sub(1).filter(|joint| *joint < self.table.joints.len())
+    }
+
     fn joint_motion(&self) -> Option<Motion> {
-        self.index.checked_sub(1).and_then(|joint| self.table.joints.get(joint)).map(|joint| joint.motion)
+        self.joint().map(|joint| self.table.joints[joint].motion)
     }
 
     fn variable(&self) -> Option<String> {
-        let joint = self.index.checked_sub(1).and_then(|joint| self.table.joints.get(joint))?;
+        let joint = &self.table.joints[self.joint()?];
         let scale = match decimal(joint.scale, 4).as_str() {
             "1" => String::new(),
             "-1" => "−".to_owned(),

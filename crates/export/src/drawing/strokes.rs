@@ -13,6 +13,10 @@ use std::fmt::Write as _;
 const PIECE: f64 = 12.0;
 /// Pieces reach this far into the next one, so that no seam is seen, px.
 const SEAM: f64 = 0.4;
+/// A far-off number would make a million pieces; beyond this they are not needed, px.
+const LONGEST: f64 = 4000.0;
+/// Corners of a curve in a piece of it.
+const LEGS: usize = 3;
 const ARROW_HEAD: f64 = 11.0;
 const ARC_HEAD: f64 = 8.0;
 
@@ -34,11 +38,24 @@ pub(crate) struct Stroke {
 /// Every stroke of a scene, far ones first.
 pub(crate) fn painted(scene: &Scene, frame: &Frame) -> Vec<Stroke> {
     let mut strokes = Vec::new();
-    for line in &scene.lines {
-        pieces(line, frame, &mut strokes);
-    }
     for solid in &scene.solids {
         body(solid, frame, &mut strokes);
+    }
+    let mut neighbours = Neighbours::on(frame);
+    for stroke in &strokes {
+        neighbours.claim(MANY, &stroke.places);
+    }
+    let mut lines = Vec::new();
+    for (owner, line) in scene.lines.iter().enumerate() {
+        let mut places: Vec<Place> = line.points.iter().map(|point| frame.place(point)).collect();
+        neighbours.claim(owner, &places);
+        if line.arrow {
+            head(&mut places, line.class, &mut strokes);
+        }
+        lines.push(places);
+    }
+    for (owner, (line, places)) in scene.lines.iter().zip(&lines).enumerate() {
+        strokes.extend(pieces(line, places, |place| neighbours.only(owner, place)));
     }
     strokes.sort_by(|a, b| a.near.total_cmp(&b.near));
     for mark in &scene.end_on {
@@ -63,32 +80,100 @@ fn between(a: &Place, b: &Place, part: f64) -> Place {
     Place { x: a.x + (b.x - a.x) * part, y: a.y + (b.y - a.y) * part, near: a.near + (b.near - a.near) * part }
 }
 
-fn pieces(line: &Line, frame: &Frame, strokes: &mut Vec<Stroke>) {
-    let mut places: Vec<Place> = line.points.iter().map(|point| frame.place(point)).collect();
-    if line.arrow {
-        head(&mut places, line.class, strokes);
-    }
+/// An axis along a link lies on it.
+fn lift(class: &str) -> f64 {
+    if class == "link" { 0.0 } else { 3.0 }
+}
+
+/// A line cut into pieces; those that nothing else comes near are one stroke.
+fn pieces(line: &Line, places: &[Place], alone: impl Fn(&Place) -> bool) -> Vec<Stroke> {
     if line.class == "reference" {
         let near = places.iter().map(|place| place.near).fold(f64::INFINITY, f64::min);
-        strokes.push(Stroke { path: path(&places, false), class: line.class, gap: false, near, places });
-        return;
+        return vec![stroke(places.to_vec(), line.class, near, false)];
     }
-    // A far-off number would make a million pieces: beyond the sheet they are not needed.
-    let limit = 4.0 * frame.width;
-    let legs = places.len() - 1;
-    for (leg, pair) in places.windows(2).enumerate() {
-        let length = pair[0].distance(&pair[1]).min(limit);
-        let count = (length / PIECE).ceil().max(1.0);
-        let seam = SEAM / length.max(SEAM);
-        for k in 0..count as usize {
-            let part = |k: f64| (k / count).clamp(0.0, 1.0);
-            let from = between(&pair[0], &pair[1], (part(k as f64) - seam).max(0.0));
-            let to = between(&pair[0], &pair[1], (part(k as f64 + 1.0) + seam).min(1.0));
-            let inside = (leg > 0 || k > 0) && (leg + 1 < legs || k + 1 < count as usize);
-            let near = f64::midpoint(from.near, to.near);
-            let places = vec![from, between(&from, &to, 0.5), to];
-            strokes.push(Stroke { path: path(&[from, to], false), class: line.class, gap: inside, near, places });
+    let cut = cuts(places);
+    let last = cut.len() - 1;
+    let mut strokes: Vec<Stroke> = Vec::new();
+    let mut last_was_alone = false;
+    for (index, piece) in cut.into_iter().enumerate() {
+        let is_alone = piece.iter().all(&alone);
+        if let Some(before) = strokes.last_mut().filter(|_| is_alone && last_was_alone) {
+            before.places.extend(&piece[1..]);
+            continue;
         }
+        last_was_alone = is_alone;
+        let near = piece.iter().map(|place| place.near).sum::<f64>() / piece.len() as f64 + lift(line.class);
+        strokes.push(stroke(piece, line.class, near, index > 0 && index < last && !is_alone));
+    }
+    for stroke in &mut strokes {
+        let ends = [stroke.places[0], stroke.places[stroke.places.len() - 1]];
+        stroke.path = path(if places.len() == 2 { &ends } else { &stroke.places }, false);
+    }
+    strokes
+}
+
+/// A straight line every few px, each piece reaching a little into the next; a curve every few corners.
+fn cuts(places: &[Place]) -> Vec<Vec<Place>> {
+    let [from, to] = places else {
+        let starts = (0..places.len() - 1).step_by(LEGS);
+        return starts.map(|start| places[start..=(start + LEGS).min(places.len() - 1)].to_vec()).collect();
+    };
+    let length = from.distance(to).min(LONGEST);
+    let count = (length / PIECE).ceil().max(1.0);
+    let seam = SEAM / length.max(SEAM);
+    let part = |k: f64| (k / count).clamp(0.0, 1.0);
+    let piece = |k: u32| {
+        let start = between(from, to, (part(f64::from(k)) - seam).max(0.0));
+        let end = between(from, to, (part(f64::from(k) + 1.0) + seam).min(1.0));
+        vec![start, between(&start, &end, 0.5), end]
+    };
+    (0..count as u32).map(piece).collect()
+}
+
+fn stroke(places: Vec<Place>, class: &'static str, near: f64, gap: bool) -> Stroke {
+    Stroke { path: path(&places, false), class, gap, near, places }
+}
+
+/// Who comes near which part of the sheet.
+struct Neighbours {
+    columns: usize,
+    rows: usize,
+    owners: Vec<Option<usize>>,
+}
+
+/// Owner of cells that several lines, or a body, come near.
+const MANY: usize = usize::MAX;
+const CELL: f64 = 7.0;
+
+impl Neighbours {
+    fn on(frame: &Frame) -> Self {
+        let (columns, rows) = ((frame.width / CELL) as usize + 1, (frame.height / CELL) as usize + 1);
+        Self { columns, rows, owners: vec![None; columns * rows] }
+    }
+
+    /// The cell of a place and those around it.
+    fn around(&self, place: &Place) -> impl Iterator<Item = usize> + use<> {
+        let (columns, rows) = (self.columns as i64, self.rows as i64);
+        let (column, row) = ((place.x / CELL).floor() as i64, (place.y / CELL).floor() as i64);
+        let near = (-1..2).flat_map(move |dy| (-1..2).map(move |dx| (column + dx, row + dy)));
+        near.filter(move |(column, row)| (0..columns).contains(column) && (0..rows).contains(row))
+            .map(move |(column, row)| (row * columns + column) as usize)
+    }
+
+    fn claim(&mut self, owner: usize, places: &[Place]) {
+        for pair in places.windows(2) {
+            let count = (pair[0].distance(&pair[1]).min(LONGEST) / CELL).ceil().max(1.0) as u32;
+            for k in 0..=count {
+                for cell in self.around(&between(&pair[0], &pair[1], f64::from(k) / f64::from(count))) {
+                    let claimed = &mut self.owners[cell];
+                    *claimed = Some(if claimed.is_none_or(|known| known == owner) { owner } else { MANY });
+                }
+            }
+        }
+    }
+
+    fn only(&self, owner: usize, place: &Place) -> bool {
+        self.around(place).all(|cell| self.owners[cell].is_none_or(|known| known == owner))
     }
 }
 
@@ -113,7 +198,7 @@ fn head(places: &mut [Place], class: &'static str, strokes: &mut Vec<Stroke>) {
         near: tip.near,
     };
     let corners = [tip, at(length, 0.36 * length), at(0.8 * length, 0.0), at(length, -0.36 * length)];
-    let near = tip.near + 0.5;
+    let near = tip.near + lift(class) + 0.5;
     for place in places.iter_mut().skip(1) {
         if place.distance(&tip) < 0.7 * length {
             *place = at(0.7 * length, 0.0);

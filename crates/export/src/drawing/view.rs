@@ -79,8 +79,8 @@ impl Frame {
         };
         let ((left, right), (bottom, top)) = (bounds(0), bounds(1));
         let (margin, shortest, tallest) = match detail {
-            Detail::Dimensioned => (100.0, 0.5, if view == View::Isometric { 0.86 } else { 1.15 }),
-            Detail::Plain => (46.0, 0.72, 0.72),
+            Detail::Dimensioned => (105.0, 0.3, if view == View::Isometric { 0.86 } else { 1.15 }),
+            Detail::Plain => (46.0, 0.2, 0.72),
         };
         let (wide, high) = ((right - left).max(1e-9), (top - bottom).max(1e-9));
         let room = width - 2.0 * margin;

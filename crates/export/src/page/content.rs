@@ -4,7 +4,7 @@ use super::outline::outline_svg;
 use super::workspace::{POSTURES, SEED, Workspace};
 use super::{ChainPart, Document};
 use crate::drawing::{Detail, View, far_from_scale, skeleton};
-use crate::numbers::{Units, decimal};
+use crate::numbers::{AngleUnit, LengthUnit, Units, decimal};
 use crate::sheet::Sheet;
 use denavit_dh::{Convention, Motion};
 use denavit_model::chain::{Chain, Coordinate, Quantity};
@@ -134,8 +134,10 @@ impl Chapter {
         let conventions: &[Convention] =
             if hayati { &[Convention::Hayati] } else { &[Convention::Distal, Convention::Proximal] };
         let form = BaseForm::of(&part.chain);
-        let rotation = rpy_from_rotation(&form.home.rotation).map(|angle| units.angle(angle));
-        let place: Vec<String> = form.home.translation.vector.iter().map(|x| units.length(*x)).collect();
+        let angle = |angle: f64| with_unit(&minus(&units.angle(angle)), units.angle_word());
+        let length = |length: f64| with_unit(&minus(&units.length(length)), units.length_word());
+        let [roll, pitch, yaw] = rpy_from_rotation(&form.home.rotation).map(angle);
+        let [x, y, z] = <[f64; 3]>::from(form.home.translation.vector).map(length);
         Self {
             title: part.title(),
             freedom: part.chain.coordinates().len(),
@@ -145,17 +147,7 @@ impl Chapter {
             gauge: document.gauge.clone(),
             screws: screws(&part.chain, &form, units),
             home: home(&form, units),
-            home_words: format!(
-                "x {} {length}, y {} {length}, z {} {length}; roll {} {angle}, pitch {} {angle}, yaw {} {angle}",
-                place[0],
-                place[1],
-                place[2],
-                rotation[0],
-                rotation[1],
-                rotation[2],
-                length = units.length_word(),
-                angle = units.angle_word(),
-            ),
+            home_words: format!("x {x}, y {y}, z {z}; roll {roll}, pitch {pitch}, yaw {yaw}"),
             notes: part.notes.iter().map(ToString::to_string).collect(),
             slug,
         }
@@ -239,7 +231,7 @@ fn limits(chain: &Chain, units: Units) -> Vec<Vec<String>> {
             Quantity::Angle => units.angle_word(),
             Quantity::Length => units.length_word(),
         };
-        let value = |value: f64| with_unit(&minus(&units.value(value, coordinate.quantity)), unit);
+        let value = |value: f64| with_unit(&rounded(value, coordinate.quantity, units), unit);
         let none = || "–".to_owned();
         let limits = coordinate.limits.as_ref();
         let bound = |bound: Option<f64>| match bound {
@@ -258,6 +250,17 @@ fn limits(chain: &Chain, units: Units) -> Vec<Vec<String>> {
         ]
     };
     chain.coordinates().iter().enumerate().map(row).collect()
+}
+
+/// Hundredths of a degree, tenths of a millimetre: no limit is known better.
+fn rounded(value: f64, quantity: Quantity, units: Units) -> String {
+    let places = match (quantity, units.angle, units.length) {
+        (Quantity::Angle, AngleUnit::Degree, _) => 2,
+        (Quantity::Length, _, LengthUnit::Millimetre) => 1,
+        _ => 4,
+    };
+    let shown: f64 = units.value(value, quantity).parse().unwrap_or(value);
+    minus(&decimal(shown, places))
 }
 
 fn with_unit(number: &str, unit: &str) -> String {
@@ -342,7 +345,7 @@ fn envelope(workspace: &Workspace, units: Units) -> Envelope {
         beside: outline_svg(&workspace.beside(), across, "z", units),
         above: outline_svg(&workspace.above(), "x", "y", units),
         words: format!(
-            "Outline of the tip's places at {POSTURES} postures (low-discrepancy sequence, seed {SEED}): {}. \
+            "Outline of the tip's places at {POSTURES} postures (low-discrepancy sequence, seed {SEED}), some of them moved on to the border: {}. \
              Farthest from the base's origin: {}.",
             bounds.join(", "),
             reach_words(workspace.reach, units)

@@ -60,7 +60,7 @@ pub(super) fn outline_svg(outline: &Outline, across: &str, up: &str, units: Unit
     };
     let unit = units.length_word();
     let plane = Plane {
-        width: WIDTH,
+        width: tenth(LEFT + wide / pixel + RIGHT),
         height: tenth(height),
         left: LEFT,
         right: tenth(LEFT + wide / pixel),

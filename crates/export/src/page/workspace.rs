@@ -1,7 +1,7 @@
 //! Where the tip can go: sampled over the joint ranges, as outlines seen from the side and from above.
 
 use denavit_model::chain::Chain;
-use denavit_model::nalgebra::Point3;
+use denavit_model::nalgebra::{Point3, Vector3};
 use std::fmt::Write as _;
 
 /// Postures that are tried.
@@ -42,6 +42,7 @@ impl Workspace {
         let mut q = vec![0.0; ranges.len()];
         let mut places = Vec::with_capacity(POSTURES);
         let mut farthest = (0.0, q.clone());
+        let mut pushed = Vec::new();
         for posture in 0..POSTURES {
             for (value, step) in at.iter_mut().zip(&steps) {
                 *value = (*value + step).fract();
@@ -54,12 +55,16 @@ impl Workspace {
                 q[k] = lower + (upper - lower) * part;
             }
             let place = Point3::from(chain.fk(&q).translation.vector);
+            if posture % PUSHED == 0 {
+                pushed.push(q.clone());
+            }
             if place.coords.norm() > farthest.0 {
                 farthest = (place.coords.norm(), q.clone());
             }
             places.push(place);
         }
         let reach = farther(chain, &ranges, farthest.1, &mut places);
+        border(chain, &ranges, &pushed, &mut places);
         let bounds = [0, 1, 2].map(|k| {
             let along = places.iter().map(|place| place[k]);
             (along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max))
@@ -81,6 +86,40 @@ impl Workspace {
     /// x and y.
     pub fn above(&self) -> Outline {
         outline(self.places.iter().map(|place| (place.x, place.y)).collect())
+    }
+}
+
+/// One posture in so many is moved towards the border: uniform samples are rare there.
+const PUSHED: usize = 16;
+
+/// Moves postures outwards, each along the line from the middle of all places, every second one level, by a few
+/// coordinate steps; adds where they come to.
+fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &mut Vec<Point3<f64>>) {
+    let sum = places.iter().fold(Vector3::zeros(), |sum, place| sum + place.coords);
+    let middle = sum / places.len().max(1) as f64;
+    for (index, posture) in postures.iter().enumerate() {
+        let mut q = posture.clone();
+        let mut outwards = chain.fk(&q).translation.vector - middle;
+        if index % 2 == 0 {
+            outwards.z = 0.0;
+        }
+        let along = |q: &[f64]| chain.fk(q).translation.vector.dot(&outwards);
+        let mut best = along(&q);
+        for step in [0.12, 0.06, 0.03, 0.015, 0.0075, 0.003] {
+            for (k, (lower, upper)) in ranges.iter().enumerate() {
+                for sign in [1.0, -1.0] {
+                    let old = q[k];
+                    q[k] = (old + sign * step * (upper - lower)).clamp(*lower, *upper);
+                    let moved = along(&q);
+                    if moved > best {
+                        best = moved;
+                        break;
+                    }
+                    q[k] = old;
+                }
+            }
+        }
+        places.push(Point3::from(chain.fk(&q).translation.vector));
     }
 }
 
