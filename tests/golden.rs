@@ -25,7 +25,10 @@ fn every_format_of_every_golden_robot() {
         for format in denavit_export::FORMATS {
             let mut all = vec!["table", &file, "--format", format.name];
             all.extend(&arguments[1..]);
-            snapshot(&format!("table_{name}.{}", format.extension), &denavit(&all).succeeded());
+            let run = denavit(&all);
+            // A format may have no place for what a robot has: then it says so.
+            let text = if run.code == 0 { run.stdout } else { run.failed() };
+            snapshot(&format!("table_{name}.{}", format.extension), &text);
         }
     }
 }

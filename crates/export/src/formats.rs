@@ -4,6 +4,8 @@ pub mod csv;
 pub mod json;
 pub mod latex;
 pub mod markdown;
+pub mod matlab;
+pub mod robotics_toolbox;
 pub mod text;
 
 use crate::sheet::Sheet;
@@ -22,7 +24,15 @@ pub struct Format {
 }
 
 /// Every format, in the order of `--help`.
-pub const FORMATS: &[Format] = &[text::FORMAT, markdown::FORMAT, csv::FORMAT, json::FORMAT, latex::FORMAT];
+pub const FORMATS: &[Format] = &[
+    text::FORMAT,
+    markdown::FORMAT,
+    csv::FORMAT,
+    json::FORMAT,
+    latex::FORMAT,
+    robotics_toolbox::FORMAT,
+    matlab::FORMAT,
+];
 
 /// The format of this name.
 pub fn named(name: &str) -> Option<&'static Format> {

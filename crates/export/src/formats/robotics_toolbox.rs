@@ -1,0 +1,78 @@
+//! Python for the Robotics Toolbox: a `DHRobot`, standard or modified.
+
+use super::{Format, RenderError};
+use crate::numbers::exact;
+use crate::sheet::Sheet;
+use denavit_dh::{Convention, ConventionRow, Motion, RowLabel};
+use std::fmt::Write as _;
+
+/// Python for the Robotics Toolbox.
+pub const FORMAT: Format =
+    Format { name: "rtb", extension: "py", purpose: "Python code for roboticstoolbox: a DHRobot", render };
+
+const CANNOT: fn(&'static str, &'static str) -> RenderError =
+    |what, instead| RenderError::CannotHold { format: "rtb", what, instead };
+
+fn render(sheet: &Sheet) -> Result<String, RenderError> {
+    let table = sheet.table;
+    check(sheet, CANNOT)?;
+    let modified = sheet.shown_convention() == Convention::Proximal;
+    let suffix = if modified { "MDH" } else { "DH" };
+    let rows = sheet.rows();
+    let mut out = String::from("# Made by denavit; m and rad.\n");
+    let _ = writeln!(out, "from roboticstoolbox import DHRobot, Prismatic{suffix}, Revolute{suffix}");
+    out.push_str("from spatialmath import SE3\n\n\nrobot = DHRobot(\n    [\n");
+    for row in &rows {
+        let RowLabel::Joint(index) = row.label else { continue };
+        let joint = &table.joints[index];
+        let number = |value: Option<f64>| exact(value.unwrap_or(0.0));
+        let limits = table.coordinates[joint.coordinate].limits.as_ref();
+        let limits = limits
+            .map_or_else(String::new, |limits| format!(", qlim=[{}, {}]", exact(limits.lower), exact(limits.upper)));
+        let (a, alpha) = (number(row.a), number(row.alpha));
+        let (theta, d) = (number(row.theta), number(row.d));
+        let _ = match joint.motion {
+            Motion::Prismatic => writeln!(
+                out,
+                "        Prismatic{suffix}(theta={theta}, a={a}, alpha={alpha}, offset={d}{limits}),  # {}",
+                joint.name
+            ),
+            _ => writeln!(
+                out,
+                "        Revolute{suffix}(d={d}, a={a}, alpha={alpha}, offset={theta}{limits}),  # {}",
+                joint.name
+            ),
+        };
+    }
+    let (base, tool) = (&rows[0], &rows[rows.len() - 1]);
+    let _ = writeln!(out, "    ],\n    name={:?},", table.name);
+    let _ = writeln!(out, "    base={},\n    tool={},\n)", motion(base, modified), motion(tool, modified));
+    Ok(out)
+}
+
+/// What code for other toolboxes can hold: joints that turn or slide by their own coordinate.
+pub(super) fn check(sheet: &Sheet, cannot: fn(&'static str, &'static str) -> RenderError) -> Result<(), RenderError> {
+    let table = sheet.table;
+    if sheet.shown_convention() == Convention::Hayati {
+        return Err(cannot("place for Hayati's beta", "take --convention distal or proximal"));
+    }
+    if table.joints.iter().any(|joint| matches!(joint.motion, Motion::Helical(_))) {
+        return Err(cannot("helical joint", "take --format json or csv"));
+    }
+    let own = table.joints.iter().enumerate().all(|(index, joint)| joint.coordinate == index && joint.scale == 1.0);
+    if own { Ok(()) } else { Err(cannot("joint that follows another or has a scale", "take --format json or csv")) }
+}
+
+/// The base's or tool's motion in spatialmath's words.
+fn motion(row: &ConventionRow, modified: bool) -> String {
+    let number = |value: Option<f64>| value.unwrap_or(0.0);
+    let about_z = format!("SE3.Rz({}) * SE3.Tz({})", exact(number(row.theta)), exact(number(row.d)));
+    let about_x = format!("SE3.Rx({}) * SE3.Tx({})", exact(number(row.alpha)), exact(number(row.a)));
+    if row.alpha.is_none() {
+        about_z
+    } else if modified {
+        format!("{about_x} * {about_z}")
+    } else {
+        format!("{about_z} * {about_x}")
+    }
+}
