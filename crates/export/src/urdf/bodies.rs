@@ -123,13 +123,13 @@ fn read_origin(robot: &Robot, index: usize, reading: Reading, reach: &[f64]) -> 
     (numbers, notes)
 }
 
-/// Whether a joint's origin has an angle that is read as another number and has fewer digits than a double.
+/// Whether a joint's origin has an angle that is read as another number and far fewer digits than a double has.
 ///
 /// One with all of them may be what an export wrote: it stays, though it lies near a multiple of π.
 pub(crate) fn has_short_angle(joint: &Joint) -> bool {
     let short = |literal: &String| {
         let mantissa = literal.split(['e', 'E']).next().unwrap_or_default().trim_start_matches(['+', '-', '0', '.']);
-        mantissa.bytes().filter(u8::is_ascii_digit).count() < 15 && intended::read_as(literal).is_some()
+        mantissa.bytes().filter(u8::is_ascii_digit).count() < 14 && intended::read_as(literal).is_some()
     };
     joint.origin.rpy_written.as_ref().is_some_and(|written| written.iter().any(short))
 }

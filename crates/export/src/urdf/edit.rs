@@ -56,7 +56,7 @@ impl Edits {
         let (start, end) = (node.range().start, node.range().end);
         let before = &source.text[..start];
         let space = last_line_break(&before[before.trim_end().len()..]);
-        self.replace(end..end, lines.iter().map(|line| format!("{space}{line}")).collect::<String>());
+        self.replace(end..end, lines.iter().flat_map(|line| [space, line]).collect::<String>());
     }
 
     pub fn is_empty(&self) -> bool {

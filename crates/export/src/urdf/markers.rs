@@ -11,7 +11,7 @@ use denavit_dh::{NearParallel, convert};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::robot::{Joint, JointKind, Robot};
 use denavit_model::se3::{self, Pose};
-use roxmltree::{Document, Node};
+use roxmltree::Document;
 
 /// Markers nearer to where they belong than this (rad, and relative to the robot's size) are there already.
 const THERE: f64 = 1e-12;
@@ -33,7 +33,7 @@ pub(crate) fn add(
     if already_there(robot, &markers) {
         return Ok(notes);
     }
-    let Some(last) = document.root_element().children().filter(Node::is_element).last() else { return Ok(notes) };
+    let Some(last) = document.root_element().last_element_child() else { return Ok(notes) };
     for Marker { name, parent, numbers } in markers {
         let holder = format!("{name}_fixed");
         free(robot, robot.link_index(&name).map(|link| ("link", robot.links[link].at, name.as_str())))?;

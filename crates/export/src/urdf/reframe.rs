@@ -40,27 +40,17 @@ impl<'a> Moves<'a> {
         Self { source: &robot.source, new_from_old, by_name }
     }
 
-    /// The length whose rounding a re-expressed translation carries.
-    fn scale(&self, step: &Pose, old: &Numbers) -> f64 {
-        let length = |xyz: [f64; 3]| xyz.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        length(step.translation.vector.into()) + length(old.xyz)
-    }
-
-    fn moved(&self, step: &Pose, old: &Numbers) -> Numbers {
-        Numbers::of(&(step * old.pose()), self.scale(step, old))
-    }
-
     /// The `<origin>` children of an element, moved; one is put in where there is none.
     fn origins_in(&self, edits: &mut Edits, element: Node, step: &Pose) {
         let mut found = false;
         for origin in element.children().filter(|child| is(child, "origin")) {
             found = true;
             if let Some(old) = numbers_of(origin) {
-                self.write(edits, origin, &self.moved(step, &old), self.scale(step, &old));
+                self.write(edits, origin, &moved(step, &old), scale(step, &old));
             }
         }
         if !found && element.first_element_child().is_some() {
-            let numbers = self.moved(step, &Numbers::default());
+            let numbers = moved(step, &Numbers::default());
             edits.first_child(self.source, element, &numbers.element());
         }
     }
@@ -140,7 +130,7 @@ impl<'a> Moves<'a> {
                     self.pose_element(edits, pose, step);
                 }
                 None if sits_in_the_link && part.first_element_child().is_some() => {
-                    let text = six(&self.moved(step, &Numbers::default()));
+                    let text = six(&moved(step, &Numbers::default()));
                     edits.first_child(self.source, part, &format!("<pose>{text}</pose>"));
                 }
                 _ => {}
@@ -163,7 +153,7 @@ impl<'a> Moves<'a> {
             Some([]) => Numbers::default(),
             _ => return,
         };
-        let text = six(&self.moved(step, &old));
+        let text = six(&moved(step, &old));
         match pose.children().find(Node::is_text) {
             Some(inside) => edits.replace(inside.range(), text),
             None => edits.first_child(self.source, pose, &text),
@@ -182,11 +172,11 @@ impl<'a> Moves<'a> {
                     self.origins_in(edits, owner, step);
                 }
             } else if matches!(tag, "frame" | "link1" | "link2") {
-                self.write(edits, node, &self.moved(step, &old), self.scale(step, &old));
+                self.write(edits, node, &moved(step, &old), scale(step, &old));
             } else if placed {
-                self.write_xyz(edits, node, self.moved(step, &old).xyz, self.scale(step, &old));
+                self.write_xyz(edits, node, moved(step, &old).xyz, scale(step, &old));
                 if node.attribute("rpy").is_some() {
-                    self.write(edits, node, &self.moved(step, &old), self.scale(step, &old));
+                    self.write(edits, node, &moved(step, &old), scale(step, &old));
                 }
             }
         }
@@ -214,7 +204,7 @@ pub(crate) fn edit(
         let on_the_way = !joint.kind.moves() && bodies.on_the_way[joint.child];
         let numbers = match moves.new_from_old[joint.parent] {
             _ if on_the_way => Numbers::default(),
-            Some(step) => moves.moved(&step, &old),
+            Some(step) => moved(&step, &old),
             None if bodies.reread[index] => old,
             None => continue,
         };
@@ -258,6 +248,16 @@ fn plugins_that_name(robot: &Robot, document: &Document, moves: &Moves) -> Vec<N
         first.text().unwrap_or_default().trim()
     );
     vec![Note::Mended { place, what }]
+}
+
+/// The length whose rounding a re-expressed translation carries, m.
+fn scale(step: &Pose, old: &Numbers) -> f64 {
+    let length = |xyz: [f64; 3]| xyz.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    length(step.translation.vector.into()) + length(old.xyz)
+}
+
+fn moved(step: &Pose, old: &Numbers) -> Numbers {
+    Numbers::of(&(step * old.pose()), scale(step, old))
 }
 
 fn is(node: &Node, tag: &str) -> bool {

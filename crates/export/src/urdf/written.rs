@@ -40,7 +40,8 @@ pub(crate) fn clean_angle(angle: f64) -> f64 {
     if (multiple - angle).abs() <= TURN_ROUNDING {
         return multiple + 0.0;
     }
-    clean(angle, 1.0)
+    // A short decimal next to a multiple of π would be read as that multiple.
+    if (multiple - angle).abs() < 1e-6 { angle } else { clean(angle, 1.0) }
 }
 
 /// URDF's fixed-axis angles, rad: the rotation that they give is `rotation` to rounding, near a pitch of a quarter turn
