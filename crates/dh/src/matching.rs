@@ -245,8 +245,11 @@ pub enum MatchError {
     },
 }
 
-/// Guesses that are fitted where the frames are free, where they are given, and where none of them came close.
-const TRIED: [usize; 3] = [12, 64, 32];
+/// Guesses that are fitted where one of them comes close.
+const TRIED: usize = 12;
+
+/// Guesses that are fitted where none does, or where given frames tell senses apart that the axes do not.
+const TRIED_AT_MOST: usize = 32;
 
 /// A guess whose fit leaves no more than this many times the least says the same as the best one.
 const AS_GOOD: f64 = 2.0;
@@ -399,13 +402,13 @@ impl Problem<'_> {
         let robot = self.arm.axes();
         let unturned = vec![0.0; robot.len()];
         let guesses = guesses(&robot, &self.product.axes(self.numbers, &unturned), self.arm.size);
-        let tried = if free.base && free.tool { TRIED[0] } else { TRIED[1] };
+        let tried = if free.base && free.tool { TRIED } else { TRIED_AT_MOST };
         let mut fitted: Vec<(f64, Guess, State)> = Vec::new();
         let mut least = f64::INFINITY;
         for guess in guesses {
             let verdict = Verdict::of(least);
             let count = fitted.len();
-            if verdict == Verdict::Exact || count >= TRIED[2] || (count >= tried && verdict < Verdict::Mismatch) {
+            if verdict == Verdict::Exact || count >= TRIED_AT_MOST || (count >= tried && verdict < Verdict::Mismatch) {
                 break;
             }
             let fit = self.fit(&guess.senses);
@@ -415,7 +418,8 @@ impl Problem<'_> {
             fitted.push((error, guess, state));
         }
         let simplest = fitted.first().map(|(_, guess, state)| (guess.clone(), state.clone()));
-        let best = fitted.into_iter().find(|(error, ..)| *error <= AS_GOOD * least);
+        let as_good = |error: f64| error <= AS_GOOD * least && Verdict::of(error) == Verdict::of(least);
+        let best = fitted.into_iter().find(|(error, ..)| as_good(*error));
         let (simplest, (error, guess, state)) = simplest.zip(best).expect("there is always a guess");
         let state = self.tidied(&guess.senses, state, error, &free);
         BestFits { guess, state, simplest }

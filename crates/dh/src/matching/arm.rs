@@ -2,7 +2,7 @@
 
 use super::axes::Axis;
 use super::fit::Sample;
-use denavit_model::chain::{Chain, Quantity};
+use denavit_model::chain::Chain;
 use denavit_model::nalgebra::{Unit, Vector3};
 use denavit_model::screw::{AxisLine, Screw};
 use denavit_model::se3::Pose;
@@ -19,8 +19,11 @@ pub(crate) struct Arm {
     pub proof: Vec<Sample>,
 }
 
-/// Configurations that a fit sees: some two hundred equations for at most some sixty unknowns.
-const FITTED: usize = 36;
+/// Configurations that a fit sees beyond four for each joint: six equations each, for at most as many unknowns.
+const FITTED: usize = 12;
+
+/// A slide whose range is less than this many times the robot's size is moved by the robot's size.
+const STANDS: f64 = 1e-3;
 
 /// Configurations that the verdict rests on.
 const PROVEN: usize = 500;
@@ -35,15 +38,18 @@ impl Arm {
             let screw = joint.screw.moved(&moved);
             screws.push(if joint.scale < 0.0 { reversed(&screw) } else { screw });
             moved *= joint.screw.motion(joint.offset);
-            let coordinate = &chain.coordinates()[joint.coordinate];
-            reaches.push(match (joint.screw, coordinate.quantity) {
-                (Screw::Prismatic(_), _) => size.min(chain.greatest_slide(joint)),
-                (_, Quantity::Angle | Quantity::Length) => PI,
+            reaches.push(match joint.screw {
+                Screw::Prismatic(_) => match chain.greatest_slide(joint) {
+                    slide if slide > STANDS * size => slide.min(size),
+                    _ => size,
+                },
+                _ => PI,
             });
         }
         let mut arm = Self { screws, home: moved * chain.home(), size, samples: Vec::new(), proof: Vec::new() };
-        arm.samples = (0..FITTED).map(|index| arm.sample(index, &reaches)).collect();
-        arm.proof = (FITTED..FITTED + PROVEN).map(|index| arm.sample(index, &reaches)).collect();
+        let fitted = FITTED + 4 * reaches.len();
+        arm.samples = (0..fitted).map(|index| arm.sample(index, &reaches)).collect();
+        arm.proof = (fitted..fitted + PROVEN).map(|index| arm.sample(index, &reaches)).collect();
         arm
     }
 
