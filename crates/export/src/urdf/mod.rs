@@ -21,13 +21,18 @@
 mod bodies;
 mod edit;
 mod frames;
+mod from_table;
 mod keep;
 mod markers;
 mod nodes;
+mod read_off;
 mod reframe;
 mod shape;
 mod verify;
 mod written;
+
+pub use from_table::from_table;
+pub use read_off::read_off;
 
 use bodies::Bodies;
 use denavit_dh::{Gauge, Parallelism};

@@ -2,7 +2,7 @@
 
 use super::Frames;
 use super::bodies::{Bodies, has_axis, has_short_angle};
-use super::written::Numbers;
+use super::written::{Numbers, clean};
 use denavit_dh::straighten::ROUNDING;
 use denavit_dh::table::{DhRow, HayatiRow, Row};
 use denavit_model::nalgebra::Vector3;
@@ -92,10 +92,11 @@ fn is_nearly_parallel(origin: &Numbers, size: f64) -> bool {
 
 /// The length whose products with cosine and sine are what is written: the shortest of those that rounding allows.
 fn exact_length(along: f64, [x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
-    let gives_both =
-        |a: f64| super::written::clean(a * cosine, a.abs()) == x && super::written::clean(a * sine, a.abs()) == y;
-    let candidates = (12..=16).map(|digits| format!("{along:.digits$e}").parse::<f64>().unwrap_or(along));
-    candidates.chain([along, along.next_up(), along.next_down()]).find(|a| gives_both(*a)).unwrap_or(along) + 0.0
+    let shorter = (12..=16).map(|digits| format!("{along:.digits$e}").parse::<f64>().unwrap_or(along));
+    let candidates: Vec<f64> = shorter.chain([along, along.next_up(), along.next_down()]).collect();
+    let exactly = |a: &&f64| **a * cosine == x && **a * sine == y;
+    let cleaned = |a: &&f64| clean(**a * cosine, a.abs()) == x && clean(**a * sine, a.abs()) == y;
+    candidates.iter().find(exactly).or_else(|| candidates.iter().find(cleaned)).map_or(along, |a| *a) + 0.0
 }
 
 /// Whether an origin is Rx(alpha) Tx(a) Rz(theta) Tz(d).

@@ -1,0 +1,132 @@
+//! The table that stands in a canonical URDF.
+
+use super::bodies::{Bodies, has_axis};
+use super::shape::row_of;
+use super::written::Numbers;
+use denavit_dh::convert;
+use denavit_dh::table::{DhRow, Motion, Row, Table, TableJoint, ToolPart};
+use denavit_model::chain::Chain;
+use denavit_model::robot::{JointKind, Robot};
+use denavit_model::se3::Pose;
+use denavit_model::tree::Reading;
+
+/// The Denavit-Hartenberg numbers as joint origins have them, where every joint from base to tip is in canonical form;
+/// `None` where one is not.
+///
+/// Digit for digit what the file has: the gauge is the file's. The part from the last joint to the tip is a row and a tool
+/// part where the file has it so (one or two fixed joints); else, a flange with six numbers, it is found as in
+/// [`denavit_dh::convert::table`].
+pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Option<Table> {
+    let chain = robot.chain(base, tip, reading).ok()?.value;
+    let bodies = Bodies::of(robot, reading);
+    let way = way(robot, &bodies, &chain)?;
+    let mut rows = Vec::new();
+    let mut joints: Vec<TableJoint> = Vec::new();
+    // Fixed joints since the last row, and what a mimic's offset adds to the next one.
+    let mut between: Vec<Numbers> = Vec::new();
+    let (mut turn, mut slide) = (0.0, 0.0);
+    let mut left = chain.joints().iter().peekable();
+    for index in way {
+        let joint = &robot.joints[index];
+        if joint.kind == JointKind::Fixed {
+            between.push(bodies.origins[index]);
+            continue;
+        }
+        let z = joint.axis.z;
+        if !has_axis(&joint.kind) || z.abs() != 1.0 {
+            return None;
+        }
+        let Some(of) = left.next_if(|next| next.name == joint.name) else {
+            // The slide that the turn before it drives: both are one helical joint.
+            let helical = joints.last().is_some_and(|last| matches!(last.motion, Motion::Helical(_)));
+            let in_place = between.iter().all(is_nothing) && is_nothing(&bodies.origins[index]);
+            if helical && in_place && joint.kind == JointKind::Prismatic && joint.mimic.as_ref()?.offset == 0.0 {
+                continue;
+            }
+            return None;
+        };
+        rows.push(row_with(&between, bodies.origins[index], bodies.size, (turn, slide))?);
+        between.clear();
+        (turn, slide) = (0.0, 0.0);
+        let motion = Motion::of(&of.screw);
+        match motion {
+            Motion::Prismatic => slide = z * of.offset,
+            Motion::Revolute => turn = z * of.offset,
+            Motion::Helical(_) if of.offset != 0.0 => return None,
+            Motion::Helical(_) => {}
+        }
+        joints.push(TableJoint { name: of.name.clone(), motion, coordinate: of.coordinate, scale: z * of.scale });
+    }
+    if left.peek().is_some() {
+        return None;
+    }
+    let (last, tool) = tail(&between, &chain, bodies.size, (turn, slide))?;
+    rows.push(last);
+    Some(Table {
+        name: chain.name().to_owned(),
+        base: chain.base().to_owned(),
+        tip: chain.tip().to_owned(),
+        coordinates: chain.coordinates().to_vec(),
+        joints,
+        rows,
+        tool,
+    })
+}
+
+/// Joints from base down to tip; `None` where the chain runs up the tree.
+fn way(robot: &Robot, bodies: &Bodies, chain: &Chain) -> Option<Vec<usize>> {
+    let (base, mut at) = (robot.link_index(chain.base())?, robot.link_index(chain.tip())?);
+    let mut way = Vec::new();
+    while at != base {
+        let joint = bodies.to_parent[at]?;
+        way.push(joint);
+        at = robot.joints[joint].parent;
+    }
+    way.reverse();
+    Some(way)
+}
+
+fn is_nothing(numbers: &Numbers) -> bool {
+    *numbers == Numbers::default()
+}
+
+/// The row of a joint's origin behind fixed joints, a mimic's offset of the joint before it taken in.
+fn row_with(between: &[Numbers], origin: Numbers, size: f64, offset: (f64, f64)) -> Option<Row> {
+    let origin = if between.iter().all(is_nothing) {
+        origin
+    } else {
+        let pose = between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose()) * origin.pose();
+        Numbers::of(&pose, size)
+    };
+    taken_in(row_of(&origin, size)?, offset)
+}
+
+fn taken_in(row: Row, (turn, slide): (f64, f64)) -> Option<Row> {
+    match row {
+        row if turn == 0.0 && slide == 0.0 => Some(row),
+        Row::Dh(row) => Some(Row::Dh(DhRow { theta: row.theta + turn, d: row.d + slide, ..row })),
+        Row::Hayati(_) => None,
+    }
+}
+
+/// The last row and the tool part.
+fn tail(between: &[Numbers], chain: &Chain, size: f64, offset: (f64, f64)) -> Option<(Row, ToolPart)> {
+    let turned = |numbers: &Numbers| match row_of(numbers, size) {
+        Some(Row::Dh(DhRow { theta, d, alpha: 0.0, a: 0.0 })) => Some(ToolPart { theta, d }),
+        _ => None,
+    };
+    let as_it_stands = match between {
+        [] => Some((Row::Dh(DhRow::default()), ToolPart::default())),
+        [last] => row_of(last, size).map(|row| (row, ToolPart::default())),
+        [last, tool] => row_of(last, size).zip(turned(tool)),
+        _ => None,
+    };
+    if let Some((row, tool)) = as_it_stands {
+        return Some((taken_in(row, offset)?, tool));
+    }
+    let home = between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose());
+    let names = (chain.name(), chain.base(), chain.tip());
+    let flange = Chain::new(names, Vec::new(), Vec::new(), home).ok()?;
+    let table = convert::table(&flange, &convert::Options::default()).ok()?.value;
+    Some((taken_in(*table.rows.first()?, offset)?, table.tool))
+}
