@@ -1,7 +1,7 @@
 //! Runs the tracer on a folder of blind cases: `cargo run --release --example study_tracing -- FOLDER [NAME]`.
+use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::Statics;
 use denavit_calibrate::measurements::{Covariate, Label, MeasurementKind, Measurements};
 use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from body import Body
+
 
 @dataclass
 class Hidden:
@@ -75,10 +77,14 @@ def transmission_error(rng, arm, motor=False):
 
 
 def joint_compliance(rng, arm):
-    loaded = [i for i, joint in enumerate(arm.joints) if joint.kind == "revolute" and i > 0]
-    if arm.name == "scara":
-        loaded = [2]  # only the quill carries weight
-    i = int(rng.choice(loaded[: max(1, len(loaded) - 1)]))
+    body = Body(arm)
+    lower, upper = (np.array([joint.limits[k] for joint in arm.joints]) for k in (0, 1))
+    torques = np.array([pin.computeGeneralizedGravity(body.model, body.data, rng.uniform(lower, upper)) for _ in range(200)])
+    change = torques.std(axis=0)
+    loaded = [i for i in range(len(arm.joints)) if change[i] > 0.02 * change.max() and change[i] > 1e-3]
+    if not loaded:
+        loaded = [2]  # a SCARA's quill: only the payload changes its load
+    i = int(rng.choice(loaded))
     def act(size):
         def on(body, moment, give):
             give.joint[i] -= 1e-5 * size * moment.gravity[i]

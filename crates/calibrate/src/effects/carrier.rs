@@ -292,7 +292,9 @@ mod tests {
         let chain = examples::planar_arm();
         let arm = Arm::new(&chain, 1);
         let mut deviation = Deviation::none(chain.joints().len());
-        Carrier::Lengths.directions(chain.joints(), &axis_points(&chain))[0].iter().for_each(|action| action.add_to(0.01, &mut deviation));
+        Carrier::Lengths.directions(chain.joints(), &axis_points(&chain))[0]
+            .iter()
+            .for_each(|action| action.add_to(0.01, &mut deviation));
         let (mut still, mut stretched) = (RowState::default(), RowState::default());
         arm.state_into(&[0.4, 0.9], None, &mut still);
         arm.state_into(&[0.4, 0.9], Some(&deviation), &mut stretched);

@@ -7,7 +7,7 @@ use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::trace::projector::{Gain, Projector};
 use crate::trace::search::{Field, p_value};
-use crate::trace::select::{State, Tracer};
+use crate::trace::select::Tracer;
 use denavit_model::nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -17,6 +17,10 @@ const WAVES: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 const PAIR_WAVES: [f64; 2] = [0.5, 1.0];
 /// Straight pieces that make a smooth function of a recorded quantity.
 const PIECES: usize = 6;
+/// Blocks that are taken one after the other at most.
+const MOST_BLOCKS: usize = 6;
+/// A direction of which the model leaves less than this share is no structure that one could point to.
+const SEEN: f64 = 0.05;
 /// Places that a report lists at most.
 const LISTED: usize = 5;
 
@@ -34,7 +38,7 @@ pub struct Structure {
 }
 
 /// What no entry explains.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Leftover {
     /// Whether it is more than chance, all blocks counted.
     pub structured: bool,
@@ -42,7 +46,16 @@ pub struct Leftover {
     pub p_value: f64,
     /// Where, the largest share first.
     pub places: Vec<Structure>,
-    best: Option<Block>,
+    /// Columns of the blocks that explain it, in units of the noise.
+    pub(crate) columns: DMatrix<f64>,
+    /// How much of the sum of squares they explain.
+    pub(crate) drop: f64,
+}
+
+impl Default for Leftover {
+    fn default() -> Self {
+        Self { structured: false, p_value: 1.0, places: Vec::new(), columns: DMatrix::zeros(0, 0), drop: 0.0 }
+    }
 }
 
 /// Functions of one or two variables, acting at one carrier.
@@ -66,53 +79,53 @@ pub fn carriers(survey: &Survey) -> Vec<Carrier> {
     survey.moving().map(Carrier::Joint).chain([Carrier::Base]).collect()
 }
 
-/// Tests every block against the model.
-pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>, _state: &State) -> Leftover {
+/// Tests every block against the model, takes the best, and again, until nothing is left.
+pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
     let linear = field.linear;
-    let projector = Projector::new(&[&linear.geometry, &linear.effects], &linear.residual);
     let blocks = blocks(tracer, field);
-    let free = (linear.residual.len() - projector.rank()) as f64;
-    let mut scored: Vec<(f64, Gain, &Block)> = blocks
-        .iter()
-        .map(|block| {
-            let gain = projector.gain_of(&block.columns(field));
-            (p_value(free, projector.rss, gain, gain.rank), gain, block)
-        })
-        .collect();
-    // By how far each is beyond chance: probabilities of strong structure all round to zero.
-    let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
-    scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
-    let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return Leftover::default() };
-    let corrected = (least * scored.len() as f64).min(1.0);
-    if corrected >= tracer.options.false_claims {
-        return Leftover { structured: false, p_value: corrected, places: Vec::new(), best: None };
-    }
-    let mut places: Vec<Structure> = Vec::new();
-    for (p, gain, block) in &scored {
-        if p * scored.len() as f64 >= tracer.options.false_claims {
-            continue;
+    let columns: Vec<DMatrix<f64>> = blocks.iter().map(|block| block.columns(field)).collect();
+    let mut taken = DMatrix::zeros(linear.residual.len(), 0);
+    let mut leftover = Leftover::default();
+    for round in 0..MOST_BLOCKS {
+        let projector = Projector::new(&[&linear.geometry, &linear.effects, &taken], &linear.residual);
+        let free = (linear.residual.len() - projector.rank()) as f64;
+        let mut scored: Vec<(f64, Gain, usize)> = columns
+            .iter()
+            .enumerate()
+            .map(|(index, columns)| {
+                let gain = projector.gain_of_seen(columns, SEEN);
+                (p_value(free, projector.rss, gain, gain.rank), gain, index)
+            })
+            .collect();
+        // By how far each is beyond chance: probabilities of strong structure all round to zero.
+        let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
+        scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
+        let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return leftover };
+        let corrected = (least * scored.len() as f64).min(1.0);
+        if round == 0 {
+            leftover.p_value = corrected;
+            leftover.structured = corrected < tracer.options.false_claims;
         }
-        let share = gain.drop / projector.rss;
+        if corrected >= tracer.options.false_claims {
+            break;
+        }
+        let (_, gain, best) = scored[0];
+        leftover.drop += gain.drop;
+        let block = &blocks[best];
         let acting = block.carrier.joint().map(Variable::Joint);
         for variable in acting.iter().chain(&block.variables) {
-            let place = variable.place(tracer, share);
-            let known = places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
-            if !known && places.len() < LISTED {
-                places.push(place);
+            let place = variable.place(tracer, gain.drop / linear.residual.norm_squared());
+            let known = leftover.places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
+            if !known && leftover.places.len() < LISTED {
+                leftover.places.push(place);
             }
         }
+        let grown = taken.ncols() + columns[best].ncols();
+        taken = taken.resize_horizontally(grown, 0.0);
+        taken.columns_mut(grown - columns[best].ncols(), columns[best].ncols()).copy_from(&columns[best]);
     }
-    Leftover { structured: true, p_value: corrected, places, best: Some(scored[0].2.clone()) }
-}
-
-impl Leftover {
-    /// The best block's columns, in units of the noise.
-    pub(crate) fn columns(&self, field: &Field<'_>) -> DMatrix<f64> {
-        match &self.best {
-            Some(block) => block.columns(field),
-            None => DMatrix::zeros(field.linear.residual.len(), 0),
-        }
-    }
+    leftover.columns = taken;
+    leftover
 }
 
 impl Variable {

@@ -176,6 +176,14 @@ impl Linear {
         self.rows.len()
     }
 
+    /// Rows of the prior, made as firm as the fit has them.
+    pub fn firm(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut firm = columns.clone();
+        let priors = firm.nrows() - self.values();
+        firm.rows_mut(self.values(), priors).scale_mut(RELAXED);
+        firm
+    }
+
     /// Columns of one carrier.
     pub fn columns_of(&self, carrier: Carrier) -> Option<std::ops::Range<usize>> {
         self.places.iter().find(|(place, _)| *place == carrier).map(|(_, range)| range.clone())

@@ -73,8 +73,8 @@ impl Projector {
 
     /// What a block explains; `norms` are its columns' lengths before [`Projector::remove_from`].
     ///
-    /// The block is overwritten by an orthonormal basis of what is left of it, zero where nothing is.
-    pub fn gain(&self, block: &mut [f64], norms: &[f64]) -> Gain {
+    /// A column of which less than the share `least` is left counts as nothing. The block is overwritten by an orthonormal basis of what is left of it, zero where nothing is.
+    pub fn gain(&self, block: &mut [f64], norms: &[f64], least: f64) -> Gain {
         let rows = self.residual.len();
         let residual = self.residual.as_slice();
         let mut gain = Gain { drop: 0.0, rank: 0 };
@@ -86,7 +86,7 @@ impl Projector {
                 column.iter_mut().zip(other).for_each(|(x, y)| *x -= share * y);
             }
             let norm = dot(column, column).sqrt();
-            if norm <= UNSEEN * norms[k] || norms[k] == 0.0 {
+            if norm <= least * norms[k] || norms[k] == 0.0 {
                 column.fill(0.0);
                 continue;
             }
@@ -99,10 +99,15 @@ impl Projector {
 
     /// What a matrix of raw columns explains.
     pub fn gain_of(&self, columns: &DMatrix<f64>) -> Gain {
+        self.gain_of_seen(columns, UNSEEN)
+    }
+
+    /// The same, with another share of a column that must be left.
+    pub fn gain_of_seen(&self, columns: &DMatrix<f64>, least: f64) -> Gain {
         let norms: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
         let mut columns = columns.clone();
         self.remove_from(&mut columns);
-        self.gain(columns.as_mut_slice(), &norms)
+        self.gain(columns.as_mut_slice(), &norms, least)
     }
 }
 

@@ -7,8 +7,8 @@ use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::measurements::Measurements;
 use crate::trace::linear::Linear;
-use crate::trace::projector::{Gain, Projector};
-use denavit_model::nalgebra::DMatrix;
+use crate::trace::projector::{Gain, Projector, UNSEEN};
+use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Columns that are projected together.
@@ -25,6 +25,30 @@ pub struct Scored {
     pub delta_bic: f64,
     /// Probability of such a gain by chance, this candidate alone.
     pub p_value: f64,
+}
+
+/// What the model can do, with geometry on a loose and on a firm prior.
+///
+/// An effect is claimed against loose geometry; of two that both pass, the one that needs less of it is the better.
+#[derive(Debug, Clone)]
+pub struct Rest {
+    /// Geometry far beyond its tolerances.
+    pub loose: Projector,
+    /// Geometry in its tolerances.
+    pub firm: Projector,
+}
+
+impl Rest {
+    /// Geometry and these columns of effects (zero in the rows of the prior).
+    pub fn new(linear: &Linear, effects: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
+        let mut firm_residual = residual.clone();
+        let as_matrix = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+        firm_residual.copy_from(&linear.firm(&as_matrix).column(0));
+        Self {
+            loose: Projector::new(&[&linear.geometry, effects], residual),
+            firm: Projector::new(&[&linear.firm(&linear.geometry), effects], &firm_residual),
+        }
+    }
 }
 
 /// What a search is made against.
@@ -121,7 +145,7 @@ impl Field<'_> {
             let mut first = 0;
             for (candidate, count) in waiting.drain(..) {
                 let part = &mut block.as_mut_slice()[first * total..(first + count) * total];
-                let gain = projector.gain(part, &norms[first..first + count]);
+                let gain = projector.gain(part, &norms[first..first + count], UNSEEN);
                 scored.push(self.judged(projector, candidate, gain));
                 first += count;
             }
@@ -129,6 +153,12 @@ impl Field<'_> {
             cells.clear();
         }
         scored
+    }
+
+    /// How much the criterion falls with geometry on its firm prior.
+    pub fn firm_bic(&self, rest: &Rest, candidate: &Candidate) -> f64 {
+        let gain = rest.firm.gain_of(&self.columns(&candidate.term));
+        self.judged(&rest.firm, candidate, gain).delta_bic
     }
 
     /// Scores a gain: information criterion and F-test.

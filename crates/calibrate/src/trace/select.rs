@@ -8,12 +8,12 @@ use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::measurements::Measurements;
 use crate::parameters::NoEffects;
-use crate::solve::Fit;
+use crate::solve::{Fit, Noise};
 use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
-use crate::trace::search::{Field, Scored, carriers_of};
+use crate::trace::search::{Field, Rest, Scored, carriers_of};
 use crate::trace::{Finding, ScanCell, Trace, TraceOptions, Value};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
@@ -25,6 +25,14 @@ pub const TOLD_APART: f64 = 10.0;
 const SWAP_GAIN: f64 = 2.0;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
+/// Fewer rejected rows than this are outliers.
+const LEAST_REJECTED: usize = 4;
+/// So many effects may hide behind rejected rows.
+const MOST_LOCAL: usize = 3;
+/// Pull of a rejected row that comes back, in units of the noise.
+const BOUNDED: f64 = 4.0;
+/// Where structure is left that no entry explains, an effect that explains less than this share of it is not named.
+const MIMIC: f64 = 0.5;
 /// Candidates this far behind the best are not worth refining as rivals.
 const BEHIND: f64 = 60.0;
 
@@ -71,32 +79,22 @@ impl<'a> Tracer<'a> {
     pub fn run(&self) -> Trace {
         let mut state = self.refitted(Vec::new(), None);
         let mut stages = Vec::new();
+        for _ in 0..MOST_LOCAL {
+            let Some(next) = self.local(&state) else { break };
+            state = next;
+            stages.push(state.fit.clone());
+        }
         let mut scan = Vec::new();
         while state.chosen.len() < self.options.max_effects {
             let linear = self.linear(&state);
-            let projector = Projector::new(&[&linear.geometry, &linear.effects], &linear.residual);
+            let rest = Rest::new(&linear, &linear.effects, &linear.residual);
             let field = self.field(&linear);
-            let scored = field.score(&projector, &self.candidates);
-            if stages.is_empty() {
+            let scored = field.score(&rest.loose, &self.candidates);
+            if scan.is_empty() {
                 scan = self.scan(&scored);
             }
-            let Some(best) = self.best(&field, &projector, &scored) else { break };
-            #[cfg(feature = "dbg")]
-            {}
-            eprintln!(
-                "best {:?} dBIC {:.1} p {:.1e} drop {:.1} rss {:.1} values {} passes {} helps {} conv {} it {}",
-                best.candidate.term,
-                best.delta_bic,
-                best.p_value,
-                best.gain.drop,
-                projector.rss,
-                linear.values(),
-                self.passes(&best),
-                self.helps_held_out(&field, &best),
-                state.fit.converged,
-                state.fit.iterations
-            );
-            if !self.passes(&best) || !self.helps_held_out(&field, &best) {
+            let Some(best) = self.best(&field, &rest, &scored) else { break };
+            if !self.helps_held_out(&field, &best) {
                 break;
             }
             let before = state.clone();
@@ -130,6 +128,32 @@ impl<'a> Tracer<'a> {
         State { chosen, fit }
     }
 
+    /// An effect that makes rows of the model that the robust fit took for outliers.
+    ///
+    /// Rejected rows come back with the weight that keeps their pull bounded; what is found there counts only if the
+    /// robust fit then keeps at least half of them.
+    fn local(&self, state: &State) -> Option<State> {
+        let rejected = |fit: &Fit<EffectModel>| fit.weights.iter().filter(|weight| **weight == 0.0).count();
+        let before = rejected(&state.fit);
+        if before < LEAST_REJECTED {
+            return None;
+        }
+        let mut open = state.clone();
+        let Noise { position, orientation } = state.fit.noise;
+        for (weight, square) in open.fit.weights.iter_mut().zip(&state.fit.squares) {
+            let turned = if orientation > 0.0 { square[1] / orientation.powi(2) } else { 0.0 };
+            let size = (square[0] / position.powi(2) + turned).sqrt();
+            *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
+        }
+        let linear = self.linear(&open);
+        let rest = Rest::new(&linear, &linear.effects, &linear.residual);
+        let field = self.field(&linear);
+        let scored = field.score(&rest.loose, &self.candidates);
+        let best = self.best(&field, &rest, &scored)?;
+        let next = self.rescanned(self.added(state, &best.candidate));
+        (rejected(&next.fit) * 2 <= before).then_some(next)
+    }
+
     /// The model linearised at a state.
     pub(crate) fn linear(&self, state: &State) -> Linear {
         linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers)
@@ -140,7 +164,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
-    fn best(&self, field: &Field<'_>, projector: &Projector, scored: &[Scored]) -> Option<Scored> {
+    fn best(&self, field: &Field<'_>, rest: &Rest, scored: &[Scored]) -> Option<Scored> {
         let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
         order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         let mut seen: Vec<(Kind, Carrier)> = Vec::new();
@@ -149,13 +173,15 @@ impl<'a> Tracer<'a> {
             let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
             if !seen.contains(&key) {
                 seen.push(key);
-                leaders.push(field.refined(projector, &self.survey, &scored.candidate));
+                leaders.push(field.refined(&rest.loose, &self.survey, &scored.candidate));
             }
             if leaders.len() == REFINED {
                 break;
             }
         }
-        leaders.into_iter().max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic))
+        let firm = |scored: &Scored| field.firm_bic(rest, &scored.candidate);
+        let judged = leaders.into_iter().filter(|scored| self.passes(scored)).map(|scored| (firm(&scored), scored));
+        judged.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, scored)| scored)
     }
 
     /// Beyond chance, with the whole search counted.
@@ -205,17 +231,17 @@ impl<'a> Tracer<'a> {
         let mut chosen = state.chosen.clone();
         for index in 0..chosen.len() {
             if chosen[index].scanned > 0 {
-                let projector = self.without(&state, &linear, &[index]);
-                chosen[index] = field.refined(&projector, &self.survey, &chosen[index]).candidate;
+                let rest = self.without(&state, &linear, &[index]);
+                chosen[index] = field.refined(&rest.loose, &self.survey, &chosen[index]).candidate;
             }
         }
         self.refitted(chosen, Some(&state))
     }
 
     /// Geometry and all effects but those of these indices, and the residual that this would leave.
-    fn without(&self, state: &State, linear: &Linear, left_out: &[usize]) -> Projector {
+    fn without(&self, state: &State, linear: &Linear, left_out: &[usize]) -> Rest {
         let (others, residual) = self.parts(state, linear, left_out);
-        Projector::new(&[&linear.geometry, &others], &residual)
+        Rest::new(linear, &others, &residual)
     }
 
     fn parts(&self, state: &State, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
@@ -240,8 +266,8 @@ impl<'a> Tracer<'a> {
         let linear = self.linear(state);
         let field = self.field(&linear);
         for index in 0..state.chosen.len() {
-            let projector = self.without(state, &linear, &[index]);
-            let own = self.own(&field, &projector, &state.chosen[index]);
+            let rest = self.without(state, &linear, &[index]);
+            let own = self.own(&field, &rest.loose, &state.chosen[index]);
             if own.delta_bic < LEAST_DELTA_BIC {
                 let mut chosen = state.chosen.clone();
                 chosen.remove(index);
@@ -250,9 +276,10 @@ impl<'a> Tracer<'a> {
             if state.chosen.len() == 1 {
                 continue;
             }
-            let scored = field.score(&projector, &self.candidates);
-            let best = self.best(&field, &projector, &scored)?;
-            if best.delta_bic > own.delta_bic + SWAP_GAIN && best.candidate.term != state.chosen[index].term {
+            let scored = field.score(&rest.loose, &self.candidates);
+            let Some(best) = self.best(&field, &rest, &scored) else { continue };
+            let (found, had) = (field.firm_bic(&rest, &best.candidate), field.firm_bic(&rest, &state.chosen[index]));
+            if found > had + SWAP_GAIN && best.candidate.term != state.chosen[index].term {
                 let mut chosen = state.chosen.clone();
                 chosen[index] = best.candidate;
                 return Some(self.refitted(chosen, Some(state)));
@@ -271,7 +298,7 @@ impl<'a> Tracer<'a> {
             if same.len() < 2 || same[0] != first {
                 continue;
             }
-            let projector = self.without(state, field.linear, &same);
+            let rest = self.without(state, field.linear, &same);
             let mut columns = Vec::new();
             let mut scanned = 0;
             for &index in &same {
@@ -280,10 +307,10 @@ impl<'a> Tracer<'a> {
             }
             let total = field.linear.residual.len();
             let count = columns.len() / total;
-            let gain = projector.gain_of(&DMatrix::from_vec(total, count, columns));
-            let together = field.judged(&projector, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
-            let scored = field.score(&projector, &self.candidates);
-            let best = self.best(field, &projector, &scored)?;
+            let gain = rest.loose.gain_of(&DMatrix::from_vec(total, count, columns));
+            let together = field.judged(&rest.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
+            let scored = field.score(&rest.loose, &self.candidates);
+            let Some(best) = self.best(field, &rest, &scored) else { continue };
             if best.delta_bic > together.delta_bic {
                 let mut chosen: Vec<Candidate> =
                     (0..state.chosen.len()).filter(|k| !same.contains(k)).map(|k| state.chosen[k].clone()).collect();
@@ -305,17 +332,18 @@ impl<'a> Tracer<'a> {
         loop {
             let linear = self.linear(&state);
             let field = self.field(&linear);
-            let leftover = leftover::examine(self, &field, &state);
+            let leftover = leftover::examine(self, &field);
             if !leftover.structured || state.chosen.is_empty() {
                 return (state, leftover);
             }
-            let blocks = leftover.columns(&field);
             let mut weakest: Option<(f64, usize)> = None;
             for index in 0..state.chosen.len() {
                 let (others, residual) = self.parts(&state, &linear, &[index]);
-                let projector = Projector::new(&[&linear.geometry, &others, &blocks], &residual);
+                let projector = Projector::new(&[&linear.geometry, &others, &leftover.columns], &residual);
                 let own = self.own(&field, &projector, &state.chosen[index]);
-                if !self.passes(&own) && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
+                let alone = self.own(&field, &Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
+                let mimic = !self.passes(&own) || alone.gain.drop < MIMIC * leftover.drop;
+                if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
                     weakest = Some((own.delta_bic, index));
                 }
             }
@@ -345,8 +373,8 @@ impl<'a> Tracer<'a> {
         let mut column = state.fit.layout.effects.start;
         let mut findings = Vec::new();
         for (index, candidate) in state.chosen.iter().enumerate() {
-            let projector = self.without(state, &linear, &[index]);
-            let own = self.own(&field, &projector, candidate);
+            let rest = self.without(state, &linear, &[index]);
+            let own = self.own(&field, &rest.loose, candidate);
             let count = state.fit.effects.effects[index].coefficients.len();
             findings.push(Finding {
                 term: candidate.term.clone(),
@@ -354,7 +382,7 @@ impl<'a> Tracer<'a> {
                 values: self.values(state, index, column),
                 p_value: self.corrected(own.p_value),
                 delta_bic: own.delta_bic,
-                ambiguous_with: self.rivals(&field, &projector, &own),
+                ambiguous_with: self.rivals(&field, &rest.loose, &own),
             });
             column += count;
         }
