@@ -93,7 +93,11 @@ fn is_nearly_parallel(origin: &Numbers, size: f64) -> bool {
 /// The length whose products with cosine and sine are what is written: the shortest of those that rounding allows.
 fn exact_length(along: f64, [x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
     let shorter = (12..=16).map(|digits| format!("{along:.digits$e}").parse::<f64>().unwrap_or(along));
-    let candidates: Vec<f64> = shorter.chain([along, along.next_up(), along.next_down()]).collect();
+    let neighbours = (0..8u32).scan(along.next_down().next_down().next_down().next_down(), |at, _| {
+        *at = at.next_up();
+        Some(*at)
+    });
+    let candidates: Vec<f64> = shorter.chain([along]).chain(neighbours).collect();
     let exactly = |a: &&f64| **a * cosine == x && **a * sine == y;
     let cleaned = |a: &&f64| clean(**a * cosine, a.abs()) == x && clean(**a * sine, a.abs()) == y;
     candidates.iter().find(exactly).or_else(|| candidates.iter().find(cleaned)).map_or(along, |a| *a) + 0.0
