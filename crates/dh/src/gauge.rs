@@ -20,7 +20,7 @@ const LENGTH: f64 = 10.0;
 const ODD_ANGLE: f64 = 10.0;
 const HALF_TURN: f64 = 6.0;
 const QUARTER_TURN: f64 = 5.0;
-const NEGATIVE_LENGTH: f64 = 1.0;
+const NEGATIVE_LENGTH: f64 = 0.2;
 const NEGATIVE_ANGLE: f64 = 0.5;
 /// Of two equal places for a number the row of a joint is better than the base or the tool, a later row than an earlier.
 const OUTSIDE_THE_JOINTS: f64 = 0.2;

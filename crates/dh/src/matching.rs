@@ -25,7 +25,7 @@ use arm::Arm;
 use axes::{Guess, alignment, guesses, with_senses, wrapped};
 use denavit_model::chain::Chain;
 use denavit_model::se3::{self, Pose};
-use fit::{Fit, Free, Product, State};
+use fit::{AT_ITS_LEAST, Fit, Free, GOES_NOWHERE, Product, State};
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
@@ -251,6 +251,9 @@ const TRIED: usize = 12;
 /// Guesses that are fitted where none does, or where given frames tell senses apart that the axes do not.
 const TRIED_AT_MOST: usize = 32;
 
+/// Least damping of a fit of frames and zeros: such as rounding needs where the geometry leaves one free.
+const DAMPING: f64 = 1e-12;
+
 /// A guess whose fit leaves no more than this many times the least says the same as the best one.
 const AS_GOOD: f64 = 2.0;
 
@@ -411,7 +414,7 @@ impl Problem<'_> {
             if verdict == Verdict::Exact || count >= TRIED_AT_MOST || (count >= tried && verdict < Verdict::Mismatch) {
                 break;
             }
-            let fit = self.fit(&guess.senses);
+            let fit = Fit { falls: GOES_NOWHERE, ..self.fit(&guess.senses) };
             let state = fit.solve(self.start(&guess), &free);
             let (error, _) = fit.errors(&state, &self.arm.samples);
             least = least.min(error);
@@ -420,13 +423,23 @@ impl Problem<'_> {
         let simplest = fitted.first().map(|(_, guess, state)| (guess.clone(), state.clone()));
         let as_good = |error: f64| error <= AS_GOOD * least && Verdict::of(error) == Verdict::of(least);
         let best = fitted.into_iter().find(|(error, ..)| as_good(*error));
-        let (simplest, (error, guess, state)) = simplest.zip(best).expect("there is always a guess");
+        let (simplest, (_, guess, state)) = simplest.zip(best).expect("there is always a guess");
+        let fit = self.fit(&guess.senses);
+        let state = fit.solve(state, &free);
+        let (error, _) = fit.errors(&state, &self.arm.samples);
         let state = self.tidied(&guess.senses, state, error, &free);
         BestFits { guess, state, simplest }
     }
 
     fn fit<'s>(&'s self, senses: &'s [f64]) -> Fit<'s> {
-        Fit { product: self.product, senses, samples: &self.arm.samples, size: self.arm.size, damping: 1e-12 }
+        Fit {
+            product: self.product,
+            senses,
+            samples: &self.arm.samples,
+            size: self.arm.size,
+            damping: DAMPING,
+            falls: AT_ITS_LEAST,
+        }
     }
 
     /// Zeros that nothing needs are 0, those that a quarter turn serves as well are one.

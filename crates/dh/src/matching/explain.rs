@@ -1,7 +1,7 @@
 //! Which numbers of a table are not the robot's.
 
 use super::axes::Guess;
-use super::fit::{Fit, Free, State};
+use super::fit::{Fit, Free, GOES_NOWHERE, State};
 use super::vendor::{DhNumber, VendorNumber};
 use super::{
     BestFits, Difference, Explanation, Match, Nature, NumberMatch, Placement, Problem, QUARTER, RowMatch, Verdict,
@@ -29,8 +29,7 @@ impl Problem<'_> {
     /// The state with the robot's own numbers, and where the vendor's do not serve, the fewest that must change.
     pub(super) fn explained(&self, fits: &BestFits, placement: &Placement) -> (State, Option<Explanation>) {
         if Verdict::of(placement.position_error) <= Verdict::Rounded {
-            let mut fit = self.fit(&fits.guess.senses);
-            fit.damping = HELD;
+            let fit = Fit { damping: HELD, ..self.fit(&fits.guess.senses) };
             return (fit.solve(fits.state.clone(), &self.all_free()), None);
         }
         let simplest = (&fits.simplest.0, &fits.simplest.1);
@@ -54,8 +53,8 @@ impl Problem<'_> {
     }
 
     fn explained_from(&self, guess: &Guess, fitted: &State, placement: &Placement) -> Option<(State, Explanation)> {
-        let mut fit = self.fit(&guess.senses);
-        fit.damping = HELD;
+        let fit = Fit { damping: HELD, ..self.fit(&guess.senses) };
+        let quick = Fit { falls: GOES_NOWHERE, ..self.fit(&guess.senses) };
         let all = self.all_free();
         let start = self.start(guess);
         let error = |state: &State| fit.errors(state, fit.samples).0;
@@ -70,8 +69,9 @@ impl Problem<'_> {
         }
         let order = self.most_likely_first(&whole, &all);
         let single = order.iter().find_map(|number| {
-            let state = fit.solve(start.clone(), &self.only(&[*number]));
-            (error(&state) <= enough).then(|| (vec![*number], state))
+            let free = self.only(&[*number]);
+            let state = quick.solve(start.clone(), &free);
+            (error(&state) <= enough).then(|| (vec![*number], fit.solve(state, &free)))
         });
         let (support, state) = single.unwrap_or_else(|| self.fewest(&fit, &order, whole, enough));
         let left = error(&state);

@@ -55,6 +55,8 @@ pub(crate) struct Fit<'a> {
     pub size: f64,
     /// Least damping, relative to the diagonal: how well determined a direction must be to be followed.
     pub damping: f64,
+    /// The least share that the sum of squares must fall by in a step: [`AT_ITS_LEAST`] or [`GOES_NOWHERE`].
+    pub falls: f64,
 }
 
 /// A rotation error of 1 rad weighs as this many times the robot's size.
@@ -66,8 +68,11 @@ const ROUNDING: f64 = 3e-14;
 /// Steps of a fit at most.
 const STEPS: usize = 40;
 
-/// A sum of squares that falls by less than this share is at its least.
-const FALLS: f64 = 1e-5;
+/// A sum of squares that falls by less than this share in a step is at its least.
+pub(crate) const AT_ITS_LEAST: f64 = 1e-5;
+
+/// A sum of squares that falls by less than this share in a step will not come to nothing, which is enough to choose by.
+pub(crate) const GOES_NOWHERE: f64 = 0.02;
 
 impl Product {
     /// The product and its numbers.
@@ -276,7 +281,7 @@ impl Fit<'_> {
                 }
                 damping *= 10.0;
             }
-            if falls < FALLS {
+            if falls < self.falls {
                 break;
             }
         }

@@ -1,11 +1,11 @@
 //! The robots of this repository against the tables beside them.
 
-use crate::corpus::{Rows, chain_of, lengths_misprinted, needed, read_robot};
+use crate::corpus::{Rows, chain_of, lengths_misprinted, needed, read_robot, vendor_corpus};
 use denavit_dh::convert::{HAYATI_BELOW, Options, table};
 use denavit_dh::matching::{VendorTable, Verdict, match_table};
-use denavit_dh::{Convention, NearParallel};
+use denavit_dh::{Convention, NearParallel, Parallelism};
 use denavit_model::tree::Reading;
-use denavit_model::{examples, se3};
+use denavit_model::{examples, se3, urdf};
 use std::path::PathBuf;
 
 /// File, table, base, tip: chains where the table covers a part of the robot.
@@ -95,4 +95,68 @@ fn a_base_row_that_is_given_must_hold() {
     assert_eq!(found.verdict, Verdict::Mismatch);
     vendor.base = None;
     assert_eq!(match_table(&chain, &vendor).unwrap().verdict, Verdict::Exact);
+}
+
+fn urdf_files(folder: &std::path::Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            urdf_files(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "urdf") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_robot_of_the_corpus_matches_its_own_table() {
+    let Some(folder) = vendor_corpus() else { return };
+    let mut files = Vec::new();
+    urdf_files(&folder.join("robots"), &mut files);
+    let (mut compared, mut worst) = (0, 0.0f64);
+    for path in files {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let Ok(robot) = urdf::read(&name, &std::fs::read_to_string(&path).unwrap()) else { continue };
+        let Ok(chain) = robot.chain(None, None, Reading::Intended) else { continue };
+        let chain = chain.value;
+        let parallelism = Parallelism::Within { angle: 1e-6 };
+        let own = table(&chain, &Options { parallelism, ..Options::default() }).unwrap();
+        let found = match_table(&chain, &VendorTable::of(&own.value, Convention::Distal, false)).unwrap();
+        assert_eq!(found.verdict, Verdict::Exact, "{name}: {:?}", found.placement);
+        for (joint, of_chain) in found.placement.joints.iter().zip(chain.joints()) {
+            assert_eq!((joint.sense.sign(), joint.zero), (of_chain.scale.signum(), 0.0), "{name}: {}", joint.name);
+        }
+        let n = chain.joints().len();
+        for (k, which) in [(n / 2, 1), (n / 2, 2), (n / 2, 3), (n / 3, 1), (n / 3, 2), (n / 3, 3)] {
+            let mut wrong = VendorTable::of(&own.value, Convention::Distal, false);
+            if n < 4 {
+                continue;
+            }
+            let row = &mut wrong.joints[k].row;
+            let (number, by) = match which {
+                1 => (&mut row.d, 0.03 * chain.size()),
+                2 => (&mut row.alpha, 0.1),
+                _ => (&mut row.a, 0.03 * chain.size()),
+            };
+            if let Some(number) = number {
+                number.value += by;
+            }
+            let start = std::time::Instant::now();
+            let found = match_table(&chain, &wrong).unwrap();
+            let time = start.elapsed();
+            let named = found.explanation.as_ref().map(|e| {
+                e.differences.iter().map(|d| format!("{:?} {}", d.label, d.number.word())).collect::<Vec<_>>()
+            });
+            println!(
+                "{name} {n} joints row {k} number {which} slides {}: {} {:.1e} {named:?} {time:.0?}",
+                matches!(chain.joints()[k].screw, denavit_model::Screw::Prismatic(_)),
+                found.verdict.word(),
+                found.placement.position_error
+            );
+        }
+        worst = worst.max(found.placement.position_error);
+        compared += 1;
+    }
+    println!("{compared} robots, largest error {worst:.1e} m");
 }
