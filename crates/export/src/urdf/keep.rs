@@ -5,6 +5,7 @@ use super::bodies::Bodies;
 use super::edit::{Edits, escaped};
 use super::frames::Plan;
 use super::nodes::Nodes;
+use super::origin::{joint_axis, joint_origin};
 use super::reframe::Moves;
 use super::written::Numbers;
 use denavit_model::robot::Robot;
@@ -31,12 +32,12 @@ pub(crate) fn edit(
         let node = nodes.joint(index);
         let Some(numbers) = plan.origins[index] else {
             if bodies.reread[index] {
-                moves.joint_origin(edits, node, &bodies.origins[index]);
+                joint_origin(&robot.source, edits, node, &bodies.origins[index]);
             }
             continue;
         };
-        moves.joint_origin(edits, node, &numbers);
-        moves.joint_axis(edits, node);
+        joint_origin(&robot.source, edits, node, &numbers);
+        joint_axis(&robot.source, edits, node);
         let parent = dh_name(bodies.body[joint.parent]);
         set_end(robot, edits, node, "parent", &robot.links[joint.parent].name, &parent);
         let Some(step) = moves.new_from_old[joint.child] else { continue };

@@ -19,18 +19,21 @@
 //! - a file in which every joint is in this form already is not changed at all.
 
 mod bodies;
+mod calibrated;
 mod edit;
 mod frames;
 mod from_table;
 mod keep;
 mod markers;
 mod nodes;
+mod origin;
 mod read_off;
 mod reframe;
 mod shape;
 mod verify;
 mod written;
 
+pub use calibrated::with_chain;
 pub use from_table::from_table;
 pub use read_off::read_off;
 

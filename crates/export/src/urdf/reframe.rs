@@ -3,7 +3,8 @@
 use super::bodies::{Bodies, has_axis};
 use super::edit::Edits;
 use super::frames::Plan;
-use super::written::{Numbers, three, three_over};
+use super::origin::{is, joint_axis, joint_origin, numbers_of, write, write_xyz};
+use super::written::{Numbers, three};
 use super::{ExportError, nodes::Nodes};
 use denavit_model::notes::Note;
 use denavit_model::robot::{Robot, SourceText};
@@ -46,66 +47,12 @@ impl<'a> Moves<'a> {
         for origin in element.children().filter(|child| is(child, "origin")) {
             found = true;
             if let Some(old) = numbers_of(origin) {
-                self.write(edits, origin, &moved(step, &old), scale(step, &old));
+                write(self.source, edits, origin, &moved(step, &old), scale(step, &old));
             }
         }
         if !found && element.first_element_child().is_some() {
             let numbers = moved(step, &Numbers::default());
             edits.first_child(self.source, element, &numbers.element());
-        }
-    }
-
-    /// Numbers into the attributes `xyz` and `rpy`; what stays, to rounding, keeps its text.
-    fn write(&self, edits: &mut Edits, node: Node, numbers: &Numbers, scale: f64) {
-        self.write_xyz(edits, node, numbers.xyz, scale);
-        let same_turn = numbers_of(node).is_some_and(|old| {
-            let back = se3::rotation_from_rpy(old.rpy).inverse() * se3::rotation_from_rpy(numbers.rpy);
-            se3::rotation_angle(&back) <= 4.0 * f64::EPSILON
-        });
-        if !same_turn {
-            self.write_rpy(edits, node, numbers.rpy, 1.0);
-        }
-    }
-
-    fn write_rpy(&self, edits: &mut Edits, node: Node, rpy: [f64; 3], scale: f64) {
-        let written = node.attribute("rpy");
-        let text = written.map_or_else(|| three(rpy), |written| three_over(written, rpy, scale));
-        if (written.is_some() || rpy != [0.0; 3]) && Some(text.as_str()) != written {
-            edits.attribute(self.source, node, "rpy", &text);
-        }
-    }
-
-    fn write_xyz(&self, edits: &mut Edits, node: Node, xyz: [f64; 3], scale: f64) {
-        let written = node.attribute("xyz");
-        let text = written.map_or_else(|| three(xyz), |written| three_over(written, xyz, scale));
-        if (written.is_some() || xyz != [0.0; 3]) && Some(text.as_str()) != written {
-            edits.attribute(self.source, node, "xyz", &text);
-        }
-    }
-
-    /// A joint's origin as numbers, put in where there is none; words stay that are exactly these numbers.
-    pub fn joint_origin(&self, edits: &mut Edits, joint: Node, numbers: &Numbers) {
-        match joint.children().find(|child| is(child, "origin")) {
-            Some(origin) => {
-                self.write_xyz(edits, origin, numbers.xyz, 0.0);
-                self.write_rpy(edits, origin, numbers.rpy, 0.0);
-            }
-            None if *numbers == Numbers::default() => {}
-            None => edits.first_child(self.source, joint, &numbers.element()),
-        }
-    }
-
-    /// A joint's axis as z.
-    pub fn joint_axis(&self, edits: &mut Edits, joint: Node) {
-        const Z: [f64; 3] = [0.0, 0.0, 1.0];
-        match joint.children().find(|child| is(child, "axis")) {
-            Some(axis) => {
-                let written = axis.attribute("xyz");
-                if written.and_then(three_of) != Some(Z) {
-                    edits.attribute(self.source, axis, "xyz", "0 0 1");
-                }
-            }
-            None => edits.behind_origin(self.source, joint, "<axis xyz=\"0 0 1\"/>"),
         }
     }
 
@@ -172,11 +119,11 @@ impl<'a> Moves<'a> {
                     self.origins_in(edits, owner, step);
                 }
             } else if matches!(tag, "frame" | "link1" | "link2") {
-                self.write(edits, node, &moved(step, &old), scale(step, &old));
+                write(self.source, edits, node, &moved(step, &old), scale(step, &old));
             } else if placed {
-                self.write_xyz(edits, node, moved(step, &old).xyz, scale(step, &old));
+                write_xyz(self.source, edits, node, moved(step, &old).xyz, scale(step, &old));
                 if node.attribute("rpy").is_some() {
-                    self.write(edits, node, &moved(step, &old), scale(step, &old));
+                    write(self.source, edits, node, &moved(step, &old), scale(step, &old));
                 }
             }
         }
@@ -196,8 +143,8 @@ pub(crate) fn edit(
     for (index, joint) in robot.joints.iter().enumerate() {
         let node = nodes.joint(index);
         if let Some(numbers) = plan.origins[index].filter(|_| has_axis(&joint.kind)) {
-            moves.joint_origin(edits, node, &numbers);
-            moves.joint_axis(edits, node);
+            joint_origin(&robot.source, edits, node, &numbers);
+            joint_axis(&robot.source, edits, node);
             continue;
         }
         let old = bodies.origins[index];
@@ -208,7 +155,7 @@ pub(crate) fn edit(
             None if bodies.reread[index] => old,
             None => continue,
         };
-        moves.joint_origin(edits, node, &numbers);
+        joint_origin(&robot.source, edits, node, &numbers);
     }
     for (index, step) in moves.new_from_old.iter().enumerate() {
         if let (Some(step), Some(node)) = (step, nodes.link(index)) {
@@ -260,22 +207,6 @@ fn moved(step: &Pose, old: &Numbers) -> Numbers {
     Numbers::of(&(step * old.pose()), scale(step, old))
 }
 
-fn is(node: &Node, tag: &str) -> bool {
-    node.is_element() && node.tag_name().name() == tag
-}
-
 fn six(numbers: &Numbers) -> String {
     format!("{} {}", three(numbers.xyz), three(numbers.rpy))
-}
-
-fn three_of(value: &str) -> Option<[f64; 3]> {
-    let words = value.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
-    let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
-    numbers?.try_into().ok()
-}
-
-/// The attributes `xyz` and `rpy`, 0 where missing; `None` where they are no numbers.
-fn numbers_of(node: Node) -> Option<Numbers> {
-    let three = |name| node.attribute(name).map_or(Some([0.0; 3]), three_of);
-    Some(Numbers { xyz: three("xyz")?, rpy: three("rpy")? })
 }

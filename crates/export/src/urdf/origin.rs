@@ -1,0 +1,77 @@
+//! The attributes `xyz` and `rpy`, read and written.
+
+use super::edit::Edits;
+use super::written::{Numbers, three, three_over};
+use denavit_model::robot::SourceText;
+use denavit_model::se3;
+use roxmltree::Node;
+
+/// Numbers into the attributes `xyz` and `rpy`; what stays, to rounding, keeps its text.
+pub(crate) fn write(source: &SourceText, edits: &mut Edits, node: Node, numbers: &Numbers, scale: f64) {
+    write_xyz(source, edits, node, numbers.xyz, scale);
+    let same_turn = numbers_of(node).is_some_and(|old| {
+        let back = se3::rotation_from_rpy(old.rpy).inverse() * se3::rotation_from_rpy(numbers.rpy);
+        se3::rotation_angle(&back) <= 4.0 * f64::EPSILON
+    });
+    if !same_turn {
+        write_rpy(source, edits, node, numbers.rpy, 1.0);
+    }
+}
+
+fn write_rpy(source: &SourceText, edits: &mut Edits, node: Node, rpy: [f64; 3], scale: f64) {
+    let written = node.attribute("rpy");
+    let text = written.map_or_else(|| three(rpy), |written| three_over(written, rpy, scale));
+    if (written.is_some() || rpy != [0.0; 3]) && Some(text.as_str()) != written {
+        edits.attribute(source, node, "rpy", &text);
+    }
+}
+
+pub(crate) fn write_xyz(source: &SourceText, edits: &mut Edits, node: Node, xyz: [f64; 3], scale: f64) {
+    let written = node.attribute("xyz");
+    let text = written.map_or_else(|| three(xyz), |written| three_over(written, xyz, scale));
+    if (written.is_some() || xyz != [0.0; 3]) && Some(text.as_str()) != written {
+        edits.attribute(source, node, "xyz", &text);
+    }
+}
+
+/// A joint's origin as numbers, put in where there is none; words stay that are exactly these numbers.
+pub(crate) fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, numbers: &Numbers) {
+    match joint.children().find(|child| is(child, "origin")) {
+        Some(origin) => {
+            write_xyz(source, edits, origin, numbers.xyz, 0.0);
+            write_rpy(source, edits, origin, numbers.rpy, 0.0);
+        }
+        None if *numbers == Numbers::default() => {}
+        None => edits.first_child(source, joint, &numbers.element()),
+    }
+}
+
+/// A joint's axis as z.
+pub(crate) fn joint_axis(source: &SourceText, edits: &mut Edits, joint: Node) {
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    match joint.children().find(|child| is(child, "axis")) {
+        Some(axis) => {
+            let written = axis.attribute("xyz");
+            if written.and_then(three_of) != Some(Z) {
+                edits.attribute(source, axis, "xyz", "0 0 1");
+            }
+        }
+        None => edits.behind_origin(source, joint, "<axis xyz=\"0 0 1\"/>"),
+    }
+}
+
+pub(crate) fn is(node: &Node, tag: &str) -> bool {
+    node.is_element() && node.tag_name().name() == tag
+}
+
+fn three_of(value: &str) -> Option<[f64; 3]> {
+    let words = value.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+    let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
+    numbers?.try_into().ok()
+}
+
+/// The attributes `xyz` and `rpy`, 0 where missing; `None` where they are no numbers.
+pub(crate) fn numbers_of(node: Node) -> Option<Numbers> {
+    let three = |name| node.attribute(name).map_or(Some([0.0; 3]), three_of);
+    Some(Numbers { xyz: three("xyz")?, rpy: three("rpy")? })
+}
