@@ -6,6 +6,7 @@
 //! The crate opens no files and knows no Denavit-Hartenberg numbers. Lengths are m, angles rad.
 
 pub mod chain;
+pub mod compiled;
 pub mod examples;
 mod fk;
 pub mod forms;
@@ -20,6 +21,7 @@ pub mod urdf;
 mod well_formed;
 
 pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity};
+pub use compiled::CompiledChain;
 pub use nalgebra;
 pub use notes::{Note, Noted, Place};
 pub use problems::{Problem, ProblemKind, UrdfError};

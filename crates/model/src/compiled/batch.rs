@@ -1,0 +1,145 @@
+//! Many configurations: the lanes are configurations, all of them doing the same.
+
+use super::CompiledChain;
+use super::blocks::{Block, Gap};
+use super::frames::Twist;
+use super::sin_cos;
+use crate::se3::{self, Pose};
+use fearless_simd::{Simd, SimdBase as _, SimdFloat as _};
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+
+/// A vector in each lane.
+type Vectors<S> = [<S as Simd>::f64s; 3];
+
+/// Cosines and sines.
+type Turns<S> = (<S as Simd>::f64s, <S as Simd>::f64s);
+
+/// base_from_here in each lane.
+struct Frames<S: Simd> {
+    x: Vectors<S>,
+    y: Vectors<S>,
+    z: Vectors<S>,
+    origin: Vectors<S>,
+}
+
+#[inline(always)]
+fn each<S: Simd>(of: impl Fn(usize) -> S::f64s) -> Vectors<S> {
+    [of(0), of(1), of(2)]
+}
+
+impl<S: Simd> Frames<S> {
+    #[inline(always)]
+    fn all(simd: S, pose: &Pose) -> Self {
+        let r = pose.rotation.matrix();
+        let p = pose.translation.vector;
+        let splat = |value| S::f64s::splat(simd, value);
+        Self {
+            x: each::<S>(|row| splat(r[(row, 0)])),
+            y: each::<S>(|row| splat(r[(row, 1)])),
+            z: each::<S>(|row| splat(r[(row, 2)])),
+            origin: each::<S>(|row| splat(p[row])),
+        }
+    }
+
+    /// Behind Rz(turn) T(x, y, slide) Rx(alpha).
+    #[inline(always)]
+    fn stepped(self, (cosine, sine): Turns<S>, slide: Option<S::f64s>, gap: &Gap) -> Self {
+        let Self { x, y, z, mut origin } = self;
+        let turned_x = each::<S>(|row| y[row].mul_add(sine, x[row] * cosine));
+        let turned_y = || each::<S>(|row| y[row].mul_add(cosine, -(x[row] * sine)));
+        if let Some(slide) = slide {
+            origin = each::<S>(|row| z[row].mul_add(slide, origin[row]));
+        }
+        if gap.x != 0.0 {
+            origin = each::<S>(|row| turned_x[row].mul_add(gap.x, origin[row]));
+        }
+        if gap.y != 0.0 {
+            let y = turned_y();
+            origin = each::<S>(|row| y[row].mul_add(gap.y, origin[row]));
+        }
+        match gap.twist {
+            Twist::Parallel => Self { x: turned_x, y: turned_y(), z, origin },
+            Twist::Square => {
+                let out = each::<S>(|row| x[row].mul_sub(sine, y[row] * cosine));
+                Self { x: turned_x, y: z, z: out, origin }
+            }
+            Twist::Oblique { cosine, sine } => {
+                let y = turned_y();
+                let up = each::<S>(|row| z[row].mul_add(sine, y[row] * cosine));
+                let out = each::<S>(|row| z[row].mul_sub(cosine, y[row] * sine));
+                Self { x: turned_x, y: up, z: out, origin }
+            }
+        }
+    }
+}
+
+/// The frames of as many configurations as there are lanes, from configuration `first` on; lanes beyond `count` repeat
+/// the last.
+#[inline(always)]
+fn reached<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], first: usize, count: usize) -> Frames<S> {
+    let stride = chain.coordinates;
+    let here = &q[first * stride..(first + count) * stride];
+    let mut frames = Frames::all(simd, &chain.start);
+    for block in &chain.blocks {
+        for k in 0..block.count.min(super::blocks::JOINTS) {
+            let coordinate = block.coordinate[k];
+            let values = if count == S::f64s::LEN {
+                S::f64s::from_fn(simd, |lane| here[lane * stride + coordinate])
+            } else {
+                S::f64s::from_fn(simd, |lane| here[lane.min(count - 1) * stride + coordinate])
+            };
+            let (turn, slide) = turn_and_slide(simd, block, k, values);
+            frames = frames.stepped(turn, slide, &block.gaps[k]);
+        }
+    }
+    if let Some((cosine, sine)) = chain.last_turn {
+        let turn = (S::f64s::splat(simd, cosine), S::f64s::splat(simd, sine));
+        frames = frames.stepped(turn, None, &Gap { x: 0.0, y: 0.0, twist: Twist::Parallel });
+    }
+    frames
+}
+
+#[inline(always)]
+fn turn_and_slide<S: Simd>(simd: S, block: &Block, k: usize, q: S::f64s) -> (Turns<S>, Option<S::f64s>) {
+    let value = q * block.scale[k] + block.offset[k];
+    let quarters = S::u64s::splat(simd, block.quarters[k]);
+    let (mut sine, mut cosine) = sin_cos::sin_cos(simd, value * block.turning[k], quarters);
+    if block.rest_sine[k] != 0.0 {
+        let (c, s) = (block.rest_cosine[k], block.rest_sine[k]);
+        (sine, cosine) = (sine.mul_add(c, cosine * s), cosine.mul_sub(c, sine * s));
+    }
+    let slide = if block.sliding[k] != 0.0 {
+        Some(value.mul_add(block.sliding[k], block.along[k]))
+    } else if block.along[k] != 0.0 {
+        Some(S::f64s::splat(simd, block.along[k]))
+    } else {
+        None
+    };
+    ((cosine, sine), slide)
+}
+
+#[inline(always)]
+pub(super) fn poses<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], poses: &mut [Pose]) {
+    let width = S::f64s::LEN;
+    for (chunk, poses) in poses.chunks_mut(width).enumerate() {
+        let frames = reached(simd, chain, q, chunk * width, poses.len());
+        let Frames { x, y, z, origin } = &frames;
+        for (lane, pose) in poses.iter_mut().enumerate() {
+            let at = |vectors: &Vectors<S>, row: usize| vectors[row].as_slice()[lane];
+            let column = |vectors: &Vectors<S>| Vector3::new(at(vectors, 0), at(vectors, 1), at(vectors, 2));
+            let rotation = Matrix3::from_columns(&[column(x), column(y), column(z)]);
+            *pose = se3::pose(Rotation3::from_matrix_unchecked(rotation), column(origin));
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn tips<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], tips: &mut [Point3<f64>]) {
+    let width = S::f64s::LEN;
+    for (chunk, tips) in tips.chunks_mut(width).enumerate() {
+        let Frames { origin, .. } = reached(simd, chain, q, chunk * width, tips.len());
+        for (lane, tip) in tips.iter_mut().enumerate() {
+            *tip = Point3::new(origin[0].as_slice()[lane], origin[1].as_slice()[lane], origin[2].as_slice()[lane]);
+        }
+    }
+}
