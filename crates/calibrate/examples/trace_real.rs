@@ -13,7 +13,9 @@ fn main() {
     let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
     let statics = Statics::of(&robot, &chain);
     let load = |path: &str| {
-        read(path, std::fs::File::open(path).unwrap(), &chain, Units::default()).unwrap_or_else(|error| panic!("{error}")).data
+        read(path, std::fs::File::open(path).unwrap(), &chain, Units::default())
+            .unwrap_or_else(|error| panic!("{error}"))
+            .data
     };
     let mut options = CalibrateOptions::geometry(&chain);
     options.trace = Some(TraceOptions::new(options.identify.clone()));
@@ -24,7 +26,8 @@ fn main() {
         None => {}
     }
     let started = Instant::now();
-    let found = calibrate(&chain, &statics, load(&arguments[2]), test, &options).unwrap_or_else(|error| panic!("{error}"));
+    let found =
+        calibrate(&chain, &statics, load(&arguments[2]), test, &options).unwrap_or_else(|error| panic!("{error}"));
     println!("{:.2} s", started.elapsed().as_secs_f64());
     println!("{}", found.report.to_json());
     if let Some(trace) = &found.trace {

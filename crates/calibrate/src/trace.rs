@@ -8,6 +8,8 @@
 //! ```
 //! No candidate sees a measured value. All of them are tested against geometry at the same state of the model.
 
+mod drifts;
+mod findings;
 mod holdout;
 mod leftover;
 mod linear;

@@ -191,9 +191,12 @@ impl Clock {
     /// Sets of knots for a curve of straight pieces; finer ones where one number per row drifts.
     pub fn pieces(&self, fine: bool) -> Vec<Vec<f64>> {
         let counts: &[usize] = if fine { &[5, 10, 20, 40] } else { &[5] };
-        let knots =
-            |pieces: usize| (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect();
-        counts.iter().filter(|&&pieces| self.sorted.len() > 8 * pieces).map(|&pieces| knots(pieces)).collect()
+        counts.iter().filter(|&&pieces| self.sorted.len() > 8 * pieces).map(|&pieces| self.knots(pieces)).collect()
+    }
+
+    /// Knots of so many equal pieces.
+    pub fn knots(&self, pieces: usize) -> Vec<f64> {
+        (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect()
     }
 }
 

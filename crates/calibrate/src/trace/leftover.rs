@@ -115,7 +115,8 @@ pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
         let acting = block.carrier.joint().map(Variable::Joint);
         for variable in acting.iter().chain(&block.variables) {
             let place = variable.place(tracer, gain.drop / linear.residual.norm_squared());
-            let known = leftover.places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
+            let known =
+                leftover.places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
             if !known && leftover.places.len() < LISTED {
                 leftover.places.push(place);
             }

@@ -3,7 +3,7 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::driver::{Driver, Statics};
-use crate::effects::model::{Coupling, EffectModel};
+use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::measurements::Measurements;
@@ -14,13 +14,11 @@ use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
 use crate::trace::search::{Field, Rest, Scored, carriers_of};
-use crate::trace::{Finding, ScanCell, Trace, TraceOptions, Value};
+use crate::trace::{Trace, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
-const LEAST_DELTA_BIC: f64 = 10.0;
-/// Two effects whose criteria differ by less than this cannot be told apart.
-pub const TOLD_APART: f64 = 10.0;
+pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
 /// A swap must gain this much, or the search would go round in circles.
 const SWAP_GAIN: f64 = 2.0;
 /// How many of the best candidates of a pass have their scanned numbers refined.
@@ -33,8 +31,6 @@ const MOST_LOCAL: usize = 3;
 const BOUNDED: f64 = 4.0;
 /// Where structure is left that no entry explains, an effect that explains less than this share of it is not named.
 const MIMIC: f64 = 0.5;
-/// Candidates this far behind the best are not worth refining as rivals.
-const BEHIND: f64 = 60.0;
 
 /// The search and what it works with.
 pub struct Tracer<'a> {
@@ -43,7 +39,7 @@ pub struct Tracer<'a> {
     pub(crate) options: &'a TraceOptions,
     geometric: &'a Fit<NoEffects>,
     pub(crate) survey: Survey,
-    candidates: Vec<Candidate>,
+    pub(crate) candidates: Vec<Candidate>,
     carriers: Vec<Carrier>,
 }
 
@@ -78,13 +74,11 @@ impl<'a> Tracer<'a> {
     /// The whole search.
     pub fn run(&self) -> Trace {
         let mut state = self.refitted(Vec::new(), None);
-        let mut stages = Vec::new();
         for _ in 0..MOST_LOCAL {
             let Some(next) = self.local(&state) else { break };
             state = next;
-            stages.push(state.fit.clone());
         }
-        let mut scan = Vec::new();
+        let (mut scan, mut passes) = (Vec::new(), 0);
         while state.chosen.len() < self.options.max_effects {
             let linear = self.linear(&state);
             let rest = Rest::new(&linear, &linear.effects, &linear.residual);
@@ -100,25 +94,36 @@ impl<'a> Tracer<'a> {
             let before = state.clone();
             state = self.added(&state, &best.candidate);
             state = self.tidied(state);
+            if let Some(next) = self.separated(&state) {
+                state = self.rescanned(next);
+            }
             if state.chosen.len() <= before.chosen.len() && same_terms(&state.chosen, &before.chosen) {
                 break;
             }
-            stages.push(state.fit.clone());
-            if stages.len() > 3 * self.options.max_effects {
+            passes += 1;
+            if passes > 3 * self.options.max_effects {
                 break;
             }
         }
         let (state, leftover) = self.without_mimics(state);
-        stages.truncate(state.chosen.len());
-        if let Some(last) = stages.last_mut() {
-            *last = state.fit.clone();
-        }
+        let stages = self.stages(&state);
         let findings = self.findings(&state);
         Trace { fit: state.fit, stages, findings, candidates: self.candidates.len(), scan, leftover }
     }
 
+    /// The fit after each effect, in the order in which they were found.
+    fn stages(&self, state: &State) -> Vec<Fit<EffectModel>> {
+        let count = state.chosen.len();
+        let mut stages: Vec<Fit<EffectModel>> =
+            (1..count).map(|k| self.refitted(state.chosen[..k].to_vec(), Some(state)).fit).collect();
+        if count > 0 {
+            stages.push(state.fit.clone());
+        }
+        stages
+    }
+
     /// Refits with these terms and refines their scanned numbers at the new state.
-    fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
+    pub(crate) fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
         let chosen = with_steps_joined(chosen);
         let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(self.statics, &terms);
@@ -164,7 +169,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
-    fn best(&self, field: &Field<'_>, rest: &Rest, scored: &[Scored]) -> Option<Scored> {
+    pub(crate) fn best(&self, field: &Field<'_>, rest: &Rest, scored: &[Scored]) -> Option<Scored> {
         let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
         order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         let mut seen: Vec<(Kind, Carrier)> = Vec::new();
@@ -190,7 +195,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// A probability with the whole search counted.
-    fn corrected(&self, p_value: f64) -> f64 {
+    pub(crate) fn corrected(&self, p_value: f64) -> f64 {
         (p_value * self.candidates.len() as f64).min(1.0)
     }
 
@@ -222,7 +227,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Refines every scanned number with all else in the model.
-    fn rescanned(&self, state: State) -> State {
+    pub(crate) fn rescanned(&self, state: State) -> State {
         if state.chosen.iter().all(|candidate| candidate.scanned == 0) {
             return state;
         }
@@ -239,12 +244,12 @@ impl<'a> Tracer<'a> {
     }
 
     /// Geometry and all effects but those of these indices, and the residual that this would leave.
-    fn without(&self, state: &State, linear: &Linear, left_out: &[usize]) -> Rest {
+    pub(crate) fn without(&self, state: &State, linear: &Linear, left_out: &[usize]) -> Rest {
         let (others, residual) = self.parts(state, linear, left_out);
         Rest::new(linear, &others, &residual)
     }
 
-    fn parts(&self, state: &State, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+    pub(crate) fn parts(&self, state: &State, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
         let mut residual = linear.residual.clone();
         let mut kept = Vec::new();
         let mut column = 0;
@@ -322,7 +327,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// What an effect of the model explains when it is put back.
-    fn own(&self, field: &Field<'_>, projector: &Projector, candidate: &Candidate) -> Scored {
+    pub(crate) fn own(&self, field: &Field<'_>, projector: &Projector, candidate: &Candidate) -> Scored {
         let gain = projector.gain_of(&field.columns(&candidate.term));
         field.judged(projector, candidate, gain)
     }
@@ -341,7 +346,8 @@ impl<'a> Tracer<'a> {
                 let (others, residual) = self.parts(&state, &linear, &[index]);
                 let projector = Projector::new(&[&linear.geometry, &others, &leftover.columns], &residual);
                 let own = self.own(&field, &projector, &state.chosen[index]);
-                let alone = self.own(&field, &Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
+                let alone =
+                    self.own(&field, &Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
                 let mimic = !self.passes(&own) || alone.gain.drop < MIMIC * leftover.drop;
                 if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
                     weakest = Some((own.delta_bic, index));
@@ -352,100 +358,6 @@ impl<'a> Tracer<'a> {
             chosen.remove(index);
             state = self.refitted(chosen, Some(&state));
         }
-    }
-
-    fn scan(&self, scored: &[Scored]) -> Vec<ScanCell> {
-        let mut cells: Vec<ScanCell> = Vec::new();
-        for scored in scored {
-            let kind = scored.candidate.term.kind;
-            let place = scored.candidate.term.carrier.place(&self.statics.chain);
-            match cells.iter_mut().find(|cell| cell.kind == kind && cell.place == place) {
-                Some(cell) => cell.delta_bic = cell.delta_bic.max(scored.delta_bic),
-                None => cells.push(ScanCell { kind, place, delta_bic: scored.delta_bic }),
-            }
-        }
-        cells
-    }
-
-    fn findings(&self, state: &State) -> Vec<Finding> {
-        let linear = self.linear(state);
-        let field = self.field(&linear);
-        let mut column = state.fit.layout.effects.start;
-        let mut findings = Vec::new();
-        for (index, candidate) in state.chosen.iter().enumerate() {
-            let rest = self.without(state, &linear, &[index]);
-            let own = self.own(&field, &rest.loose, candidate);
-            let count = state.fit.effects.effects[index].coefficients.len();
-            findings.push(Finding {
-                term: candidate.term.clone(),
-                place: candidate.term.carrier.place(&self.statics.chain),
-                values: self.values(state, index, column),
-                p_value: self.corrected(own.p_value),
-                delta_bic: own.delta_bic,
-                ambiguous_with: self.rivals(&field, &rest.loose, &own),
-            });
-            column += count;
-        }
-        findings
-    }
-
-    /// Kinds and places that do as well as an effect in its place.
-    fn rivals(&self, field: &Field<'_>, projector: &Projector, own: &Scored) -> Vec<(Kind, String)> {
-        let chain = &self.statics.chain;
-        let key = |scored: &Scored| (scored.candidate.term.kind, scored.candidate.term.carrier.place(chain));
-        let mut best: Vec<Scored> = Vec::new();
-        for scored in field.score(projector, &self.candidates) {
-            if scored.gain.rank == 0 || key(&scored) == key(own) || scored.delta_bic < own.delta_bic - BEHIND {
-                continue;
-            }
-            match best.iter_mut().find(|other| key(other) == key(&scored)) {
-                Some(other) if other.delta_bic >= scored.delta_bic => {}
-                Some(other) => *other = scored,
-                None => best.push(scored),
-            }
-        }
-        let mut rivals: Vec<Scored> = best
-            .into_iter()
-            .map(|scored| field.refined(projector, &self.survey, &scored.candidate))
-            .filter(|scored| scored.delta_bic > own.delta_bic - TOLD_APART)
-            .collect();
-        rivals.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-        rivals.iter().map(key).collect()
-    }
-
-    fn values(&self, state: &State, index: usize, first: usize) -> Vec<Value> {
-        let effect = &state.fit.effects.effects[index];
-        let mut values: Vec<Value> = effect
-            .coefficients
-            .iter()
-            .enumerate()
-            .map(|(k, value)| {
-                let (name, carrier, driver) = effect.term.coefficient_name(self.statics, k);
-                let variance = state.fit.covariance[(first + k, first + k)];
-                let unit = if driver == "1" { carrier.to_string() } else { format!("{carrier}/({driver})") };
-                Value { name, value: *value, std: Some(variance.max(0.0).sqrt()), unit }
-            })
-            .collect();
-        let chosen =
-            |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
-        match &effect.term.driver {
-            Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
-            Driver::Bump { at, width, .. } => {
-                let unit = self.statics.chain.joints()[effect.term.carrier.joint().unwrap_or(0)].screw.pitch();
-                let unit = if unit.is_none() { "m" } else { "rad" };
-                values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
-            }
-            Driver::Decay { constant, covariate, .. } => {
-                values.push(chosen("time_constant", *constant, crate::effects::driver::unit_of(covariate)));
-            }
-            Driver::Steps { at, covariate } => {
-                let unit = crate::effects::driver::unit_of(covariate);
-                values.extend(at.iter().enumerate().map(|(k, at)| chosen(&format!("at_{}", k + 1), *at, unit)));
-            }
-            _ => {}
-        }
-        debug_assert!(effect.term.coupling == Coupling::Each || effect.coefficients.len() == 1);
-        values
     }
 }
 
