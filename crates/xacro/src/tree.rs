@@ -47,6 +47,7 @@ pub(crate) struct Attribute {
     pub value: Rc<str>,
     /// Of the value, quotes not included.
     pub range: Range<usize>,
+    pub name_range: Range<usize>,
 }
 
 /// A document: what stands before and after the root is kept too.
@@ -92,7 +93,7 @@ impl Element {
     pub fn set_attribute(&mut self, name: Rc<str>, value: Rc<str>, range: Range<usize>) {
         match self.attributes.iter_mut().find(|attribute| attribute.name == name) {
             Some(attribute) => attribute.value = value,
-            None => self.attributes.push(Attribute { name, value, range }),
+            None => self.attributes.push(Attribute { name, value, name_range: range.clone(), range }),
         }
     }
 }
@@ -139,9 +140,9 @@ fn convert(
     Ok(match node.node_type() {
         roxmltree::NodeType::Root => None,
         roxmltree::NodeType::Element => Some(Node::Element(Rc::new(element(file, node, depth)?))),
-        roxmltree::NodeType::PI => node.pi().map(|instruction| Node::Instruction {
-            target: instruction.target.into(),
-            value: instruction.value.unwrap_or_default().into(),
+        // The reader lets a second XML declaration pass as an instruction.
+        roxmltree::NodeType::PI => node.pi().filter(|pi| !pi.target.eq_ignore_ascii_case("xml")).map(|instruction| {
+            Node::Instruction { target: instruction.target.into(), value: instruction.value.unwrap_or_default().into() }
         }),
         roxmltree::NodeType::Comment => Some(Node::Comment(Text {
             value: node.text().unwrap_or_default().into(),
@@ -186,6 +187,7 @@ fn element(file: &Rc<SourceFile>, node: roxmltree::Node<'_, '_>, depth: usize) -
             name: file.text[attribute.range_qname()].into(),
             value: attribute.value().into(),
             range: attribute.range_value(),
+            name_range: attribute.range_qname(),
         })
         .collect();
     let mut children = Vec::new();

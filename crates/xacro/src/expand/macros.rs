@@ -7,6 +7,7 @@ use super::output::Output;
 use super::values::literal;
 use crate::error::{ErrorKind, Frame, XacroError, did_you_mean, near};
 use crate::expression::Value;
+use crate::place::Spot;
 use crate::scope::{Entry, Macro, Macros, Parameter, Scope};
 use crate::tree::Element;
 
@@ -90,6 +91,7 @@ impl Expander<'_> {
         for attribute in &element.attributes {
             let spot = element.spot_of(attribute);
             let Some(at) = open.iter().position(|parameter| parameter.name == attribute.name) else {
+                let spot = Spot::new(&element.file, attribute.name_range.clone());
                 return Err(unknown_parameter(name, &attribute.name, definition).at(&spot));
             };
             open.remove(at);

@@ -163,12 +163,10 @@ fn count_of(arguments: &Arguments, range: std::ops::RangeInclusive<usize>) -> Re
     if range.contains(&given) {
         return Ok(());
     }
-    let expected = if range.start() == range.end() {
-        range.start().to_string()
-    } else {
-        format!("{} to {}", range.start(), range.end())
-    };
-    Err(Fault::value(format!("{expected} arguments are expected, {given} are given")))
+    let (least, most) = range.into_inner();
+    let s = if most == 1 { "" } else { "s" };
+    let expected = if least == most { most.to_string() } else { format!("{least} to {most}") };
+    Err(Fault::value(format!("{expected} argument{s} expected, {given} given")))
 }
 
 fn scalar(name: &str, arguments: &Arguments, evaluator: &mut Evaluator<'_>) -> Result<Value, Fault> {
@@ -266,11 +264,11 @@ fn fold(name: &str, mut arguments: Arguments, evaluator: &mut Evaluator<'_>) -> 
     no_names(&arguments)?;
     let extremum = matches!(name, "min" | "max");
     let items = match &arguments.plain[..] {
-        [] => return Err(Fault::value("1 argument is expected, 0 are given")),
+        [] => return Err(Fault::value("1 argument expected, 0 given")),
         [only] => evaluator.items(only)?,
         [sequence, _] if name == "sum" => evaluator.items(sequence)?,
         several if extremum => several.to_vec(),
-        several => return Err(Fault::value(format!("1 argument is expected, {} are given", several.len()))),
+        several => return Err(Fault::value(format!("1 argument expected, {} given", several.len()))),
     };
     match name {
         "all" => Ok(Value::Bool(items.iter().all(Value::is_true))),
@@ -344,7 +342,7 @@ fn sequence(name: &str, mut arguments: Arguments, evaluator: &mut Evaluator<'_>)
             let start = take_named(&mut arguments, "start").or_else(|| arguments.plain.get(1).cloned());
             let start = start.and_then(|start| start.as_integer()).unwrap_or(0);
             let Some(values) = arguments.plain.first() else {
-                return Err(Fault::value("1 argument is expected, 0 are given"));
+                return Err(Fault::value("1 argument expected, 0 given"));
             };
             let items = evaluator.items(values)?;
             let numbered = items
@@ -370,7 +368,7 @@ fn sequence(name: &str, mut arguments: Arguments, evaluator: &mut Evaluator<'_>)
         }
         "map" | "filter" => {
             let Some((function, sequences)) = arguments.plain.split_first() else {
-                return Err(Fault::value("2 arguments are expected, 0 are given"));
+                return Err(Fault::value("2 arguments expected, 0 given"));
             };
             let rows = rows(sequences, evaluator)?;
             let mut items = Vec::new();
@@ -452,7 +450,7 @@ fn dictionary(arguments: &Arguments, evaluator: &mut Evaluator<'_>) -> Result<Va
                 dict.insert(key, value)?;
             }
         }
-        _ => return Err(Fault::value("1 argument is expected")),
+        _ => return Err(Fault::value("1 argument expected")),
     }
     for (name, value) in &arguments.named {
         dict.insert(Value::Text(Rc::clone(name)), value.clone())?;

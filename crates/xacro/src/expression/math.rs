@@ -202,7 +202,9 @@ fn exactly(arguments: &[Value]) -> Result<[&Value; 1], Fault> {
 
 fn exactly_n<const N: usize>(arguments: &[Value]) -> Result<[&Value; N], Fault> {
     let values: Vec<&Value> = arguments.iter().collect();
-    values.try_into().map_err(|_| Fault::value(format!("{N} arguments are expected, {} are given", arguments.len())))
+    values.try_into().map_err(|_| {
+        Fault::value(format!("{N} argument{} expected, {} given", if N == 1 { "" } else { "s" }, arguments.len()))
+    })
 }
 
 fn number(value: &Value) -> Result<f64, Fault> {
