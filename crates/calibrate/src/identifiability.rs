@@ -1,6 +1,6 @@
 //! What data can tell: the paper's count beside the numerical rank, and the names of what stays untold.
 
-use crate::arm::Arm;
+use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::gauge;
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind};
@@ -95,10 +95,39 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     );
     let (expected, formula) = expected(&arm.nominal, data.kind, data.targets.len(), freedom);
     let expected = expected + layout.effects.len();
-    let triangle = triangle(&Problem { data, layout: &layout, effects }, arm);
+    // With residuals of 0 the common frame is exactly free; with measured ones it would be told by them.
+    let predicted = predicted(data, arm, effects);
+    let triangle = triangle(&Problem { data: &predicted, layout: &layout, effects }, arm);
     let analysis = analyse(&triangle, &gauge::conditions(&layout, arm));
     let untold = name(&layout, data, arm, &analysis);
     Identifiability { kind: data.kind, expected, formula, rank: analysis.rank, smallest: analysis.smallest, untold }
+}
+
+/// The data with what the arm predicts in place of what was measured.
+fn predicted<E: Effects>(data: &Measurements, arm: &Arm, effects: &E) -> Measurements {
+    let mut predicted = data.clone();
+    if data.kind == MeasurementKind::Distance {
+        return predicted;
+    }
+    let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
+    let targets = data.targets.len();
+    for row in 0..data.len() {
+        deviation.clear();
+        effects.deviate(Row::new(data, row), arm, &mut deviation);
+        arm.state_into(data.reading(row), Some(&deviation), &mut state);
+        for (target, on_tip) in arm.targets.iter().enumerate() {
+            let in_base =
+                state.tip.rotation * (on_tip.translation.vector + deviation.target) + state.tip.translation.vector;
+            if let Some(position) = &mut predicted.positions[row * targets + target] {
+                let seen = arm.instrument.rotation * in_base + arm.instrument.translation.vector;
+                *position = seen * (1.0 + deviation.scale);
+            }
+            if let Some(orientation) = predicted.orientations.get_mut(row) {
+                *orientation = arm.instrument.rotation * state.tip.rotation * on_tip.rotation;
+            }
+        }
+    }
+    predicted
 }
 
 /// Upper triangle R of the stacked Jacobian, J = Q R, reduced chunk by chunk.

@@ -8,10 +8,12 @@
 //! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
 
 pub mod arm;
+pub mod calibration;
 pub mod dh_form;
 pub mod effects;
 pub mod errors;
 pub mod gauge;
+pub mod grid;
 pub mod identifiability;
 pub mod identify;
 pub mod measurements;
@@ -19,6 +21,7 @@ pub mod normal;
 pub mod parameters;
 pub mod placement;
 pub mod prior;
+pub mod report;
 pub mod residual;
 pub mod simulate;
 pub mod solve;

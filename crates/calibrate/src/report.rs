@@ -1,0 +1,6 @@
+//! Results as JSON, as text for a terminal, as a page with plots.
+
+pub mod contract;
+pub mod text;
+
+pub use contract::CalibrationReport;
