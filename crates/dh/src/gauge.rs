@@ -25,6 +25,8 @@ const NEGATIVE_ANGLE: f64 = 0.5;
 /// Of two equal places for a number the row of a joint is better than the base or the tool, a later row than an earlier.
 const OUTSIDE_THE_JOINTS: f64 = 0.2;
 const EARLIER: f64 = 0.001;
+/// A joint that counts from its frame's own zero is better than one with an offset.
+const OFFSET: f64 = 0.3;
 /// A slide is expected where the arm goes on, not where it came from.
 const BEHIND_A_SLIDE: f64 = 0.1;
 
@@ -64,12 +66,13 @@ impl Weigher {
             return 0.0;
         }
         let angles = angle(row.theta()) + angle(row.alpha()) + angle(row.beta().unwrap_or(0.0));
+        let offset = if index > 0 && angle(row.theta()) > 0.0 { OFFSET } else { 0.0 };
         let before = self.slides.len().saturating_sub(index) as f64 * EARLIER;
         let place = before + if index == 0 { OUTSIDE_THE_JOINTS } else { 0.0 };
         let behind_a_slide = index > 0 && self.slides[index - 1];
         let a_place = place + if behind_a_slide { BEHIND_A_SLIDE } else { 0.0 };
         let lengths = self.length(row.a(), a_place) + self.length(row.d().unwrap_or(0.0), place);
-        angles + lengths
+        angles + offset + lengths
     }
 
     /// Cost of the tool's part.

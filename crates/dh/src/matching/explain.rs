@@ -4,7 +4,7 @@ use super::axes::Guess;
 use super::fit::{Fit, Free, GOES_NOWHERE, State};
 use super::vendor::{DhNumber, VendorNumber};
 use super::{
-    BestFits, Difference, Explanation, Match, Nature, NumberMatch, Placement, Problem, QUARTER, RowMatch, Verdict,
+    BestFits, Difference, Explanation, Nature, NumberMatch, Placement, Problem, QUARTER, RowMatch, Verdict,
     nearest_quarter,
 };
 use crate::conventions::RowLabel;
@@ -190,28 +190,5 @@ impl Problem<'_> {
     fn written(&self, label: RowLabel, number: DhNumber) -> VendorNumber {
         let row = self.vendor.rows().find(|(of, _)| *of == label);
         row.and_then(|(_, row)| row.number(number)).cloned().unwrap_or_default()
-    }
-}
-
-impl NumberMatch {
-    /// The robot's number in the vendor's unit and to the vendor's places: the vendor's own text where the two agree,
-    /// as many places as show the difference where not.
-    pub fn printed(&self) -> String {
-        let Some(written) = &self.vendor.written else {
-            return format!("{}", if self.agrees { self.vendor.value } else { self.robot });
-        };
-        if self.agrees {
-            return written.text.clone();
-        }
-        let most = self.vendor.places().map_or(0, |places| usize::try_from(places).unwrap_or(0)).max(6);
-        let (robot, vendor) = (self.robot / written.unit, self.vendor.value / written.unit);
-        format!("{:.*}", if (robot - vendor).abs() < 1e-6 { 12 } else { most.min(12) }, robot)
-    }
-}
-
-impl Match {
-    /// Whether every number of the table prints back as the vendor wrote it.
-    pub fn prints_back(&self) -> bool {
-        self.rows.iter().flat_map(|row| &row.numbers).all(|number| number.agrees)
     }
 }
