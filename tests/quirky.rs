@@ -13,7 +13,7 @@ fn each_odd_file_ends_in_a_table_or_a_reason() {
         match run.code {
             0 => assert!(run.stdout.contains("tool"), "{name}: {}", run.stdout),
             2 => assert!(
-                run.stdout.is_empty() && run.stderr.starts_with("error: ") && run.stderr.contains(&format!("{name}:")),
+                run.stdout.is_empty() && run.stderr.starts_with("error: ") && run.stderr.contains(name),
                 "{name}: {}",
                 run.stderr
             ),

@@ -19,8 +19,11 @@ Examples:
   denavit table panda.urdf --format tex > dh.tex   for a document
   denavit chains pr2.urdf                          which chains there are
   denavit fk ur5e.urdf --q 0,-1.57,1.57,0,0,0      where the tip is
+  denavit table ur.urdf.xacro ur_type:=ur5e        xacro, without ROS
+  denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
 
-ROBOT is a URDF, a D-H table or screw axes (CSV or JSON), - for standard input, or git:REVISION:PATH.
+ROBOT is a URDF, a xacro file, a D-H table or screw axes (CSV or JSON), - for standard input, or
+git:REVISION:PATH.
 Exit codes: 0 done or the same, 1 different or found, 2 trouble.";
 
 /// The commands.
@@ -34,12 +37,16 @@ pub enum Command {
     Fk(FkArguments),
     /// Print the screw axes and the home pose (product of exponentials)
     Poe(PoeArguments),
+    /// Say how two robots differ: per joint, and at the tips
+    Diff(DiffArguments),
+    /// Expand a xacro file to URDF, without ROS
+    Expand(ExpandArguments),
 }
 
 /// Which robot, and which chain of it.
 #[derive(Debug, Args)]
 pub struct RobotArguments {
-    /// URDF, D-H table or screw axes (CSV, JSON), - for standard input, or git:REVISION:PATH
+    /// URDF, xacro, D-H table or screw axes (CSV, JSON), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
     #[arg(long, value_name = "LINK")]
@@ -54,6 +61,24 @@ pub struct RobotArguments {
     /// Neighbouring axes closer to parallel than this are treated as parallel, rad
     #[arg(long, value_name = "RAD", default_value_t = 1e-6, conflicts_with = "exact")]
     pub tolerance: f64,
+    /// What a xacro file needs.
+    #[command(flatten)]
+    pub xacro: XacroArguments,
+}
+
+/// What a xacro file needs; a URDF needs none of it.
+#[derive(Debug, Clone, Default, Args)]
+pub struct XacroArguments {
+    /// Arguments of a xacro file
+    #[arg(value_name = "NAME:=VALUE")]
+    pub xacro_arguments: Vec<String>,
+    /// Folder with ROS packages, or a package; may be given several times [also: AMENT_PREFIX_PATH, ROS_PACKAGE_PATH,
+    /// and the packages around the file]
+    #[arg(long, value_name = "FOLDER")]
+    pub package_path: Vec<PathBuf>,
+    /// Let xacro read files outside its package and the package path
+    #[arg(long)]
+    pub allow_any_file: bool,
 }
 
 /// Units of what is printed for people.
@@ -125,8 +150,11 @@ fn format_names() -> clap::builder::PossibleValuesParser {
 /// Arguments of `denavit chains`.
 #[derive(Debug, Args)]
 pub struct ChainsArguments {
-    /// URDF, - for standard input, or git:REVISION:PATH
+    /// URDF or xacro, - for standard input, or git:REVISION:PATH
     pub robot: String,
+    /// What a xacro file needs.
+    #[command(flatten)]
+    pub xacro: XacroArguments,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -175,4 +203,78 @@ pub struct PoeArguments {
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,
+}
+
+/// Arguments of `denavit expand`.
+#[derive(Debug, Args)]
+pub struct ExpandArguments {
+    /// Xacro file, or - for standard input
+    pub file: String,
+    /// What it needs.
+    #[command(flatten)]
+    pub xacro: XacroArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// What `--only` restricts a comparison to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum OnlyName {
+    /// How and how far it moves: no inertials, shapes, speeds and efforts
+    Kinematics,
+}
+
+/// Arguments of `denavit diff`.
+#[derive(Debug, Args)]
+pub struct DiffArguments {
+    /// The robot as it was: any source
+    pub a: String,
+    /// The robot as it is: any source
+    pub b: String,
+    /// What xacro files need.
+    #[command(flatten)]
+    pub xacro: XacroArguments,
+    /// Lengths closer than this are equal, m
+    #[arg(long, value_name = "M", default_value_t = 1e-7)]
+    pub tolerance_m: f64,
+    /// Angles closer than this are equal, rad
+    #[arg(long, value_name = "RAD", default_value_t = 1e-6)]
+    pub tolerance_rad: f64,
+    /// Compare only this
+    #[arg(long, value_enum)]
+    pub only: Option<OnlyName>,
+    /// Where and how the robot stands on its root link does not matter
+    #[arg(long)]
+    pub up_to_base: bool,
+    /// Joint zero offsets and senses do not matter
+    #[arg(long)]
+    pub up_to_zeros: bool,
+    /// Added, removed and renamed links, joints and frames matter, too
+    #[arg(long)]
+    pub count_names: bool,
+    /// Range to sample instead of the joint limits, rad or m: LOWER,UPPER for all joints or NAME=LOWER,UPPER
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    pub q_range: Vec<String>,
+    /// Configurations to sample
+    #[arg(long, value_name = "N", default_value_t = 4096)]
+    pub samples: usize,
+    /// Start of the low-discrepancy sequence
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Format of the report
+    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = report_names())]
+    pub format: String,
+    /// As --format json
+    #[arg(long, conflicts_with = "format")]
+    pub json: bool,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+fn report_names() -> clap::builder::PossibleValuesParser {
+    let values = denavit_compare::report::FORMATS;
+    let values = values.iter().map(|format| clap::builder::PossibleValue::new(format.name).help(format.summary));
+    values.collect::<Vec<_>>().into()
 }

@@ -41,6 +41,9 @@ pub enum Failure {
     /// A table's file that is none.
     #[error(transparent)]
     Source(#[from] denavit_export::sources::SourceError),
+    /// A xacro file that does not expand.
+    #[error(transparent)]
+    Xacro(#[from] denavit_xacro::XacroError),
     /// Parts that make no chain.
     #[error("{file}: {source}")]
     Chain {

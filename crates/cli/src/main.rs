@@ -30,5 +30,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Chains(arguments) => commands::chains::run(&arguments),
         Command::Fk(arguments) => commands::fk::run(&arguments),
         Command::Poe(arguments) => commands::poe::run(&arguments),
+        Command::Diff(arguments) => commands::diff::run(&arguments),
+        Command::Expand(arguments) => commands::expand::run(&arguments),
     }
 }

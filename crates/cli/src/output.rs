@@ -3,8 +3,9 @@
 #![expect(clippy::print_stderr, reason = "this module is where the program speaks")]
 
 use crate::failure::Failure;
+use denavit_compare::report::Colour;
 use denavit_model::notes::Note;
-use std::io::{self, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 
 /// Exit codes, as those of `diff`.
@@ -30,8 +31,12 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Says what went wrong.
 pub fn complain(failure: &Failure) {
-    for line in failure.to_string().lines() {
-        eprintln!("error: {line}");
+    let text = failure.to_string();
+    let each_line = matches!(failure, Failure::Urdf(_));
+    for (index, line) in text.lines().enumerate() {
+        // A URDF's problems stand a line each; other messages go on in their own lines.
+        let mark = if each_line || index == 0 { "error: " } else { "" };
+        eprintln!("{mark}{line}");
     }
 }
 
@@ -40,6 +45,17 @@ pub fn remark(notes: &[Note]) {
     for note in notes {
         eprintln!("note: {note}");
     }
+}
+
+/// Says on standard error what is no error, but may not be meant.
+pub fn mention(text: impl std::fmt::Display) {
+    eprintln!("note: {text}");
+}
+
+/// Whether text on standard output is coloured: on a terminal that has not been told otherwise.
+pub fn colour(to_standard_output: bool) -> Colour {
+    let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    if to_standard_output && !plain && io::stdout().is_terminal() { Colour::Ansi } else { Colour::None }
 }
 
 /// Writes a file as a whole or not at all: to a temporary file beside it, then renamed.

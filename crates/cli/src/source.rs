@@ -1,11 +1,14 @@
-//! Any source to a robot: URDF, D-H table or screw axes in CSV or JSON, standard input, a revision in git.
+//! Any source to a robot: URDF, xacro, D-H table or screw axes in CSV or JSON, standard input, a revision in git.
 
-use crate::args::RobotArguments;
+use crate::args::{RobotArguments, XacroArguments};
 use crate::failure::Failure;
+use crate::output;
+use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
 use denavit_export::sources::{self, Source};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::{Chain, Reading, Robot};
+use denavit_xacro::{Environment, FileAccess, Options, PackagePath, Source as Document};
 use std::io::Read as _;
 
 /// A robot as its source gives it.
@@ -18,29 +21,67 @@ pub enum Loaded {
         table: Table,
         /// How the file groups them.
         convention: Convention,
+        /// What they stand for.
+        chain: Chain,
     },
     /// Screw axes.
     Poe(Chain),
 }
 
-/// Reads what the arguments name.
-pub fn load(arguments: &RobotArguments) -> Result<Loaded, Failure> {
-    let (file, text) = read_text(&arguments.robot)?;
-    load_text(&file, &text)
-}
-
-fn load_text(file: &str, text: &str) -> Result<Loaded, Failure> {
+/// Reads a robot.
+pub fn load(name: &str, xacro: &XacroArguments) -> Result<Loaded, Failure> {
+    let (file, text) = read_text(name)?;
     let start = text.trim_start_matches('\u{feff}').trim_start();
     let is_table = [".csv", ".json"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
         || start.starts_with('{')
         || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'));
     if is_table {
-        return Ok(match sources::read(file, text)? {
-            Source::Table { table, convention } => Loaded::Table { table, convention },
+        return Ok(match sources::read(&file, &text)? {
+            Source::Table { table, convention } => {
+                let chain = table.chain().map_err(|source| Failure::Chain { file: file.clone(), source })?;
+                Loaded::Table { table, convention, chain }
+            }
             Source::Poe(chain) => Loaded::Poe(chain),
         });
     }
-    Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(file, text)?)))
+    let wanted = denavit_xacro::is_xacro(&text) && (file.ends_with(".xacro") || !xacro.xacro_arguments.is_empty());
+    let (file, text) = if wanted || unread_without_xacro(&file, &text) {
+        let urdf = expanded(&file, &text, xacro)?;
+        (format!("{file} (expanded)"), urdf)
+    } else {
+        (file, text)
+    };
+    Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(&file, &text)?)))
+}
+
+/// Whether a file by another name holds xacro that a URDF reader cannot do without: plain URDFs often keep a stray
+/// property or namespace.
+fn unread_without_xacro(file: &str, text: &str) -> bool {
+    denavit_xacro::is_xacro(text) && denavit_model::urdf::read(file, text).is_err()
+}
+
+/// The URDF that a xacro document stands for.
+pub fn expanded(file: &str, text: &str, arguments: &XacroArguments) -> Result<String, Failure> {
+    let mut pairs = Vec::new();
+    for word in &arguments.xacro_arguments {
+        let (name, value) = word.split_once(":=").ok_or_else(|| {
+            Failure::Argument(format!("\"{word}\" is no argument of a xacro file; write NAME:=VALUE"))
+        })?;
+        pairs.push((name.to_owned(), value.to_owned()));
+    }
+    let environment: Environment = std::env::vars().collect();
+    let options = Options {
+        packages: PackagePath::new(&arguments.package_path, &environment),
+        environment,
+        access: if arguments.allow_any_file { FileAccess::Any } else { FileAccess::default() },
+        ..Options::default()
+    };
+    let source = if std::path::Path::new(file).is_file() { Document::path(file) } else { Document::text(file, text) };
+    let expanded = denavit_xacro::expand(&source, &pairs, &options)?;
+    for note in &expanded.notes {
+        output::mention(note);
+    }
+    Ok(expanded.urdf)
 }
 
 /// What messages call standard input.
@@ -83,8 +124,7 @@ impl Loaded {
                 all.extend(notes);
                 return Ok(Noted { value, notes: all });
             }
-            Self::Table { table, .. } => table.chain().map_err(|source| Failure::Chain { file: file(), source })?,
-            Self::Poe(chain) => chain.clone(),
+            Self::Table { chain, .. } | Self::Poe(chain) => chain,
         };
         for (option, link, given) in [("--base", chain.base(), &arguments.base), ("--tip", chain.tip(), &arguments.tip)]
         {
@@ -96,6 +136,14 @@ impl Loaded {
                 return Err(Failure::Argument(message));
             }
         }
-        Ok(Noted { value: chain, notes: Vec::new() })
+        Ok(Noted { value: chain.clone(), notes: Vec::new() })
+    }
+
+    /// What a comparison takes.
+    pub fn subject<'a>(&'a self, file: &'a str) -> Subject<'a> {
+        match self {
+            Self::Robot(robot) => Subject::Robot(robot),
+            Self::Table { chain, .. } | Self::Poe(chain) => Subject::Chain { file, chain },
+        }
     }
 }

@@ -24,8 +24,15 @@ struct Entry<'a> {
 
 /// Runs the command.
 pub fn run(arguments: &ChainsArguments) -> Result<Status, Failure> {
-    let robot = RobotArguments { robot: arguments.robot.clone(), base: None, tip: None, exact: false, tolerance: 0.0 };
-    let loaded = source::load(&robot)?;
+    let robot = RobotArguments {
+        robot: arguments.robot.clone(),
+        base: None,
+        tip: None,
+        exact: false,
+        tolerance: 0.0,
+        xacro: arguments.xacro.clone(),
+    };
+    let loaded = source::load(&arguments.robot, &arguments.xacro)?;
     let (name, chains, default) = if let Loaded::Robot(robot) = &loaded {
         (robot.name.clone(), robot.leaf_chains(), robot.default_chain())
     } else {

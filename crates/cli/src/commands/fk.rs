@@ -29,7 +29,7 @@ struct Answer<'a> {
 /// Runs the command.
 pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
-    let loaded = source::load(&arguments.robot)?;
+    let loaded = source::load(&arguments.robot.robot, &arguments.robot.xacro)?;
     let noted = loaded.chain(&arguments.robot)?;
     let chain = &noted.value;
     let q = joint_values(chain, &arguments.q, arguments.degrees)?;

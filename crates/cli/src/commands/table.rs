@@ -14,7 +14,7 @@ use denavit_model::notes::{Note, Noted};
 pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
     let format = formats::named(&arguments.format).expect("the argument parser knows the formats");
-    let loaded = source::load(&arguments.robot)?;
+    let loaded = source::load(&arguments.robot.robot, &arguments.robot.xacro)?;
     if let Some(vendor) = &arguments.r#match {
         return matched(arguments, &loaded, vendor);
     }
@@ -26,15 +26,8 @@ pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
     if format.name == "csv" {
         output::remark(&notes);
     }
-    deliver(arguments, &text)?;
+    super::deliver(arguments.output.as_deref(), &text)?;
     Ok(Status::Same)
-}
-
-fn deliver(arguments: &TableArguments, text: &str) -> Result<(), Failure> {
-    match &arguments.output {
-        Some(path) => output::write_file(path, text.as_bytes()),
-        None => output::print(text),
-    }
 }
 
 fn matched(arguments: &TableArguments, loaded: &Loaded, vendor: &str) -> Result<Status, Failure> {
@@ -50,7 +43,7 @@ fn matched(arguments: &TableArguments, loaded: &Loaded, vendor: &str) -> Result<
         other => return Err(Failure::Argument(format!("--match prints text or json, not {other}"))),
     };
     output::remark(&notes);
-    deliver(arguments, &text)?;
+    super::deliver(arguments.output.as_deref(), &text)?;
     Ok(if found.verdict <= Verdict::Rounded { Status::Same } else { Status::Different })
 }
 

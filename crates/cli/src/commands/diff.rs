@@ -1,0 +1,57 @@
+//! `denavit diff`: how two robots differ.
+
+use crate::args::DiffArguments;
+use crate::failure::Failure;
+use crate::output::{self, Status};
+use crate::source;
+use denavit_compare::report::{self, Report};
+use denavit_compare::{Options, Range, Scope, Verdict, compare};
+
+/// Runs the command.
+pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
+    let options = options(arguments)?;
+    let a = source::load(&arguments.a, &arguments.xacro)?;
+    let b = source::load(&arguments.b, &arguments.xacro)?;
+    let comparison = compare(&a.subject(&arguments.a), &b.subject(&arguments.b), &options)?;
+    let found = Report::Comparison(&comparison);
+    let format = if arguments.json { "json" } else { &arguments.format };
+    let text = match format {
+        "text" => report::text(&found, output::colour(arguments.output.is_none())),
+        name => (report::format(name).expect("the argument parser knows the formats").render)(&found),
+    };
+    super::deliver(arguments.output.as_deref(), &text)?;
+    Ok(if comparison.verdict == Verdict::Different { Status::Different } else { Status::Same })
+}
+
+fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
+    let q_range = arguments.q_range.iter().map(|written| range(written)).collect::<Result<Vec<Range>, Failure>>()?;
+    Ok(Options {
+        tolerance_m: arguments.tolerance_m,
+        tolerance_rad: arguments.tolerance_rad,
+        scope: if arguments.only.is_some() { Scope::Kinematics } else { Scope::Everything },
+        up_to_base: arguments.up_to_base,
+        up_to_zeros: arguments.up_to_zeros,
+        count_names: arguments.count_names,
+        q_range,
+        samples: arguments.samples,
+        seed: arguments.seed,
+        ..Options::default()
+    })
+}
+
+/// `LOWER,UPPER` or `NAME=LOWER,UPPER`.
+fn range(written: &str) -> Result<Range, Failure> {
+    let wrong =
+        || Failure::Argument(format!("--q-range: \"{written}\" is no range; write LOWER,UPPER or NAME=LOWER,UPPER"));
+    let (joint, bounds) = match written.rsplit_once('=') {
+        Some((name, bounds)) => (Some(name.to_owned()), bounds),
+        None => (None, written),
+    };
+    let (lower, upper) = bounds.split_once(',').ok_or_else(wrong)?;
+    let number = |word: &str| word.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    let (lower, upper) = (number(lower).ok_or_else(wrong)?, number(upper).ok_or_else(wrong)?);
+    if lower > upper {
+        return Err(wrong());
+    }
+    Ok(Range { joint, lower, upper })
+}
