@@ -9,6 +9,7 @@
 
 pub mod comparison;
 pub mod diff;
+pub mod fingerprint;
 pub mod lint;
 pub mod mechanism;
 pub mod report;
@@ -17,5 +18,6 @@ mod words;
 
 pub use comparison::{Change, Comparison, JointChange, JointDifference, PartDifference, TipDifference, Verdict};
 pub use diff::{Options, Range, Scope, compare};
+pub use fingerprint::{Fingerprint, fingerprint};
 pub use lint::Finding;
 pub use subject::Subject;

@@ -1,31 +1,97 @@
-//! Rules for URDF files.
+//! Rules that users meet in real URDF files: what is wrong, in which line, and the mend where it is certain.
+//!
+//! Each rule is a file in `lint/rules/` and a line in [`RULES`]; the documentation, `--explain` and the tests walk that
+//! list.
+
+pub mod config;
+mod finding;
+mod page;
+mod rules;
+mod sheet;
+
+pub use config::{Config, ConfigError};
+pub use finding::{Edit, Finding, fix};
+pub use page::{explain, page};
+pub use rules::RULES;
+pub use sheet::Sheet;
 
 use crate::report::Level;
-use denavit_model::Place;
-use serde::Serialize;
+use denavit_model::urdf;
+use finding::Found;
 
-/// What a rule found.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
-    /// The rule's code.
-    pub rule: &'static str,
-    /// How serious it is.
+/// A rule: what it looks for, why that matters, and how it looks.
+#[derive(Clone, Copy)]
+pub struct Rule {
+    /// Its number, such as `D010`.
+    pub code: &'static str,
+    /// Its name, such as `rounded-pi`.
+    pub name: &'static str,
+    /// How serious it is unless the user says otherwise.
     pub level: Level,
-    /// Where.
-    pub place: Place,
-    /// What is wrong, with the value; the mend.
-    pub message: String,
-    /// An edit that mends it without doubt.
-    pub fix: Option<Edit>,
+    /// What it finds, a clause.
+    pub summary: &'static str,
+    /// Why that matters and what to do, a few sentences.
+    pub why: &'static str,
+    /// Content of a `<robot>` that it finds fault with.
+    pub bad: &'static str,
+    /// The same, mended.
+    pub good: &'static str,
+    /// Whether `--fix` mends it.
+    pub fixable: bool,
+    check: fn(&Sheet) -> Vec<Found>,
 }
 
-/// A piece of the text and what belongs there.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Edit {
-    /// Byte offset of its start.
-    pub start: usize,
-    /// Byte offset behind its end.
-    pub end: usize,
-    /// What belongs there.
-    pub text: String,
+impl std::fmt::Debug for Rule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.code, self.name)
+    }
 }
+
+/// What became of looking up a mesh file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Lookup {
+    /// It is there.
+    Found,
+    /// It is not; where it was looked for, or what is missing to know where to look.
+    NotFound(String),
+    /// It was not looked up.
+    Unknown,
+}
+
+/// The rule of this code or name.
+pub fn rule(code_or_name: &str) -> Option<&'static Rule> {
+    RULES.iter().find(|rule| rule.code.eq_ignore_ascii_case(code_or_name) || rule.name == code_or_name)
+}
+
+/// Holds a file's text against every rule that `config` does not allow to be broken, in the order of the lines.
+///
+/// `lookup` says of a mesh's file name, as written, whether the file is there. A file that is no URDF yields findings
+/// that say so.
+///
+/// # Examples
+/// ```
+/// use denavit_compare::lint::{Config, Lookup, check};
+/// let text = r#"<robot name="r"> <link name="a"/> <link name="b"/>
+///   <joint name="j" type="continuous"> <axis xyz="0 0 2"/> <parent link="a"/> <child link="b"/> </joint> </robot>"#;
+/// let findings = check("arm.urdf", text, &|_| Lookup::Unknown, &Config::default());
+/// assert_eq!(findings[0].to_string(), "arm.urdf:2: D012 joint \"j\": axis \"0 0 2\" has length 2; write 0 0 1");
+/// ```
+pub fn check(file: &str, text: &str, lookup: &dyn Fn(&str) -> Lookup, config: &Config) -> Vec<Finding> {
+    let read = urdf::read(file, text);
+    let sheet = Sheet::new(file, &read, lookup);
+    let mut findings = Vec::new();
+    for rule in RULES {
+        let Some(level) = config.level_of(rule) else { continue };
+        findings.extend((rule.check)(&sheet).into_iter().map(|found| found.finding(rule, level, &sheet)));
+    }
+    findings.sort_by(|one, other| (one.place.line, one.rule).cmp(&(other.place.line, other.rule)));
+    findings
+}
+
+/// Whether findings make a check fail: at least one is an error.
+pub fn fails(findings: &[Finding]) -> bool {
+    findings.iter().any(|finding| finding.level == Level::Error)
+}
+
+#[cfg(test)]
+mod tests;

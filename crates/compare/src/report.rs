@@ -50,7 +50,14 @@ pub struct ReportFormat {
 }
 
 /// Every format.
-pub const FORMATS: &[ReportFormat] = &[ReportFormat { name: "text", summary: "for people", render: plain }];
+pub const FORMATS: &[ReportFormat] = &[
+    ReportFormat { name: "text", summary: "for people", render: plain },
+    ReportFormat { name: "json", summary: "everything, for programs", render: json::render },
+    ReportFormat { name: "junit", summary: "JUnit XML, for CI servers", render: junit::render },
+    ReportFormat { name: "sarif", summary: "SARIF 2.1.0, for code scanning", render: sarif::render },
+    ReportFormat { name: "github", summary: "annotations of a GitHub workflow", render: github::render },
+    ReportFormat { name: "markdown", summary: "for a pull-request comment", render: markdown::render },
+];
 
 fn plain(report: &Report) -> String {
     text::render(report, Colour::None)

@@ -31,7 +31,7 @@ pub(super) fn render(report: &Report) -> String {
                 line: finding.place.line,
                 element: &finding.place.element,
                 message: &finding.message,
-                fixable: finding.fix.is_some(),
+                fixable: !finding.fix.is_empty(),
             });
             serde_json::to_string_pretty(&FindingsOut { files, findings: findings.collect() })
         }

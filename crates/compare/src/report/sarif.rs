@@ -6,6 +6,7 @@
 use crate::lint::RULES;
 use crate::report::{Entry, Level, Report};
 use serde_json::{Value, json};
+use std::fmt::Write;
 
 pub(super) fn render(report: &Report) -> String {
     let results: Vec<Value> = report.entries().iter().map(result).collect();
@@ -64,7 +65,7 @@ fn uri(path: &str) -> String {
         if byte.is_ascii_alphanumeric() || b"-._~/:".contains(&byte) {
             out.push(char::from(byte));
         } else {
-            out.push_str(&format!("%{byte:02X}"));
+            let _ = write!(out, "%{byte:02X}");
         }
     }
     out

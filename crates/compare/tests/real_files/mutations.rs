@@ -1,10 +1,10 @@
 //! Harmless edits must read as the same robot, real ones must be found, named and measured.
 
-use denavit_compare::{Options, Subject, Verdict, compare};
-use denavit_model::Robot;
 use crate::support::chance::Chance;
 use crate::support::write::{PLAIN, again};
 use crate::support::{harmless, real, vendor};
+use denavit_compare::{Options, Subject, Verdict, compare, fingerprint};
+use denavit_model::Robot;
 
 /// Edits of each sort per robot, and robots that there must be at least.
 const EDITS: usize = 20;
@@ -31,12 +31,16 @@ fn harmless_edits_leave_the_same_robot() {
     let (mut edits, mut faults) = (0, Vec::new());
     for (index, robot) in robots.iter().enumerate() {
         let mut chance = Chance::new(index as u64);
+        let pinned = fingerprint(&Subject::Robot(robot), 1e-6).to_string();
         let mut done = 0;
         for attempt in 0..4 * EDITS {
             let Some((what, edited)) = harmless::edit(robot, attempt, &mut chance) else { continue };
             let found = compare(&Subject::Robot(robot), &Subject::Robot(&edited), &quick()).unwrap();
             if found.verdict != Verdict::Same {
                 faults.push(format!("{}: {what}: {:?} {:?}", robot.source.file, found.joints, found.parts));
+            }
+            if !fingerprint(&Subject::Robot(&edited), 1e-6).matches(&pinned) {
+                faults.push(format!("{}: {what}: another fingerprint", robot.source.file));
             }
             done += 1;
             if done == EDITS {
@@ -50,12 +54,26 @@ fn harmless_edits_leave_the_same_robot() {
     assert!(faults.is_empty(), "{}", faults.iter().take(15).cloned().collect::<Vec<_>>().join("\n"));
 }
 
+/// Whether an edit is above 1e-6 m, rad and, for masses, of the body that it is part of (at most the whole robot).
+fn above_a_micrometre(robot: &Robot, edited: &Robot, edit: &real::Edit) -> bool {
+    if edit.what == real::What::Mass {
+        let mass = |link: &denavit_model::robot::Link| link.inertial.as_ref().map_or(0.0, |inertial| inertial.mass);
+        let whole: f64 = robot.links.iter().map(mass).sum();
+        let own = robot.link_index(&edit.name).map_or(0.0, |link| mass(&robot.links[link]));
+        return edit.by * own > 2e-6 * whole;
+    }
+    let options = Options { tolerance_m: 1e-6, samples: 0, ..Options::default() };
+    let found = compare(&Subject::Robot(robot), &Subject::Robot(edited), &options).unwrap();
+    found.verdict == Verdict::Different
+}
+
 #[test]
 fn real_edits_are_found_named_measured_and_bounded() {
     let Some(robots) = robots() else { return };
     let (mut edits, mut faults, mut ratios) = (0, Vec::new(), Vec::new());
     for (index, robot) in robots.iter().enumerate() {
         let mut chance = Chance::new(1000 + index as u64);
+        let pinned = fingerprint(&Subject::Robot(robot), 1e-6).to_string();
         let mut done = 0;
         for attempt in 0..4 * EDITS {
             let mut edited = robot.clone();
@@ -68,6 +86,10 @@ fn real_edits_are_found_named_measured_and_bounded() {
                 faults.push(format!("{name}: not found"));
             } else if let Some(fault) = real::fault(&edit, &found) {
                 faults.push(format!("{name}: {fault}"));
+            }
+            if fingerprint(&Subject::Robot(&edited), 1e-6).matches(&pinned) && above_a_micrometre(robot, &edited, &edit)
+            {
+                faults.push(format!("{name}: the same fingerprint"));
             }
             for tip in &found.tips {
                 if tip.bound_m < tip.sampled_m {

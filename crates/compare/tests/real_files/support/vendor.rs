@@ -28,7 +28,8 @@ fn below(folder: &Path) -> Vec<PathBuf> {
 
 /// Name and text of every readable URDF of the corpus and of `robots/`.
 pub fn texts() -> Vec<(String, String)> {
-    let folders = [workspace().join("../shared/vendor/robots"), workspace().join("robots")];
+    let folders =
+        ["../shared/vendor/robots", "../shared/vendor/quirky", "robots"].map(|folder| workspace().join(folder));
     let paths = folders.iter().flat_map(|folder| below(folder).into_iter().map(move |path| (folder.clone(), path)));
     let read = paths.filter_map(|(folder, path)| {
         let name = path.strip_prefix(&folder).ok()?.to_string_lossy().into_owned();

@@ -1,0 +1,198 @@
+//! What is hashed: a tree of joints, each hashed with what hangs on it; what has no order is sorted by its hash.
+
+use crate::fingerprint::cells::Cells;
+use crate::mechanism::{Frame, Mass, Mechanism, MovingJoint, PlacedShape, Role};
+use denavit_model::nalgebra::{Matrix3, Vector3};
+use denavit_model::robot::Geometry;
+use sha2::{Digest, Sha256};
+
+type Hash = [u8; 32];
+
+/// The hash, then what it is for each choice of sides for the numbers beside a border.
+pub(super) fn hashes(tolerance: f64, digest: impl Fn(&mut Cells) -> Hash) -> Vec<String> {
+    let short = |hash: Hash| {
+        let [.., a, b, c, d, e, f] = hash;
+        format!("{a:02x}{b:02x}{c:02x}{d:02x}{e:02x}{f:02x}")
+    };
+    let mut cells = Cells::new(tolerance, 0);
+    let mut result = vec![short(digest(&mut cells))];
+    for choice in 1..1u32 << cells.unsure() {
+        result.push(short(digest(&mut Cells::new(tolerance, choice))));
+    }
+    result
+}
+
+/// Words and cells on their way into a hash.
+#[derive(Default)]
+struct Words(Sha256);
+
+impl Words {
+    fn of(tag: &str) -> Self {
+        let mut words = Self::default();
+        words.text(tag);
+        words
+    }
+
+    fn text(&mut self, text: &str) {
+        self.0.update((text.len() as u64).to_le_bytes());
+        self.0.update(text.as_bytes());
+    }
+
+    fn cells(&mut self, cells: impl IntoIterator<Item = i64>) {
+        for cell in cells {
+            self.0.update(cell.to_le_bytes());
+        }
+    }
+
+    fn vector(&mut self, cells: &mut Cells, vector: &Vector3<f64>) {
+        self.cells(vector.iter().map(|x| cells.of(*x)));
+    }
+
+    fn matrix(&mut self, cells: &mut Cells, matrix: &Matrix3<f64>) {
+        self.cells(matrix.iter().map(|x| cells.of(*x)));
+    }
+
+    /// Hashes whose order means nothing.
+    fn unordered(&mut self, mut hashes: Vec<Hash>) {
+        hashes.sort_unstable();
+        self.0.update((hashes.len() as u64).to_le_bytes());
+        for hash in hashes {
+            self.0.update(hash);
+        }
+    }
+
+    fn hash(self) -> Hash {
+        self.0.finalize().into()
+    }
+}
+
+/// Axes, kinds, pitches, limits, couplings, empty leaf frames.
+pub(super) fn motion(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
+    tree(mechanism, cells, None, &|words, mechanism, cells, body| {
+        if let Some(joint) = body.checked_sub(1) {
+            joint_motion(words, mechanism, cells, &mechanism.joints[joint]);
+        }
+        let empty = mechanism.bodies[body].frames.iter().filter(|frame| frame.leaf && !frame.matter);
+        let tips = empty.map(|frame| tip(cells, frame)).collect();
+        words.unordered(tips);
+    })
+}
+
+/// Masses, shapes, speeds, efforts.
+pub(super) fn matter(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
+    tree(mechanism, cells, None, &|words, mechanism, cells, body| {
+        if let Some(limits) = body.checked_sub(1).and_then(|joint| mechanism.joints[joint].limits) {
+            for bound in [limits.velocity, limits.effort] {
+                words.cells(bound.map_or([0, 1], |bound| cells.relative(bound)));
+            }
+        }
+        if let Some(mass) = &mechanism.bodies[body].mass {
+            weight(words, cells, mass);
+        }
+        let shapes = mechanism.bodies[body].shapes.iter().map(|placed| shape(cells, placed)).collect();
+        words.unordered(shapes);
+    })
+}
+
+type Contents<'a> = dyn Fn(&mut Words, &Mechanism, &mut Cells, usize) + 'a;
+
+/// A body, then the bodies behind it.
+fn tree(mechanism: &Mechanism, cells: &mut Cells, joint: Option<usize>, contents: &Contents) -> Hash {
+    let mut words = Words::of("body");
+    contents(&mut words, mechanism, cells, joint.map_or(0, |joint| joint + 1));
+    let behind = (0..mechanism.joints.len()).filter(|behind| mechanism.joints[*behind].parent == joint);
+    let behind = behind.map(|behind| tree(mechanism, cells, Some(behind), contents)).collect();
+    words.unordered(behind);
+    words.hash()
+}
+
+fn joint_motion(words: &mut Words, mechanism: &Mechanism, cells: &mut Cells, joint: &MovingJoint) {
+    words.text(&joint.kind);
+    axis(words, cells, joint);
+    let limits = joint.limits.filter(|_| joint.kind != "continuous");
+    words.text(if limits.is_some() { "limits" } else { "unlimited" });
+    if let Some(limits) = limits {
+        words.cells([cells.of(limits.lower), cells.of(limits.upper)]);
+    }
+    if let Some((driver, factor, offset)) = &joint.mimic {
+        words.text("mimic");
+        words.cells(cells.relative(*factor));
+        words.cells([cells.of(*offset)]);
+        // By its axis, since names are not hashed.
+        match mechanism.joint_index(driver) {
+            Some(driver) => axis(words, cells, &mechanism.joints[driver]),
+            None => words.text("nothing"),
+        }
+    }
+}
+
+/// Direction, and the moment of the line about the root's origin: its unit twist without the pitch, and the pitch.
+fn axis(words: &mut Words, cells: &mut Cells, joint: &MovingJoint) {
+    let Some(screw) = &joint.screw else { return };
+    words.vector(cells, &screw.direction());
+    if let Some(line) = screw.line() {
+        words.vector(cells, &line.point.coords.cross(&line.direction));
+    }
+    if let Some(pitch) = screw.pitch() {
+        words.cells([cells.of(pitch)]);
+    }
+}
+
+fn tip(cells: &mut Cells, frame: &Frame) -> Hash {
+    let mut words = Words::of("tip");
+    words.matrix(cells, frame.pose.rotation.matrix());
+    words.vector(cells, &frame.pose.translation.vector);
+    words.hash()
+}
+
+fn weight(words: &mut Words, cells: &mut Cells, mass: &Mass) {
+    let scale = mass.tensor.norm();
+    if mass.mass == 0.0 && scale == 0.0 {
+        return;
+    }
+    words.text("mass");
+    words.cells(cells.relative(mass.mass));
+    words.vector(cells, &mass.centre.coords);
+    words.cells(cells.relative(scale));
+    if scale > 0.0 {
+        words.matrix(cells, &(mass.tensor / scale));
+    }
+}
+
+fn shape(cells: &mut Cells, placed: &PlacedShape) -> Hash {
+    let mut words = Words::of(match placed.role {
+        Role::Visual => "visual",
+        Role::Collision => "collision",
+    });
+    words.vector(cells, &placed.pose.translation.vector);
+    let turn = placed.pose.rotation.matrix();
+    let mut sized = |words: &mut Words, kind: &str, sizes: &[f64]| {
+        words.text(kind);
+        words.cells(sizes.iter().map(|size| cells.of(*size)));
+    };
+    match &placed.geometry {
+        Geometry::Sphere(radius) => sized(&mut words, "sphere", &[*radius]),
+        Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
+            let kind = if matches!(placed.geometry, Geometry::Cylinder { .. }) { "cylinder" } else { "capsule" };
+            sized(&mut words, kind, &[*radius, *length]);
+            // The same upside down.
+            let z = turn.column(2);
+            words.matrix(cells, &(z * z.transpose()));
+        }
+        Geometry::Box(edges) => {
+            sized(&mut words, "box", edges);
+            words.matrix(cells, turn);
+        }
+        Geometry::Mesh { filename, scale } => {
+            words.text(filename);
+            sized(&mut words, "mesh", scale);
+            words.matrix(cells, turn);
+        }
+        Geometry::Other(element) => {
+            words.text(element);
+            words.matrix(cells, turn);
+        }
+        _ => words.matrix(cells, turn),
+    }
+    words.hash()
+}

@@ -1,0 +1,104 @@
+//! The list of rules, a file each.
+
+use crate::lint::finding::Found;
+use crate::lint::{Rule, Sheet};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::{ProblemKind, Robot};
+use roxmltree::Node;
+
+mod axis_missing;
+mod axis_not_unit;
+mod bad_number;
+mod centre_of_mass;
+mod commas;
+mod duplicate_name;
+mod effort_or_velocity;
+mod inertia;
+mod inertia_scale;
+mod inertial_missing;
+mod limits_empty;
+mod limits_missing;
+mod limits_reversed;
+mod mass;
+mod mesh_not_found;
+mod mimic_loop;
+mod mimic_unknown;
+mod missing_part;
+mod nearly_parallel;
+mod not_a_tree;
+mod root_inertia;
+mod rounded_pi;
+mod shared_name;
+mod taken_as_meant;
+mod tip_frame_missing;
+mod unknown_kind;
+mod unknown_link;
+mod unreadable;
+mod xacro_left;
+mod zero_axis;
+mod zero_outside_limits;
+
+/// Every rule, by number.
+pub const RULES: &[Rule] = &[
+    unreadable::RULE,
+    missing_part::RULE,
+    bad_number::RULE,
+    duplicate_name::RULE,
+    unknown_link::RULE,
+    not_a_tree::RULE,
+    taken_as_meant::RULE,
+    commas::RULE,
+    rounded_pi::RULE,
+    nearly_parallel::RULE,
+    axis_not_unit::RULE,
+    zero_axis::RULE,
+    axis_missing::RULE,
+    unknown_kind::RULE,
+    limits_missing::RULE,
+    limits_reversed::RULE,
+    limits_empty::RULE,
+    zero_outside_limits::RULE,
+    effort_or_velocity::RULE,
+    mass::RULE,
+    inertia::RULE,
+    inertia_scale::RULE,
+    centre_of_mass::RULE,
+    inertial_missing::RULE,
+    mimic_unknown::RULE,
+    mimic_loop::RULE,
+    mesh_not_found::RULE,
+    shared_name::RULE,
+    tip_frame_missing::RULE,
+    root_inertia::RULE,
+    xacro_left::RULE,
+];
+
+/// What kept the file from being read, of the kinds asked for.
+fn problems(sheet: &Sheet, wanted: impl Fn(&ProblemKind) -> bool) -> Vec<Found> {
+    let found = sheet.problems().iter().filter(|problem| wanted(&problem.kind));
+    found.map(|problem| Found::placed(problem.place.clone(), problem.kind.to_string())).collect()
+}
+
+/// The link or joint that an element is in, in words; the element itself where it is in none.
+fn owner(node: Node) -> String {
+    let named = node
+        .ancestors()
+        .find(|above| ["link", "joint"].contains(&above.tag_name().name()) && above.has_attribute("name"));
+    let named = named.and_then(|owner| Some(format!("{} \"{}\"", owner.tag_name().name(), owner.attribute("name")?)));
+    named.unwrap_or_else(|| format!("<{}>", node.tag_name().name()))
+}
+
+/// How large the robot is, m: the longest way of joint origins from the root to a leaf, at least 1 m.
+fn size(robot: &Robot) -> f64 {
+    let mut largest = 1.0f64;
+    for leaf in 0..robot.links.len() {
+        let (mut at, mut length, mut steps) = (leaf, 0.0, 0);
+        while let Some(joint) = robot.joint_to(at).filter(|_| steps < robot.links.len()) {
+            length += Vector3::from(robot.joints[joint].origin.xyz).norm();
+            at = robot.joints[joint].parent;
+            steps += 1;
+        }
+        largest = largest.max(length);
+    }
+    largest
+}

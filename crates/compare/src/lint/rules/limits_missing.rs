@@ -1,0 +1,39 @@
+//! A revolute or prismatic joint without limits.
+
+use crate::lint::finding::Found;
+use crate::lint::{Rule, Sheet};
+use crate::report::Level;
+use denavit_model::JointKind;
+
+pub(super) const RULE: Rule = Rule {
+    code: "D020",
+    name: "limits-missing",
+    level: Level::Error,
+    summary: "A revolute or prismatic joint states no position limits",
+    why: "URDF requires `<limit>` there. Readers refuse the file, or take both limits as 0, so that the joint cannot move. \
+          A joint that turns without end is `continuous`.",
+    bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
+    good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
+    fixable: false,
+    check,
+};
+
+fn check(sheet: &Sheet) -> Vec<Found> {
+    let mut found = Vec::new();
+    for joint in sheet.joints() {
+        let limited = matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic);
+        if !limited || joint.limits.is_some() {
+            continue;
+        }
+        let at = sheet.below(joint.at, &["limit"]);
+        // Limits that are written as infinite say what they mean.
+        if at != joint.at && (sheet.written(at, "lower").is_some() || sheet.written(at, "upper").is_some()) {
+            continue;
+        }
+        let hint = if joint.kind == JointKind::Revolute { ", or type=\"continuous\"" } else { "" };
+        let what =
+            format!("a {} joint without position limits; write <limit lower=… upper=…>{hint}", joint.kind.word());
+        found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
+    }
+    found
+}

@@ -1,0 +1,31 @@
+//! Meshes that are not where the file says.
+
+use crate::lint::finding::Found;
+use crate::lint::{Lookup, Rule, Sheet};
+use crate::report::Level;
+
+pub(super) const RULE: Rule = Rule {
+    code: "D050",
+    name: "mesh-not-found",
+    level: Level::Error,
+    summary: "A mesh file is not there",
+    why: "`package://NAME/…` is looked up in the folders of `--package-path`, of `package-path` in `denavit.toml` and of \
+          ROS_PACKAGE_PATH, and upwards from the file; other names count from the file's own folder. On disks that tell \
+          upper from lower case, so must the name.",
+    bad: "<link name=\"base\">\n  <visual>\n    <geometry>\n      <mesh filename=\"meshes/bsae.stl\"/>\n    </geometry>\n  </visual>\n</link>",
+    good: "<link name=\"base\">\n  <visual>\n    <geometry>\n      <mesh filename=\"meshes/base.stl\"/>\n    </geometry>\n  </visual>\n</link>",
+    fixable: false,
+    check,
+};
+
+fn check(sheet: &Sheet) -> Vec<Found> {
+    let mut found = Vec::new();
+    for mesh in sheet.elements().filter(|node| node.tag_name().name() == "mesh") {
+        let Some(name) = mesh.attribute("filename") else { continue };
+        if let Lookup::NotFound(why) = sheet.look_up(name) {
+            let what = format!("mesh {name} is not there: {why}");
+            found.push(Found::at(mesh.range().start, super::owner(mesh), what));
+        }
+    }
+    found
+}

@@ -1,0 +1,31 @@
+//! What only a patient reader takes.
+
+use crate::lint::finding::Found;
+use crate::lint::{Rule, Sheet};
+use crate::report::Level;
+use denavit_model::Note;
+
+pub(super) const RULE: Rule = Rule {
+    code: "D007",
+    name: "taken-as-meant",
+    level: Level::Warning,
+    summary: "Something that URDF does not allow was read as it was surely meant",
+    why: "Unbound namespace prefixes, doubled elements, a `world` link that nobody declares, text before the XML \
+          declaration: this program reads them, others stop.",
+    bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
+    good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
+    fixable: false,
+    check,
+};
+
+fn check(sheet: &Sheet) -> Vec<Found> {
+    let notes = sheet.robot().map_or(&[][..], |robot| &robot.notes);
+    let found = notes.iter().filter_map(|note| match note {
+        // Commas between numbers have a rule of their own, which mends them.
+        Note::Mended { place, what } if !what.contains("has commas") => {
+            Some(Found::placed(place.clone(), what.clone()))
+        }
+        _ => None,
+    });
+    found.collect()
+}

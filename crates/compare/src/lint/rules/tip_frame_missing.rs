@@ -1,0 +1,35 @@
+//! An arm that ends in a joint.
+
+use crate::lint::finding::Found;
+use crate::lint::{Rule, Sheet};
+use crate::report::Level;
+
+pub(super) const RULE: Rule = Rule {
+    code: "D070",
+    name: "tip-frame-missing",
+    level: Level::Note,
+    summary: "The longest arm ends in a link that a joint moves, with no frame for the flange or tool",
+    why: "Where the tool sits is then known to nobody: planners take the last joint's frame, whose place along the axis is \
+          arbitrary. Add an empty link `tool0` on a fixed joint at the flange.",
+    bad: "<link name=\"base\"/>\n<link name=\"shoulder\"/>\n<link name=\"arm\"/>\n<link name=\"wrist\"/>\n<joint name=\"j1\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"shoulder\"/>\n</joint>\n<joint name=\"j2\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"shoulder\"/>\n  <child link=\"arm\"/>\n</joint>\n<joint name=\"j3\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"arm\"/>\n  <child link=\"wrist\"/>\n</joint>",
+    good: "<link name=\"base\"/>\n<link name=\"shoulder\"/>\n<link name=\"arm\"/>\n<link name=\"wrist\"/>\n<link name=\"tool0\"/>\n<joint name=\"j1\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"shoulder\"/>\n</joint>\n<joint name=\"j2\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"shoulder\"/>\n  <child link=\"arm\"/>\n</joint>\n<joint name=\"j3\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"arm\"/>\n  <child link=\"wrist\"/>\n</joint>\n<joint name=\"flange\" type=\"fixed\">\n  <origin xyz=\"0 0 0.1\"/>\n  <parent link=\"wrist\"/>\n  <child link=\"tool0\"/>\n</joint>",
+    fixable: false,
+    check,
+};
+
+/// From so many joints on, a chain is an arm.
+const AN_ARM: usize = 3;
+
+fn check(sheet: &Sheet) -> Vec<Found> {
+    let Some(robot) = sheet.robot() else { return Vec::new() };
+    let chain = robot.default_chain();
+    let Some(tip) = robot.link_index(&chain.tip).filter(|_| chain.coordinates.len() >= AN_ARM) else {
+        return Vec::new();
+    };
+    let Some(joint) = robot.joint_to(tip).map(|joint| &robot.joints[joint]) else { return Vec::new() };
+    if !joint.kind.moves() || joint.mimic.is_some() {
+        return Vec::new();
+    }
+    let what = format!("the arm ends here, right behind joint \"{}\"; add a fixed frame at the flange", joint.name);
+    vec![Found::at(robot.links[tip].at, format!("link \"{}\"", chain.tip), what)]
+}

@@ -1,0 +1,47 @@
+//! The rules, held against every file of the corpus, readable or not.
+
+use crate::support::vendor;
+use denavit_compare::lint::{Config, Lookup, RULES, check, fix, rule};
+
+fn unknown(_: &str) -> Lookup {
+    Lookup::Unknown
+}
+
+#[test]
+fn mending_mends_what_it_says_and_nothing_else_breaks() {
+    let texts = vendor::texts();
+    if texts.is_empty() {
+        println!("skipped, because ../shared/vendor is not there");
+        return;
+    }
+    let mut counts = vec![(0, 0, String::new()); RULES.len()];
+    for (file, text) in &texts {
+        let findings = check(file, text, &unknown, &Config::default());
+        let mut last = None;
+        for finding in &findings {
+            let index = RULES.iter().position(|rule| rule.code == finding.rule).unwrap();
+            counts[index].0 += 1;
+            counts[index].1 += usize::from(last != Some(finding.rule));
+            last = Some(finding.rule);
+            if std::env::var("SHOW").is_ok_and(|show| show == finding.rule) {
+                println!("{finding}");
+            }
+            if counts[index].2.is_empty() {
+                counts[index].2 = finding.to_string();
+            }
+        }
+        let (mended, made) = fix(text, &findings);
+        let left = check(file, &mended, &unknown, &Config::default());
+        let fixable = left.iter().filter(|finding| !finding.fix.is_empty()).count();
+        assert_eq!(fixable, 0, "{file}: {made} mends made");
+        let others = |findings: &[denavit_compare::Finding]| {
+            let hand = |code: &str| rule(code).is_some_and(|rule| !rule.fixable && rule.name != "nearly-parallel");
+            findings.iter().filter(|finding| hand(finding.rule)).count()
+        };
+        assert_eq!(others(&findings), others(&left), "{file}");
+    }
+    println!("{} files", texts.len());
+    for (rule, (findings, _, example)) in RULES.iter().zip(&counts) {
+        println!("{} {:22} {findings:5}  {example}", rule.code, rule.name);
+    }
+}
