@@ -47,9 +47,6 @@ const AS_GOOD: f64 = 2.0;
 /// A zero that is 0 or a quarter turn may leave this many times what one in between leaves.
 const TIDIER: f64 = 1.1;
 
-/// A zero nearer to a quarter turn than this (rad) is that quarter turn and a difference in theta.
-const QUARTER: f64 = 1e-3;
-
 /// Finds how a vendor's table lies on a robot, and what differs.
 ///
 /// # Errors
@@ -193,12 +190,15 @@ impl Problem<'_> {
         let unturned = vec![0.0; robot.len()];
         let guesses = guesses(&robot, &self.product.axes(self.numbers, &unturned), self.arm.size);
         let tried = if free.base && free.tool { TRIED } else { TRIED_AT_MOST };
+        // What a slide's zero will be, the directions of the axes do not tell.
+        let has_slides = robot.iter().any(|axis| !axis.turns);
         let mut fitted: Vec<(f64, Guess, State)> = Vec::new();
         let mut least = f64::INFINITY;
         for guess in guesses {
             let verdict = Verdict::of(least);
             let count = fitted.len();
-            if verdict == Verdict::Exact || count >= TRIED_AT_MOST || (count >= tried && verdict < Verdict::Mismatch) {
+            let found = verdict == Verdict::Exact && !has_slides;
+            if found || count >= TRIED_AT_MOST || (count >= tried && verdict < Verdict::Mismatch) {
                 break;
             }
             let fit = Fit { falls: GOES_NOWHERE, ..self.fit(&guess.senses) };
@@ -208,13 +208,21 @@ impl Problem<'_> {
             fitted.push((error, guess, state));
         }
         let simplest = fitted.first().map(|(_, guess, state)| (guess.clone(), state.clone()));
-        let as_good = |error: f64| error <= AS_GOOD * least && Verdict::of(error) == Verdict::of(least);
-        let best = fitted.into_iter().find(|(error, ..)| as_good(*error));
-        let (simplest, (_, guess, state)) = simplest.zip(best).expect("there is always a guess");
-        let fit = self.fit(&guess.senses);
-        let state = fit.solve(state, &free);
-        let (error, _) = fit.errors(&state, &self.arm.samples);
-        let state = self.tidied(&guess.senses, state, error, &free);
+        let exact = Verdict::of(least) == Verdict::Exact;
+        let as_good = |error: f64| (error <= AS_GOOD * least || exact) && Verdict::of(error) == Verdict::of(least);
+        let polished = |(_, guess, state): (f64, Guess, State)| {
+            let fit = self.fit(&guess.senses);
+            let state = fit.solve(state, &free);
+            let (error, _) = fit.errors(&state, &self.arm.samples);
+            let state = self.tidied(&guess.senses, state, error, &free);
+            (guess, state)
+        };
+        let simplicity =
+            |(guess, state): &(Guess, State)| Guess { zeros: state.zeros.clone(), ..guess.clone() }.simplicity();
+        let best = fitted.into_iter().filter(|(error, ..)| as_good(*error));
+        let alike = if has_slides && exact { TRIED } else { 1 };
+        let best = best.take(alike).map(polished).min_by_key(simplicity);
+        let (simplest, (guess, state)) = simplest.zip(best).expect("there is always a guess");
         BestFits { guess, state, simplest }
     }
 

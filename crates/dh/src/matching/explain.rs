@@ -4,8 +4,7 @@ use super::axes::Guess;
 use super::fit::{Fit, Free, GOES_NOWHERE, State};
 use super::vendor::{DhNumber, VendorNumber};
 use super::{
-    BestFits, Difference, Explanation, Nature, NumberMatch, Placement, Problem, QUARTER, RowMatch, Verdict,
-    nearest_quarter,
+    BestFits, Difference, Explanation, Nature, NumberMatch, Placement, Problem, RowMatch, Verdict, nearest_quarter,
 };
 use crate::conventions::RowLabel;
 
@@ -175,7 +174,7 @@ impl Problem<'_> {
             {
                 let zero = found.zeros[*joint];
                 let odd = zero - nearest_quarter(zero);
-                robot += if odd.abs() < QUARTER { odd } else { 0.0 };
+                robot += if odd.abs() <= angle { odd } else { 0.0 };
             }
             let agrees = (robot - vendor.value).abs() <= if number.is_length() { length } else { angle };
             let matched = NumberMatch { number: *number, vendor, robot, agrees };
