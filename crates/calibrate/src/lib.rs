@@ -9,6 +9,7 @@
 
 pub mod arm;
 pub mod calibration;
+pub mod delta_table;
 pub mod dh_form;
 pub mod effects;
 pub mod errors;
@@ -16,6 +17,7 @@ pub mod gauge;
 pub mod grid;
 pub mod identifiability;
 pub mod identify;
+pub mod kinematics_yaml;
 pub mod measurements;
 pub mod normal;
 pub mod parameters;

@@ -1,0 +1,299 @@
+//! The kinematics file of a robot that was calibrated at the factory: six joint origins, as UR's driver reads them.
+//!
+//! ```text
+//! kinematics:
+//!   shoulder: {x, y, z, roll, pitch, yaw}     # base to the frame that joint 1 turns
+//!   upper_arm: …                              # that frame to the one that joint 2 turns …
+//! base_from_wrist_3(q) = Π origin_i · Rz(q_i)
+//! ```
+//! **Trap.** The tool that extracts these files from a controller takes its angles as R = Rx(roll) Ry(pitch) Rz(yaw). The
+//! URDF that then reads them takes them as R = Rz(yaw) Ry(pitch) Rx(roll). For a real arm the two differ by up to tens
+//! of micrometres at the tip. So each reading says which is meant: [`AngleOrder`].
+
+use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3, Vector6};
+use denavit_model::{AxisLine, Chain, ChainError, ChainJoint, Coordinate, Pose, Quantity, Screw, se3};
+use saphyr_parser::{Event, Parser};
+use std::fmt::Write;
+use thiserror::Error;
+
+/// How three angles make a rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AngleOrder {
+    /// R = Rz(yaw) Ry(pitch) Rx(roll): what a URDF makes of the file, so what a running robot moves by.
+    #[default]
+    Urdf,
+    /// R = Rx(roll) Ry(pitch) Rz(yaw): what the vendor's tool meant when it wrote the file.
+    Vendor,
+}
+
+/// Names of the six origins and of the joints that turn them.
+pub const NAMES: [(&str, &str); 6] = [
+    ("shoulder", "shoulder_pan_joint"),
+    ("upper_arm", "shoulder_lift_joint"),
+    ("forearm", "elbow_joint"),
+    ("wrist_1", "wrist_1_joint"),
+    ("wrist_2", "wrist_2_joint"),
+    ("wrist_3", "wrist_3_joint"),
+];
+
+const KEYS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
+
+/// The file's content.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct KinematicsFile {
+    /// x, y, z (m), roll, pitch, yaw (rad) of each origin, in the order of [`NAMES`].
+    pub origins: [[f64; 6]; 6],
+    /// The controller's mark of these figures, where the file gives one.
+    pub hash: Option<String>,
+}
+
+/// Why a text is no kinematics file, or a chain cannot be written as one.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum KinematicsFileError {
+    /// The YAML does not parse.
+    #[error("{file}:{line}: this is not well-formed YAML: {what}")]
+    Yaml {
+        /// The file.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+        /// What the parser says.
+        what: String,
+    },
+    /// A number is missing.
+    #[error("{file}: kinematics.{name}.{key} is missing; each of the six origins needs x, y, z, roll, pitch, yaw")]
+    Missing {
+        /// The file.
+        file: String,
+        /// The origin.
+        name: &'static str,
+        /// Which number.
+        key: &'static str,
+    },
+    /// A value is no number.
+    #[error("{file}:{line}: {path} is \"{text}\", not a finite number")]
+    NotANumber {
+        /// The file.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+        /// Where in the document.
+        path: String,
+        /// The value.
+        text: String,
+    },
+    /// A chain of another make.
+    #[error(
+        "{robot}: a kinematics file has six revolute joints without scale or offset, and this chain has {found}; write \
+         a table or a URDF"
+    )]
+    OtherChain {
+        /// The robot.
+        robot: String,
+        /// What it has.
+        found: String,
+    },
+    /// Not a chain.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
+}
+
+/// Reads a kinematics file.
+///
+/// # Errors
+/// The YAML does not parse, or a number is missing or not finite.
+pub fn read(file: &str, text: &str) -> Result<KinematicsFile, KinematicsFileError> {
+    let mut path: Vec<String> = Vec::new();
+    let mut key: Option<String> = None;
+    let mut found = KinematicsFile::default();
+    let mut seen = [[false; 6]; 6];
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event.map_err(|error| KinematicsFileError::Yaml {
+            file: file.into(),
+            line: error.marker().line(),
+            what: error.info().into(),
+        })?;
+        match event {
+            Event::MappingStart(..) => path.push(key.take().unwrap_or_default()),
+            Event::MappingEnd => {
+                path.pop();
+            }
+            Event::Scalar(value, ..) => {
+                let Some(name) = key.take() else {
+                    key = Some(value.into_owned());
+                    continue;
+                };
+                let parts: Vec<&str> = path.iter().map(String::as_str).collect();
+                match parts.as_slice() {
+                    ["", "kinematics", origin] => {
+                        let place =
+                            NAMES.iter().position(|(own, _)| own == origin).zip(KEYS.iter().position(|k| *k == name));
+                        let Some((origin_index, key_index)) = place else { continue };
+                        let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
+                        found.origins[origin_index][key_index] =
+                            number.ok_or_else(|| KinematicsFileError::NotANumber {
+                                file: file.into(),
+                                line: span.start.line(),
+                                path: format!("kinematics.{origin}.{name}"),
+                                text: value.to_string(),
+                            })?;
+                        seen[origin_index][key_index] = true;
+                    }
+                    ["", "kinematics"] if name == "hash" => found.hash = Some(value.into_owned()),
+                    _ => {}
+                }
+            }
+            _ => {}
+        }
+    }
+    for ((name, _), seen) in NAMES.iter().zip(&seen) {
+        if let Some(key) = seen.iter().position(|seen| !seen) {
+            return Err(KinematicsFileError::Missing { file: file.into(), name, key: KEYS[key] });
+        }
+    }
+    Ok(found)
+}
+
+fn rotation([roll, pitch, yaw]: [f64; 3], order: AngleOrder) -> Rotation3<f64> {
+    match order {
+        AngleOrder::Urdf => se3::rotation_from_rpy([roll, pitch, yaw]),
+        // Rx Ry Rz is the inverse of the URDF's product with negative angles.
+        AngleOrder::Vendor => se3::rotation_from_rpy([-roll, -pitch, -yaw]).inverse(),
+    }
+}
+
+fn angles(rotation: &Rotation3<f64>, order: AngleOrder) -> [f64; 3] {
+    match order {
+        AngleOrder::Urdf => se3::rpy_from_rotation(rotation),
+        AngleOrder::Vendor => se3::rpy_from_rotation(&rotation.inverse()).map(|angle| -angle),
+    }
+}
+
+impl KinematicsFile {
+    /// The origins as poses.
+    pub fn poses(&self, order: AngleOrder) -> [Pose; 6] {
+        self.origins
+            .map(|[x, y, z, roll, pitch, yaw]| se3::pose(rotation([roll, pitch, yaw], order), Vector3::new(x, y, z)))
+    }
+
+    /// The chain from the base to the frame that joint 6 turns.
+    ///
+    /// # Errors
+    /// A number is not finite.
+    pub fn chain(&self, robot: &str, order: AngleOrder) -> Result<Chain, KinematicsFileError> {
+        let mut frame = Pose::identity();
+        let mut joints = Vec::new();
+        for (index, (origin, (_, name))) in self.poses(order).iter().zip(NAMES).enumerate() {
+            frame *= origin;
+            let direction = Unit::new_normalize(frame.rotation * Vector3::z());
+            let point = Point3::from(frame.translation.vector);
+            joints.push(ChainJoint {
+                name: name.into(),
+                screw: Screw::Revolute(AxisLine { direction, point }),
+                coordinate: index,
+                scale: 1.0,
+                offset: 0.0,
+            });
+        }
+        let coordinates = NAMES.iter().map(|(_, name)| Coordinate::unlimited(*name, Quantity::Angle)).collect();
+        Ok(Chain::new((robot, "base", "wrist_3_link"), coordinates, joints, frame)?)
+    }
+
+    /// The origins that move as a chain does, and what stays between the frame that joint 6 turns and the chain's tip.
+    ///
+    /// Each frame has its z axis on the joint's axis; its origin is the foot of the common normal to the next axis or,
+    /// where the two are (nearly) parallel, the point nearest to the frame before; its x axis is the one of the frame
+    /// before, turned no more than z has to. For an ideal UR these are the vendor's own frames.
+    ///
+    /// # Errors
+    /// The chain has other than six plain revolute joints.
+    pub fn of(chain: &Chain, order: AngleOrder) -> Result<(Self, Pose), KinematicsFileError> {
+        let lines = lines(chain)?;
+        let tip = Point3::from(chain.home().translation.vector);
+        let mut before = Pose::identity();
+        let mut origins = [[0.0; 6]; 6];
+        for (index, line) in lines.iter().enumerate() {
+            let last = Point3::from(before.translation.vector);
+            let origin = match lines.get(index + 1) {
+                Some(next) => foot(line, next).unwrap_or_else(|| line.nearest_to(&last)),
+                None => line.nearest_to(&tip),
+            };
+            let z = before.rotation * Vector3::z();
+            let turn = least_turn(&z, &line.direction, &(before.rotation * Vector3::x()));
+            let rotation = se3::orthonormalised(&(turn * before.rotation));
+            let frame = se3::pose(rotation, origin.coords);
+            let step = before.inverse() * frame;
+            let [roll, pitch, yaw] = angles(&step.rotation, order);
+            let place = step.translation.vector;
+            origins[index] = [place.x, place.y, place.z, roll, pitch, yaw];
+            before = frame;
+        }
+        let file = Self { origins, hash: None };
+        let reached = file.poses(order).iter().fold(Pose::identity(), |reached, origin| reached * origin);
+        Ok((file, reached.inverse() * chain.home()))
+    }
+
+    /// The file's text, every number with all its digits; `comments` on top say which order of angles is meant.
+    pub fn to_text(&self, order: AngleOrder, comments: &[String]) -> String {
+        let mut text = String::new();
+        for comment in comments {
+            let _ = writeln!(text, "# {comment}");
+        }
+        let formula = match order {
+            AngleOrder::Urdf => "R = Rz(yaw) Ry(pitch) Rx(roll), as a URDF reads them",
+            AngleOrder::Vendor => "R = Rx(roll) Ry(pitch) Rz(yaw), as the vendor's tool writes them",
+        };
+        let _ = writeln!(text, "# m and rad; {formula}");
+        text.push_str("kinematics:\n");
+        for ((name, _), origin) in NAMES.iter().zip(&self.origins) {
+            let _ = writeln!(text, "  {name}:");
+            for (key, value) in KEYS.iter().zip(origin) {
+                // Adding zero turns -0 into 0.
+                let _ = writeln!(text, "    {key}: {:?}", value + 0.0);
+            }
+        }
+        if let Some(hash) = &self.hash {
+            let _ = writeln!(text, "  hash: {hash}");
+        }
+        text
+    }
+}
+
+fn lines(chain: &Chain) -> Result<Vec<AxisLine>, KinematicsFileError> {
+    let plain = |joint: &ChainJoint| match joint.screw {
+        Screw::Revolute(line) if joint.scale == 1.0 && joint.offset == 0.0 => Some(line),
+        _ => None,
+    };
+    let lines: Vec<AxisLine> = chain.joints().iter().filter_map(plain).collect();
+    let joints = chain.joints().len();
+    if lines.len() == 6 && joints == 6 {
+        return Ok(lines);
+    }
+    let found = format!("{joints} joints, {} of them plain revolute ones", lines.len());
+    Err(KinematicsFileError::OtherChain { robot: chain.name().into(), found })
+}
+
+/// Axes closer to parallel than this have no common normal to speak of, rad.
+const NEARLY_PARALLEL: f64 = 0.05;
+
+/// The point of a line nearest to another one; `None` when they are nearly parallel.
+fn foot(line: &AxisLine, other: &AxisLine) -> Option<Point3<f64>> {
+    let cross = line.direction.cross(&other.direction);
+    (cross.norm() > NEARLY_PARALLEL).then(|| {
+        let along = (other.point - line.point).cross(&other.direction).dot(&cross) / cross.norm_squared();
+        line.point + line.direction.into_inner() * along
+    })
+}
+
+/// The least rotation from one direction to another; about `fallback` where they are opposite.
+fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>, fallback: &Vector3<f64>) -> Rotation3<f64> {
+    let cross = from.cross(to);
+    let (sine, cosine) = (cross.norm(), from.dot(to));
+    if sine == 0.0 {
+        let angle = if cosine > 0.0 { 0.0 } else { std::f64::consts::PI };
+        return se3::rotation_about(fallback, angle);
+    }
+    let vector = cross * (sine.atan2(cosine) / sine);
+    se3::exp(&Vector6::new(vector.x, vector.y, vector.z, 0.0, 0.0, 0.0)).rotation
+}
