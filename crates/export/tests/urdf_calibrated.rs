@@ -1,5 +1,7 @@
 //! Calibrated URDFs: every robot at hand, its chain disturbed as a calibration would.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
+
 mod urdf_corpus;
 
 use denavit_export::urdf::with_chain;

@@ -1,5 +1,7 @@
 //! The canonical URDF of every robot at hand: the same robot, and the same text but for the poses that were given anew.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
+
 mod urdf_corpus;
 
 use denavit_export::urdf::{Frames, LinkFrames, Options, canonical};

@@ -83,7 +83,7 @@ pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result
         let step = Numbers::of(&(here.inverse() * home), calibrated.size());
         notes.push(add_tip(robot, &mut edits, carrier, &tip_name, calibrated.tip(), &step)?);
     }
-    let value = edits.apply(&robot.source);
+    let value = edits.apply(&robot.source)?;
     check(robot, calibrated, &tip_name, reading, &value)?;
     Ok(Noted { value, notes })
 }

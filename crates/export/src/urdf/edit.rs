@@ -1,5 +1,6 @@
 //! Edits of a source text by byte ranges: whatever no edit covers stays byte for byte.
 
+use super::ExportError;
 use denavit_model::robot::SourceText;
 use roxmltree::Node;
 use std::ops::Range;
@@ -64,20 +65,26 @@ impl Edits {
     }
 
     /// The original text of `source` with the edits; as it was read where there are none.
-    pub fn apply(mut self, source: &SourceText) -> String {
+    ///
+    /// # Errors
+    /// Two edits want the same bytes: an XML entity that is used in two places.
+    pub fn apply(mut self, source: &SourceText) -> Result<String, ExportError> {
         self.pieces.push((source.declared.clone(), String::new()));
         // Stable: insertions at one place keep their order.
         self.pieces.sort_by_key(|(range, _)| (range.start, range.end));
         let mut result = source.dropped_before.clone();
         let mut at = 0;
         for (range, piece) in &self.pieces {
-            debug_assert!(range.start >= at, "edits overlap at {}", range.start);
-            result.push_str(&source.text[at..range.start.max(at)]);
+            let before = source.text.get(at..range.start).ok_or_else(|| ExportError::Unfaithful {
+                file: source.file.clone(),
+                what: format!("one piece of text in line {} stands for two elements", source.line(range.start)),
+            })?;
+            result.push_str(before);
             result.push_str(piece);
-            at = range.end.max(at);
+            at = range.end;
         }
         result.push_str(&source.text[at..]);
-        result
+        Ok(result)
     }
 }
 
@@ -130,7 +137,7 @@ mod tests {
         let document = Document::parse(text).unwrap();
         let mut edits = Edits::default();
         edit(&mut edits, &source, document.root_element());
-        assert_eq!(edits.apply(&source), format!("\u{feff}{expected}"));
+        assert_eq!(edits.apply(&source).unwrap(), format!("\u{feff}{expected}"));
     }
 
     #[test]
@@ -161,6 +168,6 @@ mod tests {
             dropped_before: " ".into(),
             declared: 6..18,
         };
-        assert_eq!(Edits::default().apply(&source), " <robot/>");
+        assert_eq!(Edits::default().apply(&source).unwrap(), " <robot/>");
     }
 }

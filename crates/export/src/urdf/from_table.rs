@@ -55,13 +55,13 @@ pub fn from_table(table: &Table, convention: Convention) -> Result<String, Expor
     }
     let last = numbers(&table.rows[table.joints.len()]);
     let tool = Numbers { xyz: [0.0, 0.0, table.tool.d + 0.0], rpy: [0.0, 0.0, table.tool.theta + 0.0] };
-    if tool != Numbers::default() {
+    if tool == Numbers::default() {
+        fixed(&mut text, &format!("{}_joint", table.tip), &parent, &table.tip, &last);
+    } else {
         let frame = writer.free(&format!("{}_row", table.tip));
         fixed(&mut text, &format!("{frame}_joint"), &parent, &frame, &last);
         text.push_str(&writer.link(&frame, None, Some(&Row::Dh(DhRow { d: table.tool.d, ..DhRow::default() }))));
         fixed(&mut text, &format!("{}_joint", table.tip), &frame, &table.tip, &tool);
-    } else {
-        fixed(&mut text, &format!("{}_joint", table.tip), &parent, &table.tip, &last);
     }
     text.push_str(&writer.tip());
     text.push_str("</robot>\n");

@@ -181,7 +181,7 @@ pub fn canonical(robot: &Robot, options: &Options) -> Result<Noted<String>, Expo
         }
     }
     let changed = !edits.is_empty();
-    let value = edits.apply(&robot.source);
+    let value = edits.apply(&robot.source)?;
     if changed {
         verify::same_robot(robot, &bodies, &value)?;
     }

@@ -1,11 +1,18 @@
 //! The URDF files at hand, and random numbers that are the same everywhere.
 
+#![allow(dead_code, reason = "each test binary uses a part of this")]
+
 use std::path::{Path, PathBuf};
+
+/// The folder of the workspace.
+pub fn workspace() -> PathBuf {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    std::env::var("DENAVIT_WORKSPACE").map_or(workspace, PathBuf::from)
+}
 
 /// Every URDF in robots/ and ../shared/vendor/robots, sorted; the latter only where it is there.
 pub fn corpus() -> Vec<PathBuf> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let workspace = std::env::var("DENAVIT_WORKSPACE").map_or(workspace, PathBuf::from);
+    let workspace = workspace();
     let mut found = Vec::new();
     let mut folders = vec![workspace.join("robots"), workspace.join("../shared/vendor/robots")];
     while let Some(folder) = folders.pop() {

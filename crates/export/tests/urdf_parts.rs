@@ -1,0 +1,291 @@
+//! The canonical URDF piece by piece, as a reader of the file sees it.
+
+#![expect(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
+
+mod urdf_corpus;
+
+use denavit_export::urdf::{Frames, LinkFrames, Options, canonical};
+use denavit_model::se3::{self, Pose};
+use denavit_model::tree::Reading;
+use denavit_model::{Robot, urdf};
+
+fn robot(body: &str) -> Robot {
+    urdf::read("test.urdf", &format!("<robot name=\"test\">\n{body}\n</robot>\n")).unwrap()
+}
+
+fn export(body: &str, options: &Options) -> String {
+    let text = canonical(&robot(body), options).unwrap().value;
+    let again = urdf::read("test.urdf", &text).unwrap();
+    assert_eq!(canonical(&again, options).unwrap().value, text, "the export of the export");
+    text.trim_start_matches("<robot name=\"test\">\n").trim_end_matches("\n</robot>\n").to_owned()
+}
+
+fn check(body: &str, expected: &str) {
+    assert_eq!(export(body, &Options::default()), expected);
+}
+
+const JOINT: &str = r#"<link name="base"/><link name="arm"/>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.50"/><axis xyz="1 0 0"/></joint>"#;
+
+const JOINT_OUT: &str = r#"<link name="base"/><link name="arm"/>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.50" rpy="1.5707963267948966 0 1.5707963267948966"/><axis xyz="0 0 1"/></joint>"#;
+
+#[test]
+fn a_joint_gets_its_row_and_the_axis_z() {
+    check(JOINT, JOINT_OUT);
+}
+
+#[test]
+fn origin_and_axis_are_put_in_where_the_file_leaves_them_out() {
+    check(
+        r#"<link name="base"/><link name="arm"><visual><geometry><sphere radius="1"/></geometry></visual></link>
+<joint name="j" type="prismatic">
+  <parent link="base"/>
+  <child link="arm"/>
+</joint>"#,
+        r#"<link name="base"/><link name="arm"><visual><origin xyz="0 0 0" rpy="-1.5707963267948966 -1.5707963267948966 0"/><geometry><sphere radius="1"/></geometry></visual></link>
+<joint name="j" type="prismatic">
+  <origin xyz="0 0 0" rpy="1.5707963267948966 0 1.5707963267948966"/>
+  <axis xyz="0 0 1"/>
+  <parent link="base"/>
+  <child link="arm"/>
+</joint>"#,
+    );
+}
+
+/// Poses by kind of element, of `<gazebo>` sensors too, in the root's frame at zero.
+fn gazebo_sensor(text: &str) -> Pose {
+    let wrapped = format!("<robot name=\"test\">\n{text}\n</robot>\n");
+    let robot = urdf::read("test.urdf", &wrapped).unwrap();
+    let pose = text.split("<pose>").nth(1).map_or("0 0 0 0 0 0", |rest| rest.split("</pose>").next().unwrap());
+    let n: Vec<f64> = pose.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    let local = se3::pose(se3::rotation_from_rpy([n[3], n[4], n[5]]), [n[0], n[1], n[2]].into());
+    robot.joints[0].origin.pose() * local
+}
+
+#[test]
+fn sensors_and_lights_in_gazebo_blocks_move_along() {
+    for (block, poses) in [
+        (
+            "<gazebo reference=\"arm\"><sensor name=\"imu\" type=\"imu\"><pose>0.1 0.2 0.3 0 0 0.4</pose></sensor></gazebo>",
+            1,
+        ),
+        ("<gazebo reference=\"arm\"><sensor name=\"imu\" type=\"imu\"><always_on>1</always_on></sensor></gazebo>", 1),
+        ("<gazebo reference=\"arm\"><projector name=\"p\">\n  <pose>0 0 0 0 -1.5707 0</pose></projector></gazebo>", 1),
+        ("<gazebo reference=\"arm\"><light name=\"l\"><pose/></light></gazebo>", 1),
+        ("<gazebo reference=\"arm\"><visual><pose>1 0 0 0 0 0</pose></visual></gazebo>", 1),
+        ("<gazebo reference=\"arm\"><visual><material>a</material></visual><mu1>0.2</mu1></gazebo>", 0),
+    ] {
+        let body = format!("{JOINT}\n{block}");
+        let text = export(&body, &Options::default());
+        assert_eq!(text.matches("<pose>").count(), poses, "{text}");
+        let (turned, moved) = se3::difference(&gazebo_sensor(&body), &gazebo_sensor(&text));
+        assert!(poses == 0 || turned < 1e-15 && moved < 1e-15, "{text}");
+    }
+}
+
+#[test]
+fn what_gazebo_gives_in_other_frames_stays() {
+    for block in [
+        "<gazebo reference=\"j\"><sensor><pose>1 0 0 0 0 0</pose></sensor></gazebo>",
+        "<gazebo reference=\"base\"><sensor><pose>1 0 0 0 0 0</pose></sensor></gazebo>",
+        "<gazebo reference=\"arm\"><sensor><pose relative_to=\"base\">1 0 0 0 0 0</pose></sensor></gazebo>",
+        "<gazebo><plugin><xyzOffset>1 0 0</xyzOffset></plugin></gazebo>",
+    ] {
+        check(&format!("{JOINT}\n{block}"), &format!("{JOINT_OUT}\n{block}"));
+    }
+    let camera = "<gazebo reference=\"arm\"><sensor><pose>0 0 0 0 0 0</pose><camera><pose>1 0 0 0 0 0</pose></camera></sensor></gazebo>";
+    let text = export(&format!("{JOINT}\n{camera}"), &Options::default());
+    assert!(text.contains("<camera><pose>1 0 0 0 0 0</pose></camera>"), "{text}");
+}
+
+#[test]
+fn plugins_that_name_a_moved_link_are_noted() {
+    let plugin = "<gazebo><plugin name=\"p\"><bodyName>arm</bodyName></plugin></gazebo>";
+    let notes = canonical(&robot(&format!("{JOINT}\n{plugin}")), &Options::default()).unwrap().notes;
+    let notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        notes,
+        [
+            "test.urdf:4: <bodyName>: simulator settings name links whose frames move (1 in all, this one \"arm\"); they now \
+          act at the new frames, --keep-link-frames leaves the old ones where they are"
+        ]
+    );
+}
+
+#[test]
+fn drake_frames_and_sensors_by_parent_move_along() {
+    let text = export(
+        &format!(
+            "{JOINT}\n<frame name=\"f\" link=\"arm\" xyz=\"1 0 0\"/>\n<cable><terminator link=\"arm\" xyz=\"1 0 0\"/></cable>\n<sensor name=\"s\"><parent link=\"arm\"/><origin xyz=\"0 1 0\"/></sensor>"
+        ),
+        &Options::default(),
+    );
+    assert!(text.contains("<terminator link=\"arm\" xyz=\"0 0 1\"/>"), "{text}");
+    assert!(
+        text.contains(
+            "<frame name=\"f\" link=\"arm\" xyz=\"0 0 1\" rpy=\"-1.5707963267948966 -1.5707963267948966 0\"/>"
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains("<origin xyz=\"1 0 0\" rpy=\"-1.5707963267948966 -1.5707963267948966 0\"/></sensor>"),
+        "{text}"
+    );
+}
+
+#[test]
+fn text_around_the_poses_stays_byte_for_byte() {
+    let body = "<!-- a ü -->\r\n<link name='base' />\t<link name='arm'><inertial><mass  value = '1.0'/>\r\n\
+         <origin rpy='0 0 0'  xyz='0.10 0 0'/><inertia ixx='1' ixy='0.1' ixz='0' iyy='2' iyz='0' izz='3'/></inertial></link>\r\n\
+         <joint type=\"continuous\" name=\"j\"><axis xyz='1.0 0 0'/><parent link='base'/><child link='arm'/><limit effort=\"1e2\"/></joint>";
+    let expected = body
+        .replace("rpy='0 0 0'  xyz='0.10 0 0'", "rpy='-1.5707963267948966 -1.5707963267948966 0'  xyz='0 0 0.1'")
+        .replace("<axis xyz='1.0 0 0'/>", "<axis xyz='0 0 1'/>")
+        .replace("name=\"j\">", "name=\"j\"><origin xyz=\"0 0 0\" rpy=\"1.5707963267948966 0 1.5707963267948966\"/>");
+    check(body, &expected);
+    let marked = format!("\u{feff}<robot name=\"t\"><xacro:unbound/>{JOINT}</robot>");
+    let text = canonical(&urdf::read("t", &marked).unwrap(), &Options::default()).unwrap().value;
+    assert_eq!(text, format!("\u{feff}<robot name=\"t\"><xacro:unbound/>{JOINT_OUT}</robot>"));
+}
+
+const HAND: &str = r#"<link name="base"/><link name="palm"/><link name="one"/><link name="two"/><link name="camera"/>
+<joint name="a" type="revolute"><parent link="base"/><child link="palm"/><origin xyz="0 0 0.3"/><axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="1" velocity="1"/></joint>
+<joint name="b" type="revolute"><parent link="palm"/><child link="one"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/><limit lower="-1" upper="2" effort="1" velocity="1"/><mimic joint="a" multiplier="-0.50" offset="0.1"/></joint>
+<joint name="c" type="revolute"><parent link="palm"/><child link="two"/><origin xyz="0 0.1 0" rpy="1.57 0 0"/><axis xyz="0 0 1"/><limit lower="-1" upper="2" effort="1" velocity="1"/></joint>
+<joint name="d" type="fixed"><parent link="palm"/><child link="camera"/><origin xyz="0 0 0.1"/></joint>"#;
+
+#[test]
+fn mimics_and_limits_stay_for_no_zero_and_no_sense_moves() {
+    let text = export(HAND, &Options::default());
+    assert!(text.contains(r#"<mimic joint="a" multiplier="-0.50" offset="0.1"/>"#));
+    assert_eq!(text.matches(r#"<limit lower="-1" upper="2" effort="1" velocity="1"/>"#).count(), 3);
+    let (before, after) = (robot(HAND), urdf::read("t", &format!("<robot name=\"t\">{text}</robot>")).unwrap());
+    for tip in ["one", "two", "camera"] {
+        let chain = |robot: &Robot| robot.chain(Some("base"), Some(tip), Reading::Intended).unwrap().value;
+        let (one, other) = (chain(&before), chain(&after));
+        // The frames of moving links differ, by the same motion at every q.
+        let q = vec![0.7; one.coordinates().len()];
+        let zero = vec![0.0; one.coordinates().len()];
+        let offset = |q: &[f64]| one.fk(q).inverse() * other.fk(q);
+        let (turned, moved) = se3::difference(&offset(&q), &offset(&zero));
+        assert!(turned < 1e-15 && moved < 1e-15, "{tip}");
+    }
+}
+
+#[test]
+fn markers_move_nothing_and_are_put_in_once() {
+    for frames in [Frames::Distal, Frames::Proximal] {
+        let options = Options { link_frames: LinkFrames::MarkOnly, frames, ..Options::default() };
+        let text = export(HAND, &options);
+        assert!(text.starts_with(HAND), "{text}");
+        assert_eq!(text.matches("<link name=\"dh_").count(), 3, "{text}");
+        let marked = urdf::read("t", &format!("<robot name=\"t\">{text}</robot>")).unwrap();
+        let base = robot(HAND).default_chain().base;
+        let pose = |link: &str| marked.chain(Some(&base), Some(link), Reading::Intended).unwrap().value;
+        // dh_k moves with joint k, and its z axis is that of the next joint (distal) or of its own (proximal).
+        for k in 0..3 {
+            assert_eq!(pose(&format!("dh_{k}")).joints().len(), k);
+        }
+    }
+    let taken = HAND.replace("\"camera\"", "\"dh_0\"");
+    let options = Options { link_frames: LinkFrames::MarkOnly, ..Options::default() };
+    let taken = format!(
+        "{taken}<link name=\"x\"/><joint name=\"y\" type=\"fixed\"><parent link=\"dh_0\"/><child link=\"x\"/></joint>"
+    );
+    let message = canonical(&robot(&taken), &options).unwrap_err().to_string();
+    assert_eq!(message, "test.urdf:2: link \"dh_0\": the name is needed for a frame of the export; rename it");
+}
+
+#[test]
+fn a_turn_and_its_slide_share_one_frame() {
+    let spline = r#"<link name="base"/><link name="a"/><link name="b"/><link name="tip"/>
+<joint name="turn" type="revolute"><origin xyz="1 0 0"/><axis xyz="0 1 0"/><parent link="base"/><child link="a"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="slide" type="prismatic"><axis xyz="0 -1 0"/><parent link="a"/><child link="b"/><limit lower="-2" upper="2" effort="1" velocity="1"/><mimic joint="turn" multiplier="0.25"/></joint>
+<joint name="flange" type="fixed"><origin xyz="0 0 0.1"/><parent link="b"/><child link="tip"/></joint>"#;
+    let text = export(spline, &Options::default());
+    let (before, after) = (robot(spline), urdf::read("t", &format!("<robot name=\"t\">{text}</robot>")).unwrap());
+    let chain = |robot: &Robot| robot.chain(None, None, Reading::Intended).unwrap().value;
+    assert_eq!(chain(&after).joints()[0].screw.pitch(), Some(-0.25));
+    let slide = &after.joints[after.joint_index("slide").unwrap()];
+    assert_eq!((slide.origin.xyz, slide.origin.rpy), ([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]));
+    let (turned, moved) = se3::difference(&chain(&before).fk(&[0.8]), &chain(&after).fk(&[0.8]));
+    assert!(turned < 1e-15 && moved < 1e-15, "{turned} {moved}");
+}
+
+#[test]
+fn shortened_angles_are_mended_with_a_note_or_kept() {
+    let exported = canonical(&robot(HAND), &Options::default()).unwrap();
+    assert!(exported.notes[0].to_string().starts_with("test.urdf:5: joint \"c\": 1.57 read as π/2; the tip moves by"));
+    assert!(!exported.value.contains("1.57 "));
+    let options = Options { reading: Reading::AsWritten, ..Options::default() };
+    let kept = canonical(&robot(HAND), &options).unwrap();
+    assert!(kept.value.contains("rpy=\"3.140796326794897 0 0\""), "{}", kept.value);
+    assert!(kept.notes.is_empty());
+}
+
+#[test]
+fn a_name_that_is_taken_is_refused() {
+    let body = format!(
+        "{JOINT}<link name=\"arm_dh\"/><joint name=\"k\" type=\"fixed\"><parent link=\"arm\"/><child link=\"arm_dh\"/></joint>"
+    );
+    let options = Options { link_frames: LinkFrames::Keep, ..Options::default() };
+    let message = canonical(&robot(&body), &options).unwrap_err().to_string();
+    assert_eq!(message, "test.urdf:3: link \"arm_dh\": the name is needed for a frame of the export; rename it");
+    let options = Options { tip: Some("tool9".into()), ..Options::default() };
+    let message = canonical(&robot(JOINT), &options).unwrap_err().to_string();
+    assert_eq!(message, "test.urdf: the robot has no link \"tool9\"; `denavit chains` lists base and tip links");
+}
+
+#[test]
+fn an_entity_that_stands_for_two_elements_is_refused() {
+    let arm = JOINT.replace("<link name=\"arm\"/>", "<link name=\"arm\">&ball;</link>");
+    let text = |base: &str| {
+        format!(
+            "<!DOCTYPE robot [<!ENTITY ball '<visual><origin xyz=\"1 0 0\"/><geometry><sphere radius=\"1\"/></geometry>\
+             </visual>'>]>\n<robot name=\"t\">{}</robot>",
+            arm.replace("<link name=\"base\"/>", base)
+        )
+    };
+    let twice = urdf::read("t.urdf", &text("<link name=\"base\">&ball;</link>")).unwrap();
+    let error = canonical(&twice, &Options::default()).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "t.urdf: the visual of link \"base\" would move; expand XML entities and give each link one <inertial>, then \
+         export again"
+    );
+}
+
+#[test]
+fn odd_files_are_exported_or_refused_with_a_reason() {
+    let folder = urdf_corpus::workspace().join("../shared/vendor/quirky");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped, because {} is missing", folder.display());
+        return;
+    };
+    let (mut exported, mut refused) = (0, 0);
+    for path in entries.flatten().map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "urdf"))
+    {
+        let file = path.file_name().unwrap().to_string_lossy().into_owned();
+        let Ok(text) = std::fs::read_to_string(&path) else { continue };
+        for link_frames in [LinkFrames::Replace, LinkFrames::Keep, LinkFrames::MarkOnly] {
+            let options = Options { link_frames, ..Options::default() };
+            let made = urdf::read(&file, &text).map_err(|error| error.to_string()).and_then(|robot| {
+                canonical(&robot, &options).map(|made| made.value).map_err(|error| error.to_string())
+            });
+            match made {
+                Ok(made) => {
+                    exported += 1;
+                    let again = canonical(&urdf::read(&file, &made).unwrap(), &options).unwrap().value;
+                    assert_eq!(again, made, "{file}");
+                }
+                Err(reason) => {
+                    refused += 1;
+                    assert!(reason.starts_with(&file), "{file}: {reason}");
+                }
+            }
+        }
+    }
+    println!("{exported} exports of odd files, {refused} refusals");
+    assert!(exported > 0 && refused > 0);
+}
