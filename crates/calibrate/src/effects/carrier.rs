@@ -132,8 +132,16 @@ pub fn axis_points(chain: &Chain) -> Vec<Point3<f64>> {
 impl Carrier {
     /// The directions of the carrier on an arm: each a sum of actions that share one coefficient.
     ///
-    /// `points` as [`link_points`] gives them; axes are those of `joints`, actual ones where they are known.
-    pub fn directions(&self, joints: &[ChainJoint], points: &[Point3<f64>]) -> Vec<Vec<Action>> {
+    /// `points` as [`link_points`] gives them; axes are those of `joints`, actual ones where they are known. Directions
+    /// across an axis are those of the `nominal` one, carried along, so that a small change of the axis turns them by
+    /// little.
+    pub fn directions(
+        &self,
+        nominal: &[ChainJoint],
+        joints: &[ChainJoint],
+        points: &[Point3<f64>],
+    ) -> Vec<Vec<Action>> {
+        let across = |i: usize| Across::of(&nominal[i].screw).carried(&nominal[i].screw, &joints[i].screw);
         let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
         let n = joints.len();
         let twist = |slot: usize, twist: Vector6<f64>| vec![Action::Twist { slot, twist }];
@@ -141,12 +149,12 @@ impl Carrier {
             Self::Joint(i) => vec![twist(i, joints[i].screw.twist())],
             Self::Along(i) => vec![twist(i, shift(&joints[i].screw.direction()))],
             Self::Across(i) => {
-                let across = Across::of(&joints[i].screw);
+                let across = across(i);
                 let centre = joints[i].screw.line().map_or(points[i], |line| line.nearest_to(&points[i]));
                 vec![twist(i, turn(&across.a, &centre)), twist(i, turn(&across.b, &centre))]
             }
             Self::Sideways(i) => {
-                let across = Across::of(&joints[i].screw);
+                let across = across(i);
                 vec![twist(i, shift(&across.a)), twist(i, shift(&across.b))]
             }
             Self::LinkEnd(i) => {
@@ -266,7 +274,7 @@ mod tests {
             let n = chain.coordinates().len();
             let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
             for carrier in all(chain.joints().len()) {
-                for (index, direction) in carrier.directions(chain.joints(), &axis_points(&chain)).iter().enumerate() {
+                for (index, direction) in carrier.directions(chain.joints(), chain.joints(), &axis_points(&chain)).iter().enumerate() {
                     let mut deviation = Deviation::none(chain.joints().len());
                     direction.iter().for_each(|action| action.add_to(1e-4, &mut deviation));
                     let (mut still, mut moved) = (RowState::default(), RowState::default());
@@ -292,7 +300,7 @@ mod tests {
         let chain = examples::planar_arm();
         let arm = Arm::new(&chain, 1);
         let mut deviation = Deviation::none(chain.joints().len());
-        Carrier::Lengths.directions(chain.joints(), &axis_points(&chain))[0]
+        Carrier::Lengths.directions(chain.joints(), chain.joints(), &axis_points(&chain))[0]
             .iter()
             .for_each(|action| action.add_to(0.01, &mut deviation));
         let (mut still, mut stretched) = (RowState::default(), RowState::default());

@@ -84,8 +84,10 @@ impl Tracer<'_> {
                 best = (found, terms);
             }
         }
-        let mut chosen: Vec<Candidate> =
-            (0..state.chosen.len()).filter(|index| !own.contains(index)).map(|index| state.chosen[index].clone()).collect();
+        let mut chosen: Vec<Candidate> = (0..state.chosen.len())
+            .filter(|index| !own.contains(index))
+            .map(|index| state.chosen[index].clone())
+            .collect();
         let at = fine.min(chosen.len());
         chosen.splice(at..at, best.1);
         (chosen != state.chosen).then(|| self.refitted(chosen, Some(state)))

@@ -96,7 +96,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let mut places = Vec::new();
     let mut directions = Vec::new();
     for carrier in carriers {
-        let own = carrier.directions(&fit.arm.joints, &model.statics.points);
+        let own = carrier.directions(model.statics.chain.joints(), &fit.arm.joints, &model.statics.points);
         places.push((*carrier, directions.len()..directions.len() + own.len()));
         directions.extend(own);
     }
@@ -115,14 +115,11 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
             seen && fit.weights[row * targets + target] > 0.0
         })
         .collect();
-    let priors: Vec<(usize, f64)> = layout
-        .parameters
-        .iter()
-        .enumerate()
-        .filter_map(|(column, parameter)| parameter.tolerance.map(|tolerance| (column, RELAXED * tolerance)))
-        .collect();
+    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · departure.
+    let prior = layout.prior.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
+    let priors = prior.nrows();
     let values = kept.len() * step;
-    let total = values + priors.len();
+    let total = values + priors;
     let (first, last) = (layout.effects.start + own, layout.effects.end);
     let geometry_columns: Vec<usize> = (0..layout.effects.start).chain(last..columns).collect();
     let mut result = Linear {
@@ -161,11 +158,10 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
             at += 1;
         }
     }
-    let departure = layout.departure(&fit.arm, reference);
-    for (k, (column, tolerance)) in priors.iter().enumerate() {
-        result.residual[values + k] = departure[*column] / tolerance;
-        let place = geometry_columns.iter().position(|from| from == column).expect("only geometry has tolerances");
-        result.geometry[(values + k, place)] = 1.0 / tolerance;
+    if priors > 0 {
+        let departure = DVector::from_vec(layout.departure(&fit.arm, reference)[layout.joints.clone()].to_vec());
+        result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
+        result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
     result
 }

@@ -87,6 +87,29 @@ impl<'a> Tracer<'a> {
             if scan.is_empty() {
                 scan = self.scan(&scored);
             }
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "loose rss {:.1} firm {:.1} values {} noise {:e} {:?}",
+                    rest.loose.rss,
+                    rest.firm.rss,
+                    linear.values(),
+                    state.fit.noise.position,
+                    state.chosen.iter().map(|c| (c.term.kind.name(), c.term.carrier)).collect::<Vec<_>>()
+                );
+                let mut o: Vec<_> = scored.iter().collect();
+                o.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+                for x in o.iter().take(200) {
+                    if x.candidate.term.kind == Kind::LinkCompliance || x.delta_bic >= o[3].delta_bic {
+                        eprintln!(
+                            "   {:?} {:?} {:.1} firm {:.1}",
+                            x.candidate.term.carrier,
+                            x.candidate.term.driver,
+                            x.delta_bic,
+                            field.firm_bic(&rest, &x.candidate)
+                        );
+                    }
+                }
+            }
             let Some(best) = self.best(&field, &rest, &scored) else { break };
             if !self.helps_held_out(&field, &best) {
                 break;
