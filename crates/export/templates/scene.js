@@ -92,7 +92,7 @@
     const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
     const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
     const right = [-sa, ca, 0], up = [-se * ca, -se * sa, ce], near = [ce * ca, ce * sa, se];
-    const eye = 5 * radius, scale = (0.36 * Math.min(width, 1.2 * height) / radius) * camera.zoom;
+    const eye = 5 * radius, scale = (0.5 * Math.max(Math.min(width - 140, height - 60), 80) / radius) * camera.zoom;
     const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     return (p) => {
       const d = [p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]];
@@ -316,12 +316,7 @@
 
   const makeSliders = () => {
     sliders.textContent = "";
-    const used = [];
-    for (const joint of scene.chains[shown].joints) {
-      if (!used.includes(joint.coordinate)) used.push(joint.coordinate);
-    }
-    used.sort((a, b) => a - b);
-    used.forEach((index, position) => {
+    scene.chains[shown].coordinates.forEach((index, position) => {
       const { name, lower, upper } = scene.coordinates[index];
       const row = document.createElement("label");
       row.dataset.coordinate = String(index);
@@ -429,6 +424,7 @@
   document.getElementById("frames").addEventListener("change", (event) => { framesAreShown = event.target.checked; redraw(); });
   picker?.addEventListener("change", () => show(Number(picker.value)));
   window.addEventListener("hashchange", readAddress);
+  window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => { part.open = true; }));
   new ResizeObserver(redraw).observe(canvas);
 
   frameRobot();

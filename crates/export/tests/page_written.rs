@@ -78,6 +78,19 @@ fn postures(chain: &Chain) -> Vec<Vec<f64>> {
     (0..3).map(|posture| ranges.iter().enumerate().map(|(k, range)| value(posture, k, *range)).collect()).collect()
 }
 
+/// What the page must show of its chain `index` at a few postures.
+fn expected(index: usize, chain: &Chain) -> Vec<serde_json::Value> {
+    let tip = |q: Vec<f64>| {
+        let pose = chain.fk(&q);
+        let [roll, pitch, yaw] = se3::rpy_from_rotation(&pose.rotation);
+        let [x, y, z] = <[f64; 3]>::from(pose.translation.vector);
+        serde_json::json!({
+            "chain": index, "q": q, "tip": {"x": x, "y": y, "z": z, "roll": roll, "pitch": pitch, "yaw": yaw}
+        })
+    };
+    postures(chain).into_iter().map(tip).collect()
+}
+
 #[test]
 fn pages_and_what_their_sliders_must_show_are_written_for_the_browser() {
     let folder = workspace().join("target/oracle/pages");
@@ -88,16 +101,10 @@ fn pages_and_what_their_sliders_must_show_are_written_for_the_browser() {
         for file in markdown(&document, &name) {
             fs::write(folder.join(&file.name), &file.text).unwrap();
         }
-        let chain = &document.main.chain;
-        let expected: Vec<_> = postures(chain)
-            .into_iter()
-            .map(|q| {
-                let tip = chain.fk(&q);
-                let [roll, pitch, yaw] = se3::rpy_from_rotation(&tip.rotation);
-                let [x, y, z] = <[f64; 3]>::from(tip.translation.vector);
-                serde_json::json!({"q": q, "tip": {"x": x, "y": y, "z": z, "roll": roll, "pitch": pitch, "yaw": yaw}})
-            })
-            .collect();
+        let from_main = |part: &&ChainPart| part.chain.base() == document.main.chain.base();
+        let others: Vec<&ChainPart> = document.others.iter().filter(from_main).collect();
+        let postures = [(0, &document.main)].into_iter().chain(others.last().map(|part| (others.len(), *part)));
+        let expected: Vec<_> = postures.flat_map(|(index, part)| expected(index, &part.chain)).collect();
         fs::write(folder.join(format!("{name}.json")), serde_json::to_string_pretty(&expected).unwrap()).unwrap();
         cards.push(Card::of(&document, format!("{name}.html")));
     }

@@ -3,7 +3,12 @@
 addEventListener("load", () => {
   const wanted = JSON.parse(document.getElementById("postures").textContent);
   const names = ["x", "y", "z", "roll", "pitch", "yaw"];
-  const tips = wanted.map((q) => {
+  const picker = document.getElementById("chain");
+  const tips = wanted.map(({ chain, q }) => {
+    if (picker && picker.value !== String(chain)) {
+      picker.value = String(chain);
+      picker.dispatchEvent(new Event("change", { bubbles: true }));
+    }
     document.querySelectorAll("#sliders input").forEach((slider, k) => {
       slider.value = String(q[k]);
       slider.dispatchEvent(new Event("input", { bubbles: true }));

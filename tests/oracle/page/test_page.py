@@ -56,9 +56,9 @@ def farthest(found, expected):
 @needs_pages
 @pytest.mark.parametrize("name", NAMES)
 def test_page_opens_at_the_posture_in_its_address_without_a_word_on_the_console(name, tmp_path):
-    posture = json.loads((PAGES / f"{name}.json").read_text())[0]
+    posture = json.loads((PAGES / f"{name}.json").read_text())[-1]
     values = ",".join(repr(value) for value in posture["q"])
-    document, console = opened(PAGES / f"{name}.html", tmp_path, f"#q={values}")
+    document, console = opened(PAGES / f"{name}.html", tmp_path, f"#chain={posture['chain']}&q={values}")
     assert console == []
     assert farthest(tip(document), posture["tip"]) < 1e-9
 
@@ -68,7 +68,7 @@ def test_page_opens_at_the_posture_in_its_address_without_a_word_on_the_console(
 @pytest.mark.parametrize("name", NAMES)
 def test_sliders_move_the_tip_to_where_forward_kinematics_says_on_a_phone(name, tmp_path):
     postures = json.loads((PAGES / f"{name}.json").read_text())
-    wanted = json.dumps([posture["q"] for posture in postures])
+    wanted = json.dumps(postures)
     scripts = f'<script type="application/json" id="postures">{wanted}</script><script>{DRIVER.read_text()}</script></body>'
     page = tmp_path / "page.html"
     page.write_text((PAGES / f"{name}.html").read_text(encoding="utf-8").replace("</body>", scripts), encoding="utf-8")

@@ -5,9 +5,16 @@
 //! ```
 //! Drawn at zero of every coordinate. Frames are those of the distal convention: frame i stands behind row i.
 
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cells of a sheet of some thousand px")]
 mod labels;
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "corners of an arc")]
 mod scene;
 mod solids;
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "cells and pieces of a sheet of some thousand px"
+)]
 mod strokes;
 mod view;
 

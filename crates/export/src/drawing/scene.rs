@@ -247,7 +247,7 @@ impl Scene {
             self.arc(&arc, text, "alpha", frame);
         }
         if let Some(beta) = step.row.and_then(|row| row.beta()) {
-            let text = format!("β{} = {}", subscript(words.index), words.angle(beta));
+            let text = format!("β{} = {}", subscript(words.index), angle(beta));
             self.labels.push(Ask { text, at: step.end(), class: "alpha", kind: Kind::Angle });
         }
     }
@@ -324,11 +324,6 @@ impl RowWords<'_> {
         Some(format!("{scale}q{}", subscript(joint.coordinate + 1)))
     }
 
-    fn angle(&self, radians: f64) -> String {
-        let number = decimal(radians.to_degrees(), 2).replace('-', "−");
-        format!("{number}°")
-    }
-
     fn length(&self, metres: f64) -> String {
         let places = if self.units.length_word() == "mm" { 1 } else { 4 };
         let shown = if self.units.length_word() == "mm" { metres * 1e3 } else { metres };
@@ -342,9 +337,9 @@ impl RowWords<'_> {
         let zero = theta.abs() < 1e-9;
         match self.variable().filter(|_| turns) {
             Some(variable) if zero => Some((format!("{name} = {variable}"), true)),
-            Some(variable) => Some((format!("{name} = {variable} {}", signed(&self.angle(theta))), true)),
+            Some(variable) => Some((format!("{name} = {variable} {}", signed(&angle(theta))), true)),
             None if zero => None,
-            None => Some((format!("{name} = {}", self.angle(theta)), false)),
+            None => Some((format!("{name} = {}", angle(theta)), false)),
         }
     }
 
@@ -369,12 +364,16 @@ impl RowWords<'_> {
     }
 
     fn alpha(&self, alpha: f64) -> Option<String> {
-        (alpha.abs() > 1e-9).then(|| format!("α{} = {}", self.suffix(), self.angle(alpha)))
+        (alpha.abs() > 1e-9).then(|| format!("α{} = {}", self.suffix(), angle(alpha)))
     }
 
     fn is_zero(&self, length: f64) -> bool {
         length.abs() < 5e-6 * size(self.table)
     }
+}
+
+fn angle(radians: f64) -> String {
+    format!("{}°", decimal(radians.to_degrees(), 2).replace('-', "−"))
 }
 
 /// `−90°` as `− 90°`, `90°` as `+ 90°`.

@@ -7,6 +7,7 @@ use super::scene::{EndOn, Line, Scene};
 use super::solids::Solid;
 use super::view::{Frame, Place};
 use serde::Serialize;
+use std::f64::consts::FRAC_PI_8;
 use std::fmt::Write as _;
 
 /// Length of a piece, px.
@@ -153,11 +154,13 @@ impl Neighbours {
 
     /// The cell of a place and those around it.
     fn around(&self, place: &Place) -> impl Iterator<Item = usize> + use<> {
-        let (columns, rows) = (self.columns as i64, self.rows as i64);
-        let (column, row) = ((place.x / CELL).floor() as i64, (place.y / CELL).floor() as i64);
-        let near = (-1..2).flat_map(move |dy| (-1..2).map(move |dx| (column + dx, row + dy)));
-        near.filter(move |(column, row)| (0..columns).contains(column) && (0..rows).contains(row))
-            .map(move |(column, row)| (row * columns + column) as usize)
+        let (columns, rows) = (self.columns, self.rows);
+        let near = [-1.0, 0.0, 1.0];
+        let (column, row) = ((place.x / CELL).floor(), (place.y / CELL).floor());
+        let cells = near.into_iter().flat_map(move |dy| near.map(|dx| (column + dx, row + dy)));
+        cells
+            .filter(move |(column, row)| (0.0..columns as f64).contains(column) && (0.0..rows as f64).contains(row))
+            .map(move |(column, row)| row as usize * columns + column as usize)
     }
 
     fn claim(&mut self, owner: usize, places: &[Place]) {
@@ -259,7 +262,7 @@ fn end_on(mark: &EndOn, frame: &Frame, strokes: &mut Vec<Stroke>) {
     let middle = frame.place(&mark.at);
     let radius = if mark.class == "z" { 7.0 } else { 5.0 };
     let ring = |radius: f64| -> Vec<Place> {
-        let at = |k: i32| (f64::from(k) * 0.3926990816987241).sin_cos();
+        let at = |k: i32| (f64::from(k) * FRAC_PI_8).sin_cos();
         (0..16).map(at).map(|(s, c)| Place { x: middle.x + radius * c, y: middle.y + radius * s, ..middle }).collect()
     };
     let class = if mark.class == "z" { "z-mark" } else { "x-mark" };

@@ -99,7 +99,7 @@ impl Content {
             source: document.source.clone(),
             fingerprint: document.fingerprint.clone(),
             chains: document.parts_from_one_base().iter().map(|part| part.title()).collect(),
-            limits: limits(chain, *units),
+            limits: limits(document),
             workspace: workspace.as_ref().map(|workspace| envelope(workspace, *units)),
             masses,
             notes: main.notes.iter().map(ToString::to_string).collect(),
@@ -225,8 +225,10 @@ pub(super) fn reach_words(reach: f64, units: Units) -> String {
     format!("{shown} {}", units.length_word())
 }
 
-fn limits(chain: &Chain, units: Units) -> Vec<Vec<String>> {
-    let row = |(k, coordinate): (usize, &Coordinate)| {
+/// Every coordinate once; those of the main chain with their symbol.
+fn limits(document: &Document) -> Vec<Vec<String>> {
+    let units = document.units;
+    let row = |symbol: String, coordinate: &Coordinate| {
         let unit = match coordinate.quantity {
             Quantity::Angle => units.angle_word(),
             Quantity::Length => units.length_word(),
@@ -241,7 +243,7 @@ fn limits(chain: &Chain, units: Units) -> Vec<Vec<String>> {
         };
         let effort_unit = if coordinate.quantity == Quantity::Angle { "N·m" } else { "N" };
         vec![
-            variable(k + 1),
+            symbol,
             coordinate.name.clone(),
             bound(limits.map(|limits| limits.lower)),
             bound(limits.map(|limits| limits.upper)),
@@ -249,7 +251,15 @@ fn limits(chain: &Chain, units: Units) -> Vec<Vec<String>> {
             limits.and_then(|limits| limits.effort).map_or_else(none, |e| format!("{} {effort_unit}", decimal(e, 4))),
         ]
     };
-    chain.coordinates().iter().enumerate().map(row).collect()
+    let mut listed: Vec<&Coordinate> = document.main.chain.coordinates().iter().collect();
+    let own = listed.len();
+    for coordinate in document.others.iter().flat_map(|part| part.chain.coordinates()) {
+        if !listed.iter().any(|known| known.name == coordinate.name) {
+            listed.push(coordinate);
+        }
+    }
+    let symbol = |k: usize| if k < own { variable(k + 1) } else { String::new() };
+    listed.iter().enumerate().map(|(k, coordinate)| row(symbol(k), coordinate)).collect()
 }
 
 /// Hundredths of a degree, tenths of a millimetre: no limit is known better.

@@ -29,8 +29,8 @@ struct Slider {
 
 #[derive(Serialize)]
 struct Moving {
-    name: String,
-    base: String,
+    /// Indices of its coordinates, in its own order.
+    coordinates: Vec<usize>,
     joints: Vec<Axis>,
     /// base_from_tip at zero: rows of the rotation, then the translation.
     home: [f64; 12],
@@ -101,16 +101,17 @@ fn twelve(pose: &Pose) -> [f64; 12] {
 
 fn moving(part: &ChainPart, coordinates: &[Coordinate]) -> Moving {
     let chain = &part.chain;
+    let place = |own: &Coordinate| coordinates.iter().position(|known| known.name == own.name);
+    let indices: Vec<usize> = chain.coordinates().iter().filter_map(place).collect();
     let frames = part.table.frames();
     let mut zero = Pose::identity();
     let mut joints = Vec::new();
     for (joint, frame) in chain.joints().iter().zip(&frames) {
         let screw = joint.screw.moved(&zero);
-        let name = &chain.coordinates()[joint.coordinate].name;
         let origin = Point3::from(frame.translation.vector);
         joints.push(Axis {
             kind: Motion::of(&screw).word(),
-            coordinate: coordinates.iter().position(|known| known.name == *name).unwrap_or_default(),
+            coordinate: indices[joint.coordinate],
             scale: joint.scale,
             direction: screw.direction().into_inner().into(),
             point: screw.line().map_or([0.0; 3], |line| line.point.coords.into()),
@@ -128,9 +129,7 @@ fn moving(part: &ChainPart, coordinates: &[Coordinate]) -> Moving {
     }
     triads.push(Triad { name: "tip".into(), pose: twelve(&home), carried: frames.len() - 1 });
     let links = if far { arm_links(chain, &home) } else { row_links(part, &frames, &home) };
-    Moving {
-        name: chain.tip().to_owned(),
-        base: chain.base().to_owned(),
+    Moving { coordinates: indices,
         joints,
         home: twelve(&home),
         frames: triads,
