@@ -41,6 +41,18 @@ pub enum Command {
     Diff(DiffArguments),
     /// Expand a xacro file to URDF, without ROS
     Expand(ExpandArguments),
+    /// Write the canonical URDF, whose link frames are the D-H frames; or a URDF from a D-H table
+    Export(ExportArguments),
+    /// Make a page of each robot: figures, tables, a 3-D view
+    Doc(DocArguments),
+    /// Print a short hash of what the robot is, to pin in CI
+    Fingerprint(FingerprintArguments),
+    /// Hold URDF files against numbered rules
+    Check(CheckArguments),
+    /// Calibrate a robot from measured data
+    Calibrate(CalibrateArguments),
+    /// Say what measurements can tell of a robot, and what they cannot
+    Identify(IdentifyArguments),
 }
 
 /// Which robot, and which chain of it.
@@ -277,4 +289,174 @@ fn report_names() -> clap::builder::PossibleValuesParser {
     let values = denavit_compare::report::FORMATS;
     let values = values.iter().map(|format| clap::builder::PossibleValue::new(format.name).help(format.summary));
     values.collect::<Vec<_>>().into()
+}
+
+/// Where on a joint's axis its child link's frame lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FramesName {
+    /// At the foot of the common normal with the axis before
+    Distal,
+    /// At the foot of the common normal with the axis behind
+    Proximal,
+}
+
+/// Arguments of `denavit export`.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Keep every old frame under its old name, as a link fixed to the new one
+    #[arg(long, conflicts_with = "dh_links")]
+    pub keep_link_frames: bool,
+    /// Add marker links dh_0 … dh_n of the chain and move nothing
+    #[arg(long)]
+    pub dh_links: bool,
+    /// Where on a joint's axis its child link's frame lies
+    #[arg(long, value_enum, default_value_t = FramesName::Distal)]
+    pub frames: FramesName,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `denavit doc`.
+#[derive(Debug, Args)]
+pub struct DocArguments {
+    /// Robots: URDF, xacro, D-H tables or screw axes; several make a page each and an index
+    #[arg(required = true)]
+    pub robots: Vec<String>,
+    /// Folder for the pages
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Markdown and SVG files for a repository's docs folder instead of HTML
+    #[arg(long)]
+    pub markdown: bool,
+    /// Link that the chain starts at
+    #[arg(long, value_name = "LINK")]
+    pub base: Option<String>,
+    /// Link that the chain ends at
+    #[arg(long, value_name = "LINK")]
+    pub tip: Option<String>,
+    /// Take every number as it is written
+    #[arg(long)]
+    pub exact: bool,
+    /// Folder with ROS packages, or a package, for xacro files
+    #[arg(long, value_name = "FOLDER")]
+    pub package_path: Vec<PathBuf>,
+    /// Units of text.
+    #[command(flatten)]
+    pub units: UnitsArguments,
+}
+
+/// Arguments of `denavit fingerprint`.
+#[derive(Debug, Args)]
+pub struct FingerprintArguments {
+    /// Any source
+    pub robot: String,
+    /// What a xacro file needs.
+    #[command(flatten)]
+    pub xacro: XacroArguments,
+    /// Cell size: m, rad, and relative for masses
+    #[arg(long, value_name = "SIZE", default_value_t = denavit_compare::fingerprint::DEFAULT_TOLERANCE)]
+    pub tolerance: f64,
+    /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
+    #[arg(long, value_name = "FINGERPRINT")]
+    pub expect: Option<String>,
+    /// With --expect: masses and shapes may differ
+    #[arg(long, requires = "expect")]
+    pub only_motion: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `denavit check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// URDF files
+    #[arg(required_unless_present_any = ["rules", "explain"])]
+    pub files: Vec<String>,
+    /// Leave out a rule, by code or name; `all` leaves out all that are not denied
+    #[arg(long, value_name = "RULE", value_delimiter = ',')]
+    pub allow: Vec<String>,
+    /// Make a rule's findings errors, by code or name
+    #[arg(long, value_name = "RULE", value_delimiter = ',')]
+    pub deny: Vec<String>,
+    /// Configuration file [default: denavit.toml beside the robot or in a folder above]
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Folder with ROS packages, or a package, to find meshes in
+    #[arg(long, value_name = "FOLDER")]
+    pub package_path: Vec<PathBuf>,
+    /// Mend in place what is certain
+    #[arg(long)]
+    pub fix: bool,
+    /// List the rules
+    #[arg(long)]
+    pub rules: bool,
+    /// Explain a rule, by code or name
+    #[arg(long, value_name = "RULE")]
+    pub explain: Option<String>,
+    /// Format of the report
+    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = report_names())]
+    pub format: String,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `denavit calibrate`.
+#[derive(Debug, Args)]
+pub struct CalibrateArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Measurements to fit: CSV with a column per joint and x,y,z (and qx,qy,qz,qw), x1,y1,z1,x2,… or distance
+    #[arg(long, value_name = "FILE")]
+    pub data: String,
+    /// Measurements to judge by, never fitted
+    #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
+    pub test: Option<String>,
+    /// Without --test: share of the rows to keep for judging
+    #[arg(long, value_name = "SHARE")]
+    pub hold_out: Option<f64>,
+    /// Seed of the choice of rows held out
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// Effects to look for behind the geometry: none, auto, or kinds such as backlash,joint_compliance
+    #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
+    pub effects: Vec<String>,
+    /// No more effects than this
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub max_effects: usize,
+    /// Motor turns per joint turn: NAME=RATIO
+    #[arg(long, value_name = "RATIO", value_delimiter = ',')]
+    pub gear_ratio: Vec<String>,
+    /// Write the result as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the calibrated URDF
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// Write the calibrated D-H table; the extension chooses the format (csv, json, md, tex, txt)
+    #[arg(long, value_name = "FILE")]
+    pub dh: Option<PathBuf>,
+}
+
+/// Arguments of `denavit identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Targets on the tip that a position measurement sees
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub targets: usize,
+    /// Configurations spread over the joint range
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    pub rows: usize,
 }

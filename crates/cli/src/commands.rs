@@ -1,9 +1,15 @@
 //! One file per command.
 
+pub mod calibrate;
 pub mod chains;
+pub mod check;
 pub mod diff;
+pub mod doc;
 pub mod expand;
+pub mod export;
+pub mod fingerprint;
 pub mod fk;
+pub mod identify;
 pub mod poe;
 pub mod table;
 

@@ -44,6 +44,18 @@ pub enum Failure {
     /// A xacro file that does not expand.
     #[error(transparent)]
     Xacro(#[from] denavit_xacro::XacroError),
+    /// A robot that cannot be exported.
+    #[error(transparent)]
+    Export(#[from] denavit_export::urdf::ExportError),
+    /// A configuration file that is none.
+    #[error(transparent)]
+    Config(#[from] denavit_compare::lint::ConfigError),
+    /// Measurements that cannot be read.
+    #[error(transparent)]
+    Data(#[from] denavit_calibrate::measurements::DataError),
+    /// Measurements that cannot be fitted.
+    #[error(transparent)]
+    Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
     /// Parts that make no chain.
     #[error("{file}: {source}")]
     Chain {

@@ -32,5 +32,11 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Poe(arguments) => commands::poe::run(&arguments),
         Command::Diff(arguments) => commands::diff::run(&arguments),
         Command::Expand(arguments) => commands::expand::run(&arguments),
+        Command::Export(arguments) => commands::export::run(&arguments),
+        Command::Doc(arguments) => commands::doc::run(&arguments),
+        Command::Fingerprint(arguments) => commands::fingerprint::run(&arguments),
+        Command::Check(arguments) => commands::check::run(&arguments),
+        Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
+        Command::Identify(arguments) => commands::identify::run(&arguments),
     }
 }

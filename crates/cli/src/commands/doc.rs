@@ -1,0 +1,107 @@
+//! `denavit doc`: a page for each robot, and an index of several.
+
+use crate::args::{DocArguments, RobotArguments, XacroArguments};
+use crate::failure::Failure;
+use crate::output::{self, Status};
+use crate::source::{self, Loaded};
+use denavit_compare::fingerprint;
+use denavit_dh::convert::table;
+use denavit_dh::{Options, Parallelism};
+use denavit_export::Units;
+use denavit_export::page::{self, Card, ChainPart, Document};
+use denavit_model::notes::Noted;
+use denavit_model::{Chain, Reading};
+use std::path::Path;
+
+/// Runs the command.
+pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
+    let units = super::units(&arguments.units)?;
+    // Everything is made before anything is written.
+    let mut files: Vec<(String, String)> = Vec::new();
+    let mut cards = Vec::new();
+    for name in &arguments.robots {
+        let document = document(arguments, name, units)?;
+        let stem = unused_stem(name, &files);
+        if arguments.markdown {
+            files.extend(page::markdown(&document, &stem).into_iter().map(|file| (file.name, file.text)));
+        } else {
+            cards.push(Card::of(&document, format!("{stem}.html")));
+            files.push((format!("{stem}.html"), page::html(&document)));
+        }
+    }
+    if cards.len() > 1 {
+        files.push(("index.html".into(), page::index("Robots", &cards)));
+    }
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::Write { file: folder.display().to_string(), reason: error.to_string() })?;
+    for (name, text) in &files {
+        output::write_file(&folder.join(name), text.as_bytes())?;
+    }
+    let mut listing = String::new();
+    for (name, _) in &files {
+        listing += &format!("{}\n", folder.join(name).display());
+    }
+    output::print(&listing)?;
+    Ok(Status::Same)
+}
+
+/// The file's name without extensions, numbered where another robot has it.
+fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
+    let name = Path::new(robot).file_name().map_or_else(|| "robot".into(), |name| name.to_string_lossy().into_owned());
+    let stem = name.split('.').next().filter(|stem| !stem.is_empty() && *stem != "-").unwrap_or("robot").to_owned();
+    let taken =
+        |stem: &str| files.iter().any(|(name, _)| name == &format!("{stem}.html") || name == &format!("{stem}.md"));
+    if !taken(&stem) && stem != "index" {
+        return stem;
+    }
+    (2..).map(|number| format!("{stem}-{number}")).find(|stem| !taken(stem)).expect("numbers do not end")
+}
+
+fn document(arguments: &DocArguments, name: &str, units: Units) -> Result<Document, Failure> {
+    let xacro = XacroArguments { package_path: arguments.package_path.clone(), ..XacroArguments::default() };
+    let loaded = source::load(name, &xacro)?;
+    let robot = RobotArguments {
+        robot: name.to_owned(),
+        base: arguments.base.clone(),
+        tip: arguments.tip.clone(),
+        exact: arguments.exact,
+        tolerance: 1e-6,
+        xacro,
+    };
+    let main = part(arguments, name, loaded.chain(&robot)?)?;
+    let reading = if arguments.exact { Reading::AsWritten } else { Reading::Intended };
+    let mut others = Vec::new();
+    if let Loaded::Robot(tree) = &loaded {
+        let others_of = |listing: &denavit_model::tree::ChainListing| {
+            listing.tip != main.chain.tip() && !listing.coordinates.is_empty()
+        };
+        for listing in tree.leaf_chains().iter().filter(|listing| others_of(listing)) {
+            if let Ok(noted) = tree.chain(Some(&listing.base), Some(&listing.tip), reading) {
+                others.push(part(arguments, name, noted)?);
+            }
+        }
+    }
+    let fingerprint = fingerprint(&loaded.subject(name), denavit_compare::fingerprint::DEFAULT_TOLERANCE).to_string();
+    Ok(Document {
+        main,
+        others,
+        robot: match loaded {
+            Loaded::Robot(tree) => Some(*tree),
+            _ => None,
+        },
+        source: Path::new(name).file_name().map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned()),
+        fingerprint: Some(fingerprint),
+        gauge: "the fewest numbers that are not zero, quarter turns before other angles".into(),
+        units,
+    })
+}
+
+fn part(arguments: &DocArguments, name: &str, noted: Noted<Chain>) -> Result<ChainPart, Failure> {
+    let Noted { value: chain, mut notes } = noted;
+    let parallelism = if arguments.exact { Parallelism::Exact } else { Parallelism::default() };
+    let made = table(&chain, &Options { parallelism, ..Options::default() })
+        .map_err(|source| Failure::Chain { file: name.to_owned(), source })?;
+    notes.extend(made.notes);
+    Ok(ChainPart { chain, table: made.value, notes })
+}

@@ -1,0 +1,27 @@
+//! `denavit fingerprint`: a short hash of what the robot is.
+
+use crate::args::FingerprintArguments;
+use crate::failure::Failure;
+use crate::output::{self, Status};
+use crate::source;
+use denavit_compare::fingerprint;
+
+/// Runs the command.
+pub fn run(arguments: &FingerprintArguments) -> Result<Status, Failure> {
+    let loaded = source::load(&arguments.robot, &arguments.xacro)?;
+    if !(arguments.tolerance > 0.0 && arguments.tolerance < 1.0) {
+        return Err(Failure::Argument(format!("--tolerance {}: write a number between 0 and 1", arguments.tolerance)));
+    }
+    let found = fingerprint(&loaded.subject(&arguments.robot), arguments.tolerance);
+    let text = if arguments.json {
+        serde_json::to_string_pretty(&found).expect("hashes are text") + "\n"
+    } else {
+        format!("{found}\n")
+    };
+    output::print(&text)?;
+    let same = arguments
+        .expect
+        .as_ref()
+        .is_none_or(|written| if arguments.only_motion { found.moves_as(written) } else { found.matches(written) });
+    Ok(if same { Status::Same } else { Status::Different })
+}
