@@ -1,0 +1,66 @@
+"""Canonical URDFs of every robot at hand against the originals: by yourdfpy, by pinocchio, and element by element."""
+
+import multiprocessing
+import os
+import subprocess
+from collections import Counter
+
+import pytest
+from same_robot import examine, quiet
+
+import corpus
+
+
+def files():
+    """The corpus without the files that are made from others."""
+    return [path for source, path in corpus.files() if source != "vendor/xacro"]
+
+
+@pytest.fixture(scope="session")
+def export_urdf():
+    """The program that exports; built where it is not given."""
+    given = os.environ.get("DENAVIT_EXPORT_URDF")
+    if given:
+        return given
+    build = ["cargo", "build", "--quiet", "--release", "-p", "denavit-export", "--example", "export_urdf"]
+    subprocess.run(build, cwd=corpus.WORKSPACE, check=True)
+    return str(corpus.WORKSPACE / "target/release/examples/export_urdf")
+
+
+def export(program, flags, folder):
+    """[(original, exported)] and the reasons that the program gave for those that it refused."""
+    pairs = [(path, folder / f"{index}.urdf") for index, path in enumerate(files())]
+    words = [str(word) for pair in pairs for word in pair]
+    done = subprocess.run([program, *flags, *words], capture_output=True, text=True, check=False)
+    assert done.returncode in (0, 2), done.stderr
+    return pairs, done.stderr
+
+
+@pytest.mark.parametrize("flags", [["--as-written"], ["--as-written", "--keep"]], ids=["link frames replaced", "link frames kept"])
+def test_export_is_the_same_robot(export_urdf, flags, tmp_path):
+    pairs, refusals = export(export_urdf, flags, tmp_path)
+    tasks = [(original, exported, "--keep" in flags) for original, exported in pairs]
+    with multiprocessing.Pool(2, initializer=quiet) as pool:
+        results = pool.map(examine, tasks, chunksize=1)
+    for result in results:
+        if result.get("refused"):
+            assert result["file"] in refusals, result["file"]
+    poses = sorted((result["yourdfpy"][0], result["file"]) for result in results if "yourdfpy" in result)
+    tensors = sorted((result["yourdfpy"][1], result["file"]) for result in results if "yourdfpy" in result)
+    matrices = sorted((result["pinocchio"][0], result["file"]) for result in results if result.get("pinocchio") is not None)
+    torques = sorted((result["pinocchio"][1], result["file"]) for result in results if result.get("pinocchio") is not None)
+    print(
+        f"{len(pairs)} files, {sum('refused' in r for r in results)} refused; yourdfpy: {len(poses)} files, "
+        f"poses {poses[-1]}, tensors {tensors[-1]}; pinocchio: {len(matrices)} files, "
+        f"mass matrix {matrices[-1]}, gravity torque {torques[-1]}"
+    )
+    for program in ("yourdfpy", "pinocchio"):
+        skipped = Counter(result[f"{program} skipped"][:100] for result in results if f"{program} skipped" in result)
+        print(f"{program} does not take {sum(skipped.values())} files: {dict(skipped)}")
+    assert poses[-1][0] < 1e-12, poses[-5:]
+    assert tensors[-1][0] < 1e-12, tensors[-5:]
+    assert all(result["yourdfpy"][2] == 0 for result in results if "yourdfpy" in result)
+    assert matrices[-1][0] < 1e-10, matrices[-5:]
+    assert torques[-1][0] < 1e-10, torques[-5:]
+    different = {result["file"]: result["elements"][:5] for result in results if result.get("elements")}
+    assert not different
