@@ -9,6 +9,7 @@
 
 pub mod arm;
 pub mod calibration;
+pub mod compensate;
 pub mod delta_table;
 pub mod dh_form;
 pub mod effects;
@@ -22,6 +23,7 @@ pub mod measurements;
 pub mod normal;
 pub mod parameters;
 pub mod placement;
+pub mod plan;
 pub mod prior;
 pub mod report;
 pub mod residual;

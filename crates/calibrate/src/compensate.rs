@@ -1,0 +1,154 @@
+//! Joint commands that reach given poses with the robot as it is: Newton on the full model.
+
+use denavit_model::nalgebra::{DMatrix, DVector, Vector6};
+use denavit_model::{Chain, Pose, se3};
+
+/// What is to be reached.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wanted {
+    /// base_from_tip.
+    Pose(Pose),
+    /// The pose that the nominal robot has at these joint values.
+    Joints(Vec<f64>),
+}
+
+/// A command, and what it is expected to reach.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Command {
+    /// Joint values that the nominal robot would need; rad, m.
+    pub nominal: Vec<f64>,
+    /// Joint values to command; rad, m.
+    pub joints: Vec<f64>,
+    /// Distance of the tip from where it is wanted, by the full model, m.
+    pub position_error: f64,
+    /// Angle of the tip from how it is wanted, by the full model, rad.
+    pub orientation_error: f64,
+    /// The same without compensation.
+    pub uncompensated: (f64, f64),
+    /// Joints outside of their limits.
+    pub outside: Vec<String>,
+    /// Newton steps on the full model.
+    pub steps: usize,
+}
+
+/// Orientation weighs as this lever (share of the robot's size) where a chain cannot reach both.
+const LEVER: f64 = 0.1;
+/// A solution is one when the nominal tip is this near, m (rad times lever).
+const REACHED: f64 = 1e-9;
+/// Steps of one search.
+const MOST_STEPS: usize = 200;
+
+/// Find the command for a wanted pose.
+///
+/// `actual` gives base_from_tip of the robot as it is, effects included; `calibrated` is its chain, whose Jacobian is near
+/// enough for Newton's steps. The nominal solution nearest to `near` (rad, m) is the start.
+///
+/// # Shape and units
+/// `near`: one value per coordinate.
+pub fn compensate(
+    nominal: &Chain,
+    calibrated: &Chain,
+    actual: &dyn Fn(&[f64]) -> Pose,
+    wanted: &Wanted,
+    near: &[f64],
+) -> Command {
+    let (pose, start) = match wanted {
+        Wanted::Joints(q) => (nominal.fk(q), q.clone()),
+        Wanted::Pose(pose) => (*pose, nominal_solution(nominal, pose, near)),
+    };
+    let size = nominal.size();
+    let (joints, steps) = newton(calibrated, actual, &pose, &start, size);
+    let (orientation_error, position_error) = se3::difference(&actual(&joints), &pose);
+    let (turned, moved) = se3::difference(&actual(&start), &pose);
+    let beyond = |(coordinate, value): (&denavit_model::Coordinate, &f64)| {
+        let (lower, upper) = coordinate.range();
+        (coordinate.limits.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
+    };
+    let outside = nominal.coordinates().iter().zip(&joints).filter_map(beyond).collect();
+    Command {
+        nominal: start,
+        joints,
+        position_error,
+        orientation_error,
+        uncompensated: (moved, turned),
+        outside,
+        steps,
+    }
+}
+
+/// Joint values at which the nominal robot has a pose, searched from `near` and then from over the joint range.
+fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> Vec<f64> {
+    let size = chain.size();
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    let starts = std::iter::once(near.to_vec()).chain((1..40).map(|k| spread(chain, k)));
+    for start in starts {
+        let (found, _) = newton(chain, &|q| chain.fk(q), pose, &start, size);
+        let left = error(&chain.fk(&found), pose, size).norm();
+        if best.as_ref().is_none_or(|(least, _)| left < *least) {
+            best = Some((left, found));
+        }
+        if left < REACHED {
+            break;
+        }
+    }
+    best.map_or_else(|| near.to_vec(), |(_, found)| found)
+}
+
+fn spread(chain: &Chain, index: usize) -> Vec<f64> {
+    let share = |k: usize| (0.5 + index as f64 * 0.618_033_988_749_895 * (k as f64 + 1.0).sqrt()).fract();
+    let at = |(k, coordinate): (usize, &denavit_model::Coordinate)| {
+        let (lower, upper) = coordinate.range();
+        lower + (upper - lower) * share(k)
+    };
+    chain.coordinates().iter().enumerate().map(at).collect()
+}
+
+/// What is missing to the wanted pose: rotation vector times lever, then translation; base frame, m.
+fn error(reached: &Pose, wanted: &Pose, size: f64) -> Vector6<f64> {
+    let turn = se3::rotation_vector(&(wanted.rotation * reached.rotation.inverse())) * (LEVER * size);
+    let shift = wanted.translation.vector - reached.translation.vector;
+    Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
+}
+
+/// Damped Newton steps from `start` until the error does not fall any more.
+fn newton(chain: &Chain, fk: &dyn Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f64], size: f64) -> (Vec<f64>, usize) {
+    let n = chain.coordinates().len();
+    let mut q = start.to_vec();
+    let mut columns = vec![Vector6::zeros(); n];
+    let mut left = error(&fk(&q), wanted, size);
+    let mut damping = 1e-9;
+    for step in 0..MOST_STEPS {
+        chain.tip_jacobian_into(&q, &mut columns);
+        let jacobian = DMatrix::from_fn(6, n, |i, k| columns[k][i] * if i < 3 { LEVER * size } else { 1.0 });
+        let gradient = jacobian.transpose() * DVector::from_column_slice(left.as_slice());
+        let normal = jacobian.transpose() * &jacobian;
+        let largest = normal.diagonal().max().max(f64::MIN_POSITIVE);
+        let mut improved = false;
+        for _ in 0..10 {
+            let mut damped = normal.clone();
+            for i in 0..n {
+                damped[(i, i)] += damping * largest;
+            }
+            let Some(factor) = damped.cholesky() else {
+                damping *= 10.0;
+                continue;
+            };
+            let delta = factor.solve(&gradient);
+            let trial: Vec<f64> = q.iter().zip(delta.iter()).map(|(value, delta)| value + delta).collect();
+            let now = error(&fk(&trial), wanted, size);
+            if now.norm() < left.norm() {
+                let gained = left.norm() - now.norm();
+                improved = gained > 1e-16 * size && gained > 1e-9 * left.norm();
+                q = trial;
+                left = now;
+                damping = (damping * 0.1).max(1e-12);
+                break;
+            }
+            damping *= 10.0;
+        }
+        if !improved {
+            return (q, step + 1);
+        }
+    }
+    (q, MOST_STEPS)
+}

@@ -1,0 +1,390 @@
+//! Which poses to measure: those that make the parameters best observable.
+//!
+//! D-optimal design: among candidate poses choose `count` that make det(Jᵀ J / noise² + P) largest, P the prior; greedily,
+//! then by exchange (Fedorov 1972; Mitchell 1974, DETMAX) until no exchange helps.
+
+use crate::arm::Arm;
+use crate::gauge;
+use crate::measurements::{MeasurementKind, Measurements};
+use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use crate::residual::{Problem, Scratch, width};
+use denavit_model::Chain;
+use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
+use std::fmt::Write;
+use thiserror::Error;
+
+/// What to plan for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanOptions {
+    /// Number of poses.
+    pub count: usize,
+    /// What will be measured.
+    pub kind: MeasurementKind,
+    /// Which parts of the arm will be fitted.
+    pub freedom: Freedom,
+    /// Poses to choose from, one value per coordinate; `None`: spread over the joint limits.
+    pub candidates: Option<Vec<Vec<f64>>>,
+    /// How many to spread.
+    pub spread: usize,
+    /// Share of the joint range to keep away from each limit.
+    pub margin: f64,
+    /// Lowest and highest corner of the box in which the target must stay, base frame, m.
+    pub allowed: Option<[Point3<f64>; 2]>,
+    /// Where the target sits on the tip, m.
+    pub target: Vector3<f64>,
+    /// Where the anchor of a distance instrument stands, base frame, m.
+    pub anchor: Vector3<f64>,
+    /// Standard deviation of one measured component, m and rad alike.
+    pub noise: f64,
+    /// The prior.
+    pub tolerances: Tolerances,
+}
+
+impl PlanOptions {
+    /// Every axis, candidates over the whole joint range, a target 0.1 m beside and before the tip.
+    pub fn new(chain: &Chain, count: usize, kind: MeasurementKind) -> Self {
+        Self {
+            count,
+            kind,
+            freedom: Freedom::axes(chain.joints().len()),
+            candidates: None,
+            spread: 1000,
+            margin: 0.02,
+            allowed: None,
+            target: Vector3::new(0.1, 0.0, 0.1),
+            anchor: Vector3::new(1.0, 1.0, 0.0) * chain.size(),
+            noise: 5e-5,
+            tolerances: Tolerances::default(),
+        }
+    }
+}
+
+/// Why there is no plan.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// Fewer candidates than poses wanted.
+    #[error(
+        "{wanted} poses are to be chosen, but only {left} of {candidates} candidates are within the limits and the box; allow more or ask for fewer"
+    )]
+    TooFewCandidates {
+        /// Wanted.
+        wanted: usize,
+        /// Usable.
+        left: usize,
+        /// All.
+        candidates: usize,
+    },
+    /// A candidate of another length.
+    #[error("candidate {row}: {found} values, but the chain has {expected} coordinates")]
+    Length {
+        /// Counted from 1.
+        row: usize,
+        /// Its values.
+        found: usize,
+        /// Coordinates.
+        expected: usize,
+    },
+}
+
+/// Observability indices of a set of poses, from the singular values s1 ≥ … ≥ sL > 0 of the identification Jacobian in
+/// units of the tolerances, the common frame left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observability {
+    /// (s1 ··· sL)^(1/L) / √poses (Borm, Menq 1991).
+    pub o1: f64,
+    /// sL / s1 (Driels, Pathre 1990).
+    pub o2: f64,
+    /// sL (Nahvi, Hollerbach, Hayward 1994).
+    pub o3: f64,
+    /// sL² / s1 (Nahvi, Hollerbach 1996).
+    pub o4: f64,
+    /// 1 / (1/s1 + … + 1/sL) (Sun, Hollerbach 2008).
+    pub o5: f64,
+    /// Number of singular values that count.
+    pub rank: usize,
+}
+
+/// Poses to measure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Names of the coordinates.
+    pub joints: Vec<String>,
+    /// The poses, one value per coordinate, rad or m, in the order of the candidates.
+    pub poses: Vec<Vec<f64>>,
+    /// Their indices.
+    pub observability: Observability,
+    /// The same for as many candidates taken as they come.
+    pub as_they_come: Observability,
+    /// Candidates that could be used.
+    pub usable: usize,
+    /// Exchanges made.
+    pub exchanges: usize,
+}
+
+/// Below this share of the largest a singular value counts as zero.
+const RANK_TOLERANCE: f64 = 1e-9;
+/// An exchange must raise the logarithm of the determinant by this much.
+const LEAST_GAIN: f64 = 1e-6;
+/// Sweeps over all chosen poses.
+const MOST_SWEEPS: usize = 20;
+
+/// Choose poses.
+///
+/// # Errors
+/// Too few candidates are left, or one has the wrong length.
+pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
+    let all = candidates(chain, options)?;
+    let total = all.len();
+    let mut arm = Arm::new(chain, 1);
+    arm.targets[0].translation.vector = options.target;
+    arm.anchor = options.anchor;
+    let usable: Vec<Vec<f64>> = all.into_iter().filter(|q| allowed(chain, &arm, q, options)).collect();
+    if usable.len() < options.count || options.count == 0 {
+        return Err(PlanError::TooFewCandidates { wanted: options.count, left: usable.len(), candidates: total });
+    }
+    let design = Design::new(chain, &arm, usable, options);
+    let (chosen, exchanges) = design.choose(options.count);
+    let first: Vec<usize> = (0..options.count).collect();
+    Ok(Plan {
+        joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
+        poses: chosen.iter().map(|&index| design.candidates[index].clone()).collect(),
+        observability: design.observability(&chosen),
+        as_they_come: design.observability(&first),
+        usable: design.candidates.len(),
+        exchanges,
+    })
+}
+
+/// Candidates spread evenly over the joint range: an additive recurrence in the generalised golden ratio (Roberts 2018).
+fn candidates(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, PlanError> {
+    let n = chain.coordinates().len();
+    if let Some(given) = &options.candidates {
+        if let Some(row) = given.iter().position(|q| q.len() != n) {
+            return Err(PlanError::Length { row: row + 1, found: given[row].len(), expected: n });
+        }
+        return Ok(given.clone());
+    }
+    // The root of x^(n+1) = x + 1.
+    let mut phi = 2.0f64;
+    for _ in 0..60 {
+        phi = (1.0 + phi).powf(1.0 / (n as f64 + 1.0));
+    }
+    let at = |row: usize, (k, coordinate): (usize, &denavit_model::Coordinate)| {
+        let (lower, upper) = coordinate.range();
+        let inset = options.margin * (upper - lower);
+        let share = (0.5 + (row + 1) as f64 * phi.powi(-(i32::try_from(k).unwrap_or(0) + 1))).fract();
+        lower + inset + (upper - lower - 2.0 * inset) * share
+    };
+    Ok((0..options.spread)
+        .map(|row| chain.coordinates().iter().enumerate().map(|pair| at(row, pair)).collect())
+        .collect())
+}
+
+fn allowed(chain: &Chain, arm: &Arm, q: &[f64], options: &PlanOptions) -> bool {
+    let within = chain.coordinates().iter().zip(q).all(|(coordinate, value)| {
+        let (lower, upper) = coordinate.range();
+        coordinate.limits.is_none() || (*value >= lower && *value <= upper)
+    });
+    let target = chain.fk(q) * Point3::from(arm.targets[0].translation.vector);
+    within
+        && options
+            .allowed
+            .is_none_or(|[low, high]| (0..3).all(|axis| target[axis] >= low[axis] && target[axis] <= high[axis]))
+}
+
+/// Jacobian rows of every candidate, and what is known before measuring.
+struct Design {
+    candidates: Vec<Vec<f64>>,
+    /// Each candidate's rows over the noise, parameters in units of what is expected of them.
+    rows: Vec<DMatrix<f64>>,
+    before: DMatrix<f64>,
+    noise: f64,
+}
+
+impl Design {
+    fn new(chain: &Chain, arm: &Arm, candidates: Vec<Vec<f64>>, options: &PlanOptions) -> Self {
+        let data = unmeasured(chain, &candidates, options);
+        let layout = Layout::new(chain, options.kind, &data.targets, &options.freedom, &options.tolerances, Vec::new());
+        let n = layout.len();
+        // A millimetre and a milliradian for what has no tolerance of its own.
+        let unit: Vec<f64> = layout.parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1e-3)).collect();
+        let problem = Problem { data: &data, layout: &layout, effects: &NoEffects };
+        let height = width(options.kind);
+        let mut scratch = Scratch::new(&layout, arm);
+        let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * n]);
+        let rows = (0..candidates.len())
+            .map(|row| {
+                problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+                DMatrix::from_fn(height, n, |i, k| jacobian[i * n + k] * unit[k] / options.noise)
+            })
+            .collect();
+        let mut before = DMatrix::<f64>::identity(n, n) * 1e-6;
+        for i in layout.joints.clone() {
+            for k in layout.joints.clone() {
+                before[(i, k)] += layout.prior[(i, k)] * unit[i] * unit[k];
+            }
+        }
+        let mut conditions = gauge::conditions(&layout, arm);
+        for (mut row, unit) in conditions.row_iter_mut().zip(&unit) {
+            row.scale_mut(*unit);
+        }
+        let held = conditions.qr().q();
+        before += &held * held.transpose();
+        Self { candidates, rows, before, noise: options.noise }
+    }
+
+    /// ln det growth when rows are added to a design with this inverse.
+    fn gain(inverse: &DMatrix<f64>, rows: &DMatrix<f64>) -> f64 {
+        let mut inner = rows * inverse * rows.transpose();
+        for i in 0..inner.nrows() {
+            inner[(i, i)] += 1.0;
+        }
+        inner.determinant().max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// (M ± Rᵀ R)⁻¹ from M⁻¹ (Woodbury).
+    fn updated(inverse: &DMatrix<f64>, rows: &DMatrix<f64>, sign: f64) -> Option<DMatrix<f64>> {
+        let along = inverse * rows.transpose();
+        let mut inner = rows * &along * sign;
+        for i in 0..inner.nrows() {
+            inner[(i, i)] += 1.0;
+        }
+        Some(inverse - &along * inner.try_inverse()? * along.transpose() * sign)
+    }
+
+    fn inverse(&self, chosen: &[usize]) -> DMatrix<f64> {
+        let mut matrix = self.before.clone();
+        for &index in chosen {
+            matrix += self.rows[index].transpose() * &self.rows[index];
+        }
+        matrix.cholesky().expect("the prior makes it positive definite").inverse()
+    }
+
+    fn best(&self, inverse: &DMatrix<f64>, chosen: &[usize]) -> Option<(usize, f64)> {
+        (0..self.rows.len())
+            .filter(|index| !chosen.contains(index))
+            .map(|index| (index, Self::gain(inverse, &self.rows[index])))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn choose(&self, count: usize) -> (Vec<usize>, usize) {
+        let mut chosen: Vec<usize> = Vec::with_capacity(count);
+        let mut inverse = self.inverse(&[]);
+        while chosen.len() < count {
+            let Some((index, _)) = self.best(&inverse, &chosen) else { break };
+            chosen.push(index);
+            inverse = self.inverse(&chosen);
+        }
+        let mut exchanges = 0;
+        for _ in 0..MOST_SWEEPS {
+            let mut changed = false;
+            for place in 0..chosen.len() {
+                let out = chosen[place];
+                let Some(without) = Self::updated(&inverse, &self.rows[out], -1.0) else { continue };
+                let own = Self::gain(&without, &self.rows[out]);
+                let Some((index, gain)) = self.best(&without, &chosen) else { continue };
+                if gain > own + LEAST_GAIN {
+                    chosen[place] = index;
+                    inverse = self.inverse(&chosen);
+                    exchanges += 1;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        chosen.sort_unstable();
+        (chosen, exchanges)
+    }
+
+    fn observability(&self, chosen: &[usize]) -> Observability {
+        let (height, columns) = (self.rows[0].nrows(), self.rows[0].ncols());
+        let mut matrix = DMatrix::zeros(height * chosen.len(), columns);
+        for (k, &index) in chosen.iter().enumerate() {
+            matrix.rows_mut(k * height, height).copy_from(&(&self.rows[index] * self.noise));
+        }
+        let mut values: Vec<f64> = matrix.singular_values().iter().copied().collect();
+        values.sort_by(|a, b| b.total_cmp(a));
+        let largest = values.first().copied().unwrap_or(0.0);
+        values.retain(|value| *value > RANK_TOLERANCE * largest);
+        let smallest = values.last().copied().unwrap_or(0.0);
+        let rank = values.len();
+        let mean_log = values.iter().map(|value| value.ln()).sum::<f64>() / rank.max(1) as f64;
+        Observability {
+            o1: mean_log.exp() / (chosen.len() as f64).sqrt(),
+            o2: smallest / largest,
+            o3: smallest,
+            o4: smallest * smallest / largest,
+            o5: values.iter().map(|value| value.recip()).sum::<f64>().recip(),
+            rank,
+        }
+    }
+}
+
+fn unmeasured(chain: &Chain, poses: &[Vec<f64>], options: &PlanOptions) -> Measurements {
+    let (rows, kind) = (poses.len(), options.kind);
+    Measurements {
+        source: "plan".into(),
+        kind,
+        joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
+        readings: poses.concat(),
+        targets: vec![String::new()],
+        // The instrument stands in the base frame and reads what is predicted: only the derivatives are used.
+        positions: if kind == MeasurementKind::Distance {
+            Vec::new()
+        } else {
+            poses.iter().map(|q| Some((chain.fk(q) * Point3::from(options.target)).coords)).collect()
+        },
+        orientations: if kind == MeasurementKind::Pose {
+            poses.iter().map(|q| chain.fk(q).rotation).collect()
+        } else {
+            Vec::new()
+        },
+        distances: if kind == MeasurementKind::Distance { vec![1.0; rows] } else { Vec::new() },
+        covariates: Vec::new(),
+        labels: Vec::new(),
+        locate: vec![false; rows],
+        lines: (1..=rows).collect(),
+    }
+}
+
+impl Plan {
+    /// The poses as CSV for the robot: a header of joint names, rad and m; the indices as comments.
+    pub fn to_csv(&self) -> String {
+        let mut text = String::new();
+        for line in self.to_text().lines() {
+            let _ = writeln!(text, "# {line}");
+        }
+        let _ = writeln!(text, "{}", self.joints.join(","));
+        for pose in &self.poses {
+            let cells: Vec<String> = pose.iter().map(|value| format!("{value:.9}")).collect();
+            let _ = writeln!(text, "{}", cells.join(","));
+        }
+        text
+    }
+
+    /// What was chosen, and how observable it makes the parameters.
+    pub fn to_text(&self) -> String {
+        let mut text = format!(
+            "{} poses out of {} candidates, {} exchanges, {} parameters observable\n",
+            self.poses.len(),
+            self.usable,
+            self.exchanges,
+            self.observability.rank
+        );
+        let (own, other) = (&self.observability, &self.as_they_come);
+        let _ = writeln!(text, "index  chosen     as they come");
+        for (name, a, b) in [
+            ("O1", own.o1, other.o1),
+            ("O2", own.o2, other.o2),
+            ("O3", own.o3, other.o3),
+            ("O4", own.o4, other.o4),
+            ("O5", own.o5, other.o5),
+        ] {
+            let _ = writeln!(text, "{name}     {a:<9.3e}  {b:.3e}");
+        }
+        text
+    }
+}
