@@ -4,7 +4,7 @@ use crate::error::{ErrorKind, XacroError};
 
 /// Bounds that end a document which would not end by itself, or only after filling the memory.
 ///
-/// The defaults are far above what robots need: the largest of the tested vendors' files takes 2 % of any of them.
+/// The defaults are above what robots need: each of the vendors' files of the tests does with a tenth of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Limits {
     /// Nested elements, macro calls and includes together.

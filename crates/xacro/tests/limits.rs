@@ -88,6 +88,16 @@ fn values_without_end() {
 }
 
 #[test]
+fn sorting_what_has_no_order() {
+    assert!(expand_body("<a b='${python.sorted([nan, 3, nan, 1, 2] * 20)}'/>").is_ok());
+    let error =
+        expand_body("<a b='${python.sorted([(nan, i) for i in range(100)] + [(1, nan)] * 100)}'/>").unwrap_err();
+    assert_eq!(error.kind, ErrorKind::Evaluation);
+    let error = expand_body("<a b='${python.sorted([1, 3, 2] * 30 + [\"a\"])}'/>").unwrap_err();
+    assert_eq!(error.kind, ErrorKind::Evaluation);
+}
+
+#[test]
 fn long_chains_of_properties() {
     let mut body = String::from("<xacro:property name='p0' value='${1}'/>");
     for level in 1..2000 {

@@ -15,9 +15,8 @@ def ours():
     """The command, or None where nothing is built: DENAVIT, then the release build, then the crate's example."""
     candidates = [[os.environ["DENAVIT"], "expand"]] if "DENAVIT" in os.environ else []
     for build in ("release", "debug"):
-        candidates.append([str(WORKSPACE / "target" / build / "denavit"), "expand"])
-    for build in ("release", "debug"):
-        candidates.append([str(WORKSPACE / "target" / build / "examples" / "expand")])
+        folder = WORKSPACE / "target" / build
+        candidates += [[str(folder / "denavit"), "expand"], [str(folder / "examples/expand")]]
     for command in candidates:
         if Path(command[0]).is_file() and (len(command) == 1 or knows_expand(command[0])):
             return command

@@ -3,10 +3,10 @@
 use std::rc::Rc;
 
 use super::Fault;
-use super::builtins::position;
 use super::evaluate::{Arguments, Evaluator};
 use super::format::brace_format;
 use super::operators::describe;
+use super::sequences::position;
 use super::value::Value;
 
 const TEXT: &[&str] = &[

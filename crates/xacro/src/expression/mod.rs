@@ -3,6 +3,7 @@
 //! Integers have 128 bits and lists cannot be changed in place; apart from these the results, and the way they are
 //! written, are Python's. Nothing of Python's object model can be reached: names, attributes and methods are closed lists.
 
+mod atoms;
 mod builtins;
 mod constant;
 mod evaluate;
@@ -13,6 +14,7 @@ mod methods;
 mod number;
 mod operators;
 mod parser;
+mod sequences;
 mod syntax;
 mod value;
 
