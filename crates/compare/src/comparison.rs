@@ -173,7 +173,7 @@ impl fmt::Display for JointChange {
             Self::ZeroShifted { by, .. } => write!(f, "zero shifted by {}", Signed(&words::angle(by.abs()), *by)),
             Self::SenseReversed => write!(f, "sense reversed"),
             Self::LinkMoved { rad, m } => {
-                write!(f, "its link sits otherwise on it: {} and {}", words::angle(*rad), words::length(*m))
+                write!(f, "its link sits otherwise on it: {}", words::displacement((*rad, *m), 0.0, 0.0))
             }
             Self::PitchChanged { from, to } => {
                 write!(f, "pitch {} to {} per rad", words::length(*from), words::length(*to))

@@ -45,7 +45,7 @@ use steps::{Space, Way};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn compare(a: &Subject, b: &Subject, options: &Options) -> Result<Comparison, TreeError> {
-    let (in_a, in_b) = match (a, b) {
+    let (mut in_a, mut in_b) = match (a, b) {
         (Subject::Robot(robot), Subject::Chain { .. }) => {
             let chain = robot.chain(None, None, options.reading)?.value;
             (Mechanism::of_chain(&chain), b.mechanism(options.reading))
@@ -56,6 +56,10 @@ pub fn compare(a: &Subject, b: &Subject, options: &Options) -> Result<Comparison
         }
         _ => (a.mechanism(options.reading), b.mechanism(options.reading)),
     };
+    if in_a.has_screws() != in_b.has_screws() {
+        in_a.join_screws();
+        in_b.join_screws();
+    }
     let found = Found::best(&in_a, &in_b, options);
     Ok(found.comparison((a, &in_a), (b, &in_b), options))
 }

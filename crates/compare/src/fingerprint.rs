@@ -4,8 +4,9 @@
 //! links weigh and show - all in the root link's frame at zero, so that link frames, the order of elements and the
 //! spelling of numbers are not in it. Names are not in it either; where the robot stands on its root link is.
 //!
-//! **Rounding.** A number x becomes its cell floor(x / grid + offset). The grid is tolerance / √3: a vector that
-//! changes by the tolerance or more has a component that changes its cell, so the hash changes. The offset puts the
+//! **Rounding.** A number x becomes its cell floor(x / grid + offset). The grid is tolerance / √3, for
+//! matrices tolerance / 3: a vector or matrix that changes by the tolerance or more has a component that changes its
+//! cell, so the hash changes. The offset puts the
 //! borders of the cells where no number lies that people write. Still, a number may come to lie within 1e-4 of a cell
 //! from a border, and then another computer may see it on the other side: for each such number both cells are hashed,
 //! and [`Fingerprint::matches`] accepts either. Equal robots thus match on every platform, robots a tolerance apart
@@ -54,7 +55,8 @@ const FORMAT: &str = "d1";
 /// assert!(!of(&one).matches(&of(&other).to_string()));
 /// ```
 pub fn fingerprint(subject: &Subject, tolerance: f64) -> Fingerprint {
-    let mechanism: Mechanism = subject.mechanism(Reading::AsWritten);
+    let mut mechanism: Mechanism = subject.mechanism(Reading::AsWritten);
+    mechanism.join_screws();
     let motion = digest::hashes(tolerance, |cells| digest::motion(&mechanism, cells));
     let matter = digest::hashes(tolerance, |cells| digest::matter(&mechanism, cells));
     let split = |mut hashes: Vec<String>| {

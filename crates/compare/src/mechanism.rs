@@ -3,6 +3,8 @@
 //! Links joined by fixed joints are one body. Everything is given in the root frame with every joint value 0: screw
 //! axes, shapes, masses, and the link frames as mere marks. Body 0 stands; body k + 1 is carried by joint k.
 
+mod screws;
+
 use denavit_model::nalgebra::{Matrix3, Point3, Unit, Vector3};
 use denavit_model::robot::{Geometry, Inertial, Joint, JointKind, Origin};
 use denavit_model::se3::{self, Pose};

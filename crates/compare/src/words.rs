@@ -26,6 +26,20 @@ pub(crate) fn angle(rad: f64) -> String {
     }
 }
 
+/// A displacement: its length and angle, each where it is above its tolerance.
+pub(crate) fn displacement((rad, m): (f64, f64), tolerance_rad: f64, tolerance_m: f64) -> String {
+    match (rad > tolerance_rad, m > tolerance_m) {
+        (true, true) => format!("moved by {} and turned by {}", length(m), angle(rad)),
+        (true, false) => format!("turned by {}", angle(rad)),
+        _ => format!("moved by {}", length(m)),
+    }
+}
+
+/// A joint value to four decimals: where a displacement is largest is not known better.
+pub(crate) fn joint_value(value: f64) -> String {
+    ((value * 1e4).round() / 1e4 + 0.0).to_string()
+}
+
 /// Four significant digits, no trailing zeros.
 pub(crate) fn digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {

@@ -196,8 +196,8 @@ fn shapes(
         let what = match other.map(|index| left_b.remove(index)) {
             None => format!("{} is gone: {}", word(shape.role), describe(&shape.geometry)),
             Some(other) if other.geometry == shape.geometry => {
-                let (rad, m) = shape_apart(&shape.geometry, &shape.pose, &other.pose);
-                format!("{} moved by {} and turned by {}", word(shape.role), words::length(m), words::angle(rad))
+                let by = shape_apart(&shape.geometry, &shape.pose, &other.pose);
+                format!("{} {}", word(shape.role), words::displacement(by, options.tolerance_rad, options.tolerance_m))
             }
             Some(other) => {
                 format!("{}: {} to {}", word(shape.role), describe(&shape.geometry), describe(&other.geometry))
@@ -315,7 +315,8 @@ fn pair(
         replaced.push(format!("\"{}\"", frame.link));
     } else if !same {
         let on = frame.carrier.as_ref().map_or_else(String::new, |joint| format!(" (joint \"{joint}\")"));
-        let what = format!("frame moved by {} and turned by {}{on}", words::length(distance), words::angle(turned));
+        let by = words::displacement((turned, distance), options.tolerance_rad, options.tolerance_m);
+        let what = format!("frame {by}{on}");
         found.parts.push(part(&frame.link, PartKind::Frame, what));
     }
     if frame.leaf {

@@ -48,6 +48,8 @@ fn unit_interval(state: &mut u64) -> f64 {
 
 /// Starts of the ascent.
 const STARTS: usize = 3;
+/// Displacements this close, relative, are the same.
+const ALIKE: f64 = 1e-9;
 /// Rounds over all coordinates; each ends early when nothing is gained.
 const ROUNDS: usize = 12;
 
@@ -55,7 +57,8 @@ const ROUNDS: usize = 12;
 pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u64) -> Largest {
     let zero: Vec<f64> = intervals.iter().map(|i| 0.0f64.clamp(i.lower, i.upper)).collect();
     let used = way.coordinates();
-    let mut best = vec![Largest { displacement: way.displacement(&zero), q: zero.clone() }];
+    let at_zero = Largest { displacement: way.displacement(&zero), q: zero.clone() };
+    let mut best = vec![at_zero.clone()];
     let sequence = LowDiscrepancy::new(used.len(), seed);
     let mut q = zero;
     let count = if used.is_empty() { 0 } else { samples };
@@ -72,9 +75,10 @@ pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u
         }
     }
     let climbed = best.into_iter().map(|start| climb(way, intervals, &used, start));
-    climbed
-        .reduce(|one, other| if other.displacement > one.displacement { other } else { one })
-        .unwrap_or(Largest { q: Vec::new(), displacement: 0.0 })
+    let larger = |one: Largest, other: Largest| if other.displacement > one.displacement { other } else { one };
+    let found = climbed.fold(at_zero.clone(), larger);
+    // Where the displacement is the same everywhere, rounding would choose the place.
+    if at_zero.displacement >= found.displacement * (1.0 - ALIKE) { at_zero } else { found }
 }
 
 /// Coordinate by coordinate to the best value on the whole interval, until nothing is gained.

@@ -48,8 +48,9 @@ impl Words {
         self.cells(vector.iter().map(|x| cells.of(*x)));
     }
 
+    /// Nine components: of a matrix that changes by the tolerance, one changes by a third of it or more.
     fn matrix(&mut self, cells: &mut Cells, matrix: &Matrix3<f64>) {
-        self.cells(matrix.iter().map(|x| cells.of(*x)));
+        self.cells(matrix.iter().map(|x| cells.of(*x * 3f64.sqrt())));
     }
 
     /// Hashes whose order means nothing.

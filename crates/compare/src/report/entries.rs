@@ -75,7 +75,7 @@ fn of_comparison(comparison: &Comparison) -> Vec<Entry> {
     let relevant = |m: f64| m > comparison.tolerance_m;
     for tip in comparison.tips.iter().filter(|tip| relevant(tip.sampled_m)) {
         let at: Vec<String> =
-            tip.at.iter().map(|joint| format!("{} = {}", joint.joint, words::digits(joint.value))).collect();
+            tip.at.iter().map(|joint| format!("{} = {}", joint.joint, words::joint_value(joint.value))).collect();
         let message = format!(
             "displaced by up to {} at {}; nowhere by more than {}",
             words::length(tip.sampled_m),

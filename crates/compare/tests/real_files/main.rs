@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures and the reason for skipping are for whoever runs the tests")]
 
+mod gauge;
 mod mutations;
 mod real_pairs;
 mod rules;

@@ -74,7 +74,8 @@ fn round_about_axis(robot: &Robot, joint: &Joint) -> bool {
     let link = &robot.links[joint.child];
     let on_axis = |xyz: [f64; 3]| Vector3::from(xyz).cross(&joint.axis).norm() < 1e-6;
     let shapes = link.visuals.iter().chain(&link.collisions).all(|shape| {
-        let along = (shape.origin.pose().rotation * Vector3::z()).cross(&joint.axis).norm() < 1e-6;
+        // Angles such as 1.57075 leave a wheel round for all that anybody sees.
+        let along = (shape.origin.pose().rotation * Vector3::z()).cross(&joint.axis).norm() < 1e-3;
         let round = match shape.geometry {
             Geometry::Sphere(_) => true,
             Geometry::Cylinder { .. } => along,

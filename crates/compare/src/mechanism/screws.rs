@@ -1,0 +1,91 @@
+//! A turn and a slide that follow one coordinate along one axis are one screw joint, as URDF has to write it.
+
+use super::{Mechanism, MovingJoint};
+use denavit_model::{Pitch, Screw};
+
+/// Neighbouring turn and slide axes closer to parallel than this (rad) make a screw; above it they are two joints.
+const SAME_AXIS: f64 = 1e-9;
+
+impl Mechanism {
+    /// Whether a joint turns and slides at once.
+    pub(crate) fn has_screws(&self) -> bool {
+        self.joints.iter().any(|joint| matches!(joint.screw, Some(Screw::Helical { .. })))
+    }
+
+    /// Makes one screw joint of each such pair with nothing but a link frame in between.
+    pub(crate) fn join_screws(&mut self) {
+        while let Some((first, second, joined)) = (0..self.joints.len()).find_map(|second| self.screw_ending_in(second))
+        {
+            let between = std::mem::take(&mut self.bodies[first + 1].frames);
+            self.bodies[second + 1].frames.extend(between);
+            self.joints[second] = joined;
+            self.joints.remove(first);
+            self.bodies.remove(first + 1);
+            for joint in &mut self.joints {
+                joint.parent = joint.parent.map(|parent| parent - usize::from(parent > first));
+            }
+        }
+    }
+
+    fn screw_ending_in(&self, second: usize) -> Option<(usize, usize, MovingJoint)> {
+        let behind = &self.joints[second];
+        let first = behind.parent?;
+        let before = &self.joints[first];
+        let (turn, slide) = match (before.screw?, behind.screw?) {
+            (Screw::Revolute(_), Screw::Prismatic(_)) => (before, behind),
+            (Screw::Prismatic(_), Screw::Revolute(_)) => (behind, before),
+            _ => return None,
+        };
+        let (line, along) = (*turn.screw?.line()?, slide.screw?.direction());
+        let (turns, slides) = (turn.drive?, slide.drive?);
+        let body = &self.bodies[first + 1];
+        let empty = body.shapes.is_empty() && body.mass.is_none() && body.frames.iter().all(|frame| !frame.leaf);
+        let alone = self.joints.iter().filter(|joint| joint.parent == Some(first)).count() == 1;
+        let coupled = turns.coordinate == slides.coordinate && turns.offset == 0.0 && slides.offset == 0.0;
+        if !(empty && alone && coupled) || line.direction.cross(&along).norm() > SAME_AXIS {
+            return None;
+        }
+        let pitch = line.direction.dot(&along).signum() * slides.scale / turns.scale;
+        let screw = Screw::Helical { axis: line, pitch: Pitch::from_metres_per_radian(pitch)? };
+        let owner = if before.mimic.is_none() { before } else { behind };
+        let joined = MovingJoint {
+            kind: "screw".into(),
+            screw: Some(screw),
+            parent: before.parent,
+            child: behind.child.clone(),
+            drive: turn.drive,
+            origin: turn.origin,
+            ..owner.clone()
+        };
+        Some((first, second, joined))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Options, Scope, Subject, Verdict, compare};
+    use denavit_model::urdf;
+
+    #[test]
+    fn a_screw_joint_and_the_pair_that_urdf_needs_for_it_are_the_same() {
+        let links = r#"<link name="base"/><link name="nut"/><link name="tip"/>
+            <joint name="flange" type="fixed"><origin xyz="0.1 0 0.2"/><parent link="nut"/><child link="tip"/></joint>"#;
+        let one = format!(
+            r#"<robot name="r" xmlns:drake="http://drake.mit.edu">{links}
+            <drake:joint name="j" type="screw"><axis xyz="0 0 1"/><parent link="base"/><child link="nut"/>
+            <drake:screw_thread_pitch value="0.02"/></drake:joint></robot>"#
+        );
+        let pitch = 0.02 / std::f64::consts::TAU;
+        let other = format!(
+            r#"<robot name="r">{links}<link name="between"/>
+            <joint name="j" type="continuous"><axis xyz="0 0 1"/><parent link="base"/><child link="between"/></joint>
+            <joint name="k" type="prismatic"><axis xyz="0 0 -1"/><parent link="between"/><child link="nut"/>
+            <mimic joint="j" multiplier="-{pitch}"/></joint></robot>"#
+        );
+        let (one, other) = (urdf::read("a", &one).unwrap(), urdf::read("b", &other).unwrap());
+        let options = Options { scope: Scope::Kinematics, ..Options::default() };
+        let found = compare(&Subject::Robot(&one), &Subject::Robot(&other), &options).unwrap();
+        assert_eq!(found.verdict, Verdict::Same, "{:?} {:?}", found.joints, found.parts);
+        assert!(found.tips[0].sampled_m < 1e-15);
+    }
+}

@@ -1,0 +1,3 @@
+//! Comparing, checking and fingerprinting from the command line.
+
+mod recipes;

@@ -1,0 +1,180 @@
+//! The recipes of docs/ci.md, run as they stand there, in a repository of their own.
+
+use crate::support;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+
+/// What a shell script gave.
+struct Ran {
+    code: i32,
+    output: String,
+}
+
+/// A repository with `arm.urdf` in it, committed.
+struct Repository {
+    folder: TempDir,
+}
+
+impl Repository {
+    /// `None`, with the reason printed, where there is no git.
+    fn new() -> Option<Self> {
+        let has_git = Command::new("git").arg("--version").output().is_ok_and(|output| output.status.success());
+        if !has_git {
+            println!("skipped, because there is no git");
+            return None;
+        }
+        let repository = Self { folder: TempDir::new().unwrap() };
+        std::fs::copy(support::robot("universal_robots/ur5e.urdf"), repository.path("arm.urdf")).unwrap();
+        let commit = "git init -q . && git config user.name t && git config user.email t@example.org && git add arm.urdf \
+                      && git commit -qm arm";
+        assert_eq!(repository.run("sh", commit).code, 0);
+        Some(repository)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs a script in the repository, `denavit` on the PATH.
+    fn run(&self, shell: &str, script: &str) -> Ran {
+        let binary = Path::new(env!("CARGO_BIN_EXE_denavit")).parent().unwrap();
+        let path = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
+        let output = Command::new(shell)
+            .args(["-c", script])
+            .current_dir(self.folder.path())
+            .env("PATH", path)
+            .env("GIT_CONFIG_GLOBAL", "/dev/null")
+            .env("GIT_PAGER", "cat")
+            .env("GITHUB_STEP_SUMMARY", self.path("summary.md"))
+            .env("BASE", "HEAD")
+            .output()
+            .unwrap();
+        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        Ran { code: output.status.code().unwrap_or(-1), output: text.concat() }
+    }
+
+    /// Moves the elbow by 2 mm.
+    fn edit(&self) {
+        let text = std::fs::read_to_string(self.path("arm.urdf")).unwrap();
+        let at = text.find("<joint name=\"elbow_joint\"").unwrap();
+        let origin = at + text[at..].find("xyz=\"").unwrap() + "xyz=\"".len();
+        let end = origin + text[origin..].find('"').unwrap();
+        let mut numbers: Vec<f64> = text[origin..end].split_whitespace().map(|word| word.parse().unwrap()).collect();
+        numbers[0] += 0.002;
+        let written: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+        std::fs::write(self.path("arm.urdf"), format!("{}{}{}", &text[..origin], written.join(" "), &text[end..]))
+            .unwrap();
+    }
+}
+
+fn page(name: &str) -> String {
+    std::fs::read_to_string(support::top().join(name)).unwrap()
+}
+
+/// The code blocks of a page, of one language, joined with their neighbours.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let start = format!("```{language}\n");
+    page.split(&start).skip(1).map(|rest| rest.split("```").next().unwrap_or_default().to_owned()).collect()
+}
+
+fn block_with(page: &str, language: &str, words: &str) -> String {
+    let found = blocks(page, language).into_iter().find(|block| block.contains(words));
+    found.unwrap_or_else(|| panic!("docs/ci.md has no {language} block with {words}"))
+}
+
+/// The lines below `key` in a YAML file that are indented deeper, without their indentation.
+fn indented(yaml: &str, step: &str, key: &str) -> String {
+    let after = &yaml[yaml.find(step).unwrap()..];
+    let mut lines = after.lines().skip_while(|line| !line.trim_start().starts_with(key));
+    let own = lines.next().unwrap();
+    let depth = |line: &str| line.len() - line.trim_start().len();
+    let block = lines.take_while(|line| line.trim().is_empty() || depth(line) > depth(own));
+    block.map(|line| line.trim().to_owned() + "\n").collect()
+}
+
+#[test]
+fn a_diff_against_head_names_the_joint_that_was_edited() {
+    let Some(repository) = Repository::new() else { return };
+    let command = "denavit diff git:HEAD:arm.urdf arm.urdf";
+    assert!(page("docs/ci.md").contains(command));
+    let same = repository.run("sh", command);
+    assert_eq!(same.code, 0, "{}", same.output);
+    repository.edit();
+    let edited = repository.run("sh", command);
+    assert_eq!(edited.code, 1, "{}", edited.output);
+    assert!(edited.output.contains("joint \"elbow_joint\": axis moved by 2 mm"), "{}", edited.output);
+}
+
+#[test]
+fn git_diff_shows_tables_and_files_that_have_none_as_they_are() {
+    let Some(repository) = Repository::new() else { return };
+    let docs = page("docs/ci.md");
+    std::fs::write(repository.path(".gitattributes"), block_with(&docs, "gitattributes", "diff=urdf")).unwrap();
+    assert_eq!(repository.run("sh", &block_with(&docs, "sh", "textconv")).code, 0);
+    repository.edit();
+    let shown = repository.run("sh", "git diff");
+    assert_eq!(shown.code, 0, "{}", shown.output);
+    assert!(shown.output.lines().any(|line| line.starts_with('+') && !line.starts_with("+++")), "{}", shown.output);
+    assert!(!shown.output.contains("<joint"), "{}", shown.output);
+    std::fs::write(repository.path("arm.urdf"), "<robot>\n<<<<<<< HEAD\n").unwrap();
+    let shown = repository.run("sh", "git diff");
+    assert_eq!(shown.code, 0, "{}", shown.output);
+    assert!(shown.output.contains("+<<<<<<< HEAD"), "{}", shown.output);
+}
+
+#[test]
+fn the_pre_commit_hook_refuses_another_motion_and_lets_new_files_pass() {
+    let Some(repository) = Repository::new() else { return };
+    let hooks = page(".pre-commit-hooks.yaml");
+    let entry = indented(&hooks, "denavit-same-motion", "entry:").replace('\n', " ");
+    let hook = |files: &str| repository.run("sh", &format!("{entry} {files}"));
+    assert_eq!(hook("arm.urdf").code, 0);
+    std::fs::copy(repository.path("arm.urdf"), repository.path("new.urdf")).unwrap();
+    assert_eq!(hook("new.urdf arm.urdf").code, 0);
+    repository.edit();
+    let refused = hook("new.urdf arm.urdf");
+    assert_eq!(refused.code, 1, "{}", refused.output);
+    assert!(refused.output.contains("elbow_joint"), "{}", refused.output);
+}
+
+#[test]
+fn the_plain_hook_stops_a_broken_file() {
+    let Some(repository) = Repository::new() else { return };
+    let hook = block_with(&page("docs/ci.md"), "sh", "git diff --cached");
+    assert_eq!(repository.run("sh", &hook).code, 0, "nothing is staged");
+    std::fs::write(repository.path("arm.urdf"), "<robot name=\"r\"><link name=\"a\"/><link name=\"a\"/></robot>\n")
+        .unwrap();
+    let stopped = repository.run("sh", &format!("git add arm.urdf\n{hook}"));
+    assert_ne!(stopped.code, 0, "{}", stopped.output);
+    assert!(stopped.output.contains("arm.urdf:1: D004"), "{}", stopped.output);
+}
+
+#[test]
+fn the_github_steps_annotate_and_summarise() {
+    let Some(repository) = Repository::new() else { return };
+    let action = page("examples/github-action.yml");
+    let step = indented(&action, "Still the same robots?", "run:");
+    assert_eq!(repository.run("bash", &step).code, 0);
+    repository.edit();
+    let run = repository.run("bash", &step);
+    assert_eq!(run.code, 1, "{}", run.output);
+    assert!(run.output.contains("::error file=arm.urdf,line="), "{}", run.output);
+    let summary = std::fs::read_to_string(repository.path("summary.md")).unwrap();
+    assert!(summary.contains("| joint \"elbow_joint\" | axis moved by 2 mm |"), "{summary}");
+    let rules = repository.run("bash", &indented(&action, "name: Rules", "run:"));
+    assert!(rules.code == 0 || rules.output.contains("::error file=arm.urdf"), "{}", rules.output);
+}
+
+#[test]
+fn a_pinned_fingerprint_holds_until_an_edit() {
+    let Some(repository) = Repository::new() else { return };
+    let docs = page("docs/ci.md");
+    let pin = repository
+        .run("sh", &format!("{} > arm.fingerprint", block_with(&docs, "sh", "denavit fingerprint arm").trim()));
+    assert_eq!(pin.code, 0, "{}", pin.output);
+    let compare = block_with(&docs, "sh", "--expect");
+    assert_eq!(repository.run("sh", &compare).code, 0);
+    repository.edit();
+    assert_eq!(repository.run("sh", &compare).code, 1);
+}
