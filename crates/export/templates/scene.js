@@ -113,12 +113,12 @@
 
   const drawing = (project) => {
     const items = [];
-    const line = (a, b, colour, thickness, cap = "round") => {
+    const line = (a, b, colour, thickness, lift = 0) => {
       const [p, r] = [project(a), project(b)];
-      items.push({ depth: (p[2] + r[2]) / 2, paint: () => {
+      items.push({ depth: (p[2] + r[2]) / 2 + lift, paint: () => {
         pen.strokeStyle = colour;
         pen.lineWidth = thickness;
-        pen.lineCap = cap;
+        pen.lineCap = "round";
         pen.beginPath();
         pen.moveTo(p[0], p[1]);
         pen.lineTo(r[0], r[1]);
@@ -235,7 +235,7 @@
         const parts = Math.min(24, Math.ceil(length / (0.06 * radius)));
         for (let k = 0; k < parts; k++) {
           const at = (part) => add(a, [b[0] - a[0], b[1] - a[1], b[2] - a[2]], part / parts);
-          line(at(k), at(k + 1), mine ? INK.link : INK.other, mine ? 5 : 3.5);
+          line(at(k), at(k + 1), mine ? INK.link : INK.other, mine ? 5 : 3.5, mine ? 0 : -0.05 * radius);
         }
       }
       if (!mine) return;
@@ -248,8 +248,8 @@
         const at = pose.slice(9);
         for (const [axis, colour] of [[0, "x"], [2, "z"]]) {
           const tip = add(at, [pose[axis], pose[3 + axis], pose[6 + axis]], length);
-          line(at, add(at, tip.map((t, i) => t - at[i]), 0.5), INK[colour], 2.2);
-          line(add(at, tip.map((t, i) => t - at[i]), 0.5), tip, INK[colour], 2.2);
+          line(at, add(at, tip.map((t, i) => t - at[i]), 0.5), INK[colour], 2.2, 2e-3 * radius);
+          line(add(at, tip.map((t, i) => t - at[i]), 0.5), tip, INK[colour], 2.2, 2e-3 * radius);
           const [p, r] = [project(at), project(tip)];
           const reach = Math.hypot(r[0] - p[0], r[1] - p[1]);
           const head = Math.min(9, 0.7 * reach), [dx, dy] = reach > 1 ? [(r[0] - p[0]) / reach, (r[1] - p[1]) / reach] : [0, 0];

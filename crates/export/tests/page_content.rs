@@ -1,5 +1,7 @@
 //! What pages say, and that they are well formed whatever the robot is called.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use denavit_dh::{Options, Parallelism, convert};
 use denavit_export::drawing::{Detail, View, far_from_scale, skeleton};
 use denavit_export::page::{Card, ChainPart, Document, html, index, markdown};

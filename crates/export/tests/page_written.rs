@@ -1,6 +1,8 @@
 //! Pages of known robots, written to target/oracle/pages with what forward kinematics says: `tests/oracle/page` opens them
 //! in a browser and moves their sliders.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use denavit_dh::{Options, convert};
 use denavit_export::Units;
 use denavit_export::page::{Card, ChainPart, Document, html, index, markdown};

@@ -279,21 +279,19 @@ fn with_unit(number: &str, unit: &str) -> String {
 
 /// Unit twists at zero of every coordinate, with a point on the axis that can be checked on a drawing.
 fn screws(chain: &Chain, form: &BaseForm, units: Units) -> Vec<Vec<String>> {
+    let per_metre = if units.length == LengthUnit::Millimetre { 1e3 } else { 1.0 };
     let row = |(joint, twist): (&denavit_model::ChainJoint, &denavit_model::nalgebra::Vector6<f64>)| {
         let unit = twist / joint.scale;
         let slides = joint.screw.line().is_none();
         let vector = |from: usize, length: bool| -> String {
-            let number = |k: usize| if length { units.length(unit[k]) } else { decimal(unit[k], 8) };
+            let number = |k: usize| decimal(if length { unit[k] * per_metre } else { unit[k] }, 9);
             minus(&(from..from + 3).map(number).collect::<Vec<_>>().join(", "))
         };
         let motion = Motion::of(&joint.screw);
         let pitch = match motion {
             Motion::Revolute => "0".to_owned(),
             Motion::Prismatic => "∞".to_owned(),
-            Motion::Helical(pitch) => {
-                let factor = if units.length_word() == "mm" { 1e3 } else { 1.0 };
-                minus(&decimal(pitch.metres_per_radian() * factor, 9))
-            }
+            Motion::Helical(pitch) => minus(&decimal(pitch.metres_per_radian() * per_metre, 9)),
         };
         let coordinate = &chain.coordinates()[joint.coordinate];
         let mut moved_by = variable(joint.coordinate + 1);

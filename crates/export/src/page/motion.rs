@@ -129,12 +129,7 @@ fn moving(part: &ChainPart, coordinates: &[Coordinate]) -> Moving {
     }
     triads.push(Triad { name: "tip".into(), pose: twelve(&home), carried: frames.len() - 1 });
     let links = if far { arm_links(chain, &home) } else { row_links(part, &frames, &home) };
-    Moving { coordinates: indices,
-        joints,
-        home: twelve(&home),
-        frames: triads,
-        links,
-    }
+    Moving { coordinates: indices, joints, home: twelve(&home), frames: triads, links }
 }
 
 /// Along d and a of every row, and along what a slide has moved.

@@ -28,6 +28,8 @@ struct Plane<'a> {
     top: f64,
     bottom: f64,
     path: &'a str,
+    /// Whether what leaves the plane is hidden.
+    clipped: bool,
     /// From m, second coordinate up, to px.
     transform: String,
     origin: [f64; 2],
@@ -67,6 +69,7 @@ pub(super) fn outline_svg(outline: &Outline, across: &str, up: &str, units: Unit
         top: tenth(height - BOTTOM - high / pixel),
         bottom: tenth(height - BOTTOM),
         path: &outline.path,
+        clipped: outline.half,
         transform: format!("translate({x0:.2} {y0:.2}) scale({s:.5} -{s:.5})", s = 1.0 / pixel),
         origin: [tenth(x0), tenth(y0)],
         columns: ticks(left, wide, &|x| x0 + x / pixel),

@@ -30,6 +30,8 @@ pub(super) struct Outline {
     pub bottom: f64,
     pub wide: f64,
     pub high: f64,
+    /// Whether what lies left of `left` is a mirror image and not to be shown.
+    pub half: bool,
 }
 
 impl Workspace {
@@ -79,8 +81,16 @@ impl Workspace {
 
     /// Height over the distance from the z axis, or where the first joint does not turn about z, over x.
     pub fn beside(&self) -> Outline {
-        let across = |place: &Point3<f64>| if self.turns_about_z { place.x.hypot(place.y) } else { place.x };
-        outline(self.places.iter().map(|place| (across(place), place.z)).collect())
+        if !self.turns_about_z {
+            return outline(self.places.iter().map(|place| (place.x, place.z)).collect());
+        }
+        // With its mirror image, so that no border is drawn along the z axis where there is none.
+        let both = self.places.iter().flat_map(|place| {
+            let across = place.x.hypot(place.y);
+            [(across, place.z), (-across, place.z)]
+        });
+        let Outline { path, left, bottom, wide, high, .. } = outline(both.collect());
+        Outline { path, left: 0.0, bottom, wide: left + wide, high, half: true }
     }
 
     /// x and y.
@@ -90,10 +100,12 @@ impl Workspace {
 }
 
 /// One posture in so many is moved towards the border: uniform samples are rare there.
-const PUSHED: usize = 16;
+const PUSHED: usize = 32;
+/// Places of the first coordinate that each of those is tried at.
+const SWEEP: u32 = 24;
 
 /// Moves postures outwards, each along the line from the middle of all places, every second one level, by a few
-/// coordinate steps; adds where they come to.
+/// coordinate steps, and then through the range of the first coordinate; adds where they come to.
 fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &mut Vec<Point3<f64>>) {
     let sum = places.iter().fold(Vector3::zeros(), |sum, place| sum + place.coords);
     let middle = sum / places.len().max(1) as f64;
@@ -105,7 +117,7 @@ fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &
         }
         let along = |q: &[f64]| chain.fk(q).translation.vector.dot(&outwards);
         let mut best = along(&q);
-        for step in [0.12, 0.06, 0.03, 0.015, 0.0075, 0.003] {
+        for step in [0.15, 0.1, 0.06, 0.04, 0.03, 0.02, 0.015, 0.01, 0.006, 0.004, 0.002, 0.001] {
             for (k, (lower, upper)) in ranges.iter().enumerate() {
                 for sign in [1.0, -1.0] {
                     let old = q[k];
@@ -120,6 +132,14 @@ fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &
             }
         }
         places.push(Point3::from(chain.fk(&q).translation.vector));
+        if let (Some(first), Some((lower, upper))) = (q.first().copied(), ranges.first()) {
+            let spacing = (upper - lower) / f64::from(SWEEP);
+            let offset = (first - lower).rem_euclid(spacing.max(f64::MIN_POSITIVE));
+            for k in 0..SWEEP {
+                q[0] = lower + offset + spacing * f64::from(k);
+                places.push(Point3::from(chain.fk(&q).translation.vector));
+            }
+        }
     }
 }
 
@@ -189,6 +209,7 @@ fn outline(points: Vec<(f64, f64)>) -> Outline {
         bottom: bottom - cell,
         wide: right - left + 2.0 * cell,
         high: top - bottom + 2.0 * cell,
+        half: false,
     }
 }
 
