@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The folder of the workspace.
 pub fn workspace() -> PathBuf {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    std::env::var("DENAVIT_WORKSPACE").map_or(workspace, PathBuf::from)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// Every URDF in robots/ and ../shared/vendor/robots, sorted; the latter only where it is there.
