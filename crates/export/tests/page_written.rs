@@ -1,7 +1,7 @@
 //! Pages of known robots, written to target/oracle/pages with what forward kinematics says: `tests/oracle/page` opens them
 //! in a browser and moves their sliders.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking and says what it skips")]
 
 use denavit_dh::{Options, convert};
 use denavit_export::Units;
