@@ -1,1 +1,73 @@
-//! Holds nothing: each benchmark is a file beside this one.
+//! Robots, configurations and the clock that the benchmarks share.
+//!
+//! Time is taken in windows of some hundred microseconds, and the median of a few hundred of them counts: on a machine that
+//! others use, too, most windows are not interrupted, where the milliseconds of a sample of criterion's mostly are. The peers
+//! in C++ and Python are timed in the same way, so that ratios mean something.
+
+use denavit_model::{Chain, Reading, urdf};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A robot that is measured: its name in the table, its file below `robots/`, its tip link.
+pub const ROBOTS: &[(&str, &str, &str)] =
+    &[("UR5e", "universal_robots/ur5e.urdf", "tool0"), ("Panda", "franka/panda.urdf", "panda_link8")];
+
+/// Configurations in a batch: all that is touched stays in the second-level cache.
+pub const BATCH: usize = 1000;
+
+/// Path of a file below `robots/`.
+pub fn robot_file(file: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../robots").join(file)
+}
+
+/// Text of a file below `robots/`.
+///
+/// # Panics
+/// The file cannot be read.
+pub fn robot_text(file: &str) -> String {
+    std::fs::read_to_string(robot_file(file)).expect("robots/ holds the file")
+}
+
+/// The chain to `tip` of a file below `robots/`.
+///
+/// # Panics
+/// The file is no robot, or has no such link.
+pub fn chain(file: &str, tip: &str) -> Chain {
+    let robot = urdf::read(file, &robot_text(file)).expect("robots/ holds URDFs");
+    robot.chain(None, Some(tip), Reading::Intended).expect("the robot has the link").value
+}
+
+/// `count` configurations one after the other, each value in \[-3, 3\]: the same on every run.
+pub fn configurations(coordinates: usize, count: usize) -> Vec<f64> {
+    let part = |k: usize| (k as f64 * 0.618_033_988_749_894_9).fract();
+    (1..=coordinates * count).map(|k| 6.0 * part(k) - 3.0).collect()
+}
+
+/// Windows in a measurement, at most.
+const WINDOWS: usize = 300;
+/// And no longer than this for all of them, but for the first five.
+const PATIENCE: Duration = Duration::from_millis(400);
+
+/// Median time of `work`, which does its thing `times` times, ns for each.
+///
+/// # Panics
+/// `times` is 0.
+pub fn median_ns(times: usize, mut work: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    let mut windows = Vec::with_capacity(WINDOWS);
+    work();
+    while windows.len() < WINDOWS && (windows.len() < 5 || start.elapsed() < PATIENCE) {
+        let window = Instant::now();
+        work();
+        windows.push(window.elapsed().as_nanos() as f64 / times as f64);
+    }
+    windows.sort_by(f64::total_cmp);
+    windows[windows.len() / 2]
+}
+
+/// Measures and prints one line of JSON: `{"robot", "who", "what", "ns"}`.
+#[expect(clippy::print_stdout, reason = "the figures are what the program is for")]
+pub fn report(robot: &str, who: &str, what: &str, times: usize, work: impl FnMut()) {
+    let ns = median_ns(times, work);
+    println!(r#"{{"robot": "{robot}", "who": "{who}", "what": "{what}", "ns": {ns:.2}}}"#);
+}

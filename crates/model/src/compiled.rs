@@ -41,7 +41,10 @@ use std::num::NonZeroUsize;
 /// ```
 #[derive(Debug, Clone)]
 pub struct CompiledChain {
+    /// For batches: the widest.
     level: Level,
+    /// For one configuration, whose handful of angles and rows of three fill no wider vector than 256 bits.
+    level_of_one: Level,
     coordinates: usize,
     start: Pose,
     blocks: Vec<Block>,
@@ -65,10 +68,11 @@ impl CompiledChain {
     fn for_instructions(chain: &Chain, level: Level) -> Self {
         let Frames { start, steps, last_turn } = Frames::of(chain);
         let blocks = Block::all(chain.joints(), &steps);
-        Self { level, coordinates: chain.coordinates().len(), start, blocks, last_turn }
+        let level_of_one = narrowed(level, 256).unwrap_or(level);
+        Self { level, level_of_one, coordinates: chain.coordinates().len(), start, blocks, last_turn }
     }
 
-    /// Bits of the vectors that are used.
+    /// Bits of the vectors that batches use; one configuration uses at most 256.
     pub fn vector_bits(&self) -> usize {
         fn bits<S: Simd>(_: S) -> usize {
             64 * <S::f64s as fearless_simd::SimdBase<S>>::LEN
@@ -87,7 +91,7 @@ impl CompiledChain {
     /// `q` is shorter than [`CompiledChain::coordinates`].
     pub fn fk(&self, q: &[f64]) -> Pose {
         let q = &q[..self.coordinates];
-        dispatch!(self.level, simd => single::fk(simd, self, q))
+        dispatch!(self.level_of_one, simd => single::fk(simd, self, q))
     }
 
     /// Space Jacobian at `q`, as [`Chain::space_jacobian_into`]: column k is the twist `[omega; v]` of the tip in the base
@@ -97,7 +101,7 @@ impl CompiledChain {
     /// `q` or `columns` is shorter than [`CompiledChain::coordinates`].
     pub fn space_jacobian_into(&self, q: &[f64], columns: &mut [Vector6<f64>]) -> Pose {
         let (q, columns) = (&q[..self.coordinates], &mut columns[..self.coordinates]);
-        dispatch!(self.level, simd => single::space_jacobian(simd, self, q, columns))
+        dispatch!(self.level_of_one, simd => single::space_jacobian(simd, self, q, columns))
     }
 
     /// Geometric Jacobian at `q`, as [`Chain::tip_jacobian_into`]: column k is `[angular velocity; velocity of the tip's
@@ -107,7 +111,7 @@ impl CompiledChain {
     /// As [`CompiledChain::space_jacobian_into`].
     pub fn tip_jacobian_into(&self, q: &[f64], columns: &mut [Vector6<f64>]) -> Pose {
         let (q, columns) = (&q[..self.coordinates], &mut columns[..self.coordinates]);
-        dispatch!(self.level, simd => single::tip_jacobian(simd, self, q, columns))
+        dispatch!(self.level_of_one, simd => single::tip_jacobian(simd, self, q, columns))
     }
 
     /// base_from_tip at many configurations: `q` holds one after the other, `poses` takes as many.

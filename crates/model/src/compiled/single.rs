@@ -42,7 +42,7 @@ impl Turns {
             let (mut sine, mut cosine) = sin_cos::sin_cos(simd, load(&block.turning) * value, quarters);
             if block.any_rest {
                 let (c, s) = (load(&block.rest_cosine), load(&block.rest_sine));
-                (sine, cosine) = (sine.mul_add(c, cosine * s), cosine.mul_add(c, -(sine * s)));
+                (sine, cosine) = (sine.mul_add(c, cosine * s), cosine.mul_sub(c, sine * s));
             }
             cosine.store_slice(&mut self.cosine[first..first + width]);
             sine.store_slice(&mut self.sine[first..first + width]);
@@ -69,16 +69,16 @@ impl<S: Simd> Frame<S> {
     fn stepped(self, (cosine, sine): (f64, f64), slide: f64, gap: &Gap) -> Self {
         let x = self.y.mul_add(sine, self.x * cosine);
         let mut origin = x.mul_add(gap.x, self.z.mul_add(slide, self.origin));
-        let y = || self.y.mul_add(cosine, -(self.x * sine));
+        let y = || self.y.mul_sub(cosine, self.x * sine);
         if gap.y != 0.0 {
             origin = y().mul_add(gap.y, origin);
         }
         match gap.twist {
             Twist::Parallel => Self { x, y: y(), z: self.z, origin },
-            Twist::Square => Self { x, y: self.z, z: self.x.mul_add(sine, -(self.y * cosine)), origin },
+            Twist::Square => Self { x, y: self.z, z: self.x.mul_sub(sine, self.y * cosine), origin },
             Twist::Oblique { cosine, sine } => {
                 let y = y();
-                let (up, out) = (self.z.mul_add(sine, y * cosine), self.z.mul_add(cosine, -(y * sine)));
+                let (up, out) = (self.z.mul_add(sine, y * cosine), self.z.mul_sub(cosine, y * sine));
                 Self { x, y: up, z: out, origin }
             }
         }
@@ -88,7 +88,7 @@ impl<S: Simd> Frame<S> {
     fn turned(self, turn: Option<(f64, f64)>) -> Self {
         let Some((cosine, sine)) = turn else { return self };
         let x = self.y.mul_add(sine, self.x * cosine);
-        Self { x, y: self.y.mul_add(cosine, -(self.x * sine)), ..self }
+        Self { x, y: self.y.mul_sub(cosine, self.x * sine), ..self }
     }
 
     #[inline(always)]

@@ -1,0 +1,31 @@
+//! From the text of a URDF, already read, to a chain; beside urdf-rs alone and the XML parser alone.
+
+use denavit_benches::{ROBOTS, report, robot_file, robot_text};
+use denavit_model::{Reading, urdf};
+use std::hint::black_box;
+use std::path::PathBuf;
+
+/// A large robot is named by the environment, since none is kept here: `benches/run` names the PR2.
+const LARGE: &str = "DENAVIT_LARGE_URDF";
+
+pub fn loading() {
+    let small = ROBOTS.iter().map(|(robot, file, _)| ((*robot).to_owned(), robot_text(file)));
+    let large = std::env::var_os(LARGE).map(PathBuf::from).and_then(|path| {
+        Some((path.file_stem()?.to_string_lossy().into_owned(), std::fs::read_to_string(&path).ok()?))
+    });
+    for (robot, text) in small.chain(large) {
+        report(&robot, "denavit, to a chain", "load", 1, || {
+            let robot = urdf::read("robot.urdf", black_box(&text)).expect("a robot");
+            black_box(robot.chain(None, None, Reading::Intended).expect("a chain"));
+        });
+        report(&robot, "roxmltree, the XML alone", "load", 1, || {
+            black_box(roxmltree::Document::parse(black_box(&text)).expect("XML").root_element().range());
+        });
+        if urdf_rs::read_from_string(&text).is_ok() {
+            report(&robot, "urdf-rs", "load", 1, || _ = black_box(urdf_rs::read_from_string(black_box(&text))));
+        }
+    }
+    let (robot, file, _) = ROBOTS[0];
+    let path = robot_file(file);
+    report(robot, "reading the file", "load", 1, || _ = black_box(std::fs::read_to_string(black_box(&path))));
+}
