@@ -1,90 +1,23 @@
-//! Runs the tracer on a folder of blind cases: `cargo run --release --example study_tracing -- FOLDER [NAME]`.
+//! Judges the tracer on a folder of blind cases made by `tests/oracle/calibration/suite.py`:
+//! `cargo run --release -p denavit-calibrate --example study_tracing -- FOLDER [PART OF A NAME]`.
+//!
+//! For each case that is not right: what was hidden and what was found. At the end the table of `docs/effects.md`.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::measurements::{Covariate, Label, MeasurementKind, Measurements};
+use denavit_calibrate::measurements::{MeasurementKind, Measurements, Units, read};
 use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};
-use denavit_model::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use denavit_model::{Chain, tree::Reading};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-fn read(path: &Path, chain: &Chain) -> Measurements {
-    let text = std::fs::read_to_string(path).unwrap();
-    let mut lines = text.lines().enumerate().filter(|(_, l)| !l.starts_with('#'));
-    let header: Vec<String> = lines.next().unwrap().1.split(',').map(str::to_string).collect();
-    let rows: Vec<(usize, Vec<String>)> =
-        lines.map(|(n, l)| (n + 1, l.split(',').map(str::to_string).collect())).collect();
-    let joints: Vec<String> = chain.coordinates().iter().map(|c| c.name.clone()).collect();
-    let col = |name: &str| header.iter().position(|h| h == name);
-    let num = |row: &[String], c: usize| row[c].parse::<f64>().unwrap_or(f64::NAN);
-    let mut used: Vec<usize> = joints.iter().map(|j| col(j).unwrap()).collect();
-    let jc = used.clone();
-    let mut targets: Vec<String> = Vec::new();
-    let mut kind = MeasurementKind::Position;
-    if col("distance").is_some() {
-        kind = MeasurementKind::Distance;
-        targets.push(String::new());
-        used.push(col("distance").unwrap());
-    } else if col("x").is_some() {
-        targets.push(String::new());
-        if col("qx").is_some() {
-            kind = MeasurementKind::Pose;
-        }
-    } else {
-        for k in 1..20 {
-            if col(&format!("x{k}")).is_some() {
-                targets.push(k.to_string());
-            }
-        }
-    }
-    let mut m = Measurements {
-        source: path.display().to_string(),
-        kind,
-        joints,
-        readings: rows.iter().flat_map(|(_, r)| jc.iter().map(|&c| num(r, c)).collect::<Vec<_>>()).collect(),
-        targets: targets.clone(),
-        positions: vec![],
-        orientations: vec![],
-        distances: vec![],
-        covariates: vec![],
-        labels: vec![],
-        locate: vec![false; rows.len()],
-        lines: rows.iter().map(|r| r.0).collect(),
-    };
-    if kind == MeasurementKind::Distance {
-        m.distances = rows.iter().map(|(_, r)| num(r, col("distance").unwrap())).collect();
-    } else {
-        for (_, r) in &rows {
-            for t in &targets {
-                let c: Vec<usize> = ["x", "y", "z"].iter().map(|a| col(&format!("{a}{t}")).unwrap()).collect();
-                used.extend(&c);
-                let v = Vector3::new(num(r, c[0]), num(r, c[1]), num(r, c[2]));
-                m.positions.push(v.x.is_finite().then_some(v));
-            }
-            if kind == MeasurementKind::Pose {
-                let c: Vec<usize> = ["qx", "qy", "qz", "qw"].iter().map(|a| col(a).unwrap()).collect();
-                used.extend(&c);
-                let q = Quaternion::new(num(r, c[3]), num(r, c[0]), num(r, c[1]), num(r, c[2]));
-                m.orientations.push(UnitQuaternion::from_quaternion(q).to_rotation_matrix());
-            }
-        }
-    }
-    for (c, name) in header.iter().enumerate() {
-        if used.contains(&c) {
-            continue;
-        }
-        if name == "locate" {
-            m.locate = rows.iter().map(|(_, r)| r[c] == "1").collect();
-        } else if rows.iter().all(|(_, r)| r[c].parse::<f64>().is_ok()) {
-            m.covariates.push(Covariate { name: name.clone(), values: rows.iter().map(|(_, r)| num(r, c)).collect() });
-        } else {
-            m.labels.push(Label { name: name.clone(), values: rows.iter().map(|(_, r)| r[c].clone()).collect() });
-        }
-    }
-    m
+fn load(path: &Path, chain: &Chain) -> Measurements {
+    let file = std::fs::File::open(path).unwrap();
+    read(&path.to_string_lossy(), file, chain, Units::default()).unwrap_or_else(|error| panic!("{error}")).data
 }
 
 fn rms<E: Effects>(
@@ -152,9 +85,9 @@ fn main() {
                 .unwrap();
         let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
         let statics = Statics::of(&robot, &chain);
-        let train = with_run_order(read(&case.join("train.csv"), &chain), 0);
+        let train = with_run_order(load(&case.join("train.csv"), &chain), 0);
         let rows = train.len();
-        let test = with_run_order(read(&case.join("test.csv"), &chain), rows);
+        let test = with_run_order(load(&case.join("test.csv"), &chain), rows);
         let mut options = TraceOptions::new(IdentifyOptions::axes(&chain));
         if let Some(ratio) = truth["gear_ratio"].as_f64() {
             options.gear_ratios = vec![Some(ratio); chain.joints().len()];
@@ -235,7 +168,7 @@ fn main() {
                 }
             }
         }
-        good &= wrong == 0 && after / attainable < 1.1;
+        good &= wrong == 0 && (after / attainable < 1.1 || truths.iter().any(|(kind, _)| kind == "alien"));
         println!(
             "{} {name}: {} {} {}x{} {rows} rows, fit {fitted:.2} s, all {took:.2} s",
             if good { "ok " } else { "BAD" },

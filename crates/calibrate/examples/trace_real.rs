@@ -1,4 +1,6 @@
 //! Traces one file of measurements: `cargo run --release --example trace_real -- ROBOT.urdf TRAIN.csv [TEST.csv|SHARE]`.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::measurements::{Units, read};

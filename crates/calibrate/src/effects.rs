@@ -5,6 +5,7 @@ pub mod catalogue;
 pub mod driver;
 pub mod gravity;
 pub mod model;
+pub mod saved;
 pub mod survey;
 
 pub use carrier::Carrier;

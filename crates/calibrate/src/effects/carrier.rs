@@ -221,13 +221,19 @@ impl Carrier {
 
     /// Unit of each direction's coefficient when the driver is a bare number: rad, m, or 1.
     pub fn unit(&self, chain: &Chain, direction: usize) -> &'static str {
+        let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
         match self {
-            Self::Joint(i) if matches!(chain.joints()[*i].screw, Screw::Prismatic(_)) => "m",
-            Self::AllJoints if matches!(chain.joints()[direction].screw, Screw::Prismatic(_)) => "m",
+            Self::Joint(joint) if slides(*joint) => "m",
+            Self::AllJoints if slides(direction) => "m",
             Self::Joint(_) | Self::AllJoints | Self::Across(_) | Self::BaseTurn | Self::LinkEndTurn(_) => "rad",
-            Self::Along(_) | Self::Sideways(_) | Self::Target | Self::Anchor | Self::Reading => "m",
             Self::LinkEnd(_) | Self::Base if direction < 3 => "rad",
-            Self::LinkEnd(_) | Self::Base => "m",
+            Self::Along(_)
+            | Self::Sideways(_)
+            | Self::Target
+            | Self::Anchor
+            | Self::Reading
+            | Self::LinkEnd(_)
+            | Self::Base => "m",
             Self::LinkLength(_) | Self::Lengths | Self::Scale => "m/m",
         }
     }
@@ -274,9 +280,13 @@ mod tests {
             let n = chain.coordinates().len();
             let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
             for carrier in all(chain.joints().len()) {
-                for (index, direction) in carrier.directions(chain.joints(), chain.joints(), &axis_points(&chain)).iter().enumerate() {
+                for (index, direction) in
+                    carrier.directions(chain.joints(), chain.joints(), &axis_points(&chain)).iter().enumerate()
+                {
                     let mut deviation = Deviation::none(chain.joints().len());
-                    direction.iter().for_each(|action| action.add_to(1e-4, &mut deviation));
+                    for action in direction {
+                        action.add_to(1e-4, &mut deviation);
+                    }
                     let (mut still, mut moved) = (RowState::default(), RowState::default());
                     arm.state_into(&q, None, &mut still);
                     arm.state_into(&q, Some(&deviation), &mut moved);
@@ -300,9 +310,9 @@ mod tests {
         let chain = examples::planar_arm();
         let arm = Arm::new(&chain, 1);
         let mut deviation = Deviation::none(chain.joints().len());
-        Carrier::Lengths.directions(chain.joints(), chain.joints(), &axis_points(&chain))[0]
-            .iter()
-            .for_each(|action| action.add_to(0.01, &mut deviation));
+        for action in &Carrier::Lengths.directions(chain.joints(), chain.joints(), &axis_points(&chain))[0] {
+            action.add_to(0.01, &mut deviation);
+        }
         let (mut still, mut stretched) = (RowState::default(), RowState::default());
         arm.state_into(&[0.4, 0.9], None, &mut still);
         arm.state_into(&[0.4, 0.9], Some(&deviation), &mut stretched);

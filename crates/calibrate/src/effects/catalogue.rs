@@ -204,6 +204,16 @@ impl Kind {
     }
 }
 
+/// The catalogue as a table in Markdown: the one in `docs/effects.md`.
+pub fn markdown() -> String {
+    let mut table = String::from("| kind | model | unit of c | source |\n|---|---|---|---|\n");
+    for entry in KINDS {
+        let Entry { name, formula, units, source, .. } = entry;
+        table.extend(["| `", name, "` | ", formula, " | ", units, " | ", source, " |\n"]);
+    }
+    table
+}
+
 fn candidate(kind: Kind, carrier: Carrier, driver: Driver, coupling: Coupling, scanned: usize) -> Candidate {
     Candidate { term: Term { kind, carrier, driver, coupling }, scanned }
 }
@@ -377,4 +387,76 @@ fn latency(survey: &Survey) -> Vec<Candidate> {
 
 fn instrument_scale(_: &Survey) -> Vec<Candidate> {
     vec![each(Kind::InstrumentScale, Carrier::Scale, Driver::Constant)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::driver::{Conditions, Statics};
+    use crate::effects::survey::with_run_order;
+    use crate::measurements::{Covariate, Measurements};
+    use denavit_model::examples;
+
+    fn rich(chain: &denavit_model::Chain) -> Measurements {
+        let rows = 60;
+        let joints: Vec<String> = chain.coordinates().iter().map(|c| c.name.clone()).collect();
+        let value = |row: usize, k: usize| (row as f64 * (0.7 + 0.31 * k as f64)).sin();
+        let readings = (0..rows).flat_map(|row| (0..joints.len()).map(move |k| value(row, k))).collect();
+        let column =
+            |name: String, slope: f64| Covariate { name, values: (0..rows).map(|row| slope * row as f64).collect() };
+        let velocities = joints.iter().map(|joint| column(format!("{joint}{VELOCITY}"), 0.01));
+        let covariates = [column("time".into(), 30.0), column("temperature".into(), 0.1)].into_iter().chain(velocities);
+        let data = Measurements {
+            source: "rich.csv".into(),
+            kind: MeasurementKind::Position,
+            covariates: covariates.collect(),
+            readings,
+            targets: vec![String::new()],
+            positions: vec![None; rows],
+            orientations: Vec::new(),
+            distances: Vec::new(),
+            labels: Vec::new(),
+            locate: vec![false; rows],
+            lines: (0..rows).map(|row| row + 2).collect(),
+            joints,
+        };
+        with_run_order(data, 0)
+    }
+
+    #[test]
+    fn every_kind_offers_terms_that_a_fit_can_use() {
+        for chain in examples::all() {
+            let statics = Statics::of_chain(&chain);
+            let survey = Survey::of(&statics, &rich(&chain), Vec::new());
+            for entry in KINDS {
+                let terms = (entry.terms)(&survey);
+                assert!(!terms.is_empty() || survey.turning().next().is_none(), "{} on {}", entry.name, chain.name());
+                for candidate in terms {
+                    assert_eq!(candidate.term.kind, entry.kind);
+                    let q = vec![0.2; chain.coordinates().len()];
+                    let conditions = Conditions { reading: &q, covariate: &|_| Some(1.0) };
+                    let posture = statics.posture(&conditions, None);
+                    let mut values = Vec::new();
+                    candidate.term.driver.values_into(&statics, &conditions, &posture, &mut values);
+                    assert!(candidate.term.coefficients(&statics) > 0 && values.iter().all(|value| value.is_finite()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_their_own_and_lead_back() {
+        for entry in KINDS {
+            assert_eq!(Kind::named(entry.name), Some(entry.kind));
+            assert_eq!(serde_json::to_value(entry.kind).unwrap(), entry.name);
+            assert_eq!(entry.kind.name(), entry.name);
+        }
+    }
+
+    #[test]
+    fn docs_show_this_catalogue() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/effects.md");
+        let docs = std::fs::read_to_string(path).unwrap();
+        assert!(docs.contains(&markdown()), "put this into docs/effects.md:\n{}", markdown());
+    }
 }

@@ -289,6 +289,23 @@ impl Driver {
         }
     }
 
+    /// The joint that it follows, where it follows one.
+    pub fn joint(&self) -> Option<usize> {
+        match *self {
+            Self::Reading(joint)
+            | Self::Harmonic { joint, .. }
+            | Self::Bump { joint, .. }
+            | Self::Torque(joint)
+            | Self::TorqueTerms { joint, .. }
+            | Self::MomentAcross(joint)
+            | Self::Cantilever(joint)
+            | Self::EndMoment(joint)
+            | Self::Approach { joint, .. }
+            | Self::GravitySide(joint) => Some(joint),
+            _ => None,
+        }
+    }
+
     /// Whether its values depend on how far the arm has given way.
     pub fn feels_gravity(&self) -> bool {
         matches!(

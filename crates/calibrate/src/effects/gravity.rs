@@ -58,11 +58,11 @@ impl Masses {
         let mut points = Vec::new();
         let mut open = vec![(base, Pose::identity(), None)];
         while let Some((link, base_from_link, carried_by)) = open.pop() {
-            if let (Some(inertial), Some(joint)) = (&robot.links[link].inertial, carried_by) {
-                if inertial.mass > 0.0 {
-                    let centre = base_from_link * Point3::from(Vector3::from(inertial.origin.xyz));
-                    points.push(PointMass { joint, mass: inertial.mass, centre });
-                }
+            if let (Some(inertial), Some(joint)) = (&robot.links[link].inertial, carried_by)
+                && inertial.mass > 0.0
+            {
+                let centre = base_from_link * Point3::from(Vector3::from(inertial.origin.xyz));
+                points.push(PointMass { joint, mass: inertial.mass, centre });
             }
             for index in robot.joints_from(link) {
                 let joint = &robot.joints[index];

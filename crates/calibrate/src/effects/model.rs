@@ -38,7 +38,8 @@ impl Term {
         match self.coupling {
             Coupling::Paired => 1,
             Coupling::Each => {
-                self.carrier.directions(statics.chain.joints(), statics.chain.joints(), &statics.points).len() * self.driver.len(statics)
+                self.carrier.directions(statics.chain.joints(), statics.chain.joints(), &statics.points).len()
+                    * self.driver.len(statics)
             }
         }
     }
@@ -221,7 +222,8 @@ impl Effects for EffectModel {
         let posture = self.add_deviation(&conditions, &arm.joints, &mut Deviation::none(arm.joints.len()));
         let mut column = 0;
         for effect in &self.effects {
-            let directions = effect.term.carrier.directions(self.statics.chain.joints(), &arm.joints, &self.statics.points);
+            let directions =
+                effect.term.carrier.directions(self.statics.chain.joints(), &arm.joints, &self.statics.points);
             let values = self.values(&effect.term, &conditions, &posture);
             for actions in effect.term.actions(&directions, &values) {
                 for (action, amount) in &actions {

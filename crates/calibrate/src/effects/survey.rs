@@ -6,7 +6,7 @@ use denavit_model::Screw;
 use std::f64::consts::PI;
 
 /// Highest order of a periodic error that is looked for without a gear ratio, periods per turn.
-pub const HIGHEST_ORDER: f64 = 8.0;
+pub const HIGHEST_ORDER: u32 = 8;
 /// Lowest order, periods per turn.
 const LOWEST_ORDER: f64 = 0.5;
 /// Neighbouring orders of the scan share this part of a period over the joint's range.
@@ -118,10 +118,10 @@ impl Survey {
     pub fn orders(&self, joint: usize) -> Vec<f64> {
         let span = self.span(joint);
         let lowest = if self.slides(joint) { PI / span } else { LOWEST_ORDER.max(PI / span) };
-        let highest = if self.slides(joint) { 8.0 * PI / span } else { HIGHEST_ORDER };
+        let highest = if self.slides(joint) { 8.0 * PI / span } else { f64::from(HIGHEST_ORDER) };
         let mut orders: Vec<f64> = Vec::new();
         if !self.slides(joint) {
-            orders.extend((1..=highest as usize).map(|k| k as f64).filter(|&k| k >= lowest));
+            orders.extend((1..=HIGHEST_ORDER).map(f64::from).filter(|&order| order >= lowest));
         }
         let step = self.order_step(joint);
         let mut order = lowest;

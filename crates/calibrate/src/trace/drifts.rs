@@ -34,13 +34,13 @@ impl Tracer<'_> {
             .collect();
         let linear = self.linear(state);
         let field = self.field(&linear);
-        let rest = self.without(state, &linear, &own);
-        let (others, residual) = self.parts(state, &linear, &own);
+        let rest = state.without(&linear, &own);
+        let (others, residual) = state.parts(&linear, &own);
         let together = |terms: &[Candidate]| {
             let mut cells = Vec::new();
-            terms.iter().for_each(|candidate| {
+            for candidate in terms {
                 field.columns_into(&candidate.term, &mut cells);
-            });
+            }
             DMatrix::from_vec(residual.len(), cells.len() / residual.len(), cells)
         };
         let judged = |terms: &[Candidate]| {

@@ -32,8 +32,8 @@ impl Tracer<'_> {
         let mut column = state.fit.layout.effects.start;
         let mut findings = Vec::new();
         for (index, candidate) in state.chosen.iter().enumerate() {
-            let rest = self.without(state, &linear, &[index]);
-            let own = self.own(&field, &rest.loose, candidate);
+            let rest = state.without(&linear, &[index]);
+            let own = field.own(&rest.loose, candidate);
             let count = state.fit.effects.effects[index].coefficients.len();
             findings.push(Finding {
                 term: candidate.term.clone(),

@@ -19,6 +19,8 @@ const PAIR_WAVES: [f64; 2] = [0.5, 1.0];
 const PIECES: usize = 6;
 /// Blocks that are taken one after the other at most.
 const MOST_BLOCKS: usize = 6;
+/// Blocks that are looked at again after the best has been taken.
+const STILL_OPEN: usize = 40;
 /// A direction of which the model leaves less than this share is no structure that one could point to.
 const SEEN: f64 = 0.05;
 /// Places that a report lists at most.
@@ -84,24 +86,19 @@ pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
     let linear = field.linear;
     let blocks = blocks(tracer, field);
     let columns: Vec<DMatrix<f64>> = blocks.iter().map(|block| block.columns(field)).collect();
+    let tests = columns.len() as f64;
+    let mut open: Vec<usize> = (0..columns.len()).collect();
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
     let mut leftover = Leftover::default();
     for round in 0..MOST_BLOCKS {
         let projector = Projector::new(&[&linear.geometry, &linear.effects, &taken], &linear.residual);
         let free = (linear.residual.len() - projector.rank()) as f64;
-        let mut scored: Vec<(f64, Gain, usize)> = columns
-            .iter()
-            .enumerate()
-            .map(|(index, columns)| {
-                let gain = projector.gain_of_seen(columns, SEEN);
-                (p_value(free, projector.rss, gain, gain.rank), gain, index)
-            })
-            .collect();
+        let mut scored = gains(&projector, &columns, &open, free);
         // By how far each is beyond chance: probabilities of strong structure all round to zero.
         let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
         scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
         let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return leftover };
-        let corrected = (least * scored.len() as f64).min(1.0);
+        let corrected = (least * tests).min(1.0);
         if round == 0 {
             leftover.p_value = corrected;
             leftover.structured = corrected < tracer.options.false_claims;
@@ -111,6 +108,8 @@ pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
         }
         let (_, gain, best) = scored[0];
         leftover.drop += gain.drop;
+        // What explains little in the first round explains little in the next.
+        open = scored.iter().take(STILL_OPEN).map(|(_, _, index)| *index).collect();
         let block = &blocks[best];
         let acting = block.carrier.joint().map(Variable::Joint);
         for variable in acting.iter().chain(&block.variables) {
@@ -127,6 +126,21 @@ pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
     }
     leftover.columns = taken;
     leftover
+}
+
+/// Probability and gain of each open block.
+fn gains(projector: &Projector, columns: &[DMatrix<f64>], open: &[usize], free: f64) -> Vec<(f64, Gain, usize)> {
+    let of = |&index: &usize| {
+        let gain = projector.gain_of_seen(&columns[index], SEEN);
+        (p_value(free, projector.rss, gain, gain.rank), gain, index)
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        let share = open.len().div_ceil(threads).max(1);
+        let handles: Vec<_> =
+            open.chunks(share).map(|part| scope.spawn(move || part.iter().map(of).collect::<Vec<_>>())).collect();
+        handles.into_iter().flat_map(|handle| handle.join().expect("a block's test does not panic")).collect()
+    })
 }
 
 impl Variable {

@@ -148,11 +148,11 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
             for (column, &from) in geometry_columns.iter().enumerate() {
                 result.geometry[(at, column)] = cells[from] * factor;
             }
-            for column in 0..own {
-                result.effects[(at, column)] = cells[layout.effects.start + column] * factor;
+            for (column, cell) in cells[layout.effects.start..first].iter().enumerate() {
+                result.effects[(at, column)] = cell * factor;
             }
-            for column in first..last {
-                result.carriers[(at, column - first)] = cells[column] * factor;
+            for (column, cell) in cells[first..last].iter().enumerate() {
+                result.carriers[(at, column)] = cell * factor;
             }
             result.rows.push(row);
             at += 1;

@@ -73,24 +73,29 @@ impl Projector {
 
     /// What a block explains; `norms` are its columns' lengths before [`Projector::remove_from`].
     ///
-    /// A column of which less than the share `least` is left counts as nothing. The block is overwritten by an orthonormal basis of what is left of it, zero where nothing is.
+    /// A column of which less than the share `least` is left counts as nothing. The block is overwritten by an
+    /// orthonormal basis of what is left of it, zero where nothing is.
     pub fn gain(&self, block: &mut [f64], norms: &[f64], least: f64) -> Gain {
         let rows = self.residual.len();
         let residual = self.residual.as_slice();
         let mut gain = Gain { drop: 0.0, rank: 0 };
-        for k in 0..norms.len() {
+        for (k, whole) in norms.iter().enumerate() {
             let (done, rest) = block.split_at_mut(k * rows);
             let column = &mut rest[..rows];
             for other in done.chunks_exact(rows) {
                 let share = dot(column, other);
-                column.iter_mut().zip(other).for_each(|(x, y)| *x -= share * y);
+                for (x, y) in column.iter_mut().zip(other) {
+                    *x -= share * y;
+                }
             }
             let norm = dot(column, column).sqrt();
-            if norm <= least * norms[k] || norms[k] == 0.0 {
+            if norm <= least * whole {
                 column.fill(0.0);
                 continue;
             }
-            column.iter_mut().for_each(|x| *x /= norm);
+            for x in column.iter_mut() {
+                *x /= norm;
+            }
             gain.drop += dot(column, residual).powi(2);
             gain.rank += 1;
         }

@@ -155,6 +155,12 @@ impl Field<'_> {
         scored
     }
 
+    /// What an effect of the model explains when it is put back.
+    pub fn own(&self, projector: &Projector, candidate: &Candidate) -> Scored {
+        let gain = projector.gain_of(&self.columns(&candidate.term));
+        self.judged(projector, candidate, gain)
+    }
+
     /// How much the criterion falls with geometry on its firm prior.
     pub fn firm_bic(&self, rest: &Rest, candidate: &Candidate) -> f64 {
         let gain = rest.firm.gain_of(&self.columns(&candidate.term));

@@ -50,6 +50,32 @@ pub struct State {
     pub(crate) fit: Fit<EffectModel>,
 }
 
+impl State {
+    /// Geometry and all effects but those of these indices, and the residual that this would leave.
+    pub(crate) fn without(&self, linear: &Linear, left_out: &[usize]) -> Rest {
+        let (others, residual) = self.parts(linear, left_out);
+        Rest::new(linear, &others, &residual)
+    }
+
+    /// The columns of the other effects, and the residual without these.
+    pub(crate) fn parts(&self, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+        let mut residual = linear.residual.clone();
+        let mut kept = Vec::new();
+        let mut column = 0;
+        for (index, effect) in self.fit.effects.effects.iter().enumerate() {
+            for coefficient in &effect.coefficients {
+                if left_out.contains(&index) {
+                    residual.axpy(-coefficient, &linear.effects.column(column), 1.0);
+                } else {
+                    kept.push(column);
+                }
+                column += 1;
+            }
+        }
+        (linear.effects.select_columns(kept.iter()), residual)
+    }
+}
+
 impl<'a> Tracer<'a> {
     /// Looks at the data and lists the candidates.
     pub fn new(
@@ -86,29 +112,6 @@ impl<'a> Tracer<'a> {
             let scored = field.score(&rest.loose, &self.candidates);
             if scan.is_empty() {
                 scan = self.scan(&scored);
-            }
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "loose rss {:.1} firm {:.1} values {} noise {:e} {:?}",
-                    rest.loose.rss,
-                    rest.firm.rss,
-                    linear.values(),
-                    state.fit.noise.position,
-                    state.chosen.iter().map(|c| (c.term.kind.name(), c.term.carrier)).collect::<Vec<_>>()
-                );
-                let mut o: Vec<_> = scored.iter().collect();
-                o.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-                for x in o.iter().take(200) {
-                    if x.candidate.term.kind == Kind::LinkCompliance || x.delta_bic >= o[3].delta_bic {
-                        eprintln!(
-                            "   {:?} {:?} {:.1} firm {:.1}",
-                            x.candidate.term.carrier,
-                            x.candidate.term.driver,
-                            x.delta_bic,
-                            field.firm_bic(&rest, &x.candidate)
-                        );
-                    }
-                }
             }
             let Some(best) = self.best(&field, &rest, &scored) else { break };
             if !self.helps_held_out(&field, &best) {
@@ -257,36 +260,13 @@ impl<'a> Tracer<'a> {
         let linear = self.linear(&state);
         let field = self.field(&linear);
         let mut chosen = state.chosen.clone();
-        for index in 0..chosen.len() {
-            if chosen[index].scanned > 0 {
-                let rest = self.without(&state, &linear, &[index]);
-                chosen[index] = field.refined(&rest.loose, &self.survey, &chosen[index]).candidate;
+        for (index, candidate) in chosen.iter_mut().enumerate() {
+            if candidate.scanned > 0 {
+                let rest = state.without(&linear, &[index]);
+                *candidate = field.refined(&rest.loose, &self.survey, candidate).candidate;
             }
         }
         self.refitted(chosen, Some(&state))
-    }
-
-    /// Geometry and all effects but those of these indices, and the residual that this would leave.
-    pub(crate) fn without(&self, state: &State, linear: &Linear, left_out: &[usize]) -> Rest {
-        let (others, residual) = self.parts(state, linear, left_out);
-        Rest::new(linear, &others, &residual)
-    }
-
-    pub(crate) fn parts(&self, state: &State, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
-        let mut residual = linear.residual.clone();
-        let mut kept = Vec::new();
-        let mut column = 0;
-        for (index, effect) in state.fit.effects.effects.iter().enumerate() {
-            for coefficient in &effect.coefficients {
-                if left_out.contains(&index) {
-                    residual.axpy(-coefficient, &linear.effects.column(column), 1.0);
-                } else {
-                    kept.push(column);
-                }
-                column += 1;
-            }
-        }
-        (linear.effects.select_columns(kept.iter()), residual)
     }
 
     /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
@@ -294,8 +274,8 @@ impl<'a> Tracer<'a> {
         let linear = self.linear(state);
         let field = self.field(&linear);
         for index in 0..state.chosen.len() {
-            let rest = self.without(state, &linear, &[index]);
-            let own = self.own(&field, &rest.loose, &state.chosen[index]);
+            let rest = state.without(&linear, &[index]);
+            let own = field.own(&rest.loose, &state.chosen[index]);
             if own.delta_bic < LEAST_DELTA_BIC {
                 let mut chosen = state.chosen.clone();
                 chosen.remove(index);
@@ -326,7 +306,7 @@ impl<'a> Tracer<'a> {
             if same.len() < 2 || same[0] != first {
                 continue;
             }
-            let rest = self.without(state, field.linear, &same);
+            let rest = state.without(field.linear, &same);
             let mut columns = Vec::new();
             let mut scanned = 0;
             for &index in &same {
@@ -349,12 +329,6 @@ impl<'a> Tracer<'a> {
         None
     }
 
-    /// What an effect of the model explains when it is put back.
-    pub(crate) fn own(&self, field: &Field<'_>, projector: &Projector, candidate: &Candidate) -> Scored {
-        let gain = projector.gain_of(&field.columns(&candidate.term));
-        field.judged(projector, candidate, gain)
-    }
-
     /// Drops effects that only stand in for a structure that no entry describes, and says what is left.
     fn without_mimics(&self, mut state: State) -> (State, Leftover) {
         loop {
@@ -366,11 +340,10 @@ impl<'a> Tracer<'a> {
             }
             let mut weakest: Option<(f64, usize)> = None;
             for index in 0..state.chosen.len() {
-                let (others, residual) = self.parts(&state, &linear, &[index]);
+                let (others, residual) = state.parts(&linear, &[index]);
                 let projector = Projector::new(&[&linear.geometry, &others, &leftover.columns], &residual);
-                let own = self.own(&field, &projector, &state.chosen[index]);
-                let alone =
-                    self.own(&field, &Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
+                let own = field.own(&projector, &state.chosen[index]);
+                let alone = field.own(&Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
                 let mimic = !self.passes(&own) || alone.gain.drop < MIMIC * leftover.drop;
                 if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
                     weakest = Some((own.delta_bic, index));

@@ -1,0 +1,192 @@
+//! Effects as JSON, to be used again: by forward kinematics, by compensation, by the simulator.
+//!
+//! ```json
+//! {"schema": "denavit.effects/1", "robot": "arm", "joints": ["j1", "j2"],
+//!  "effects": [{"kind": "joint_compliance", "carrier": {"joint": 1}, "driver": {"torque": 1}, "coupling": "each",
+//!               "coefficients": [2e-5], "formula": "…", "units": "…", "source": "…"}]}
+//! ```
+//! Joints are counted from 0 in the order of `joints`. Coefficients: direction by direction of the carrier, within it value
+//! by value of the driver.
+
+use crate::effects::driver::Statics;
+use crate::effects::model::{Effect, EffectModel};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Version of the format.
+pub const SCHEMA: &str = "denavit.effects/1";
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Saved {
+    schema: String,
+    robot: String,
+    joints: Vec<String>,
+    effects: Vec<SavedEffect>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct SavedEffect {
+    #[serde(flatten)]
+    effect: Effect,
+    #[serde(default)]
+    formula: String,
+    #[serde(default)]
+    units: String,
+    #[serde(default)]
+    source: String,
+}
+
+/// Why a file holds no effects for this robot.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SavedError {
+    /// No JSON, or not of this form.
+    #[error("{file}: not a file of effects ({why}); make one with `calibrate --effects-json`")]
+    Form {
+        /// The file.
+        file: String,
+        /// What the parser says.
+        why: String,
+    },
+    /// Another version.
+    #[error("{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make the file again")]
+    Schema {
+        /// The file.
+        file: String,
+        /// As written.
+        found: String,
+    },
+    /// For another robot.
+    #[error("{file}: the effects are for joints {found}, but the chain has {wanted}; choose --base and --tip to match")]
+    OtherJoints {
+        /// The file.
+        file: String,
+        /// As written.
+        found: String,
+        /// The chain's.
+        wanted: String,
+    },
+    /// An effect that the chain cannot have.
+    #[error("{file}: effect {index} ({kind}): {why}")]
+    BadEffect {
+        /// The file.
+        file: String,
+        /// Counted from 1.
+        index: usize,
+        /// Its kind.
+        kind: &'static str,
+        /// What is wrong, and the mend.
+        why: String,
+    },
+}
+
+impl EffectModel {
+    /// As JSON text, with formula, units and source of each kind beside the numbers.
+    pub fn to_json(&self) -> String {
+        let effects = self.effects.iter().map(|effect| {
+            let entry = effect.term.kind.entry();
+            SavedEffect {
+                effect: effect.clone(),
+                formula: entry.formula.into(),
+                units: entry.units.into(),
+                source: entry.source.into(),
+            }
+        });
+        let chain = &self.statics.chain;
+        let saved = Saved {
+            schema: SCHEMA.into(),
+            robot: chain.name().into(),
+            joints: chain.joints().iter().map(|joint| joint.name.clone()).collect(),
+            effects: effects.collect(),
+        };
+        serde_json::to_string_pretty(&saved).expect("names are texts and numbers are numbers")
+    }
+
+    /// From JSON text, for a robot whose joints have the same names in the same order.
+    ///
+    /// # Errors
+    /// The text is of another form or for another robot, or an effect does not fit the chain.
+    pub fn from_json(file: &str, text: &str, statics: &Statics) -> Result<Self, SavedError> {
+        let file = || file.to_string();
+        let saved: Saved =
+            serde_json::from_str(text).map_err(|error| SavedError::Form { file: file(), why: error.to_string() })?;
+        if saved.schema != SCHEMA {
+            return Err(SavedError::Schema { file: file(), found: saved.schema });
+        }
+        let joints: Vec<String> = statics.chain.joints().iter().map(|joint| joint.name.clone()).collect();
+        if joints != saved.joints {
+            let (found, wanted) = (saved.joints.join(", "), joints.join(", "));
+            return Err(SavedError::OtherJoints { file: file(), found, wanted });
+        }
+        let mut effects = Vec::with_capacity(saved.effects.len());
+        for (index, SavedEffect { effect, .. }) in saved.effects.into_iter().enumerate() {
+            let kind = effect.term.kind.name();
+            let bad = |why: String| SavedError::BadEffect { file: file(), index: index + 1, kind, why };
+            let highest = effect.term.carrier.joint().into_iter().chain(effect.term.driver.joint()).max();
+            if highest.is_some_and(|joint| joint >= joints.len()) {
+                let last = joints.len().saturating_sub(1);
+                return Err(bad(format!("it names joint {}; joints are 0 to {last}", highest.unwrap_or(0))));
+            }
+            let wanted = effect.term.coefficients(statics);
+            if effect.coefficients.len() != wanted {
+                return Err(bad(format!("{} coefficients are given; give {wanted}", effect.coefficients.len())));
+            }
+            if let Some(value) = effect.coefficients.iter().find(|value| !value.is_finite()) {
+                return Err(bad(format!("a coefficient is {value}; give a finite number")));
+            }
+            effects.push(effect);
+        }
+        Ok(Self::new(statics.clone(), effects))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Carrier, Conditions, Coupling, Driver, Kind, Term};
+    use denavit_model::examples;
+
+    fn model() -> EffectModel {
+        let statics = Statics::of_chain(&examples::planar_arm());
+        let term = |kind, carrier, driver| Term { kind, carrier, driver, coupling: Coupling::Each };
+        let effects = vec![
+            Effect {
+                term: term(Kind::TransmissionError, Carrier::Joint(1), Driver::Harmonic { joint: 1, order: 2.5 }),
+                coefficients: vec![1e-3, -2e-3],
+            },
+            Effect {
+                term: term(Kind::Drift, Carrier::Base, Driver::Steps { covariate: "time".into(), at: vec![3.0] }),
+                coefficients: vec![0.0, 0.0, 1e-3, 0.0, 2e-3, 0.0],
+            },
+        ];
+        EffectModel::new(statics, effects)
+    }
+
+    #[test]
+    fn what_is_saved_moves_the_arm_alike() {
+        let model = model();
+        let again = EffectModel::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
+        assert_eq!(again, model);
+        let conditions = Conditions { reading: &[0.3, 0.8], covariate: &|name| (name == "time").then_some(5.0) };
+        let chain = &model.statics.chain;
+        assert_eq!(again.fk(chain, &conditions), model.fk(chain, &conditions));
+        assert!(
+            (model.fk(chain, &conditions).translation.vector - chain.fk(&[0.3, 0.8]).translation.vector).norm() > 1e-4
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_its_place() {
+        let model = model();
+        let refused = |text: &str| EffectModel::from_json("e.json", text, &model.statics).unwrap_err().to_string();
+        let text = model.to_json();
+        assert!(refused("{}").starts_with("e.json: not a file of effects (missing field `schema`"));
+        assert!(refused(&text.replace(SCHEMA, "denavit.effects/9")).contains("schema is \"denavit.effects/9\""));
+        let other = text.replacen(&model.statics.chain.joints()[0].name, "elsewhere", 1);
+        assert!(refused(&other).starts_with("e.json: the effects are for joints elsewhere"), "{}", refused(&other));
+        let short = text.replacen("0.001,", "", 1);
+        assert_eq!(refused(&short), "e.json: effect 1 (transmission_error): 1 coefficients are given; give 2");
+        let beyond = text.replace("\"joint\": 1,", "\"joint\": 7,");
+        assert_eq!(refused(&beyond), "e.json: effect 1 (transmission_error): it names joint 7; joints are 0 to 1");
+    }
+}

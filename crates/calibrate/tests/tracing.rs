@@ -1,0 +1,105 @@
+//! The tracer on small simulated runs, and on the robot of the paper's first author.
+//!
+//! The judge of detection rates is the blind data of `tests/oracle/calibration`, made by other code.
+
+use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
+use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_calibrate::measurements::{Units, read};
+use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::trace::{Trace, TraceOptions, trace};
+use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_model::Chain;
+use denavit_model::tree::Reading;
+use std::path::{Path, PathBuf};
+
+fn robot(path: &str) -> (Chain, Statics) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(path);
+    let robot = denavit_model::urdf::read(path, &std::fs::read_to_string(file).unwrap()).unwrap();
+    let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
+    let statics = Statics::of(&robot, &chain);
+    (chain, statics)
+}
+
+fn traced(effects: Vec<Effect>, seed: u64) -> Trace {
+    let (chain, statics) = robot("universal_robots/ur5e.urdf");
+    let options = SimulationOptions { rows: 150, seed, ..SimulationOptions::default() };
+    let data = simulate(&chain, &options, &EffectModel::new(statics.clone(), effects)).data;
+    let options = TraceOptions::new(IdentifyOptions::axes(&chain));
+    let geometric = identify(&chain, &data, &options.identify).geometric;
+    trace(&statics, &data, &geometric, &options)
+}
+
+fn effect(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) -> Effect {
+    let term = Term { kind, carrier, driver, coupling: Coupling::Each };
+    Effect { term, coefficients: coefficients.to_vec() }
+}
+
+fn check(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) {
+    let found = traced(vec![effect(kind, carrier, driver, coefficients)], 7);
+    let names: Vec<_> = found.findings.iter().map(|finding| (finding.term.kind, finding.term.carrier)).collect();
+    assert_eq!(names, [(kind, carrier)]);
+    let finding = &found.findings[0];
+    for (value, truth) in finding.values.iter().zip(coefficients) {
+        let std = value.std.unwrap();
+        assert!((value.value - truth).abs() < 4.5 * std, "{}: {} ± {std}, truth {truth}", value.name, value.value);
+    }
+    assert!(finding.p_value < 1e-9 && !found.leftover.structured);
+    assert!((found.fit.noise.position / 5e-5 - 1.0).abs() < 0.12, "{}", found.fit.noise.position);
+}
+
+#[test]
+fn clean_data_name_nothing() {
+    for seed in 0..4 {
+        let found = traced(Vec::new(), seed);
+        assert!(found.findings.is_empty(), "{:?}", found.findings);
+        assert!(!found.leftover.structured && !found.scan.is_empty());
+    }
+}
+
+#[test]
+fn an_eccentric_encoder_is_found_at_its_order() {
+    check(Kind::TransmissionError, Carrier::Joint(2), Driver::Harmonic { joint: 2, order: 2.0 }, &[3e-4, 2e-4]);
+}
+
+#[test]
+fn a_soft_joint_is_found_by_its_torque() {
+    check(Kind::JointCompliance, Carrier::Joint(1), Driver::Torque(1), &[8e-6]);
+}
+
+#[test]
+fn pitch_and_coupling_are_separated() {
+    let pitch = effect(Kind::HelicalPitch, Carrier::Along(0), Driver::Reading(0), &[2e-4]);
+    let scale = effect(Kind::JointScale, Carrier::Joint(2), Driver::Reading(2), &[8e-4]);
+    let found = traced(vec![pitch, scale], 3);
+    let mut kinds: Vec<Kind> = found.findings.iter().map(|finding| finding.term.kind).collect();
+    kinds.sort();
+    assert_eq!(kinds, [Kind::JointScale, Kind::HelicalPitch]);
+    assert_eq!(found.stages.len(), 2);
+}
+
+fn measured(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/measured").join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("skipped, because {} is not here", path.display());
+    None
+}
+
+/// Wu, Yang, Chen, Ren 2015: 0.266 mm mean and 0.525 mm largest on the same 40 rows.
+#[test]
+fn wu_irb120_lacks_compliance() {
+    let (chain, statics) = robot("abb/irb120.urdf");
+    let load = |name: &str| {
+        let path = measured(name)?;
+        Some(read(name, std::fs::File::open(path).unwrap(), &chain, Units::default()).unwrap().data)
+    };
+    let (Some(train), Some(test)) = (load("wu_irb120/train.csv"), load("wu_irb120/test.csv")) else { return };
+    let mut options = CalibrateOptions::geometry(&chain);
+    options.trace = Some(TraceOptions::new(options.identify.clone()));
+    let found = calibrate(&chain, &statics, train, Some(test), &options).unwrap();
+    let last = serde_json::to_value(found.report.stages.last().unwrap()).unwrap();
+    let (mean, max) = (&last["test"]["position_mean_m"], &last["test"]["position_max_m"]);
+    println!("{}: mean {mean} m, largest {max} m", last["name"]);
+    assert!(mean.as_f64().unwrap() <= 0.175e-3 && max.as_f64().unwrap() <= 0.364e-3);
+}
