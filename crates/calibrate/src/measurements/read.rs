@@ -97,7 +97,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
         .flexible(true)
         .has_headers(false)
         .trim(csv::Trim::All)
-        .from_reader(input);
+        .from_reader(LineFeeds(input).chain(&b"\n"[..]));
     let mut problems = Problems { source, found: Vec::new(), more: 0 };
     let mut record = csv::StringRecord::new();
     match reader.read_record(&mut record) {
@@ -106,7 +106,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
         Err(error) => return Err(problems.only(line_of(&error), unreadable(&error))),
     }
     let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
-    let header_line = record.position().map_or(1, csv::Position::line);
+    let header_line = reader.position().line() - 1;
     let header = match Header::read(names, chain.coordinates()) {
         Ok(header) => header,
         Err(found) => {
@@ -119,7 +119,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
     let mut table = Table::new(&header, chain, units, source);
     loop {
         match reader.read_record(&mut record) {
-            Ok(true) => table.row(&record, &mut problems),
+            Ok(true) => table.row(&record, reader.position().line() - 1, &mut problems),
             Ok(false) => break,
             Err(error) => {
                 problems.add(line_of(&error), unreadable(&error));
@@ -128,6 +128,29 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
         }
     }
     table.finish(chain, problems)
+}
+
+/// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.
+///
+/// A record's own position is of no use: it counts from before the comments above it.
+struct LineFeeds<R>(R);
+
+impl<R: Read> Read for LineFeeds<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            let count = self.0.read(buffer)?;
+            let mut kept = 0;
+            for index in 0..count {
+                if buffer[index] != b'\r' {
+                    buffer[kept] = buffer[index];
+                    kept += 1;
+                }
+            }
+            if kept > 0 || count == 0 {
+                return Ok(kept);
+            }
+        }
+    }
 }
 
 fn line_of(error: &csv::Error) -> u64 {
@@ -228,8 +251,7 @@ impl<'a> Table<'a> {
         Self { header, factors, data, others, normalised_by: 0.0 }
     }
 
-    fn row(&mut self, record: &csv::StringRecord, problems: &mut Problems<'_>) {
-        let line = record.position().map_or(0, csv::Position::line);
+    fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
         let expected = self.header.names.len();
         if record.len() != expected {
             problems.add(line, Problem::Ragged { found: record.len(), expected });

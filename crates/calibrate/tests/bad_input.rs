@@ -1,0 +1,245 @@
+//! Every way in which a measurement file can be wrong, with the words that the user sees.
+
+use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
+use denavit_calibrate::effects::driver::Statics;
+use denavit_calibrate::measurements::{DataNote, Units, read, write};
+use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::{MeasurementKind, Measurements, NoEffects};
+use denavit_model::examples::planar_arm;
+
+fn error(text: &str) -> String {
+    read("m.csv", text.as_bytes(), &planar_arm(), Units::default()).unwrap_err().to_string()
+}
+
+fn notes(text: &str) -> Vec<DataNote> {
+    read("m.csv", text.as_bytes(), &planar_arm(), Units::default()).unwrap_or_else(|error| panic!("{error}")).notes
+}
+
+fn check(text: &str, expected: &str) {
+    assert_eq!(error(text), expected);
+}
+
+#[test]
+fn headers() {
+    check(
+        "# only a comment\n",
+        "m.csv: there is no header row; the first row names the columns: joints, then x,y,z or distance",
+    );
+    check("", "m.csv: there is no header row; the first row names the columns: joints, then x,y,z or distance");
+    check("joint_1,joint_2,x,y,z\n", "m.csv: there are no rows below the header; each row is one pose of the robot");
+    check(
+        "joint_1;joint_2;x;y;z\n1;2;3;4;5\n",
+        "m.csv:1: the header is a single column \"joint_1;joint_2;x;y;z\"; separate columns by commas, not by semicolons",
+    );
+    check(
+        "# c\njoint_1,jiont_2,x,y,z\n1,2,3,4,5\n",
+        "m.csv:2: joint \"joint_2\" has no column; did you mean it by column \"jiont_2\"? Rename that column",
+    );
+    check(
+        "joint_1,x,y,z\n1,2,3,4\n",
+        "m.csv:1: joint \"joint_2\" has no column; the file needs one column for each of joint_1, joint_2",
+    );
+    check("joint_1,joint_1,joint_2,x,y,z\n", "m.csv:1: column \"joint_1\" is there twice; give each its own name");
+    check("joint_1,joint_2,x,y,z,\n", "m.csv:1: column 6 has no name; name it or remove it");
+    check("joint_1,joint_2,x,y\n", "m.csv:1: column \"z\" is missing beside \"x\"; x, y, z belong together");
+    check(
+        "joint_1,joint_2,x,y,z,qx,qy,qw\n",
+        "m.csv:1: column \"qz\" is missing beside \"qx\"; qx, qy, qz, qw belong together",
+    );
+    check(
+        "joint_1,joint_2,x1,y1,z1,x2,y2,z2,qx,qy,qz,qw\n",
+        "m.csv:1: a quaternion goes with one target x,y,z, and there are 2 targets; remove qx,qy,qz,qw",
+    );
+    check(
+        "joint_1,joint_2,x,y,z,distance\n",
+        "m.csv:1: there are both \"x\" and \"distance\"; a file holds positions or distances: remove one",
+    );
+    check(
+        "joint_1,joint_2,distnace\n",
+        "m.csv:1: no column holds a measured value; there must be x,y,z (with qx,qy,qz,qw for poses), or x1,y1,z1,x2,… for \
+         several targets, or distance; did you mean \"distnace\" to be one of them?",
+    );
+    check(
+        "joint_1,joint_2,x,y,z,joint_3.approach\n",
+        "m.csv:1: column \"joint_3.approach\": there is no joint \"joint_3\"; did you mean \"joint_2\"?",
+    );
+}
+
+#[test]
+fn lines_are_counted_with_comments_and_any_line_end() {
+    check(
+        "# a\n\njoint_1,joint_2,x,y,z\n# b\n# c\n0,a,1,0,0",
+        "m.csv:6: column \"joint_2\": \"a\" is not a number; correct the cell or remove the row",
+    );
+    check(
+        "# a\r\njoint_1,joint_2,x,y,z\r\n0,a,1,0,0\r\n",
+        "m.csv:3: column \"joint_2\": \"a\" is not a number; correct the cell or remove the row",
+    );
+}
+
+#[test]
+fn cells() {
+    let row = |cells: &str| format!("joint_1,joint_2,x,y,z,temperature\n0,0,1,0,0,20\n{cells}\n");
+    check(
+        &row("0,0,1,0,0"),
+        "m.csv:3: 5 cells, but the header names 6 columns; write an empty cell for what was not seen",
+    );
+    check(
+        &row("0,5,0,1,0,0,20"),
+        "m.csv:3: 7 cells, but the header names 6 columns; is a decimal comma or an unquoted comma in it?",
+    );
+    check(
+        &row("0,abc,1,0,0,20"),
+        "m.csv:3: column \"joint_2\": \"abc\" is not a number; correct the cell or remove the row",
+    );
+    check(
+        &row("0,\"0,5\",1,0,0,20"),
+        "m.csv:3: column \"joint_2\": \"0,5\" is not a number; write the decimal point as a dot",
+    );
+    check(
+        &row("0,0,NaN,0,0,20"),
+        "m.csv:3: column \"x\": \"NaN\" is not finite; leave the cells of a target empty where it was not seen",
+    );
+    check(
+        &row("inf,0,1,0,0,20"),
+        "m.csv:3: column \"joint_1\": \"inf\" is not finite; correct the cell or remove the row",
+    );
+    check(
+        &row(",0,1,0,0,20"),
+        "m.csv:3: column \"joint_1\" is empty; every row needs this value: fill it in or remove the row",
+    );
+    check(
+        &row("0,0,1,,0,20"),
+        "m.csv:3: target \"\" has some of x, y, z but not all; leave all empty where it was not seen",
+    );
+    check(
+        &row("0,0,1,0,0,warm"),
+        "m.csv:3: column \"temperature\": \"warm\" is not a number; correct the cell or remove the row",
+    );
+    check(
+        &row("0,0,1,0,0,"),
+        "m.csv:3: column \"temperature\" is empty; every row needs this value: fill it in or remove the row",
+    );
+    check(
+        "joint_1,joint_2,x,y,z,qx,qy,qz,qw\n0,0,1,0,0,1,1,0,0\n",
+        "m.csv:2: the quaternion has length 1.414214, not 1; the columns are qx,qy,qz,qw in this order of meaning",
+    );
+    check(
+        "joint_1,joint_2,distance\n0,0,-1\n",
+        "m.csv:2: distance -1 is not positive; it is the length in m from the anchor to the target",
+    );
+    check(
+        "joint_1,joint_2,x,y,z,joint_1.approach\n0,0,1,0,0,1\n0,0,1,0,0,2\n",
+        "m.csv:3: column \"joint_1.approach\": 2 is no side; write 1 or -1, and 0 where it is not known",
+    );
+    check(
+        "joint_1,joint_2,x,y,z,locate\n0,0,1,0,0,yes\n",
+        "m.csv:2: column \"locate\": \"yes\" is not a number; correct the cell or remove the row",
+    );
+    check("joint_1,joint_2,x,y,z,locate\n0,0,1,0,0,2\n", "m.csv:2: column \"locate\": 2 is neither 0 nor 1");
+    check("joint_1,joint_2,x,y,z\n0,0,,,\n", "m.csv: no row has a measured value; every cell of the targets is empty");
+    let many = format!("joint_1,joint_2,x,y,z\n{}", "a,0,1,0,0\n".repeat(14));
+    assert!(error(&many).ends_with("\n… and 4 more"), "{}", error(&many));
+    let bytes = b"joint_1,joint_2,x,y,z\n0,0,1,0,\xff\n";
+    let text = read("m.csv", &bytes[..], &planar_arm(), Units::default()).unwrap_err().to_string();
+    assert_eq!(text, "m.csv:2: the text is not UTF-8; write the file as UTF-8 text with comma-separated columns");
+}
+
+#[test]
+fn units() {
+    check(
+        "joint_1,joint_2,x,y,z\n10,20,1,0,0\n90,45,1,0,0\n",
+        "m.csv:3: joint \"joint_1\" reads 90 rad, and its limits are -2.900 to 2.900 rad; if the readings are in degrees, \
+         say --units deg\nm.csv:3: joint \"joint_2\" reads 45 rad, and its limits are -2.900 to 2.900 rad; if the readings \
+         are in degrees, say --units deg",
+    );
+    check(
+        "joint_1,joint_2,x,y,z\n0,0,1500,0,0\n1,1,0,1500,0\n",
+        "m.csv: the measured positions span 2121.3203 m, but no two places that this robot can reach are further apart than \
+         3.0000 m; if the lengths are in millimetres, say --units mm",
+    );
+    let in_mm = "joint_1,joint_2,x,y,z\n0,0,1500,0,0\n90,0,0,1500,0\n";
+    let data = read("m.csv", in_mm.as_bytes(), &planar_arm(), "mm,deg".parse().unwrap()).unwrap().data;
+    assert!((data.position(1, 0).unwrap().y - 1.5).abs() < 1e-15 && (data.reading(1)[0] - 1.5708).abs() < 1e-4);
+    let wrong = "mm,grad".parse::<Units>().unwrap_err().to_string();
+    assert_eq!(wrong, "units \"mm,grad\": \"grad\" is none of m, mm, um, in, rad, deg, mrad; write for example mm,deg");
+}
+
+#[test]
+fn what_is_no_failure_is_noted() {
+    let found = notes(
+        "\u{feff}joint_1,joint_2,x1,y1,z1,x2,y2,z2,x3,y3,z3,who\n0,0.5,1,0,0,1,0,0,,,,ann\n1,0.5,0,1,0,0,1,0,,,,ben\n",
+    );
+    let texts: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        texts,
+        [
+            "target 2 repeats target 1 in every row; it is counted once",
+            "target 3 is seen in no row; it is left out",
+            "joint \"joint_2\" stands at 0.5 in every row; the data cannot tell its axis from its neighbours'",
+        ]
+    );
+    assert_eq!(
+        notes("joint_1,joint_2,x,y,z\n0,0,1,0,0\n3.2,1,0,1,0\n")[0].to_string(),
+        "joint \"joint_1\" is outside of its limits in 1 rows"
+    );
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
+        let run = simulate(
+            &planar_arm(),
+            &SimulationOptions { kind, rows: 20, targets: 2, ..Default::default() },
+            &NoEffects,
+        );
+        let text = write(&run.data, &["made up".into()]);
+        let mut again = read("simulation", text.as_bytes(), &planar_arm(), Units::default()).unwrap().data;
+        for (a, b) in again.orientations.iter_mut().zip(&run.data.orientations) {
+            assert!((a.matrix() - b.matrix()).norm() < 1e-14);
+            *a = *b;
+        }
+        again.lines.clone_from(&run.data.lines);
+        assert_eq!(again, run.data);
+    }
+}
+
+fn calibration_error(data: Measurements, test: Option<Measurements>, hold_out: Option<f64>) -> String {
+    let chain = planar_arm();
+    let options = CalibrateOptions {
+        hold_out: hold_out.map(|share| HoldOut { share, seed: 0 }),
+        ..CalibrateOptions::geometry(&chain)
+    };
+    calibrate(&chain, &Statics::of_chain(&chain), data, test, &options).unwrap_err().to_string()
+}
+
+#[test]
+fn data_that_cannot_be_fitted() {
+    let of =
+        |kind, rows| simulate(&planar_arm(), &SimulationOptions { kind, rows, ..Default::default() }, &NoEffects).data;
+    assert_eq!(
+        calibration_error(of(MeasurementKind::Position, 3), None, None),
+        "simulation: 3 rows hold 9 measured numbers, but placing the instrument and the targets takes 9 and a few to check \
+         them; measure more poses"
+    );
+    let mut mixed = of(MeasurementKind::Position, 60);
+    mixed.positions.rotate_left(7);
+    let text = calibration_error(mixed, None, None);
+    assert!(text.starts_with("simulation: the robot as drawn misses what was measured by 0."), "{text}");
+    assert!(text.ends_with("and --base and --tip right?"), "{text}");
+    assert_eq!(
+        calibration_error(of(MeasurementKind::Position, 40), Some(of(MeasurementKind::Pose, 5)), None),
+        "simulation: it measures poses, but the model was fitted to positions; test with the same kind of value"
+    );
+    let mut other = of(MeasurementKind::Position, 5);
+    other.targets = vec!["7".into()];
+    assert_eq!(
+        calibration_error(of(MeasurementKind::Position, 40), Some(other), None),
+        "simulation: target \"7\" is not among the fitted ones () and no row places it; set locate = 1 in a row that sees \
+         it, or measure a fitted target"
+    );
+    assert_eq!(
+        calibration_error(of(MeasurementKind::Position, 40), None, Some(1.5)),
+        "--hold-out 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows"
+    );
+}

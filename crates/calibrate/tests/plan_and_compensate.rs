@@ -1,0 +1,61 @@
+//! Chosen poses tell more than poses taken as they come; commands reach what they are for.
+
+use denavit_calibrate::compensate::{Wanted, compensate};
+use denavit_calibrate::plan::{PlanOptions, plan};
+use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::{MeasurementKind, NoEffects};
+use denavit_model::nalgebra::{DMatrix, Point3, Vector6};
+use denavit_model::{examples, se3};
+
+#[test]
+fn chosen_poses_are_more_observable_and_stay_in_the_box() {
+    for chain in &examples::all()[1..] {
+        for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
+            let options = PlanOptions { spread: 300, ..PlanOptions::new(chain, 20, kind) };
+            let free = plan(chain, &options).unwrap();
+            println!("{} {kind:?}\n{}", chain.name(), free.to_text());
+            assert_eq!(free.poses.len(), 20);
+            assert!(free.observability.o1 > free.as_they_come.o1, "{}", chain.name());
+            assert_eq!(free.to_csv().lines().filter(|line| !line.starts_with('#')).count(), 21);
+        }
+        let half = [Point3::new(0.0, -9.0, -9.0), Point3::new(9.0, 9.0, 9.0)];
+        let options = PlanOptions { allowed: Some(half), ..PlanOptions::new(chain, 12, MeasurementKind::Position) };
+        for pose in plan(chain, &options).unwrap().poses {
+            assert!((chain.fk(&pose) * Point3::from(options.target)).x >= 0.0);
+        }
+        let none = PlanOptions { allowed: Some([Point3::new(50.0, 0.0, 0.0); 2]), ..options };
+        assert_eq!(
+            plan(chain, &none).unwrap_err().to_string(),
+            "12 poses are to be chosen, but only 0 of 1000 candidates are within the limits and the box; allow more or \
+             ask for fewer"
+        );
+    }
+}
+
+#[test]
+fn commands_reach_the_wanted_pose_by_the_actual_robot() {
+    let chain = examples::puma_like();
+    let run =
+        simulate(&chain, &SimulationOptions { turn: 2e-3, shift: 2e-3, rows: 40, ..Default::default() }, &NoEffects);
+    let actual = run.arm.chain();
+    let mut reached = 0;
+    for row in 0..run.data.len() {
+        let q = run.data.reading(row).to_vec();
+        let command = compensate(&chain, &actual, &|q| actual.fk(q), &Wanted::Joints(q.clone()), &q);
+        let (turned, moved) = se3::difference(&actual.fk(&command.joints), &chain.fk(&q));
+        assert!(command.uncompensated.0 > 1e-4 && (moved - command.position_error).abs() < 1e-15);
+        // A stretched arm or wrist: the pose may be out of the actual robot's reach, and the command says so.
+        let mut columns = vec![Vector6::zeros(); 6];
+        chain.tip_jacobian_into(&q, &mut columns);
+        let weakest = DMatrix::from_fn(6, 6, |i, k| columns[k][i]).singular_values().min();
+        assert!(
+            weakest < 0.05 || (moved < 1e-12 && turned < 1e-11),
+            "row {row}: {moved:e} {turned:e}, weakest {weakest}"
+        );
+        reached += usize::from(moved < 1e-12);
+    }
+    assert!(reached > 30, "{reached}");
+    let wanted = Wanted::Pose(chain.fk(&[0.3, -0.5, 0.8, 0.4, 0.9, -0.2]));
+    let command = compensate(&chain, &actual, &|q| actual.fk(q), &wanted, &[0.0; 6]);
+    assert!(command.position_error < 1e-12 && command.outside.len() < 7, "{command:?}");
+}
