@@ -52,7 +52,7 @@ pub struct CompiledChain {
 }
 
 impl CompiledChain {
-    /// Compiles a chain; some microseconds.
+    /// Compiles a chain: worth it from some ten poses on.
     pub fn new(chain: &Chain) -> Self {
         Self::for_instructions(chain, Level::new())
     }
@@ -142,7 +142,7 @@ impl CompiledChain {
         dispatch!(self.level, simd => batch::tips(simd, self, q, tips));
     }
 
-    /// [`CompiledChain::poses_into`] shared among threads; starting one costs as much as a thousand poses.
+    /// [`CompiledChain::poses_into`] shared among threads: for work of many milliseconds, since starting one has a price.
     ///
     /// # Panics
     /// As [`CompiledChain::poses_into`].
@@ -150,7 +150,7 @@ impl CompiledChain {
         self.share(threads, q, poses, |q, poses| self.poses_into(q, poses));
     }
 
-    /// [`CompiledChain::tips_into`] shared among threads; starting one costs as much as a thousand tips.
+    /// [`CompiledChain::tips_into`] shared among threads: for work of many milliseconds, since starting one has a price.
     ///
     /// # Panics
     /// As [`CompiledChain::poses_into`].
