@@ -55,12 +55,14 @@ fn unbound_prefixes(text: &str) -> Vec<&str> {
         let name = &text[at + "xmlns:".len()..];
         declared.push(&name[..names(name)]);
     }
+    let mut markup = Markup::default();
     for (at, _) in text.match_indices(':') {
         let before = &text[..at];
         let length = before.len() - before.trim_end_matches(|c: char| c.is_alphanumeric() || "_-.".contains(c)).len();
         let prefix = &before[at - length..];
         let opens = before[..at - length].ends_with(['<', '/', ' ', '\t', '\n', '\r']);
-        if length == 0 || !opens || declared.contains(&prefix) || unbound.contains(&prefix) || !in_tag(before) {
+        if length == 0 || !opens || declared.contains(&prefix) || unbound.contains(&prefix) || !markup.in_tag(text, at)
+        {
             continue;
         }
         unbound.push(prefix);
@@ -68,14 +70,45 @@ fn unbound_prefixes(text: &str) -> Vec<&str> {
     unbound
 }
 
-/// Whether the end of `before` stands inside a tag and outside its attribute values.
-fn in_tag(before: &str) -> bool {
-    let Some(open) = before.rfind('<') else { return false };
-    let tag = &before[open..];
-    let markup = !tag.starts_with("<!") && !tag.starts_with("<?");
-    let name =
-        markup && !tag.contains('>') && ['"', '\''].iter().all(|quote| tag.matches(*quote).count().is_multiple_of(2));
-    name && before.rfind("<!--") <= before.rfind("-->")
+/// Where a place in the text stands, followed from its start so that large files are read once.
+#[derive(Default)]
+struct Markup {
+    scanned: usize,
+    tag: Option<usize>,
+    /// Since the last `<`: a `>`, and unclosed quotes of either kind.
+    closed: bool,
+    quoted: [bool; 2],
+    comment_opened: Option<usize>,
+    comment_closed: Option<usize>,
+}
+
+impl Markup {
+    /// Whether `at`, not before the last one asked for, stands inside a tag and outside its attribute values.
+    fn in_tag(&mut self, text: &str, at: usize) -> bool {
+        let bytes = text.as_bytes();
+        for place in self.scanned..at {
+            match bytes[place] {
+                b'<' => {
+                    (self.tag, self.closed, self.quoted) = (Some(place), false, [false; 2]);
+                    if bytes[place..at].starts_with(b"<!--") {
+                        self.comment_opened = Some(place);
+                    }
+                }
+                b'>' => {
+                    self.closed = true;
+                    if bytes[..=place].ends_with(b"-->") {
+                        self.comment_closed = Some(place - 2);
+                    }
+                }
+                b'"' => self.quoted[0] = !self.quoted[0],
+                b'\'' => self.quoted[1] = !self.quoted[1],
+                _ => {}
+            }
+        }
+        self.scanned = at;
+        let markup = self.tag.is_some_and(|tag| !bytes[tag..].starts_with(b"<!") && !bytes[tag..].starts_with(b"<?"));
+        markup && !self.closed && self.quoted == [false; 2] && self.comment_opened <= self.comment_closed
+    }
 }
 
 #[cfg(test)]
@@ -103,5 +136,6 @@ mod tests {
         let unbound = |text| unbound_prefixes(text).join(" ");
         assert_eq!(unbound("<robot xmlns:gazebo='u'><gazebo:x/><!-- e:f g -->w:h</robot>"), "");
         assert_eq!(unbound("<robot><xacro:include a:b='c:d' e=' g:h'/></xacro:include></robot>"), "xacro a");
+        assert_eq!(unbound("<robot><!-- <a b='c> d:e --><!-- '> -- f:g --> h:i <j k:l='\"'/></robot>"), "k");
     }
 }
