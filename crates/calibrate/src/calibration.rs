@@ -153,7 +153,7 @@ pub fn calibrate(
     let identification = identify(chain, &train, &options.identify);
     fits(chain, &train, &identification)?;
     let found = options.trace.as_ref().map(|options| trace(statics, &train, &identification.geometric, options));
-    let mut stages = Stages { train: &train, test: test.as_ref(), stages: Vec::new(), residuals: Vec::new() };
+    let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
     stages.add("geometric".into(), &identification.geometric)?;
     if let Some(found) = &found {
@@ -161,7 +161,7 @@ pub fn calibrate(
             stages.add(name, fit)?;
         }
     }
-    let (stages, residuals) = (stages.stages, stages.residuals);
+    let (stages, residuals) = (stages.done, stages.residuals);
     let told = identifiability(&train, &identification.geometric.arm, &NoEffects, &options.identify.freedom);
     let weights = found.as_ref().map_or(&identification.geometric.weights, |found| &found.fit.weights);
     let report = CalibrationReport {
@@ -208,7 +208,7 @@ fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option
     let mut random = ChaCha8Rng::seed_from_u64(hold_out.seed);
     let mut order: Vec<(f64, usize)> = (0..data.len()).map(|row| (random.random::<f64>(), row)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let count = order.iter().take_while(|(_, _)| true).count().min(held as usize);
+    let count = (0..data.len()).take_while(|&k| (k as f64) + 0.5 <= held).count();
     let mut test: Vec<usize> = order[..count].iter().map(|(_, row)| *row).collect();
     let mut train: Vec<usize> = order[count..].iter().map(|(_, row)| *row).collect();
     if train.is_empty() {
@@ -244,7 +244,7 @@ fn fits(chain: &Chain, data: &Measurements, found: &Identification) -> Result<()
 struct Stages<'a> {
     train: &'a Measurements,
     test: Option<&'a Measurements>,
-    stages: Vec<Stage>,
+    done: Vec<Stage>,
     residuals: Vec<StageResiduals>,
 }
 
@@ -260,7 +260,7 @@ impl Stages<'_> {
             held_out = residuals(&arm, &fit.effects, test);
             test_errors = Some(errors(&held_out, test.kind));
         }
-        self.stages.push(Stage { name: name.clone(), train: errors(&train, self.train.kind), test: test_errors });
+        self.done.push(Stage { name: name.clone(), train: errors(&train, self.train.kind), test: test_errors });
         self.residuals.push(StageResiduals { name, train, test: held_out });
         Ok(())
     }

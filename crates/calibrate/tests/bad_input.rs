@@ -1,5 +1,7 @@
 //! Every way in which a measurement file can be wrong, with the words that the user sees.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::approx_constant)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::measurements::{DataNote, Units, read, write};

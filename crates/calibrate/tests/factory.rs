@@ -1,5 +1,7 @@
 //! Arms calibrated at the factory: kinematics files and delta tables of real controllers.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::approx_constant)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_calibrate::delta_table;
 use denavit_calibrate::kinematics_yaml::{AngleOrder, KinematicsFile, NAMES, read};
 use denavit_dh::DhRow;
@@ -34,7 +36,7 @@ fn apart(a: &Chain, b: &Chain) -> (f64, f64) {
     let mut largest = (0.0f64, 0.0f64);
     for sample in 0..300 {
         let q: Vec<f64> = (0..6)
-            .map(|k| 6.0 * (0.5 + sample as f64 * 0.618_033_988_7 * (k as f64 + 1.0).sqrt()).fract() - 3.0)
+            .map(|k| 6.0 * (0.5 + f64::from(sample) * 0.618_033_988_7 * (f64::from(k) + 1.0).sqrt()).fract() - 3.0)
             .collect();
         let (turned, moved) = se3::difference(&a.fk(&q), &b.fk(&q));
         largest = (largest.0.max(turned), largest.1.max(moved));

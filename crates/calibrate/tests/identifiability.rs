@@ -1,5 +1,7 @@
 //! The paper's count against the numerical rank.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_calibrate::dh_form::dh_form;
 use denavit_calibrate::identifiability::{identifiability, of_chain};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};

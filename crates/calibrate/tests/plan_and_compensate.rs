@@ -1,5 +1,7 @@
 //! Chosen poses tell more than poses taken as they come; commands reach what they are for.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_calibrate::compensate::{Wanted, compensate};
 use denavit_calibrate::plan::{PlanOptions, plan};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};

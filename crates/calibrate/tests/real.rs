@@ -1,5 +1,7 @@
 //! Real robots, measured by others. The data are not part of this repository.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;

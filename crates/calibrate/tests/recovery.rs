@@ -1,5 +1,7 @@
 //! Simulated robots found again.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::{IdentifyOptions, Layout, MeasurementKind, NoEffects, Problem, identify};
 use denavit_model::{Chain, examples};
