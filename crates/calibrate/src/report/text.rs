@@ -1,12 +1,15 @@
 //! A calibration as text for a terminal.
 
 use crate::calibration::Calibration;
+use crate::compensate::Command;
+use crate::dh_form::DhForm;
 use crate::errors::Errors;
 use crate::identifiability::Identifiability;
 use crate::measurements::MeasurementKind;
 use crate::parameters::{Parameter, ParameterKind};
 use crate::report::contract::Stage;
 use crate::solve::Fit;
+use denavit_model::Chain;
 use std::fmt::Write;
 
 /// Prior and posterior spread are alike when their ratio is above this.
@@ -183,4 +186,72 @@ pub fn calibration(result: &Calibration) -> String {
         let _ = writeln!(text, "{rounding}");
     }
     text
+}
+
+/// The D-H form of a chain: its numbers, how many are too many and where, and what it cannot say.
+pub fn dh_form(form: &DhForm, chain: &Chain) -> String {
+    let name = |index: usize| chain.joints()[index].name.as_str();
+    let mut text = format!(
+        "D-H form with full poses: {} numbers, rank {}; {} too many in the base, {} in the tool\n",
+        form.numbers, form.rank, form.redundant_in_base, form.redundant_in_tool
+    );
+    for &first in &form.parallel {
+        let _ = writeln!(
+            text,
+            "  \"{}\" and \"{}\" are parallel neighbours: their d cannot be told apart, and no small change of the row \
+             tilts one against the other in the second direction; use the POE form or Hayati's row",
+            name(first),
+            name(first + 1)
+        );
+    }
+    for &slide in &form.prismatic {
+        let _ =
+            writeln!(text, "  \"{}\" slides: its axis has no place, so two numbers beside it are free", name(slide));
+    }
+    text
+}
+
+/// Commands as CSV: joint values (rad, m), then what each is expected to miss with and without compensation (m, rad).
+pub fn commands(chain: &Chain, commands: &[Command]) -> String {
+    let mut header: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
+    header.extend(["position_error_m", "orientation_error_rad", "uncompensated_m", "uncompensated_rad", "outside"]);
+    let mut text = format!("{}\n", header.join(","));
+    for command in commands {
+        let mut cells: Vec<String> = command.joints.iter().map(f64::to_string).collect();
+        let (moved, turned) = command.uncompensated;
+        let errors = [command.position_error, command.orientation_error, moved, turned];
+        cells.extend(errors.iter().map(|error| format!("{error:.3e}")));
+        cells.push(command.outside.join(" "));
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensate::{Wanted, compensate};
+    use crate::dh_form::dh_form as analyse;
+    use denavit_model::examples;
+
+    #[test]
+    fn parallel_neighbours_are_named() {
+        let chain = examples::planar_arm();
+        let readings: Vec<Vec<f64>> = (0..20).map(|k| vec![0.3 * f64::from(k), 0.7 * f64::from(k)]).collect();
+        let text = dh_form(&analyse(&chain, &readings), &chain);
+        assert!(
+            text.starts_with("D-H form with full poses: 20 numbers, rank 13; 4 too many in the base, 2 in the tool\n")
+        );
+        assert!(text.contains("\"joint_1\" and \"joint_2\" are parallel neighbours"), "{text}");
+    }
+
+    #[test]
+    fn commands_have_a_header_and_a_line_each() {
+        let chain = examples::puma_like();
+        let wanted = Wanted::Joints(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        let command = compensate(&chain, &chain, &|q| chain.fk(q), &wanted, &[0.0; 6]);
+        let text = commands(&chain, &[command]);
+        assert_eq!(text.lines().count(), 2);
+        assert!(text.lines().last().is_some_and(|line| line.starts_with("0.1,0.2,0.3,0.4,0.5,0.6,")), "{text}");
+    }
 }
