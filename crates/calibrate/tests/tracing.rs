@@ -37,7 +37,7 @@ fn effect(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) ->
 fn check(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) {
     let found = traced(vec![effect(kind, carrier, driver, coefficients)], 7);
     let names: Vec<_> = found.findings.iter().map(|finding| (finding.term.kind, finding.term.carrier)).collect();
-    assert_eq!(names, [(kind, carrier)]);
+    assert_eq!(names, [(kind, carrier)], "{:?}", found.findings);
     let finding = &found.findings[0];
     for (value, truth) in finding.values.iter().zip(coefficients) {
         let std = value.std.unwrap();

@@ -31,6 +31,8 @@ const MOST_LOCAL: usize = 3;
 const BOUNDED: f64 = 4.0;
 /// Where structure is left that no entry explains, an effect that explains less than this share of it is not named.
 const MIMIC: f64 = 0.5;
+/// Nor is one that explains less than this many times what is left, if it adds nothing beside that structure.
+const MIMIC_BESIDE: f64 = 3.0;
 
 /// The search and what it works with.
 pub struct Tracer<'a> {
@@ -344,7 +346,8 @@ impl<'a> Tracer<'a> {
                 let projector = Projector::new(&[&linear.geometry, &others, &leftover.columns], &residual);
                 let own = field.own(&projector, &state.chosen[index]);
                 let alone = field.own(&Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
-                let mimic = !self.passes(&own) || alone.gain.drop < MIMIC * leftover.drop;
+                let beside = !self.passes(&own) && alone.gain.drop < MIMIC_BESIDE * leftover.drop;
+                let mimic = beside || alone.gain.drop < MIMIC * leftover.drop;
                 if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
                     weakest = Some((own.delta_bic, index));
                 }
