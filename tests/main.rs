@@ -5,6 +5,7 @@
 
 mod architecture;
 mod command_line;
+mod compare;
 mod corpus;
 mod golden;
 mod oracle;

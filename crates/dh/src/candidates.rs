@@ -153,10 +153,13 @@ const COINCIDES: f64 = 1e-12;
 
 /// Where along the parallel axes the way could go on: at the foot of the next common normal, or level with the tip.
 fn stops(origin: &Vector3<f64>, z: &Vector3<f64>, place: &Vector3<f64>, ahead: &[Target]) -> Vec<f64> {
+    let level = |point: &Vector3<f64>| (point - origin).dot(z);
+    if ahead[0].tool_x.is_some() {
+        return vec![level(&ahead[0].point)];
+    }
     let turning =
         ahead[1..].iter().find(|target| target.tool_x.is_some() || angle_of_lines(z, &target.direction) > ROUNDING);
     let Some(target) = turning else { return Vec::new() };
-    let level = |point: &Vector3<f64>| (point - origin).dot(z);
     if target.place_is_free || angle_of_lines(z, &target.direction) <= ROUNDING {
         return vec![level(&target.point)];
     }

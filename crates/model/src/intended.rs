@@ -85,11 +85,12 @@ impl Literal {
 
     /// Whether `multiple` (of π), written to this many places, gives `value`; `quarters` = multiple / (π/2).
     fn is_written_for(&self, value: f64, multiple: f64, quarters: f64) -> bool {
-        #[expect(clippy::cast_possible_truncation, reason = "single precision is what is asked for")]
-        let single = (value as f32) == (multiple as f32);
         if self.significant_digits >= 8 {
             let last_place = 10f64.powi(-self.places);
-            return single || (value - multiple).abs() < last_place;
+            #[expect(clippy::cast_possible_truncation, reason = "single precision is what is asked for")]
+            let single = f64::from(multiple as f32);
+            let near = |exact: f64| (value - exact).abs() < last_place.max(4.0 * f64::EPSILON * exact);
+            return near(single) || near(multiple);
         }
         let scale = 10f64.powi(self.places);
         let written = (value * scale).round();
@@ -188,6 +189,7 @@ mod tests {
             "1.5712",
             "1.5700963",
             "1.570785",
+            "1.5707963705062966",
             "3.13",
             "3.15",
             "0",

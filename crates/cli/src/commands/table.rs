@@ -7,7 +7,9 @@ use crate::source::{self, Loaded};
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::matching::{self, Verdict};
 use denavit_dh::{Convention, Gauge, NearParallel, Options, Parallelism, Table};
+use denavit_export::urdf::read_off;
 use denavit_export::{Sheet, formats, matched, sources};
+use denavit_model::Reading;
 use denavit_model::notes::{Note, Noted};
 
 /// Runs the command.
@@ -66,6 +68,14 @@ fn made(arguments: &TableArguments, loaded: &Loaded, convention: Convention) -> 
         }
     }
     let Noted { value: chain, mut notes } = loaded.chain(&arguments.robot)?;
+    if let (Loaded::Robot(tree), None, false) = (loaded, arguments.gauge, convention == Convention::Hayati) {
+        // A file whose joint origins are D-H rows has chosen its gauge.
+        let robot = &arguments.robot;
+        let reading = if robot.exact { Reading::AsWritten } else { Reading::Intended };
+        if let Some(table) = read_off(tree, robot.base.as_deref(), robot.tip.as_deref(), reading) {
+            return Ok(Noted { value: table, notes });
+        }
+    }
     let options = options(arguments, convention);
     let made =
         table(&chain, &options).map_err(|source| Failure::Chain { file: arguments.robot.robot.clone(), source })?;
