@@ -89,7 +89,8 @@ fn messages_name_the_trouble_and_the_mend() {
 
 #[test]
 fn bad_files_get_one_clear_message() {
-    let link = |names: &[&str]| names.iter().map(|name| format!("<link name=\"{name}\"/>")).collect::<String>();
+    let link =
+        |names: &[&str]| names.iter().map(|name| format!("<link name=\"{name}\"/>")).collect::<Vec<_>>().concat();
     let joint = |body: &str| format!("<joint name=\"j\" type=\"revolute\">{body}</joint>");
     let ends = "<parent link=\"a\"/><child link=\"b\"/>";
     for (body, expected) in [

@@ -61,9 +61,13 @@ fn vendors_robots_have_readable_tables_and_true_bounds() {
         }
     }
     println!("{} files, {chains} chains, {} refused:", found.len(), refused.len());
-    refused.iter().for_each(|reason| println!("  {reason}"));
+    for reason in &refused {
+        println!("  {reason}");
+    }
     println!("{} numbers beyond three times the robot's size:", far.len());
-    far.iter().for_each(|line| println!("  {line}"));
+    for line in &far {
+        println!("  {line}");
+    }
     far.retain(|line| !TRULY_FAR.iter().any(|(known, _)| line.contains(known)));
     assert!(far.is_empty(), "{}", far.join("\n"));
     assert!(refused.iter().all(|reason| reason.contains(".urdf:")), "a refusal names its place");

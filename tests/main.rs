@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 #![allow(clippy::print_stdout, reason = "tests say what they measured and what they skipped")]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in sorted lists")]
 
 mod architecture;
 mod command_line;

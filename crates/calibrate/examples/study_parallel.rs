@@ -207,13 +207,13 @@ fn main() {
         }
         let (dh, arm) = fit_dh(&chain, &run.data, DhArm::of(&chain), 100);
         println!("{}: position rms by iteration, mm", chain.name());
-        for iteration in 0..=6 {
+        for (iteration, dh) in dh.iter().enumerate().take(7) {
             let mut limited = IdentifyOptions::axes(&chain);
             limited.fit.most_iterations = iteration;
             let found = identify(&chain, &run.data, &limited);
             let squares = if iteration == 0 { found.nominal.squares } else { found.geometric.squares };
             let rms = (squares.iter().map(|s| s[0]).sum::<f64>() / squares.len() as f64).sqrt();
-            println!("  {iteration:3}  POE {:10.2e}   D-H {:10.2e}", rms * 1e3, dh[iteration] * 1e3);
+            println!("  {iteration:3}  POE {:10.2e}   D-H {:10.2e}", rms * 1e3, dh * 1e3);
         }
         for iteration in [10, 20, 50, 100] {
             println!("  {iteration:3}                    D-H {:10.2e}", dh[iteration] * 1e3);

@@ -2,6 +2,8 @@
 //!
 //! The judge of detection rates is the blind data of `tests/oracle/calibration`, made by other code.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::measurements::{Units, read};

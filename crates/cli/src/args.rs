@@ -83,7 +83,7 @@ pub struct RobotArguments {
 pub struct XacroArguments {
     /// Arguments of a xacro file
     #[arg(value_name = "NAME:=VALUE")]
-    pub xacro_arguments: Vec<String>,
+    pub values: Vec<String>,
     /// Folder with ROS packages, or a package; may be given several times [also: AMENT_PREFIX_PATH, ROS_PACKAGE_PATH,
     /// and the packages around the file]
     #[arg(long, value_name = "FOLDER")]
@@ -239,6 +239,7 @@ pub enum OnlyName {
 
 /// Arguments of `denavit diff`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch on the command line")]
 pub struct DiffArguments {
     /// The robot as it was: any source
     pub a: String,

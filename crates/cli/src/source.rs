@@ -44,7 +44,8 @@ pub fn load(name: &str, xacro: &XacroArguments) -> Result<Loaded, Failure> {
             Source::Poe(chain) => Loaded::Poe(chain),
         });
     }
-    let wanted = denavit_xacro::is_xacro(&text) && (file.ends_with(".xacro") || !xacro.xacro_arguments.is_empty());
+    let wanted =
+        denavit_xacro::is_xacro(&text) && (file.to_ascii_lowercase().ends_with(".xacro") || !xacro.values.is_empty());
     let (file, text) = if wanted || unread_without_xacro(&file, &text) {
         let urdf = expanded(&file, &text, xacro)?;
         (format!("{file} (expanded)"), urdf)
@@ -63,7 +64,7 @@ fn unread_without_xacro(file: &str, text: &str) -> bool {
 /// The URDF that a xacro document stands for.
 pub fn expanded(file: &str, text: &str, arguments: &XacroArguments) -> Result<String, Failure> {
     let mut pairs = Vec::new();
-    for word in &arguments.xacro_arguments {
+    for word in &arguments.values {
         let (name, value) = word.split_once(":=").ok_or_else(|| {
             Failure::Argument(format!("\"{word}\" is no argument of a xacro file; write NAME:=VALUE"))
         })?;

@@ -11,6 +11,7 @@ use denavit_export::Units;
 use denavit_export::page::{self, Card, ChainPart, Document};
 use denavit_model::notes::Noted;
 use denavit_model::{Chain, Reading};
+use std::fmt::Write as _;
 use std::path::Path;
 
 /// Runs the command.
@@ -40,7 +41,7 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     }
     let mut listing = String::new();
     for (name, _) in &files {
-        listing += &format!("{}\n", folder.join(name).display());
+        let _ = writeln!(listing, "{}", folder.join(name).display());
     }
     output::print(&listing)?;
     Ok(Status::Same)
@@ -55,7 +56,9 @@ fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
     if !taken(&stem) && stem != "index" {
         return stem;
     }
-    (2..).map(|number| format!("{stem}-{number}")).find(|stem| !taken(stem)).expect("numbers do not end")
+    // One more than there are files is enough to find a free one.
+    let numbered = (2..files.len() + 4).map(|number| format!("{stem}-{number}"));
+    numbered.into_iter().find(|stem| !taken(stem)).unwrap_or(stem)
 }
 
 fn document(arguments: &DocArguments, name: &str, units: Units) -> Result<Document, Failure> {
