@@ -181,6 +181,9 @@ def make(out, options):
     interleaved = moments(session.nominal, options.count + options.test, rng, session.body.span)
     in_test = np.zeros(options.count + options.test, bool)
     in_test[rng.choice(options.count + options.test, options.test, replace=False)] = True
+    if "backlash" in options.effects:
+        # The approach side may have to be read from each file: train and test are two runs.
+        in_test = np.arange(options.count + options.test) >= options.count
 
     clean = basis = None
     hidden, tries = [], 0
@@ -190,12 +193,7 @@ def make(out, options):
         words = dict(word.split("=") for word in wanted[len(hidden)].split(":")[1:])
         effect = maker(rng, session.nominal, **words)
         if clean is None:
-            if "row order" in effect.needs:
-                # The approach side must be readable from each file: train and test are two runs.
-                in_test = np.arange(options.count + options.test) >= options.count
             train = tuple(column[~in_test] for column in interleaved)
-            if "row order" in effect.needs:
-                train = tuple(column[:options.count] for column in interleaved)
             clean, _, placements = session.rows(train, [])
             basis = session.geometry_columns(placements)
         size, target = 1.0, options.strength

@@ -283,9 +283,6 @@ impl<'a> Tracer<'a> {
                 chosen.remove(index);
                 return Some(self.refitted(chosen, Some(state)));
             }
-            if state.chosen.len() == 1 {
-                continue;
-            }
             let scored = field.score(&rest.loose, &self.candidates);
             let Some(best) = self.best(&field, &rest, &scored) else { continue };
             let (found, had) = (field.firm_bic(&rest, &best.candidate), field.firm_bic(&rest, &state.chosen[index]));
