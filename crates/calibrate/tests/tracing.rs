@@ -2,6 +2,7 @@
 //!
 //! The judge of detection rates is the blind data of `tests/oracle/calibration`, made by other code.
 
+#![allow(clippy::print_stdout, reason = "tests say what they skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
