@@ -5,8 +5,6 @@
 #![allow(clippy::print_stdout, reason = "tests say what they skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
-#![allow(clippy::print_stdout)] // A test that cannot run here says so, and figures are printed.
-
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::measurements::{Units, read};
