@@ -206,3 +206,26 @@ fn every_table_of_the_project_matches_its_robot() {
         assert!(denavit(&arguments).succeeded().contains("Every number prints back"), "{name}");
     }
 }
+
+#[test]
+fn a_kinematics_file_makes_ur_description_the_robot_that_it_is_of() {
+    let Some(vendor) = crate::support::vendor() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (file, ur5e) = (folder.path().join("ur.yaml"), robot("universal_robots/ur5e.urdf"));
+    let file = file.to_str().unwrap();
+    denavit(&["table", &ur5e, "--format", "ur", "-o", file]).succeeded();
+    let xacro = vendor.join("xacro/packages/ur_description/urdf/ur.urdf.xacro");
+    let parameters = format!("kinematics_params:={file}");
+    let xacro = [xacro.to_str().unwrap(), "name:=ur", "ur_type:=ur5e", &parameters, "--allow-any-file"];
+    let tip = |arguments: &[&str]| -> Vec<f64> {
+        let q = ["--exact", "--json", "--q", "0.1,-0.7,0.9,0.4,-0.5,0.6"];
+        let all: Vec<&str> = ["fk"].iter().chain(arguments).chain(&q).copied().collect();
+        let json: serde_json::Value = serde_json::from_str(&denavit(&all).succeeded()).unwrap();
+        json["xyz"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let mut expanded = xacro.to_vec();
+    expanded.extend(["--base", "base_link_inertia", "--tip", "tool0"]);
+    for (found, expected) in tip(&expanded).iter().zip(tip(&[&ur5e])) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+}

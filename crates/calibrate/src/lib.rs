@@ -18,7 +18,6 @@ pub mod gauge;
 pub mod grid;
 pub mod identifiability;
 pub mod identify;
-pub mod kinematics_yaml;
 pub mod measurements;
 pub mod normal;
 pub mod parameters;
@@ -32,6 +31,7 @@ pub mod solve;
 pub mod trace;
 
 pub use arm::{Arm, Deviation, Row, RowState};
+pub use denavit_export::kinematics_yaml;
 pub use identify::{Identification, IdentifyOptions, identify};
 pub use measurements::{MeasurementKind, Measurements};
 pub use parameters::{Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Sensitivity, Tolerances};

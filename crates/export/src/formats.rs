@@ -7,6 +7,7 @@ pub mod markdown;
 pub mod matlab;
 pub mod robotics_toolbox;
 pub mod text;
+pub mod ur_kinematics;
 
 use crate::sheet::Sheet;
 use thiserror::Error;
@@ -32,6 +33,7 @@ pub const FORMATS: &[Format] = &[
     latex::FORMAT,
     robotics_toolbox::FORMAT,
     matlab::FORMAT,
+    ur_kinematics::FORMAT,
 ];
 
 /// The format of this name.
@@ -43,6 +45,14 @@ pub fn named(name: &str) -> Option<&'static Format> {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum RenderError {
+    /// The format is for other robots.
+    #[error("{format}: {why}")]
+    OtherRobots {
+        /// The format's name.
+        format: &'static str,
+        /// What it takes and what the robot has.
+        why: String,
+    },
     /// The format has no place for something that the table holds.
     #[error("{format} has no {what}; {instead}")]
     CannotHold {

@@ -8,6 +8,7 @@
 
 pub mod drawing;
 pub mod formats;
+pub mod kinematics_yaml;
 pub mod matched;
 pub mod numbers;
 pub mod page;
