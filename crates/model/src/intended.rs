@@ -90,7 +90,12 @@ impl Literal {
             #[expect(clippy::cast_possible_truncation, reason = "single precision is what is asked for")]
             let single = f64::from(multiple as f32);
             let near = |exact: f64| (value - exact).abs() < last_place.max(4.0 * f64::EPSILON * exact);
-            return near(single) || near(multiple);
+            if near(single) || near(multiple) {
+                return true;
+            }
+            if self.significant_digits > 15 {
+                return false;
+            }
         }
         let scale = 10f64.powi(self.places);
         let written = (value * scale).round();
@@ -151,6 +156,7 @@ mod tests {
             ("1.57079637050628662109", "π/2"),
             ("157.0796e-2", "π/2"),
             ("1.570795", "π/2"),
+            ("1.570796325", "π/2"),
             ("3.14", "π"),
             ("3.1415", "π"),
             ("3.1416", "π"),
