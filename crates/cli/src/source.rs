@@ -44,21 +44,18 @@ pub fn load(name: &str, xacro: &XacroArguments) -> Result<Loaded, Failure> {
             Source::Poe(chain) => Loaded::Poe(chain),
         });
     }
-    let wanted =
-        denavit_xacro::is_xacro(&text) && (file.to_ascii_lowercase().ends_with(".xacro") || !xacro.values.is_empty());
-    let (file, text) = if wanted || unread_without_xacro(&file, &text) {
-        let urdf = expanded(&file, &text, xacro)?;
-        (format!("{file} (expanded)"), urdf)
-    } else {
-        (file, text)
-    };
-    Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(&file, &text)?)))
-}
-
-/// Whether a file by another name holds xacro that a URDF reader cannot do without: plain URDFs often keep a stray
-/// property or namespace.
-fn unread_without_xacro(file: &str, text: &str) -> bool {
-    denavit_xacro::is_xacro(text) && denavit_model::urdf::read(file, text).is_err()
+    let is_xacro = denavit_xacro::is_xacro(&text);
+    let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !xacro.values.is_empty());
+    if !is_meant {
+        match denavit_model::urdf::read(&file, &text) {
+            // By another name it may hold xacro that a URDF reader cannot do without: plain URDFs often keep a stray
+            // property or namespace.
+            Err(_) if is_xacro => {}
+            read => return Ok(Loaded::Robot(Box::new(read?))),
+        }
+    }
+    let urdf = expanded(&file, &text, xacro)?;
+    Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?)))
 }
 
 /// The URDF that a xacro document stands for.

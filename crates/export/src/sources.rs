@@ -6,9 +6,10 @@ mod poe;
 mod rows;
 mod table;
 
+use crate::formats::json::UnitsEntry;
 use denavit_dh::Table;
 use denavit_dh::matching::VendorTable;
-use denavit_model::chain::{Chain, ChainError};
+use denavit_model::chain::{Chain, ChainError, Coordinate};
 use denavit_model::notes::Place;
 use denavit_model::screw::TwistError;
 use thiserror::Error;
@@ -182,6 +183,23 @@ fn json(file: &str, text: &str) -> Result<Source, SourceError> {
 
 fn place(file: &str, line: usize, element: impl Into<String>) -> Place {
     Place { file: file.to_owned(), line, element: element.into() }
+}
+
+/// What every JSON source holds: numbers in m and rad.
+fn in_si(file: &str, units: &UnitsEntry) -> Result<(), SourceError> {
+    if units.length == "m" && units.angle == "rad" {
+        return Ok(());
+    }
+    let units = format!("{} and {}", units.length, units.angle);
+    Err(SourceError { place: place(file, 1, "units"), kind: SourceErrorKind::Units(units) })
+}
+
+/// Index of the coordinate that a JSON joint names.
+fn coordinate_of(file: &str, joint: &str, name: &str, coordinates: &[Coordinate]) -> Result<usize, SourceError> {
+    coordinates.iter().position(|coordinate| coordinate.name == name).ok_or_else(|| SourceError {
+        place: place(file, 1, format!("joint \"{joint}\"")),
+        kind: SourceErrorKind::Coordinate(name.to_owned()),
+    })
 }
 
 fn stem(file: &str) -> String {

@@ -1,7 +1,7 @@
 //! Screw axes back to a chain: twists may come unnormalised, as in the paper's Table I.
 
 use super::rows::{RowOf, Rows};
-use super::{SourceError, SourceErrorKind, place, stem};
+use super::{SourceError, SourceErrorKind, coordinate_of, in_si, place, stem};
 use crate::formats::json::CoordinateEntry;
 use crate::poe::PoeFile;
 use denavit_model::chain::{Chain, ChainJoint, Coordinate, Quantity};
@@ -59,20 +59,14 @@ fn twist_of(row: &RowOf) -> Result<Vector6<f64>, SourceError> {
 /// A chain from its JSON file.
 pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceError> {
     let error = |element: String, kind| SourceError { place: place(file, 1, element), kind };
-    if content.units.length != "m" || content.units.angle != "rad" {
-        let units = format!("{} and {}", content.units.length, content.units.angle);
-        return Err(error("units".into(), SourceErrorKind::Units(units)));
-    }
+    in_si(file, &content.units)?;
     let coordinates: Vec<Coordinate> = content.coordinates.iter().map(CoordinateEntry::coordinate).collect();
     let mut joints = Vec::new();
     for entry in &content.joints {
         let element = format!("joint \"{}\"", entry.name);
         let (screw, length) =
             Screw::from_twist(&Vector6::from(entry.twist)).map_err(|kind| error(element.clone(), kind.into()))?;
-        let coordinate = coordinates
-            .iter()
-            .position(|coordinate| coordinate.name == entry.coordinate)
-            .ok_or_else(|| error(element, SourceErrorKind::Coordinate(entry.coordinate.clone())))?;
+        let coordinate = coordinate_of(file, &entry.name, &entry.coordinate, &coordinates)?;
         joints.push(ChainJoint {
             name: entry.name.clone(),
             screw,

@@ -1,7 +1,7 @@
 //! Denavit-Hartenberg tables back to numbers.
 
 use super::rows::{RowOf, Rows};
-use super::{Source, SourceError, SourceErrorKind, place, stem};
+use super::{Source, SourceError, SourceErrorKind, coordinate_of, in_si, place, stem};
 use crate::formats::json::{CoordinateEntry, TableFile};
 use denavit_dh::matching::{VendorJoint, VendorNumber, VendorRow, VendorTable};
 use denavit_dh::{Convention, ConventionRow, Motion, RowLabel, Table, TableJoint};
@@ -124,19 +124,13 @@ pub(super) fn of_file(file: &str, content: &TableFile) -> Result<Source, SourceE
     let error = |element: String, kind| SourceError { place: place(file, 1, element), kind };
     let convention = Convention::from_word(&content.convention)
         .ok_or_else(|| error("convention".into(), SourceErrorKind::Convention(content.convention.clone())))?;
-    if content.units.length != "m" || content.units.angle != "rad" {
-        let units = format!("{} and {}", content.units.length, content.units.angle);
-        return Err(error("units".into(), SourceErrorKind::Units(units)));
-    }
+    in_si(file, &content.units)?;
     let coordinates: Vec<Coordinate> = content.coordinates.iter().map(CoordinateEntry::coordinate).collect();
     let mut joints = Vec::new();
     for entry in &content.joints {
         let element = format!("joint \"{}\"", entry.name);
         let motion = motion(&entry.kind, entry.pitch).map_err(|kind| error(element.clone(), kind))?;
-        let coordinate = coordinates
-            .iter()
-            .position(|coordinate| coordinate.name == entry.coordinate)
-            .ok_or_else(|| error(element, SourceErrorKind::Coordinate(entry.coordinate.clone())))?;
+        let coordinate = coordinate_of(file, &entry.name, &entry.coordinate, &coordinates)?;
         joints.push(TableJoint { name: entry.name.clone(), motion, coordinate, scale: entry.scale });
     }
     let count = content.rows.len();
