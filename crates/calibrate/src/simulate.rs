@@ -93,6 +93,31 @@ pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
     (0..rows).map(|_| reading(chain.coordinates(), &mut random)).collect()
 }
 
+/// The same as a controller is told them: rounded to 1 µrad and 1 µm, where the robot then is.
+pub fn commanded_readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
+    let rounded = |reading: Vec<f64>| reading.iter().map(|value| (value * 1e6).round() / 1e6).collect();
+    readings(chain, rows, seed).into_iter().map(rounded).collect()
+}
+
+/// Measured values with the digits that an instrument of this noise shows: two beyond it. Without noise, all digits.
+pub fn as_displayed(data: &Measurements, options: &SimulationOptions) -> Measurements {
+    let mut data = data.clone();
+    let shown = |value: f64| {
+        if options.noise_position == 0.0 {
+            return value;
+        }
+        let digits = 10f64.powf((2.0 - options.noise_position.log10().floor()).min(15.0));
+        (value * digits).round() / digits
+    };
+    for position in data.positions.iter_mut().flatten() {
+        position.apply(|value| *value = shown(*value));
+    }
+    for distance in &mut data.distances {
+        *distance = shown(*distance);
+    }
+    data
+}
+
 fn reading(coordinates: &[Coordinate], random: &mut ChaCha8Rng) -> Vec<f64> {
     let value = |coordinate: &Coordinate| {
         let (lower, upper) = coordinate.range();

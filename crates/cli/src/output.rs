@@ -88,6 +88,10 @@ fn failed(path: &Path, error: &io::Error) -> Failure {
 fn written(path: &Path, content: &[u8]) -> Result<NamedTempFile, Failure> {
     let failed = |error: io::Error| failed(path, &error);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let reason = format!("there is no folder {}", folder.display());
+        return Err(Failure::Write { file: path.display().to_string(), reason });
+    }
     let mut file = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder).map_err(failed)?;
     file.write_all(content).map_err(failed)?;
     if let Some(permissions) = permissions(path) {

@@ -53,7 +53,9 @@ pub enum SavedError {
         why: String,
     },
     /// Another version.
-    #[error("{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make the file again")]
+    #[error(
+        "{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make one with denavit calibrate --effects-out"
+    )]
     Schema {
         /// The file.
         file: String,
@@ -134,11 +136,12 @@ impl EffectModel {
     /// The text is of another form or for another robot, or an effect does not fit the chain.
     pub fn from_json(file: &str, text: &str, statics: &Statics) -> Result<Self, SavedError> {
         let file = || file.to_string();
-        let saved: Saved =
-            serde_json::from_str(text).map_err(|error| SavedError::Form { file: file(), why: error.to_string() })?;
-        if saved.schema != SCHEMA {
-            return Err(SavedError::Schema { file: file(), found: saved.schema });
+        let form = |error: serde_json::Error| SavedError::Form { file: file(), why: error.to_string() };
+        let any: serde_json::Value = serde_json::from_str(text).map_err(form)?;
+        if let Some(found) = any["schema"].as_str().filter(|schema| *schema != SCHEMA) {
+            return Err(SavedError::Schema { file: file(), found: found.into() });
         }
+        let saved: Saved = serde_json::from_str(text).map_err(form)?;
         let joints: Vec<String> = statics.chain.joints().iter().map(|joint| joint.name.clone()).collect();
         if joints != saved.joints {
             let (found, wanted) = (saved.joints.join(", "), joints.join(", "));
@@ -221,7 +224,7 @@ mod tests {
         assert!(refused(&other).starts_with("e.json: the effects are for joints elsewhere"), "{}", refused(&other));
         let short = text.replacen("0.001,", "", 1);
         assert_eq!(refused(&short), "e.json: effect 1 (transmission_error): 1 coefficients are given; give 2");
-        let beyond = text.replace("\"joint\": 1,", "\"joint\": 7,");
+        let beyond = text.replace("\"joint\": 1\n", "\"joint\": 7\n").replace("\"joint\": 1,", "\"joint\": 7,");
         assert_eq!(refused(&beyond), "e.json: effect 1 (transmission_error): it names joint 7; joints are 0 to 1");
     }
 }

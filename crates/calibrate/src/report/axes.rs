@@ -2,8 +2,9 @@
 //! what they tell only together.
 
 use crate::parameters::ParameterKind;
-use crate::report::text::{correlations, in_words, table};
+use crate::report::text::{correlations, table};
 use crate::solve::Fit;
+use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// A parameter whose spread is more than this share of the prior's is told weakly.
@@ -11,7 +12,7 @@ const WEAK: f64 = 0.5;
 /// Correlations above this are strong.
 const STRONG: f64 = 0.9;
 /// No more of them are listed.
-const LISTED: usize = 8;
+const LISTED: usize = 5;
 
 /// One line per joint: how far its axis is turned and moved, with standard deviations; then what is weak and what is
 /// correlated.
@@ -27,13 +28,13 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
                 continue;
             }
             let deviation = fit.covariance[(index, index)].max(0.0).sqrt();
-            let [value, std, unit] = in_words(parameter, departure[index], deviation);
             let word = parameter.name.rsplit_once('.').map_or(parameter.name.as_str(), |(_, word)| word);
-            let shown = if matches!(parameter.kind, ParameterKind::Turn { .. } | ParameterKind::Move { .. }) {
-                format!("{word} {value} ± {std}")
-            } else {
-                format!("{word} {value} ± {std} {unit}")
+            let (factor, unit) = match parameter.kind {
+                ParameterKind::Pitch { .. } => (TAU * 1e3, " mm/turn"),
+                ParameterKind::Scale { .. } => (1e6, " ppm"),
+                _ => (1e3, ""),
             };
+            let shown = format!("{word} {:.3} ± {:.3}{unit}", departure[index] * factor, deviation * factor);
             row.push(shown);
         }
         if row.len() == 1 {
@@ -56,8 +57,9 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
     }
     let strong = correlations(fit, STRONG, LISTED);
     if !strong.is_empty() {
-        let pairs: Vec<String> = strong.iter().map(|(a, b, value)| format!("{a} with {b} ({value:.2})")).collect();
-        let _ = writeln!(text, "strongly correlated: {}", pairs.join(", "));
+        text.push_str("told better together than apart; strongest correlations\n");
+        let pair = |(a, b, value): &(String, String, f64)| vec![format!("  {a}"), b.clone(), format!("{value:.2}")];
+        text.push_str(&table(&strong.iter().map(pair).collect::<Vec<_>>()));
     }
     text
 }

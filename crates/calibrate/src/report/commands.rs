@@ -23,25 +23,32 @@ impl Allowed {
         self.reached_by(command) && command.outside.is_empty()
     }
 
-    fn reached_by(&self, command: &Command) -> bool {
+    /// Whether the command reaches its pose.
+    pub fn reached_by(&self, command: &Command) -> bool {
         command.position_error <= self.position && command.orientation_error <= self.orientation
     }
 }
 
-/// What is expected of all commands together, and the rows of `lines` that cannot be reached or leave the limits.
+/// What is expected of the commands that reach their poses, and the rows of `lines` that do not or that leave the limits.
 pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> String {
-    let count = commands.len().max(1) as f64;
-    let rms = |of: &dyn Fn(&Command) -> f64| (commands.iter().map(|c| of(c).powi(2)).sum::<f64>() / count).sqrt() * 1e3;
-    let most = |of: &dyn Fn(&Command) -> f64| commands.iter().map(of).fold(0.0, f64::max) * 1e3;
-    let mut text = format!(
-        "{} poses: expected miss {:.4} mm rms, {:.4} mm at most with the nominal commands; {:.4} mm rms, {:.4} mm at most \
-         with these\n",
-        commands.len(),
-        rms(&|c| c.uncompensated.0),
-        most(&|c| c.uncompensated.0),
-        rms(&|c| c.position_error),
-        most(&|c| c.position_error),
-    );
+    let reached: Vec<&Command> = commands.iter().filter(|command| allowed.reached_by(command)).collect();
+    let mut text = format!("{} of {} poses reached", reached.len(), commands.len());
+    if !reached.is_empty() {
+        let rms = |of: fn(&Command) -> f64| {
+            (reached.iter().map(|command| of(command).powi(2)).sum::<f64>() / reached.len() as f64).sqrt() * 1e3
+        };
+        let most = |of: fn(&Command) -> f64| reached.iter().map(|command| of(command)).fold(0.0, f64::max) * 1e3;
+        let (before, after) = (|command: &Command| command.uncompensated.0, |command: &Command| command.position_error);
+        let _ = write!(
+            text,
+            "; expected miss, mm: {:.4} rms, {:.4} at most by the nominal commands, {:.4} rms, {:.4} at most by these",
+            rms(before),
+            most(before),
+            rms(after),
+            most(after)
+        );
+    }
+    text.push('\n');
     for (command, line) in commands.iter().zip(lines) {
         if !allowed.reached_by(command) {
             let _ = writeln!(
@@ -59,17 +66,17 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
 }
 
 /// Commands as CSV: `comments`, then joint values (rad, m) and what each is expected to miss with and without compensation
-/// (m, rad).
+/// (m, rad), to 1 nm and 1 nrad.
 pub fn to_csv(chain: &Chain, commands: &[Command], allowed: Allowed, comments: &str) -> String {
     let mut text: String = comments.lines().map(|line| format!("# {line}\n")).collect();
     let mut header: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
     header.extend(["position_error_m", "orientation_error_rad", "uncompensated_m", "uncompensated_rad", "state"]);
     let _ = writeln!(text, "{}", header.join(","));
     for command in commands {
-        let mut cells: Vec<String> = command.joints.iter().map(f64::to_string).collect();
+        let mut cells: Vec<String> = command.joints.iter().map(|value| format!("{value:.9}")).collect();
         let (moved, turned) = command.uncompensated;
         let errors = [command.position_error, command.orientation_error, moved, turned];
-        cells.extend(errors.iter().map(|error| format!("{error:.3e}")));
+        cells.extend(errors.iter().map(|error| format!("{error:.9}")));
         cells.push(state(command, allowed).into());
         let _ = writeln!(text, "{}", cells.join(","));
     }
@@ -127,6 +134,9 @@ mod tests {
         let text = to_csv(&chain, &[command], Allowed { position: 1e-6, orientation: 1e-6 }, "made here");
         assert_eq!(text.lines().count(), 3);
         let last = text.lines().last().unwrap_or_default();
-        assert!(last.starts_with("0.1,0.2,0.3,0.4,0.5,0.6,") && last.ends_with(",reached"), "{text}");
+        assert!(
+            last.starts_with("0.100000000,0.200000000,0.300000000,0.400000000,") && last.ends_with(",reached"),
+            "{text}"
+        );
     }
 }

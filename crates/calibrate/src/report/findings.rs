@@ -12,7 +12,11 @@ fn number(value: &Value) -> String {
 }
 
 fn probability(p: f64) -> String {
-    if p < 1e-99 { "p below 1e-99".into() } else { format!("p {p:.1e}") }
+    match p {
+        p if p < 1e-99 => "p below 1e-99".into(),
+        p if p < 1e-3 => format!("p {p:.1e}"),
+        p => format!("p {p:.2}"),
+    }
 }
 
 /// The effects with their numbers and rivals, then what no effect explains.

@@ -54,12 +54,12 @@ fn cells(errors: Option<&Errors>, kind: MeasurementKind) -> Vec<String> {
 /// The before/after table: one line per stage, errors in mm and mrad.
 pub fn stages(stages: &[Stage], kind: MeasurementKind) -> String {
     let tested = stages.iter().any(|stage| stage.test.is_some());
-    let mut header: Vec<String> = vec!["stage".into()];
+    let mut header: Vec<String> = vec!["errors in mm".into()];
     for (part, wanted) in [("train", true), ("test", tested)] {
         if wanted {
-            header.extend(["rms", "mean", "max"].map(|word| format!("{part} {word} mm")));
+            header.extend([format!("{part} rms"), "mean".into(), "max".into()]);
             if kind == MeasurementKind::Pose {
-                header.push(format!("{part} rms mrad"));
+                header.push("rms, mrad".into());
             }
         }
     }
@@ -76,7 +76,7 @@ pub fn stages(stages: &[Stage], kind: MeasurementKind) -> String {
 }
 
 /// Value, standard deviation and unit as a person reads them.
-pub(super) fn in_words(parameter: &Parameter, value: f64, deviation: f64) -> [String; 3] {
+fn in_words(parameter: &Parameter, value: f64, deviation: f64) -> [String; 3] {
     let (factor, unit) = match parameter.unit {
         "rad" => (1e3, "mrad"),
         "m" => (1e3, "mm"),

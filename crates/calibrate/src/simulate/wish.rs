@@ -19,7 +19,7 @@ use thiserror::Error;
 /// How strong an effect is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Strength {
-    /// What it moves the measured values by, root mean square over the rows, m.
+    /// What it moves the measured values by, root mean square over the rows, m (see [`granted`]).
     Moves(f64),
     /// Its coefficient, SI; several of one unit: the length of their vector.
     Coefficient(f64),
@@ -173,7 +173,8 @@ impl Wish {
 
 /// The model of several wishes for a run that was simulated without effects: strengths are those on its rows.
 ///
-/// The run must have the columns that the effects follow. Where a kind has several numbers (a phase, a direction) they are
+/// The run must have the columns that the effects follow. An effect that follows a temperature, say, moves the values from
+/// where they are at its mean: the rest sits in instrument and target. Where a kind has several numbers (a phase, a direction) they are
 /// drawn by the seed.
 ///
 /// # Errors
@@ -241,10 +242,24 @@ fn direction(wish: &Wish, term: &Term, statics: &Statics, random: &mut ChaCha8Rn
     Ok(drawn.iter().map(|value| value / length).collect())
 }
 
-/// Root mean square by which an effect moves the measured values, m.
+/// Root mean square by which an effect moves the measured values, m; one that follows a temperature or the like: by which
+/// it moves them from where they are at the quantity's mean.
 fn moves(arm: &Arm, statics: &Statics, effect: &Effect, data: &Measurements) -> f64 {
     let model = EffectModel::new(statics.clone(), vec![effect.clone()]);
-    let (with, without) = (residuals(arm, &model, data), residuals(arm, &NoEffects, data));
+    let with = residuals(arm, &model, data);
+    let without = match &effect.term.driver {
+        Driver::Covariate(name) => residuals(arm, &model, &at_its_mean(data, name)),
+        _ => residuals(arm, &NoEffects, data),
+    };
     let squares: f64 = with.iter().zip(&without).map(|(a, b)| (a.position - b.position).norm_squared()).sum();
     (squares / with.len().max(1) as f64).sqrt()
+}
+
+fn at_its_mean(data: &Measurements, name: &str) -> Measurements {
+    let mut data = data.clone();
+    for column in data.covariates.iter_mut().filter(|column| column.name == name) {
+        let mean = column.values.iter().sum::<f64>() / column.values.len().max(1) as f64;
+        column.values.fill(mean);
+    }
+    data
 }

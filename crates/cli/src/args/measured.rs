@@ -230,10 +230,16 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub targets: u16,
     /// How far each axis is from its drawing, standard deviations: mm and mrad
-    #[arg(long, value_name = "MM,MRAD", value_delimiter = ',', default_value = "1,1")]
+    #[arg(long, value_name = "MM,MRAD", value_delimiter = ',', allow_hyphen_values = true, default_value = "1,1")]
     pub geometry_error: Vec<f64>,
     /// Noise of each measured component, standard deviations: mm, and mrad for poses
-    #[arg(long, value_name = "MM,MRAD", value_delimiter = ',', default_value = "0.05,0.05")]
+    #[arg(
+        long,
+        value_name = "MM,MRAD",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_value = "0.05,0.05"
+    )]
     pub noise: Vec<f64>,
     /// Share of rows with a gross error of 5 to 50 mm
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
@@ -293,7 +299,13 @@ pub struct CompensateArguments {
     #[command(flatten)]
     pub given: GivenArguments,
     /// How far a command may miss its pose and still count as reaching it: mm and mrad
-    #[arg(long, value_name = "MM,MRAD", value_delimiter = ',', default_value = "0.001,0.001")]
+    #[arg(
+        long,
+        value_name = "MM,MRAD",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_value = "0.001,0.001"
+    )]
     pub allowed_miss: Vec<f64>,
     /// Print JSON
     #[arg(long)]

@@ -43,7 +43,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
         measured::all_known(file, &model, &known)?;
         measured::without_part_in_the_tip(file, &model);
     }
-    let commands = commands(&nominal, calibrated, &model, &poses, &given);
+    let commands = commands(&nominal, calibrated, &model, &poses, &given, allowed);
     let said = summary(&commands, &poses.lines, allowed);
     let text = if arguments.json {
         to_json(&nominal, &commands, &poses.lines, allowed)
@@ -90,6 +90,7 @@ fn commands(
     model: &EffectModel,
     poses: &Poses,
     given: &[(String, f64)],
+    allowed: Allowed,
 ) -> Vec<Command> {
     let middle = |coordinate: &denavit_model::Coordinate| {
         let (lower, upper) = coordinate.range();
@@ -117,7 +118,9 @@ fn commands(
             model.fk(calibrated, &Conditions { reading: q, covariate: &recorded })
         };
         let command = compensate(nominal, calibrated, &actual, &wanted, start);
-        near.clone_from(&command.nominal);
+        if allowed.reached_by(&command) {
+            near.clone_from(&command.nominal);
+        }
         before = Some(command.nominal.clone());
         commands.push(command);
     }

@@ -8,8 +8,8 @@ use denavit_calibrate::effects::{EffectModel, recorded};
 use denavit_calibrate::measurements::{Covariate, write};
 use denavit_calibrate::simulate::columns::columns;
 use denavit_calibrate::simulate::wish::{Wish, granted};
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm, truth};
-use denavit_calibrate::{NoEffects, errors};
+use denavit_calibrate::simulate::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
+use denavit_calibrate::{MeasurementKind, NoEffects, errors};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
             errors::kind_word(kind)
         )]
     };
-    let data = write(&run.data, &comments(options.rows, options.kind));
+    let data = write(&as_displayed(&run.data, &options), &comments(options.rows, options.kind));
     let mut files: Vec<(&Path, String)> = Vec::new();
     if let Some(path) = &arguments.test {
         let rows = arguments.test_rows as usize;
@@ -57,13 +57,13 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         let later = SimulationOptions {
             rows,
             seed,
-            readings: None,
+            readings: Some(commanded_readings(chain, rows, seed)),
             first_row: options.rows,
             covariates: recorded_columns(arguments, chain, rows, options.rows, seed)?,
             ..options.clone()
         };
         let test = simulate_arm(&run.arm, &later, &model);
-        files.push((path, write(&test.data, &comments(rows, options.kind))));
+        files.push((path, write(&as_displayed(&test.data, &later), &comments(rows, options.kind))));
     }
     if let Some(path) = &arguments.truth {
         files.push((path, truth::to_json(&run, &options, &model)));
@@ -97,10 +97,18 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
     if !(0.0..=1.0).contains(&share) {
         return Err(Failure::Argument(format!("--outliers: {share} is no share of the rows; write 0 to 1")));
     }
-    let readings = arguments.poses.as_ref().map(|file| measured::joint_values(file, chain, "m,rad")).transpose()?;
-    let rows = readings.as_ref().map_or(arguments.rows as usize, Vec::len);
+    let kind = measured::kind(arguments.measure);
+    if arguments.targets > 1 && kind != MeasurementKind::Position {
+        let message = format!("--targets {}: only positions are of several targets at once", arguments.targets);
+        return Err(Failure::Argument(message));
+    }
+    let readings = match &arguments.poses {
+        Some(file) => measured::joint_values(file, chain, "m,rad")?,
+        None => commanded_readings(chain, arguments.rows as usize, arguments.seed),
+    };
+    let rows = readings.len();
     Ok(SimulationOptions {
-        kind: measured::kind(arguments.measure),
+        kind,
         rows,
         targets: arguments.targets.into(),
         seed: arguments.seed,
@@ -110,7 +118,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         noise_orientation,
         outliers: share,
         covariates: recorded_columns(arguments, chain, rows, 0, arguments.seed)?,
-        readings,
+        readings: Some(readings),
         first_row: 0,
     })
 }
