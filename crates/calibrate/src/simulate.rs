@@ -90,6 +90,8 @@ pub fn simulate_arm<E: Effects>(arm: &Arm, options: &SimulationOptions, effects:
 /// Random joint readings within the limits: `rows` times one value per coordinate, rad or m.
 pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
+    // Not the numbers that the arm and the noise are drawn from.
+    random.set_stream(1 << 33);
     (0..rows).map(|_| reading(chain.coordinates(), &mut random)).collect()
 }
 
