@@ -20,6 +20,7 @@ pub mod identifiability;
 pub mod identify;
 pub mod measurements;
 pub mod normal;
+mod panel;
 pub mod parameters;
 pub mod placement;
 pub mod plan;
