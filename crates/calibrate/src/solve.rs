@@ -79,8 +79,8 @@ const TRUST_AT_START: f64 = 0.03;
 const ROUNDING: f64 = 1e-14;
 /// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
 const PROMISE_FOR_REJECTION: f64 = 1.0;
-/// χ² that a step may still promise when the fit stops: a thousandth of a standard deviation, squared.
-const PROMISE_AT_END: f64 = 1e-6;
+/// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
+const PROMISE_AT_END: f64 = 1e-4;
 /// One clean file in a hundred may have a row that far out.
 const FALSE_REJECTIONS: f64 = 0.01;
 /// Gross means this many times further out than that: what the model lacks is no outlier.
@@ -180,6 +180,8 @@ impl Solver<'_> {
                     robust = false;
                     weights = self.kept(&state.sums.squares, &given, noise);
                     state = self.evaluate(state.arm, state.effects, &weights);
+                    used = self.parameters_used(&state, noise);
+                    noise = self.noise_of(&state.sums.squares, &weights, used, false);
                 } else {
                     weights = self.downweighted(&state.sums.squares, &given, noise);
                 }
