@@ -176,7 +176,7 @@ impl Solver<'_> {
             }
             if robust {
                 noise = self.noise_of(&state.sums.squares, &weights, used, true);
-                if stuck || promise < PROMISE_FOR_REJECTION || iterations > 12 {
+                if stuck || promise < PROMISE_FOR_REJECTION || noise == self.rounding() || iterations > 12 {
                     robust = false;
                     weights = self.kept(&state.sums.squares, &given, noise);
                     state = self.evaluate(state.arm, state.effects, &weights);

@@ -253,12 +253,12 @@ def slice_cases():
 def study_cases(runs):
     chosen = []
     for arm in ARMS:
-        for measure, targets in KINDS:
-            for rows in (40, 200):
-                chosen.append((Case(arm, measure, targets, rows, test=100), runs))
-        chosen.append((Case(arm, "position", 1, 200, outliers=0.05, test=100), runs))
-        chosen.append((Case(arm, "pose", 1, 30, test=100), runs))
-    chosen += [(Case("six_axis", "pose", 1, 10_000, test=100), max(1, runs // 50))]
+        cases = [Case(arm, "pose", 1, 30), Case(arm, "pose", 1, 200), Case(arm, "position", 1, 40), Case(arm, "position", 1, 200),
+                 Case(arm, "position", 3, 40), Case(arm, "distance", 1, 40), Case(arm, "distance", 1, 200),
+                 Case(arm, "position", 1, 200, outliers=0.05)]
+        chosen += [(replace(case, test=100), runs) for case in cases]
+    chosen += [(Case(arm, "pose", 1, 40, geometry=2e-3, test=100), runs) for arm in ("six_axis", "scara")]
+    chosen += [(Case(arm, "pose", 1, 10_000, test=100), max(1, runs // 20)) for arm in ("six_axis",)]
     return chosen
 
 
@@ -267,11 +267,11 @@ def main():
     p.add_argument("which", choices=["slice", "study"])
     p.add_argument("--runs", type=int, default=1000, help="of each line of the study")
     p.add_argument("--first", type=int, default=1, help="first seed")
-    p.add_argument("--only", default="", help="lines whose name has this in it")
+    p.add_argument("--only", default="", help="lines whose name begins so")
     p.add_argument("--out", help="file; else standard output")
     chosen = p.parse_args()
     cases = slice_cases() if chosen.which == "slice" else study_cases(chosen.runs)
-    cases = [(case, runs) for case, runs in cases if chosen.only in case.name]
+    cases = [(case, runs) for case, runs in cases if case.name.startswith(chosen.only)]
     out = open(chosen.out, "w", encoding="utf-8") if chosen.out else sys.stdout
     with out:
         for case, runs in cases:

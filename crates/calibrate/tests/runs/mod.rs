@@ -134,8 +134,7 @@ impl Score {
         let departure = |arm: &Arm| fit.layout.departure(arm, &truth);
         let (expected, estimated) = (departure(&truth), departure(&fit.arm));
         let told = || fit.layout.joints.clone().chain(fit.layout.targets.clone());
-        let inside =
-            told().filter(|&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95)).count();
+        let inside = told().filter(|&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95)).count();
         let [position, orientation] = run.noise;
         let chi = |square: &[f64; 2]| square[0] / position.powi(2) + square[1] / orientation.powi(2);
         let values: f64 = fit.values.iter().sum();
