@@ -110,6 +110,9 @@ impl Run {
     }
 }
 
+/// Standard deviation that a measured number cannot reach, rad or m.
+const FIXED_BY_FRAME: f64 = 1e-12;
+
 /// What a fit to a noisy run is judged by.
 pub struct Score {
     /// Joint and target parameters whose 95 % interval holds the truth.
@@ -133,7 +136,11 @@ impl Score {
         let truth = gauge::centred(&fit.layout, &run.truth, &fit.arm);
         let departure = |arm: &Arm| fit.layout.departure(arm, &truth);
         let (expected, estimated) = (departure(&truth), departure(&fit.arm));
-        let told = || fit.layout.joints.clone().chain(fit.layout.targets.clone());
+        // What the frame itself fixes (a SCARA's target along its parallel axes) is known without spread.
+        let told = || {
+            let reported = fit.layout.joints.clone().chain(fit.layout.targets.clone());
+            reported.filter(|&k| fit.deviation(k) > FIXED_BY_FRAME)
+        };
         let inside = told().filter(|&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95)).count();
         let [position, orientation] = run.noise;
         let chi = |square: &[f64; 2]| square[0] / position.powi(2) + square[1] / orientation.powi(2);
