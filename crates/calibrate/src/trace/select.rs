@@ -20,7 +20,9 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
 pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
 /// A swap must gain this much, or the search would go round in circles.
-const SWAP_GAIN: f64 = 2.0;
+pub(crate) const SWAP_GAIN: f64 = 2.0;
+/// Changes of one effect for another by fitting both, in one pass.
+const MOST_CONTESTS: usize = 3;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
 /// Fewer rejected rows than this are outliers.
@@ -39,7 +41,7 @@ pub struct Tracer<'a> {
     pub(crate) data: &'a Measurements,
     pub(crate) statics: &'a Statics,
     pub(crate) options: &'a TraceOptions,
-    geometric: &'a Fit<NoEffects>,
+    pub(crate) geometric: &'a Fit<NoEffects>,
     pub(crate) survey: Survey,
     pub(crate) candidates: Vec<Candidate>,
     carriers: Vec<Carrier>,
@@ -250,6 +252,10 @@ impl<'a> Tracer<'a> {
         for _ in 0..4 {
             let Some(next) = self.improved(&state) else { break };
             state = self.rescanned(next);
+        }
+        for _ in 0..MOST_CONTESTS {
+            let Some(next) = self.contested(&state) else { break };
+            state = next;
         }
         state
     }
