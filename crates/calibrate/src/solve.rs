@@ -88,32 +88,6 @@ const GROSS: f64 = 1.5;
 /// If more than this share lies outside, it is not outliers.
 const MOST_REJECTIONS: f64 = 0.3;
 
-impl<E> Fit<E> {
-    /// How much of a joint parameter's spread is the prior's: 1 where the data say nothing, 0 where they say it all.
-    ///
-    /// Ratio of the standard deviation to that of the prior, the common frame held in both.
-    pub fn held_by_prior(&self, parameter: usize) -> f64 {
-        let count = self.layout.joints.len();
-        let spread = self.prior_spread();
-        if parameter >= count || spread[parameter] == 0.0 {
-            return 0.0;
-        }
-        (self.covariance[(parameter, parameter)] / spread[parameter]).sqrt().min(1.0)
-    }
-
-    /// Variances of the joints' parameters by the prior alone, the common frame held.
-    fn prior_spread(&self) -> Vec<f64> {
-        let count = self.layout.joints.len();
-        let Some(covariance) = self.layout.prior.clone().cholesky().map(|factor| factor.inverse()) else {
-            return vec![0.0; count];
-        };
-        let conditions = gauge::conditions(&self.layout, &self.arm).rows(0, count).into_owned();
-        let along = &covariance * &conditions;
-        let held = (conditions.transpose() * &along).try_inverse().map(|inverse| &along * inverse * along.transpose());
-        (0..count).map(|k| covariance[(k, k)] - held.as_ref().map_or(0.0, |held| held[(k, k)])).collect()
-    }
-}
-
 struct System {
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
