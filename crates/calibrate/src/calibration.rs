@@ -258,7 +258,7 @@ impl Stages<'_> {
         let mut held_out = Vec::new();
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
-            let arm = placed(&fit.arm, &fit.effects, self.train, test)?;
+            let arm = placed(fit, self.train, test)?;
             held_out = residuals(&arm, &fit.effects, test);
             test_errors = Some(errors(&held_out, test.kind));
         }

@@ -18,6 +18,7 @@ pub mod gauge;
 pub mod grid;
 pub mod identifiability;
 pub mod identify;
+pub mod intervals;
 pub mod measurements;
 pub mod normal;
 mod panel;
