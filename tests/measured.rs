@@ -2,6 +2,7 @@
 
 use crate::golden::snapshot;
 use crate::support::{denavit, denavit_with_input, robot, vendor};
+use denavit_model::nalgebra::{Quaternion, UnitQuaternion};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -213,6 +214,39 @@ fn the_loop_closes_from_simulation_to_commands() {
     let drawn = apart(&moved(&yaml, &[]), &moved(&ur5e(), &[]));
     let own = apart(&moved(&yaml, &[]), &moved(&urdf, &[]));
     assert!(own < 1e-9 && drawn > 1e-4, "{own:e} {drawn:e}");
+}
+
+#[test]
+fn files_of_a_calibration_turn_the_tip_as_it_was_measured() {
+    let (folder, ur5e) = (Folder::new(), ur5e());
+    let [data, urdf, effects] = ["data.csv", "as_it_is.urdf", "effects.json"].map(|name| folder.path(name));
+    let effect = "axis_wobble@wrist_1_joint:order=2=0.4mm";
+    let rows = ["--rows", "40", "--noise", "0,0", "--measure", "poses", "--columns", "payload"];
+    let simulate =
+        ["simulate", &ur5e, "-o", &data, "--effect", "joint_compliance@elbow_joint=0.3mm", "--effect", effect];
+    denavit(&[&simulate[..], &rows].concat()).succeeded();
+    let calibrate = ["calibrate", &ur5e, "--data", &data, "--urdf", &urdf, "--effects-out", &effects];
+    denavit(&calibrate).succeeded();
+    let text = std::fs::read_to_string(&data).unwrap();
+    let mut turns: Vec<[UnitQuaternion<f64>; 2]> = Vec::new();
+    for line in text.lines().filter(|line| !line.starts_with(['#', 's'])).take(6) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let payload = format!("payload={}", cells[13]);
+        let q = cells[..6].join(",");
+        let fk = ["fk", &urdf, "--exact", "--json", "--effects", &effects, "--given", &payload, "--q", &q];
+        let predicted = json(&denavit(&fk).succeeded());
+        let turn = |x: f64, y: f64, z: f64, w: f64| UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        let p: Vec<f64> =
+            predicted["quaternion_xyzw"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        let m: Vec<f64> = cells[9..13].iter().map(|cell| cell.parse().unwrap()).collect();
+        turns.push([turn(p[0], p[1], p[2], p[3]), turn(m[0], m[1], m[2], m[3])]);
+    }
+    // The angle between two rows is the same wherever the instrument stands and however the target sits.
+    for pair in turns.windows(2) {
+        let angle = |which: usize| pair[0][which].angle_to(&pair[1][which]);
+        assert!((angle(0) - angle(1)).abs() < 1e-8, "{:e}", angle(0) - angle(1));
+        assert!(pair[0][0].angle_to(&pair[1][0]) > 0.1);
+    }
 }
 
 #[test]

@@ -39,8 +39,8 @@ pub struct SimulationOptions {
     pub covariates: Vec<Covariate>,
     /// Joint readings, one value per coordinate and row (rad, m), instead of random ones within the limits.
     pub readings: Option<Vec<Vec<f64>>>,
-    /// Rows of the same run that were measured before: where run order starts.
-    pub first_row: usize,
+    /// Rows of the same run that were measured before, with run order: it goes on from there.
+    pub before: Option<Measurements>,
 }
 
 impl Default for SimulationOptions {
@@ -57,7 +57,7 @@ impl Default for SimulationOptions {
             outliers: 0.0,
             covariates: Vec::new(),
             readings: None,
-            first_row: 0,
+            before: None,
         }
     }
 }
@@ -168,7 +168,7 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         Some(readings) => data.readings = readings.concat(),
         None => (0..options.rows).for_each(|_| data.readings.extend(reading(coordinates, random))),
     }
-    let seen = with_run_order(data.clone(), options.first_row);
+    let seen = with_run_order(data.clone(), options.before.as_ref());
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let mut outliers = Vec::new();
     for row in 0..options.rows {

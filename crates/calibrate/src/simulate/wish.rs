@@ -3,7 +3,7 @@
 
 use crate::arm::Arm;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
-use crate::effects::driver::{Driver, Statics};
+use crate::effects::driver::{BumpShape, Driver, Statics};
 use crate::effects::model::{Coupling, Effect, EffectModel, Term};
 use crate::effects::survey::{Survey, with_run_order};
 use crate::errors::residuals;
@@ -130,7 +130,8 @@ impl Wish {
             Driver::Bump { joint, .. } => {
                 let (low, high) = survey.ranges[*joint];
                 let (at, width) = (low + 0.6 * (high - low), 0.06 * (high - low));
-                Term { driver: Driver::Bump { joint: *joint, at, width }, ..first.clone() }
+                let shape = BumpShape::Bell;
+                Term { driver: Driver::Bump { joint: *joint, at, width, shape }, ..first.clone() }
             }
             _ => first.clone(),
         };
@@ -179,14 +180,8 @@ impl Wish {
 ///
 /// # Errors
 /// A wish cannot be granted on this robot or with these columns.
-pub fn granted(
-    wishes: &[Wish],
-    statics: &Statics,
-    run: &Simulation,
-    first_row: usize,
-    seed: u64,
-) -> Result<EffectModel, WishError> {
-    let data = with_run_order(run.data.clone(), first_row);
+pub fn granted(wishes: &[Wish], statics: &Statics, run: &Simulation, seed: u64) -> Result<EffectModel, WishError> {
+    let data = with_run_order(run.data.clone(), None);
     let survey = Survey::of(statics, &data, Vec::new());
     let mut effects = Vec::new();
     for (index, wish) in wishes.iter().enumerate() {

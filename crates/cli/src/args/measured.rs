@@ -18,7 +18,7 @@ pub enum MeasureName {
 /// What effects follow, where no file says it.
 #[derive(Debug, Args)]
 pub struct GivenArguments {
-    /// Value of a quantity that an effect follows: payload=2.5 (kg), temperature=31 (°C), time=3600 (s),
+    /// Value of a quantity that an effect follows: payload=2.5 (kg, else 0), temperature=31 (°C), time=3600 (s),
     /// elbow_joint.approach=1
     #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',', allow_hyphen_values = true)]
     pub given: Vec<String>,
@@ -270,7 +270,8 @@ ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the 
 qx,qy,qz,qw or roll,pitch,yaw; or joint values, which stand for the pose that the nominal robot has there; with both, the \
 joint values are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of \
 approach are those of the row order unless given. The commands keep their poses' order. Rows that are out of reach or \
-outside of the limits are named, and the exit code is then 1.
+outside of the limits are named, and the exit code is then 1. Fewer than six joints cannot correct every direction: place \
+goes first, and --allowed-miss says what direction may be off.
 
 Examples:
   denavit compensate as_it_is.urdf --from arm.urdf --poses poses.csv -o commands.csv
