@@ -250,6 +250,28 @@ fn files_of_a_calibration_turn_the_tip_as_it_was_measured() {
 }
 
 #[test]
+fn four_joints_reach_places_and_leave_directions() {
+    let (folder, scara) = (Folder::new(), robot("adept/cobra600.urdf"));
+    let [data, urdf, effects, plan] =
+        ["d.csv", "as_it_is.urdf", "effects.json", "plan.csv"].map(|name| folder.path(name));
+    let effect = format!(
+        "backlash@{}=0.2mm",
+        json(&denavit(&["identify", &scara, "--json"]).succeeded())["dh"]["parallel_neighbours"][0][0]
+            .as_str()
+            .unwrap()
+    );
+    let simulate = ["simulate", &scara, "-o", &data, "--measure", "poses", "--rows", "150", "--effect", &effect];
+    denavit(&simulate).succeeded();
+    let calibrate = ["calibrate", &scara, "--data", &data, "--urdf", &urdf, "--effects-out", &effects];
+    assert!(denavit(&calibrate).succeeded().contains(&effect.replace('@', " at ").replace("=0.2mm", "")));
+    denavit(&["plan", &scara, "--count", "6", "-o", &plan]).succeeded();
+    let compensate = ["compensate", &urdf, "--effects", &effects, "--poses", &plan];
+    let strict = denavit(&compensate);
+    assert!(strict.code == 1 && strict.stdout.starts_with("# 0 of 6 poses reached"), "{}", strict.stdout);
+    denavit(&[&compensate[..], &["--allowed-miss", "0.001,20"]].concat()).succeeded();
+}
+
+#[test]
 fn effects_are_used_again_and_ask_for_what_they_follow() {
     let (folder, report) = calibrated("thermal@elbow_joint=0.4mm", "temperature");
     assert_eq!(

@@ -3,7 +3,7 @@
 use crate::arm::Arm;
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
-use crate::effects::survey::with_run_order;
+use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::errors::{Errors, Residual, TestError, errors, placed, residuals};
 use crate::grid::{self, Rounding};
 use crate::identifiability::{Identifiability, identifiability};
@@ -175,10 +175,10 @@ pub fn calibrate_and_tell(
     options: &CalibrateOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Calibration, CalibrateError> {
-    let data = with_run_order(data, None);
+    let data = with_run_order(data, 0);
     let (train, test) = match (test, options.hold_out) {
         (Some(test), _) => {
-            let test = with_run_order(test, Some(&data));
+            let test = with_run_order_after(test, &data);
             (data, Some(test))
         }
         (None, Some(hold_out)) => split(&data, hold_out)?,

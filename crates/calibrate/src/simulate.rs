@@ -5,7 +5,7 @@ pub mod truth;
 pub mod wish;
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
-use crate::effects::survey::with_run_order;
+use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::measurements::{Covariate, MeasurementKind, Measurements};
 use crate::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
@@ -168,7 +168,10 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         Some(readings) => data.readings = readings.concat(),
         None => (0..options.rows).for_each(|_| data.readings.extend(reading(coordinates, random))),
     }
-    let seen = with_run_order(data.clone(), options.before.as_ref());
+    let seen = match &options.before {
+        Some(before) => with_run_order_after(data.clone(), before),
+        None => with_run_order(data.clone(), 0),
+    };
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let mut outliers = Vec::new();
     for row in 0..options.rows {

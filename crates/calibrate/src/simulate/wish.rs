@@ -130,8 +130,7 @@ impl Wish {
             Driver::Bump { joint, .. } => {
                 let (low, high) = survey.ranges[*joint];
                 let (at, width) = (low + 0.6 * (high - low), 0.06 * (high - low));
-                let shape = BumpShape::Bell;
-                Term { driver: Driver::Bump { joint: *joint, at, width, shape }, ..first.clone() }
+                Term { driver: Driver::Bump { joint: *joint, at, width, shape: BumpShape::Bell }, ..first.clone() }
             }
             _ => first.clone(),
         };
@@ -181,7 +180,7 @@ impl Wish {
 /// # Errors
 /// A wish cannot be granted on this robot or with these columns.
 pub fn granted(wishes: &[Wish], statics: &Statics, run: &Simulation, seed: u64) -> Result<EffectModel, WishError> {
-    let data = with_run_order(run.data.clone(), None);
+    let data = with_run_order(run.data.clone(), 0);
     let survey = Survey::of(statics, &data, Vec::new());
     let mut effects = Vec::new();
     for (index, wish) in wishes.iter().enumerate() {
