@@ -7,6 +7,8 @@
 //! ```
 //! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
 
+#![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
+
 pub mod arm;
 pub mod calibration;
 pub mod compensate;
@@ -18,6 +20,7 @@ pub mod gauge;
 pub mod grid;
 pub mod identifiability;
 pub mod identify;
+mod lanes;
 pub mod measurements;
 pub mod normal;
 mod panel;
@@ -25,6 +28,7 @@ pub mod parameters;
 pub mod placement;
 pub mod plan;
 pub mod prior;
+mod products;
 pub mod report;
 pub mod residual;
 pub mod simulate;
