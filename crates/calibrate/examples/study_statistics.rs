@@ -1,90 +1,94 @@
-//! Are the noise level, the standard deviations and the held-out error right? Prints the table of docs/calibration.md.
+//! Are the noise level, the intervals and the held-out error right? Reads runs made by pinocchio from standard input
+//! (`tests/oracle/calibration/runs.py study`) and prints the table of docs/calibration.md.
 
-#![allow(clippy::print_stdout)] // A study prints its table.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table, and stops at a bad line.
 
-use denavit_calibrate::errors::{errors, residuals};
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects, gauge, identify};
-use denavit_model::{Chain, examples};
+#[path = "../tests/runs/mod.rs"]
+mod runs;
 
+use runs::{Run, Score};
+use std::io::BufRead;
+
+#[derive(Default)]
 struct Tally {
+    case: String,
+    runs: f64,
     inside: f64,
+    inside_squared: f64,
     parameters: f64,
     chi_squared: f64,
-    excess: f64,
-    iterations: usize,
-    rejected: usize,
+    degrees_of_freedom: f64,
+    unseen: f64,
+    attainable: f64,
+    load: f64,
+    iterations: Vec<usize>,
+    wrongly_rejected: usize,
     missed: usize,
+    outliers: usize,
 }
 
-fn runs(chain: &Chain, base: &SimulationOptions, count: u64) -> Tally {
-    let mut tally =
-        Tally { inside: 0.0, parameters: 0.0, chi_squared: 0.0, excess: 0.0, iterations: 0, rejected: 0, missed: 0 };
-    for seed in 0..count {
-        let run = simulate(chain, &SimulationOptions { seed, ..base.clone() }, &NoEffects);
-        let found = identify(chain, &run.data, &IdentifyOptions::axes(chain));
-        let fit = found.geometric;
-        let truth = gauge::centred(&fit.layout, &run.arm, &found.nominal.arm);
-        let estimated = fit.layout.departure(&fit.arm, &truth);
-        let (a, b) = (fit.layout.departure(&truth, &truth), estimated);
-        for k in fit.layout.joints.clone() {
-            let deviation = fit.covariance[(k, k)].sqrt();
-            tally.parameters += 1.0;
-            tally.inside += f64::from(u8::from((a[k] - b[k]).abs() < 1.96 * deviation));
-        }
-        // Orientation in the tally too, each in its true noise.
-        let mut chi = 0.0;
-        for (square, weight) in fit.squares.iter().zip(&fit.weights) {
-            let turned =
-                if base.kind == MeasurementKind::Pose { square[1] / base.noise_orientation.powi(2) } else { 0.0 };
-            chi += weight * (square[0] / base.noise_position.powi(2) + turned);
-        }
-        let values: f64 = fit.values.iter().sum();
-        let used: f64 = fit.parameters_used.iter().sum();
-        tally.chi_squared += chi / (values - used) / count as f64;
-        let test = SimulationOptions { rows: 500, seed: 1_000_000 + seed, outliers: 0.0, ..base.clone() };
-        let test = simulate_arm(&run.arm, &test, &NoEffects);
-        let error = errors(&residuals(&fit.arm, &NoEffects, &test.data), base.kind);
-        let components: f64 = if base.kind == MeasurementKind::Distance { 1.0 } else { 3.0 };
-        let rms = error.position_rms_m.or(error.distance_rms_m).unwrap_or(f64::NAN) / components.sqrt();
-        let attainable = base.noise_position * (1.0 + used / values).sqrt();
-        tally.excess += rms / attainable / count as f64;
-        tally.iterations = tally.iterations.max(fit.iterations);
-        let targets = run.data.targets.len();
-        for (observation, weight) in fit.weights.iter().enumerate() {
-            if *weight == 0.0 && !run.outliers.contains(&(observation / targets)) {
-                tally.rejected += 1;
-            }
-        }
-        for row in &run.outliers {
-            tally.missed += usize::from(fit.weights[row * targets] > 0.0);
-        }
+impl Tally {
+    fn add(&mut self, run: &Run) {
+        let found = run.identify();
+        let score = Score::of(run, &found);
+        self.runs += 1.0;
+        self.parameters += score.parameters;
+        self.inside += score.inside / score.parameters;
+        self.inside_squared += (score.inside / score.parameters).powi(2);
+        self.chi_squared += score.chi_squared;
+        self.degrees_of_freedom += score.degrees_of_freedom;
+        self.unseen += score.unseen;
+        self.attainable += score.attainable;
+        self.load += score.load;
+        self.iterations.push(found.geometric.iterations);
+        let rejected = run.rejected(&found.geometric);
+        self.wrongly_rejected += rejected.iter().filter(|row| !run.outliers.contains(row)).count();
+        self.missed += run.outliers.iter().filter(|row| !rejected.contains(row)).count();
+        self.outliers += run.outliers.len();
     }
-    tally
+
+    fn print(&mut self) {
+        self.iterations.sort_unstable();
+        let inside = self.inside / self.runs;
+        let spread = ((self.inside_squared / self.runs - inside * inside).max(0.0) / self.runs).sqrt();
+        // Errors on new rows, their own noise included, in units of the noise.
+        let reached = (1.0 + self.unseen / self.runs).sqrt();
+        println!(
+            "| {} | {} | {:.2} ± {:.2} % | {:.4} | {:.4} | {:.4} | {}, {} | {} of {} | {} |",
+            self.case,
+            self.runs,
+            100.0 * inside,
+            100.0 * spread,
+            self.chi_squared / self.degrees_of_freedom,
+            reached / (1.0 + self.load / self.runs).sqrt(),
+            reached / (1.0 + self.attainable / self.runs).sqrt(),
+            self.iterations[self.iterations.len() / 2],
+            self.iterations[self.iterations.len() - 1],
+            self.missed,
+            self.outliers,
+            self.wrongly_rejected,
+        );
+    }
 }
 
 fn main() {
     println!(
-        "robot          measured  rows  outliers  inside 95 %  chi2/dof  error/attainable  iterations  wrongly rejected  missed"
+        "| run | runs | inside 95 % | χ²/dof | error / floor·√(1 + p/N) | error / attainable | iterations: median, most \
+         | outliers missed | clean rows rejected |"
     );
-    let chains = examples::all();
-    for chain in &chains[1..] {
-        for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
-            for (rows, outliers, count) in [(40, 0.0, 200), (200, 0.0, 100), (200, 0.05, 100)] {
-                let base = SimulationOptions { kind, rows, outliers, ..Default::default() };
-                let tally = runs(chain, &base, count);
-                println!(
-                    "{:14} {:9} {rows:4}  {outliers:8}  {:10.2} %  {:8.4}  {:16.4}  {:10}  {:16}  {:6}",
-                    chain.name(),
-                    format!("{kind:?}"),
-                    100.0 * tally.inside / tally.parameters,
-                    tally.chi_squared,
-                    tally.excess,
-                    tally.iterations,
-                    tally.rejected,
-                    tally.missed
-                );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let mut tally = Tally::default();
+    for line in std::io::stdin().lock().lines() {
+        let run = Run::parse(&line.unwrap());
+        if run.case != tally.case {
+            if tally.runs > 0.0 {
+                tally.print();
             }
+            tally = Tally { case: run.case.clone(), ..Tally::default() };
         }
+        tally.add(&run);
+    }
+    if tally.runs > 0.0 {
+        tally.print();
     }
 }

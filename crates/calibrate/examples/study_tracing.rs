@@ -87,9 +87,9 @@ fn main() {
                 .unwrap();
         let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
         let statics = Statics::of(&robot, &chain);
-        let train = with_run_order(load(&case.join("train.csv"), &chain), 0);
+        let train = with_run_order(load(&case.join("train.csv"), &chain), None);
         let rows = train.len();
-        let test = with_run_order(load(&case.join("test.csv"), &chain), rows);
+        let test = with_run_order(load(&case.join("test.csv"), &chain), Some(&train));
         let mut options = TraceOptions::new(IdentifyOptions::axes(&chain));
         if let Some(ratio) = truth["gear_ratio"].as_f64() {
             options.gear_ratios = vec![Some(ratio); chain.joints().len()];

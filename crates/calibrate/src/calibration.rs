@@ -142,10 +142,12 @@ pub fn calibrate(
     test: Option<Measurements>,
     options: &CalibrateOptions,
 ) -> Result<Calibration, CalibrateError> {
-    let rows = data.len();
-    let data = with_run_order(data, 0);
+    let data = with_run_order(data, None);
     let (train, test) = match (test, options.hold_out) {
-        (Some(test), _) => (data, Some(with_run_order(test, rows))),
+        (Some(test), _) => {
+            let test = with_run_order(test, Some(&data));
+            (data, Some(test))
+        }
         (None, Some(hold_out)) => split(&data, hold_out)?,
         (None, None) => (data, None),
     };
@@ -256,7 +258,7 @@ impl Stages<'_> {
         let mut held_out = Vec::new();
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
-            let arm = placed(&fit.arm, &fit.effects, self.train, test)?;
+            let arm = placed(fit, self.train, test)?;
             held_out = residuals(&arm, &fit.effects, test);
             test_errors = Some(errors(&held_out, test.kind));
         }

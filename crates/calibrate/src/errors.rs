@@ -3,6 +3,7 @@
 use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::Effects;
+use crate::solve::Fit;
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::se3;
 use serde::{Deserialize, Serialize};
@@ -68,6 +69,9 @@ pub enum TestError {
         known: String,
     },
 }
+
+/// Readings nearer than this are the same configuration, rad or m: a micrometre on a metre.
+const SAME_READING: f64 = 1e-6;
 
 /// The word for a kind of measurement.
 pub fn kind_word(kind: MeasurementKind) -> &'static str {
@@ -148,14 +152,14 @@ fn in_base(arm: &Arm, measured: Vector3<f64>, scale: f64) -> Vector3<f64> {
 
 /// The arm with the targets of other data: fitted ones by name, others where the `locate` rows put them.
 ///
+/// What the model leaves unexplained where a `locate` row stands is no part of the target's place. Where a fitted row has
+/// the same readings, the fitted targets show it: the target is placed beside where they are seen, not beside where they
+/// are predicted.
+///
 /// # Errors
 /// Another kind of value, or a target that nothing places.
-pub fn placed<E: Effects>(
-    arm: &Arm,
-    effects: &E,
-    fitted: &Measurements,
-    data: &Measurements,
-) -> Result<Arm, TestError> {
+pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements) -> Result<Arm, TestError> {
+    let arm = &fit.arm;
     if data.kind != fitted.kind {
         return Err(TestError::OtherKind {
             file: data.source.clone(),
@@ -166,7 +170,7 @@ pub fn placed<E: Effects>(
     let mut placed = arm.clone();
     placed.targets.clear();
     for (target, name) in data.targets.iter().enumerate() {
-        let located = locate(arm, effects, data, target);
+        let located = locate(fit, fitted, data, target);
         let known = fitted.targets.iter().position(|other| other == name).map(|index| arm.targets[index]);
         let pose = match (located, known) {
             (Some(place), orientation) => {
@@ -189,17 +193,34 @@ pub fn placed<E: Effects>(
 }
 
 /// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows.
-fn locate<E: Effects>(arm: &Arm, effects: &E, data: &Measurements, target: usize) -> Option<Vector3<f64>> {
+fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, target: usize) -> Option<Vector3<f64>> {
+    let arm = &fit.arm;
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let (mut sum, mut count) = (Vector3::zeros(), 0.0);
     for row in (0..data.len()).filter(|&row| data.locate[row] && data.kind != MeasurementKind::Distance) {
         let Some(measured) = data.position(row, target) else { continue };
-        stand(arm, effects, data, row, &mut state, &mut deviation);
-        let on_tip = state.tip.inverse() * Point3::from(in_base(arm, measured, deviation.scale));
+        stand(arm, &fit.effects, data, row, &mut state, &mut deviation);
+        let seen = in_base(arm, measured, deviation.scale) - leftover(fit, fitted, data.reading(row));
+        let on_tip = state.tip.inverse() * Point3::from(seen);
         sum += on_tip.coords - deviation.target;
         count += 1.0;
     }
     (count > 0.0).then(|| sum / count)
+}
+
+/// Mean residual (measured minus predicted) of the fitted rows with these readings, base frame, m; 0 without such rows.
+fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, reading: &[f64]) -> Vector3<f64> {
+    let alike = |row: &usize| {
+        fitted.reading(*row).iter().zip(reading).all(|(fitted, reading)| (fitted - reading).abs() <= SAME_READING)
+    };
+    let rows: Vec<usize> = (0..fitted.len()).filter(alike).collect();
+    let targets = fitted.targets.len();
+    let kept: Vec<Vector3<f64>> = residuals(&fit.arm, &fit.effects, fitted)
+        .into_iter()
+        .filter(|residual| rows.contains(&residual.row) && fit.weights[residual.row * targets + residual.target] > 0.0)
+        .map(|residual| residual.position)
+        .collect();
+    kept.iter().sum::<Vector3<f64>>() / kept.len().max(1) as f64
 }
 
 /// Root mean square, mean and largest of each kind of value.

@@ -1,6 +1,6 @@
 //! The frame that nobody sees: moving base frame, axes and targets together changes no measured value.
 //!
-//! A fit holds these six directions by asking that the axes stay as near to nominal as they can.
+//! A fit holds these directions by asking that the axes stay as near to nominal as they can.
 
 use crate::arm::Arm;
 use crate::parameters::{Layout, ParameterKind};
@@ -14,6 +14,8 @@ const WEIGHT_OF_TARGETS: f64 = 1e-8;
 const MOST_MOVES: usize = 5;
 /// A move of this size (rad, m) is the last.
 const SMALL_MOVE: f64 = 1e-10;
+/// A motion that resists less than this, beside the others, moves nothing that the conditions look at.
+const MOVES_NOTHING: f64 = 1e-11;
 
 /// Change of each parameter by a common motion of axes and targets: 6 columns, twists `[omega; v]` in the base frame.
 ///
@@ -52,32 +54,47 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     motions
 }
 
-/// The six conditions that hold the frame: their product with the departure from nominal is to be 0.
+/// The conditions that hold the frame: their product with the departure from nominal is to be 0. Up to 6 columns.
 ///
 /// They say that no common motion brings the axes nearer to nominal, each departure taken in its tolerance. Motions
-/// are those of the robot as drawn: what moves none of its axes (along the parallel axes of a SCARA) is settled by
-/// the targets, which stay where `reference` has them.
+/// are those of the robot as drawn. What moves none of its axes (along the parallel axes of a SCARA) is settled by
+/// the targets, which stay where `reference` has them, unless there are effects: these act at places of the arm, so the
+/// data may tell it, and it is left free.
 pub fn conditions(layout: &Layout, reference: &Arm) -> DMatrix<f64> {
+    held(layout, reference).0
+}
+
+/// The conditions, and the common motions (6 rows) that they hold.
+fn held(layout: &Layout, reference: &Arm) -> (DMatrix<f64>, DMatrix<f64>) {
     let drawn = Arm { joints: reference.nominal.joints().to_vec(), ..reference.clone() };
-    let mut conditions = common_motions(layout, &drawn);
+    let motions = common_motions(layout, &drawn);
+    let of_targets = if layout.effects.is_empty() { 1e6 * WEIGHT_OF_TARGETS } else { 0.0 };
+    let mut conditions = motions.clone();
     for (row, parameter) in layout.parameters.iter().enumerate() {
         let weight = match (parameter.kind, parameter.tolerance) {
             (ParameterKind::Turn { .. } | ParameterKind::Move { .. }, Some(tolerance)) => tolerance.powi(-2),
-            (ParameterKind::Target { .. } | ParameterKind::TargetTurn { .. }, _) => 1e6 * WEIGHT_OF_TARGETS,
+            (ParameterKind::Target { .. } | ParameterKind::TargetTurn { .. }, _) => of_targets,
             _ => 0.0,
         };
         conditions.row_mut(row).scale_mut(weight);
     }
-    conditions
+    let resistance = motions.transpose() * &conditions;
+    // Brought to size 1: rotations and translations weigh differently.
+    let largest = resistance.diagonal().max().max(f64::MIN_POSITIVE);
+    let size = resistance.diagonal().map(|own| 1.0 / own.max(MOVES_NOTHING * MOVES_NOTHING * largest).sqrt());
+    let scaled = DMatrix::from_fn(6, 6, |i, k| resistance[(i, k)] * size[i] * size[k]).symmetric_eigen();
+    let kept: Vec<usize> = (0..6).filter(|&k| scaled.eigenvalues[k] > MOVES_NOTHING).collect();
+    let held = DMatrix::from_diagonal(&size) * scaled.eigenvectors.select_columns(&kept);
+    (conditions * &held, held)
 }
 
 /// The arm that measures exactly the same, moved so that the conditions hold: its axes are as near to nominal as the
 /// common frame allows.
 pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
-    let conditions = conditions(layout, reference);
+    let (conditions, held) = held(layout, reference);
     let mut moved = arm.clone();
     for _ in 0..MOST_MOVES {
-        let Some(twist) = missing(layout, &conditions, &moved, reference) else { break };
+        let Some(twist) = missing(layout, &conditions, &held, &moved, reference) else { break };
         move_all(layout, &mut moved, &twist);
         if twist.norm() < SMALL_MOVE {
             break;
@@ -86,19 +103,21 @@ pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
     moved
 }
 
-/// The common motion that, to first order, makes the conditions hold.
-fn missing(layout: &Layout, conditions: &DMatrix<f64>, arm: &Arm, reference: &Arm) -> Option<Vector6<f64>> {
+/// The common motion, of those that are held, that makes the conditions hold to first order.
+fn missing(
+    layout: &Layout,
+    conditions: &DMatrix<f64>,
+    held: &DMatrix<f64>,
+    arm: &Arm,
+    reference: &Arm,
+) -> Option<Vector6<f64>> {
     if layout.joints.is_empty() {
         return None;
     }
     let departure = DVector::from_vec(layout.departure(arm, reference));
-    let matrix = conditions.transpose() * common_motions(layout, arm);
-    // Rows and columns brought to size 1: rotations and translations weigh differently.
-    let size = DVector::from_fn(6, |i, _| matrix[(i, i)].abs().max(f64::MIN_POSITIVE).sqrt());
-    let scaled = DMatrix::from_fn(6, 6, |i, k| matrix[(i, k)] / (size[i] * size[k]));
-    let right = (conditions.transpose() * departure).component_div(&size);
-    let solution = scaled.svd(true, true).solve(&right, 1e-13).ok()?;
-    let twist = Vector6::from_fn(|i, _| -solution[i] / size[i]);
+    let matrix = conditions.transpose() * common_motions(layout, arm) * held;
+    let solution = matrix.svd(true, true).solve(&(conditions.transpose() * departure), 1e-13).ok()?;
+    let twist = Vector6::from_iterator((held * solution).iter().map(|x| -x));
     (twist != Vector6::zeros() && twist.iter().all(|x| x.is_finite())).then_some(twist)
 }
 

@@ -20,6 +20,7 @@ pub mod gauge;
 pub mod grid;
 pub mod identifiability;
 pub mod identify;
+pub mod intervals;
 mod lanes;
 pub mod measurements;
 pub mod normal;

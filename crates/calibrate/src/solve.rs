@@ -79,40 +79,14 @@ const TRUST_AT_START: f64 = 0.03;
 const ROUNDING: f64 = 1e-14;
 /// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
 const PROMISE_FOR_REJECTION: f64 = 1.0;
-/// χ² that a step may still promise when the fit stops: a thousandth of a standard deviation, squared.
-const PROMISE_AT_END: f64 = 1e-6;
+/// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
+const PROMISE_AT_END: f64 = 1e-4;
 /// One clean file in a hundred may have a row that far out.
 const FALSE_REJECTIONS: f64 = 0.01;
 /// Gross means this many times further out than that: what the model lacks is no outlier.
 const GROSS: f64 = 1.5;
 /// If more than this share lies outside, it is not outliers.
 const MOST_REJECTIONS: f64 = 0.3;
-
-impl<E> Fit<E> {
-    /// How much of a joint parameter's spread is the prior's: 1 where the data say nothing, 0 where they say it all.
-    ///
-    /// Ratio of the standard deviation to that of the prior, the common frame held in both.
-    pub fn held_by_prior(&self, parameter: usize) -> f64 {
-        let count = self.layout.joints.len();
-        let spread = self.prior_spread();
-        if parameter >= count || spread[parameter] == 0.0 {
-            return 0.0;
-        }
-        (self.covariance[(parameter, parameter)] / spread[parameter]).sqrt().min(1.0)
-    }
-
-    /// Variances of the joints' parameters by the prior alone, the common frame held.
-    fn prior_spread(&self) -> Vec<f64> {
-        let count = self.layout.joints.len();
-        let Some(covariance) = self.layout.prior.clone().cholesky().map(|factor| factor.inverse()) else {
-            return vec![0.0; count];
-        };
-        let conditions = gauge::conditions(&self.layout, &self.arm).rows(0, count).into_owned();
-        let along = &covariance * &conditions;
-        let held = (conditions.transpose() * &along).try_inverse().map(|inverse| &along * inverse * along.transpose());
-        (0..count).map(|k| covariance[(k, k)] - held.as_ref().map_or(0.0, |held| held[(k, k)])).collect()
-    }
-}
 
 struct System {
     matrix: DMatrix<f64>,
@@ -176,10 +150,12 @@ impl Solver<'_> {
             }
             if robust {
                 noise = self.noise_of(&state.sums.squares, &weights, used, true);
-                if stuck || promise < PROMISE_FOR_REJECTION || iterations > 12 {
+                if stuck || promise < PROMISE_FOR_REJECTION || noise == self.rounding() || iterations > 12 {
                     robust = false;
                     weights = self.kept(&state.sums.squares, &given, noise);
                     state = self.evaluate(state.arm, state.effects, &weights);
+                    used = self.parameters_used(&state, noise);
+                    noise = self.noise_of(&state.sums.squares, &weights, used, false);
                 } else {
                     weights = self.downweighted(&state.sums.squares, &given, noise);
                 }

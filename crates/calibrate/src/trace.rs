@@ -8,6 +8,7 @@
 //! ```
 //! No candidate sees a measured value. All of them are tested against geometry at the same state of the model.
 
+mod contest;
 mod drifts;
 mod findings;
 mod holdout;

@@ -83,9 +83,9 @@ fn wu_irb120_by_geometry_alone() {
     let counts = &result.report.identifiability;
     assert_eq!((counts.expected, counts.rank), (33, 33));
     assert_eq!(result.report.samples.test, 40);
-    // 0.266 mm is the authors' published figure; they pin each target to where the zero configuration puts it.
+    // The authors published 0.266 and 0.525 mm. Like them we place the test's points beside the fitted ones.
     let test = result.report.stages[1].test.unwrap();
-    assert!(test.position_mean_m.unwrap() < 0.32e-3 && test.position_max_m.unwrap() < 0.67e-3, "{test:?}");
+    assert!(test.position_mean_m.unwrap() < 0.266e-3 && test.position_max_m.unwrap() < 0.55e-3, "{test:?}");
 }
 
 #[test]

@@ -71,3 +71,17 @@ fn parallel_axes_converge_in_six_iterations() {
         }
     }
 }
+
+#[test]
+fn little_is_held_by_the_prior_where_poses_tell_it() {
+    // Moving along the SCARA's parallel axes changes none of them: one of the frame's six conditions says nothing.
+    for chain in [examples::puma_like(), examples::scara_helical()] {
+        let options = SimulationOptions { kind: MeasurementKind::Pose, rows: 40, ..Default::default() };
+        let run = simulate(&chain, &options, &NoEffects);
+        let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
+        let held: Vec<f64> = fit.layout.joints.clone().map(|k| fit.held_by_prior(k)).collect();
+        let most = held.iter().fold(0.0f64, |a, b| a.max(*b));
+        println!("{}: {held:.3?}", chain.name());
+        assert!(most > 0.0 && most < 0.3, "{}: {held:?}", chain.name());
+    }
+}

@@ -186,7 +186,7 @@ def link_compliance(rng, arm):
             link_from_next = moment.placements[i].actInv(moment.placements[i + 1])
             force, torque = moment.carried[i + 1]
             force, torque = -(link_from_next.rotation @ force), -(link_from_next.rotation @ torque)
-            reach = body.origins[i + 1].translation
+            reach = body.origins[i + 2].translation  # origins[0] is the universe
             length = np.linalg.norm(reach)
             along = reach / length
             bend = torque - along * (along @ torque)

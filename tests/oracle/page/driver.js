@@ -1,7 +1,5 @@
-// Put into a copy of a page that stands in a frame: moves its sliders as a hand would, and tells the document around the
-// frame what the page then says.
-addEventListener("load", () => {
-  const wanted = JSON.parse(document.getElementById("postures").textContent);
+// Moves the sliders of a page as a hand would, and returns what the page then says and shows.
+async (wanted) => {
   const names = ["x", "y", "z", "roll", "pitch", "yaw"];
   const picker = document.getElementById("chain");
   const tips = wanted.map(({ chain, q }) => {
@@ -37,25 +35,16 @@ addEventListener("load", () => {
   const figures = [...document.querySelectorAll("svg.skeleton")];
   const troubles = figures.flatMap((svg) => words(svg).map((trouble) => `${svg.querySelector("title").textContent}: ${trouble}`));
 
-  requestAnimationFrame(() => requestAnimationFrame(() => {
-    const canvas = document.getElementById("view");
-    const pixels = canvas.getContext("2d", { willReadFrequently: true }).getImageData(0, 0, canvas.width, canvas.height).data;
-    const colours = { red: 0, blue: 0, grey: 0 };
-    for (let k = 0; k < pixels.length; k += 4) {
-      const [r, g, b] = pixels.slice(k, k + 3);
-      if (pixels[k + 3] < 200) continue;
-      if (r > 180 && g < 70 && b < 70) colours.red += 1;
-      if (r < 60 && g < 110 && b > 170) colours.blue += 1;
-      if (r > 70 && r < 110 && Math.abs(r - b) < 35) colours.grey += 1;
-    }
-    const result = {
-      tips,
-      troubles,
-      figures: figures.length,
-      colours,
-      window: innerWidth,
-      document: document.documentElement.scrollWidth,
-    };
-    parent.postMessage(JSON.stringify(result), "*");
-  }));
-});
+  await new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)));
+  const canvas = document.getElementById("view");
+  const pixels = canvas.getContext("2d", { willReadFrequently: true }).getImageData(0, 0, canvas.width, canvas.height).data;
+  const colours = { red: 0, blue: 0, grey: 0 };
+  for (let k = 0; k < pixels.length; k += 4) {
+    const [r, g, b] = pixels.slice(k, k + 3);
+    if (pixels[k + 3] < 200) continue;
+    if (r > 180 && g < 70 && b < 70) colours.red += 1;
+    if (r < 60 && g < 110 && b > 170) colours.blue += 1;
+    if (r > 70 && r < 110 && Math.abs(r - b) < 35) colours.grey += 1;
+  }
+  return { tips, troubles, figures: figures.length, colours, width: document.documentElement.scrollWidth };
+};

@@ -4,23 +4,23 @@ figures whose words do not lie on each other, and nothing wider than a phone.
 The pages, and the poses that `Chain::fk` gives for a few postures, are written by crates/export/tests/page_written.rs.
 """
 
-import html
 import json
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import sync_playwright
 
 WORKSPACE = Path(__file__).resolve().parents[3]
 PAGES = WORKSPACE / "target/oracle/pages"
-DRIVER = Path(__file__).with_name("driver.js")
+DRIVER = Path(__file__).with_name("driver.js").read_text()
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 NAMES = sorted(path.stem for path in PAGES.glob("*.json"))
-FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
---disable-component-update --disable-sync --hide-scrollbars --enable-logging=stderr --virtual-time-budget=5000
---host-resolver-rules=MAP-*-~NOTFOUND --dump-dom""".split()
+DESKTOP = {"width": 1280, "height": 900}
+PHONE = {"width": 390, "height": 844}
+FLAGS = """--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update
+--disable-sync""".split()
 
 needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed (apt-get install chromium)")
 needs_pages = pytest.mark.skipif(
@@ -28,24 +28,35 @@ needs_pages = pytest.mark.skipif(
 )
 
 
-# Chromium makes no window narrower than 500 px, so the phone is a frame.
-PHONE = """<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><iframe src="page.html" width="390" height="844"
-style="border:0"></iframe><pre id="result"></pre>
-<script>addEventListener("message", (event) => { document.getElementById("result").textContent = event.data; });</script>"""
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, timeout=120_000)
+        yield chromium
+        chromium.close()
 
 
-def opened(page, tmp_path, address=""):
-    """The document as Chromium has it after loading, and what it wrote to the console."""
-    flags = [flag.replace("MAP-*-", "MAP * ") for flag in FLAGS]
-    command = [CHROMIUM, *flags, f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1280,900", page.as_uri() + address]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    console = [line for line in run.stderr.splitlines() if "CONSOLE" in line]
-    return run.stdout, console
+@pytest.fixture
+def opened(browser):
+    """Opens a page in a window of a size; at the end of the test it must have asked for nothing and written nothing."""
+    console, asked = [], []
+    pages = []
 
+    def open_page(address, size):
+        page = browser.new_page(viewport=size)
+        page.set_default_timeout(120_000)
+        page.on("console", lambda message: console.append(message.text))
+        page.on("pageerror", lambda error: console.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(address)
+        pages.append(page)
+        return page
 
-def tip(document):
-    cell = re.compile(r'id="tip-(\w+)" data-value="([^"]+)"')
-    return {name: float(value) for name, value in cell.findall(document)}
+    yield open_page
+    assert console == []
+    assert len(asked) == len(pages), asked
+    for page in pages:
+        page.close()
 
 
 def farthest(found, expected):
@@ -55,32 +66,25 @@ def farthest(found, expected):
 @needs_chromium
 @needs_pages
 @pytest.mark.parametrize("name", NAMES)
-def test_page_opens_at_the_posture_in_its_address_without_a_word_on_the_console(name, tmp_path):
+def test_page_opens_at_the_posture_in_its_address(name, opened):
     posture = json.loads((PAGES / f"{name}.json").read_text())[-1]
     values = ",".join(repr(value) for value in posture["q"])
-    document, console = opened(PAGES / f"{name}.html", tmp_path, f"#chain={posture['chain']}&q={values}")
-    assert console == []
-    assert farthest(tip(document), posture["tip"]) < 1e-9
+    page = opened(f"{(PAGES / f'{name}.html').as_uri()}#chain={posture['chain']}&q={values}", DESKTOP)
+    tip = page.evaluate("names => names.map(name => Number(document.getElementById(`tip-${name}`).dataset.value))", list(posture["tip"]))
+    assert farthest(dict(zip(posture["tip"], tip, strict=True)), posture["tip"]) < 1e-9
 
 
 @needs_chromium
 @needs_pages
 @pytest.mark.parametrize("name", NAMES)
-def test_sliders_move_the_tip_to_where_forward_kinematics_says_on_a_phone(name, tmp_path):
+def test_sliders_move_the_tip_to_where_forward_kinematics_says_on_a_phone(name, opened):
     postures = json.loads((PAGES / f"{name}.json").read_text())
-    wanted = json.dumps(postures)
-    scripts = f'<script type="application/json" id="postures">{wanted}</script><script>{DRIVER.read_text()}</script></body>'
-    page = tmp_path / "page.html"
-    page.write_text((PAGES / f"{name}.html").read_text(encoding="utf-8").replace("</body>", scripts), encoding="utf-8")
-    around = tmp_path / "phone.html"
-    around.write_text(PHONE, encoding="utf-8")
-    document, console = opened(around, tmp_path)
-    assert console == []
-    result = json.loads(html.unescape(re.search(r'<pre id="result">(.*?)</pre>', document, re.DOTALL).group(1)))
+    page = opened((PAGES / f"{name}.html").as_uri(), PHONE)
+    result = page.evaluate(DRIVER, postures)
     off = max(farthest(found, posture["tip"]) for found, posture in zip(result["tips"], postures, strict=True))
     print(f"{name}: {len(postures)} postures, largest difference {off:.1e}")
     assert off < 1e-9
-    assert result["window"] == 390 and result["document"] <= 390
+    assert result["width"] <= PHONE["width"]
     assert min(result["colours"].values()) > 20
     assert result["figures"] >= 3
     assert result["troubles"] == []

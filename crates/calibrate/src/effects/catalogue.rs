@@ -5,7 +5,7 @@
 //! `every_kind_offers_terms_that_a_fit_can_use` covers both.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, Driver, VELOCITY};
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, Driver, VELOCITY};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::measurements::MeasurementKind;
@@ -132,7 +132,7 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::LocalJointError,
         name: "local_joint_error",
-        formula: "value_i += c · exp(-(value_i - at)²/(2 width²)), at and width found by scan",
+        formula: "value_i += c · bump((value_i - at)/width), a bell, a tent or a wave; at and width found by scan",
         units: "rad or m",
         source: "a damaged tooth or a scratch on the scale",
         terms: local_joint_error,
@@ -307,7 +307,7 @@ fn local_joint_error(survey: &Survey) -> Vec<Candidate> {
         .moving()
         .flat_map(|joint| {
             survey.bumps(joint).into_iter().map(move |(at, width)| {
-                let driver = Driver::Bump { joint, at, width };
+                let driver = Driver::Bump { joint, at, width, shape: BumpShape::Bell };
                 candidate(Kind::LocalJointError, Carrier::Joint(joint), driver, Coupling::Each, 2)
             })
         })
@@ -420,7 +420,7 @@ mod tests {
             lines: (0..rows).map(|row| row + 2).collect(),
             joints,
         };
-        with_run_order(data, 0)
+        with_run_order(data, None)
     }
 
     #[test]

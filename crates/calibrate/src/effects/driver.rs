@@ -40,7 +40,7 @@ pub enum Driver {
         /// Periods per 2π rad (or per 2π m).
         order: f64,
     },
-    /// exp(-(value - at)²/(2 width²)).
+    /// A bump of height 1.
     Bump {
         /// The joint whose value it follows.
         joint: usize,
@@ -48,6 +48,8 @@ pub enum Driver {
         at: f64,
         /// Standard width, rad or m.
         width: f64,
+        /// Its outline.
+        shape: BumpShape,
     },
     /// Gravity's torque on a joint about its axis, N·m (force along it for a slide, N), payload included.
     Torque(usize),
@@ -103,6 +105,33 @@ pub enum Driver {
         /// Knots, ascending.
         knots: Vec<f64>,
     },
+}
+
+/// The outline of a bump over u = (value - at)/width.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BumpShape {
+    /// exp(-u²/2).
+    Bell,
+    /// 1 - |u|/2, 0 beyond.
+    Tent,
+    /// (1 + cos(π u/2.5))/2, 0 beyond.
+    Wave,
+}
+
+impl BumpShape {
+    /// Every outline.
+    pub const ALL: [Self; 3] = [Self::Bell, Self::Tent, Self::Wave];
+
+    /// Height at u.
+    pub fn height(self, u: f64) -> f64 {
+        match self {
+            Self::Bell => (-0.5 * u * u).exp(),
+            Self::Tent => (1.0 - 0.5 * u.abs()).max(0.0),
+            Self::Wave if u.abs() > 2.5 => 0.0,
+            Self::Wave => 0.5 + 0.5 * (std::f64::consts::PI * u / 2.5).cos(),
+        }
+    }
 }
 
 /// Where the arm stands and what it carries, for the nominal chain.
@@ -243,9 +272,8 @@ impl Driver {
                 let (sine, cosine) = (order * joints[*joint].value(conditions.reading)).sin_cos();
                 out.extend([sine, cosine]);
             }
-            Self::Bump { joint, at, width } => {
-                let u = (joints[*joint].value(conditions.reading) - at) / width;
-                out.push((-0.5 * u * u).exp());
+            Self::Bump { joint, at, width, shape } => {
+                out.push(shape.height((joints[*joint].value(conditions.reading) - at) / width));
             }
             Self::Torque(joint) => out.push(statics.torque(posture, *joint)),
             Self::TorqueTerms { joint, links } => statics.torque_terms(posture, *joint, *links, false, out),
@@ -405,7 +433,7 @@ mod tests {
                 drivers.extend([
                     Driver::Reading(joint),
                     Driver::Harmonic { joint, order: 2.5 },
-                    Driver::Bump { joint, at: 0.1, width: 0.2 },
+                    Driver::Bump { joint, at: 0.1, width: 0.2, shape: BumpShape::Tent },
                     Driver::Torque(joint),
                     Driver::TorqueTerms { joint, links: 2 },
                     Driver::MomentAcross(joint),

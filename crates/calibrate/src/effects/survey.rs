@@ -202,21 +202,27 @@ impl Clock {
 
 /// Adds what the order of the rows tells: run order, and for each joint the side from which it came.
 ///
-/// `first_row` is the run order of the first row: 0 for a training file, its length for a test file that was
-/// measured after it.
-pub fn with_run_order(mut data: Measurements, first_row: usize) -> Measurements {
+/// `before`: the rows that were measured before these; for a test file, those of the training file.
+pub fn with_run_order(mut data: Measurements, before: Option<&Measurements>) -> Measurements {
     let rows = data.len();
-    let order = (0..rows).map(|row| (first_row + row) as f64).collect();
+    let first = before.map_or(0, Measurements::len);
+    let order = (0..rows).map(|row| (first + row) as f64).collect();
     data.covariates.push(Covariate { name: RUN_ORDER.into(), values: order });
     for (index, joint) in data.joints.clone().iter().enumerate() {
-        let side = |row: usize| {
+        let name = format!("{joint}{APPROACH_FROM_ROWS}");
+        let mut last = before.filter(|_| first > 0).map(|before| before.reading(first - 1)[index]);
+        let mut side = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
+        let mut values = Vec::with_capacity(rows);
+        for row in 0..rows {
             let here = data.reading(row)[index];
             // A joint that did not move keeps the side on which it was.
-            let before = (0..row).rev().map(|earlier| data.reading(earlier)[index]).find(|&q| q != here);
-            before.map_or(0.0, |before| if here > before { 1.0 } else { -1.0 })
-        };
-        let values: Vec<f64> = (0..rows).map(side).collect();
-        data.covariates.push(Covariate { name: format!("{joint}{APPROACH_FROM_ROWS}"), values });
+            if let Some(last) = last.filter(|last| *last != here) {
+                side = if here > last { 1.0 } else { -1.0 };
+            }
+            last = Some(here);
+            values.push(side);
+        }
+        data.covariates.push(Covariate { name, values });
     }
     data
 }

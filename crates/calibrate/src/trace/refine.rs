@@ -1,13 +1,17 @@
 //! The numbers inside a driver (order, place, width, time constant) that a scan only brackets.
 
 use crate::effects::catalogue::Candidate;
-use crate::effects::driver::Driver;
+use crate::effects::driver::{BumpShape, Driver};
 use crate::effects::survey::Survey;
 use crate::trace::projector::Projector;
 use crate::trace::search::{Field, Scored};
 
 /// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what noise lets one tell.
 const HALVINGS: usize = 16;
+/// Scanned numbers of a bump: place and width.
+const BUMP_NUMBERS: usize = 2;
+/// How much better another outline of a bump must do.
+const OUTLINE: f64 = 6.0;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
@@ -37,19 +41,26 @@ impl Field<'_> {
                 let whole = score(Driver::Harmonic { joint, order: best.round().max(1.0) }, 0);
                 if whole.delta_bic >= free.delta_bic { whole } else { free }
             }
-            Driver::Bump { joint, at, width } => {
+            Driver::Bump { joint, at, width, shape } => {
+                let bump = |at: f64, width: f64, shape: BumpShape| Driver::Bump { joint, at, width, shape };
                 let (mut at, mut width) = (at, width);
-                for round in 0..3 {
-                    let reach = width * if round == 0 { 1.2 } else { 0.5 };
-                    at = highest(|at| drop(Driver::Bump { joint, at, width }), at - reach, at + reach);
-                    let log = highest(
-                        |log: f64| drop(Driver::Bump { joint, at, width: log.exp() }),
-                        (0.5 * width).ln(),
-                        (2.0 * width).ln(),
-                    );
-                    width = log.exp().clamp(0.005 * survey.span(joint), 0.2 * survey.span(joint));
+                let moved = |at: &mut f64, width: &mut f64, shape: BumpShape, reach: f64| {
+                    *at = highest(|at| drop(bump(at, *width, shape)), *at - reach * *width, *at + reach * *width);
+                    let (low, high) = ((0.5 * *width).ln(), (2.0 * *width).ln());
+                    let log = highest(|log: f64| drop(bump(*at, log.exp(), shape)), low, high);
+                    *width = log.exp().clamp(0.005 * survey.span(joint), 0.2 * survey.span(joint));
+                };
+                for reach in [1.2, 0.5, 0.5] {
+                    moved(&mut at, &mut width, shape, reach);
                 }
-                score(Driver::Bump { joint, at, width }, 2)
+                let own = score(bump(at, width, shape), BUMP_NUMBERS);
+                let others = BumpShape::ALL.into_iter().filter(|other| *other != shape).map(|other| {
+                    let (mut at, mut width) = (at, width);
+                    moved(&mut at, &mut width, other, 0.5);
+                    score(bump(at, width, other), BUMP_NUMBERS)
+                });
+                // The outline counts as no number: only one that does clearly better is another.
+                others.fold(own, |best, other| if other.delta_bic > best.delta_bic + OUTLINE { other } else { best })
             }
             Driver::Decay { covariate, from, constant } => {
                 let at = |log: f64| drop(Driver::Decay { covariate: covariate.clone(), from, constant: log.exp() });

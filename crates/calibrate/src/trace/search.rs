@@ -190,7 +190,7 @@ impl Field<'_> {
 /// What a kind must do better than another that looks alike: odds of twelve to one for the cause that is met more often.
 ///
 /// A joint is softer than a link or a bearing; a slide's scale is off more often than an instrument's.
-fn handicap(kind: Kind) -> f64 {
+pub(crate) fn handicap(kind: Kind) -> f64 {
     match kind {
         Kind::LinkCompliance | Kind::InstrumentScale => 5.0,
         _ => 0.0,

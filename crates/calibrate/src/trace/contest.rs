@@ -1,0 +1,98 @@
+//! Effects that look alike to first order, told apart by fitting each.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::{Candidate, Kind};
+use crate::effects::driver::Driver;
+use crate::trace::search::handicap;
+use crate::trace::select::{SWAP_GAIN, State, Tracer};
+use denavit_model::nalgebra::DVector;
+use std::ops::Range;
+
+/// So many others are fitted in the place of an effect.
+const FITTED: usize = 3;
+/// An effect that explains less than this share of what the present one does is no contender.
+const CONTENDS: f64 = 0.7;
+/// What a rejected row costs: about the least χ² for which a row is rejected.
+const REJECTION: f64 = 40.0;
+
+impl Tracer<'_> {
+    /// The state with one effect changed for another that fits better, or with the steps of two drifts as one.
+    ///
+    /// The scan compares effects on the model linearised where it stands. Large effects bend that: so those that come
+    /// near are fitted, and the fits compared. `contested`: indices of the effects in question.
+    pub(crate) fn contested(&self, state: &State, contested: Range<usize>) -> Option<State> {
+        let had = self.criterion(state);
+        let mut best: Option<(f64, State)> = None;
+        for chosen in self.contenders(state, contested) {
+            let next = self.refitted(chosen, Some(state));
+            let found = self.criterion(&next);
+            if found < had - SWAP_GAIN && best.as_ref().is_none_or(|(least, _)| found < *least) {
+                best = Some((found, next));
+            }
+        }
+        best.map(|(_, next)| self.rescanned(next))
+    }
+
+    /// The sets of terms that are worth a fit.
+    fn contenders(&self, state: &State, contested: Range<usize>) -> Vec<Vec<Candidate>> {
+        let linear = self.linear(state);
+        let field = self.field(&linear);
+        let mut sets = Vec::new();
+        for index in contested {
+            let rest = state.without(&linear, &[index]);
+            let own = field.own(&rest.loose, &state.chosen[index]);
+            let mut scored = field.score(&rest.loose, &self.candidates);
+            scored.retain(|other| other.gain.rank > 0 && other.gain.drop > CONTENDS * own.gain.drop);
+            scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+            let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
+            let mut seen: Vec<(Kind, Carrier)> = vec![key(&state.chosen[index])];
+            for other in scored {
+                if seen.len() > FITTED {
+                    break;
+                }
+                if !seen.contains(&key(&other.candidate)) {
+                    seen.push(key(&other.candidate));
+                    let mut chosen = state.chosen.clone();
+                    chosen[index] = field.refined(&rest.loose, &self.survey, &other.candidate).candidate;
+                    sets.push(chosen);
+                }
+            }
+        }
+        sets.extend(with_steps_elsewhere(&state.chosen));
+        sets
+    }
+
+    /// What a fit is judged by, less is better: n ln(RSS) of each channel, the prior, k ln n for the effects' numbers.
+    pub(crate) fn criterion(&self, state: &State) -> f64 {
+        let fit = &state.fit;
+        let departure = fit.layout.departure(&fit.arm, &self.geometric.arm);
+        let joints = DVector::from_row_slice(&departure[fit.layout.joints.clone()]);
+        let prior = joints.dot(&(&fit.layout.prior * &joints));
+        let values: f64 = fit.values.iter().sum();
+        let numbers: usize =
+            state.chosen.iter().map(|candidate| candidate.scanned).sum::<usize>() + fit.layout.effects.len();
+        let handicaps: f64 = state.chosen.iter().map(|candidate| handicap(candidate.term.kind)).sum();
+        let channels = [fit.noise.position, fit.noise.orientation].into_iter().zip(fit.values).zip(fit.parameters_used);
+        let misfit: f64 = channels
+            .filter(|((noise, values), _)| *noise > 0.0 && *values > 0.0)
+            .map(|((noise, values), used)| values * (noise * noise * (values - used) / values).ln())
+            .sum();
+        let rejected = fit.weights.iter().filter(|weight| **weight == 0.0).count();
+        misfit + prior + numbers as f64 * values.ln() + REJECTION * rejected as f64 + handicaps
+    }
+}
+
+/// Drifts by steps at two places, written as steps at one of them.
+fn with_steps_elsewhere(chosen: &[Candidate]) -> Vec<Vec<Candidate>> {
+    let steps: Vec<usize> =
+        (0..chosen.len()).filter(|&k| matches!(chosen[k].term.driver, Driver::Steps { .. })).collect();
+    let mut sets = Vec::new();
+    for &moved in &steps {
+        for &onto in steps.iter().filter(|&&other| other != moved) {
+            let mut set = chosen.to_vec();
+            set[moved].term.carrier = chosen[onto].term.carrier;
+            sets.push(set);
+        }
+    }
+    sets
+}
