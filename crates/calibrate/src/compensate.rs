@@ -1,7 +1,8 @@
 //! Joint commands that reach given poses with the robot as it is: Newton on the full model.
 
 use denavit_model::nalgebra::{DMatrix, DVector, Vector6};
-use denavit_model::{Chain, Pose, se3};
+use denavit_model::{Chain, Pose, Screw, se3};
+use std::f64::consts::TAU;
 
 /// What is to be reached.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,11 +61,7 @@ pub fn compensate(
     let (joints, steps) = newton(calibrated, actual, &pose, &start, size);
     let (orientation_error, position_error) = se3::difference(&actual(&joints), &pose);
     let (turned, moved) = se3::difference(&actual(&start), &pose);
-    let beyond = |(coordinate, value): (&denavit_model::Coordinate, &f64)| {
-        let (lower, upper) = coordinate.range();
-        (coordinate.limits.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
-    };
-    let outside = nominal.coordinates().iter().zip(&joints).filter_map(beyond).collect();
+    let outside = beyond_limits(nominal, &joints);
     Command {
         nominal: start,
         joints,
@@ -76,22 +73,52 @@ pub fn compensate(
     }
 }
 
-/// Joint values at which the nominal robot has a pose, searched from `near` and then from over the joint range.
+/// Joint values at which the nominal robot has a pose, searched from `near` and then from over the joint range: the first
+/// that is one within the limits, else the first that is one, else the nearest miss.
 fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> Vec<f64> {
     let size = chain.size();
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut best: Option<(bool, f64, Vec<f64>)> = None;
     let starts = std::iter::once(near.to_vec()).chain((1..40).map(|k| spread(chain, k)));
     for start in starts {
         let (found, _) = newton(chain, &|q| chain.fk(q), pose, &start, size);
+        let found = unwound(chain, found, near);
         let left = error(&chain.fk(&found), pose, size).norm();
-        if best.as_ref().is_none_or(|(least, _)| left < *least) {
-            best = Some((left, found));
+        if left < REACHED && beyond_limits(chain, &found).is_empty() {
+            return found;
         }
-        if left < REACHED {
-            break;
+        let better = |(reached, least, _): &(bool, f64, Vec<f64>)| !reached && left < *least;
+        if best.as_ref().is_none_or(better) {
+            best = Some((left < REACHED, left, found));
         }
     }
-    best.map_or_else(|| near.to_vec(), |(_, found)| found)
+    best.map_or_else(|| near.to_vec(), |(_, _, found)| found)
+}
+
+/// The same angles with whole turns taken off: within the limits if that can be, and there nearest to `near`.
+///
+/// A coordinate that lifts or slides anything, or turns a joint by other than itself, stays as it is.
+fn unwound(chain: &Chain, mut q: Vec<f64>, near: &[f64]) -> Vec<f64> {
+    for (index, coordinate) in chain.coordinates().iter().enumerate() {
+        let mut moved = chain.joints().iter().filter(|joint| joint.coordinate == index);
+        if !moved.all(|joint| matches!(joint.screw, Screw::Revolute(_)) && joint.scale.abs() == 1.0) {
+            continue;
+        }
+        let nearest = q[index] - TAU * ((q[index] - near[index]) / TAU).round();
+        let (lower, upper) = coordinate.range();
+        let within = |value: &f64| coordinate.limits.is_none() || (lower..=upper).contains(value);
+        let others = (1..=4).flat_map(|turns| [nearest + TAU * f64::from(turns), nearest - TAU * f64::from(turns)]);
+        q[index] = std::iter::once(nearest).chain(others).find(within).unwrap_or(nearest);
+    }
+    q
+}
+
+/// Names of the coordinates that are outside of their limits.
+pub fn beyond_limits(chain: &Chain, q: &[f64]) -> Vec<String> {
+    let beyond = |(coordinate, value): (&denavit_model::Coordinate, &f64)| {
+        let (lower, upper) = coordinate.range();
+        (coordinate.limits.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
+    };
+    chain.coordinates().iter().zip(q).filter_map(beyond).collect()
 }
 
 fn spread(chain: &Chain, index: usize) -> Vec<f64> {
