@@ -114,6 +114,19 @@ pub struct Trace {
     pub leftover: Leftover,
 }
 
+/// The first pass of the search alone: every candidate against the geometric fit, the best of each kind at each place.
+///
+/// # Shape and units
+/// As [`trace`].
+pub fn scan(
+    statics: &Statics,
+    data: &Measurements,
+    geometric: &Fit<NoEffects>,
+    options: &TraceOptions,
+) -> Vec<ScanCell> {
+    select::Tracer::new(statics, data, geometric, options).first_pass()
+}
+
 /// Searches for effects beyond a geometric fit.
 ///
 /// # Shape and units
