@@ -1,6 +1,7 @@
 //! The robot as it is: chain, instrument and targets, and where everything stands in one row.
 
 use crate::measurements::{MeasurementKind, Measurements};
+use denavit_model::compiled::sines_and_cosines;
 use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, se3};
 
@@ -131,18 +132,30 @@ impl Arm {
     /// Where everything stands at the coordinates `q`, with or without deviations, into `state`.
     pub fn state_into(&self, q: &[f64], deviation: Option<&Deviation>, state: &mut RowState) {
         let mut reached = Pose::identity();
-        state.before.clear();
-        state.after.clear();
-        for (index, joint) in self.joints.iter().enumerate() {
+        let RowState { before, after, turns: [values, sines, cosines], .. } = state;
+        let count = self.joints.len();
+        before.resize(count, reached);
+        after.resize(count, reached);
+        for numbers in [&mut *values, &mut *sines, &mut *cosines] {
+            numbers.resize(count, 0.0);
+        }
+        for (value, joint) in values.iter_mut().zip(&self.joints) {
+            *value = joint.value(q);
+        }
+        sines_and_cosines(values, sines, cosines);
+        let turns = values.iter().zip(sines.iter().zip(cosines.iter()));
+        let places = before.iter_mut().zip(after.iter_mut());
+        for (index, ((joint, (value, turn)), (before, after))) in self.joints.iter().zip(turns).zip(places).enumerate()
+        {
             if let Some(deviation) = deviation {
                 reached *= se3::exp(&deviation.twists[index]);
             }
-            state.before.push(reached);
-            reached *= joint.screw.motion(joint.value(q));
-            state.after.push(reached);
+            *before = reached;
+            reached *= joint.screw.motion_by(*value, (*turn.0, *turn.1));
+            *after = reached;
         }
         if let Some(deviation) = deviation {
-            reached *= se3::exp(&deviation.twists[self.joints.len()]);
+            reached *= se3::exp(&deviation.twists[count]);
         }
         state.tip = reached * self.nominal.home();
     }
@@ -208,6 +221,8 @@ pub struct RowState {
     pub after: Vec<Pose>,
     /// base_from_tip.
     pub tip: Pose,
+    /// Joint values, their sines and their cosines.
+    turns: [Vec<f64>; 3],
 }
 
 /// One row of measured data: what a driver may look at. It gives no way to the measured values.

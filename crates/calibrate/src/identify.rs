@@ -3,7 +3,7 @@
 use crate::arm::Arm;
 use crate::measurements::Measurements;
 use crate::parameters::{Effects, Freedom, Layout, NoEffects, Tolerances};
-use crate::placement::nominal_fit;
+use crate::placement::{self, nominal_fit};
 use crate::solve::{Fit, FitOptions, fit};
 use denavit_model::Chain;
 
@@ -58,7 +58,10 @@ impl IdentifyOptions {
 pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -> Identification {
     let options = &options.for_data(chain, data);
     let weights = vec![1.0; data.observations()];
-    let first = nominal_fit(chain, data, &weights, &FitOptions { robust: true, ..options.fit });
+    let few = placement::some_rows(data);
+    let some = few.as_ref().unwrap_or(data);
+    let all = vec![1.0; some.observations()];
+    let first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });
     let geometric = fit_stage(data, &first.arm, &NoEffects, &weights, options);
     let layout = &first.layout;
     let plain = FitOptions { robust: false, ..options.fit };

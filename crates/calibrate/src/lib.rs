@@ -21,6 +21,7 @@ pub mod identify;
 pub mod intervals;
 pub mod measurements;
 pub mod normal;
+mod panel;
 pub mod parameters;
 pub mod placement;
 pub mod plan;

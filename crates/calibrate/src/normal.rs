@@ -1,9 +1,11 @@
-//! Normal equations, accumulated row by row over blocks in threads; sums do not depend on how many threads there are.
+//! Normal equations, accumulated over blocks of rows in threads; sums do not depend on how many threads there are.
 
 use crate::arm::Arm;
 use crate::measurements::MeasurementKind;
+use crate::panel::{Panel, Part};
 use crate::parameters::Effects;
 use crate::residual::{Problem, Scratch, width};
+use std::sync::Mutex;
 
 /// Jᵀ W J, Jᵀ W r and rᵀ W r of one kind of value.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +21,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    fn zeros(columns: usize) -> Self {
+    pub(crate) fn zeros(columns: usize) -> Self {
         Self { matrix: vec![0.0; columns * columns], gradient: vec![0.0; columns], cost: 0.0, count: 0.0 }
     }
 
@@ -32,35 +34,6 @@ impl Channel {
         }
         self.cost += other.cost;
         self.count += other.count;
-    }
-
-    /// Add one value or three of one weight: `jacobian` holds as many rows.
-    fn take(&mut self, residual: &[f64], jacobian: &[f64], weight: f64) {
-        let columns = self.gradient.len();
-        self.count += weight * residual.len() as f64;
-        self.cost += weight * residual.iter().map(|r| r * r).sum::<f64>();
-        if let [r0, r1, r2] = *residual {
-            let (x, rest) = jacobian.split_at(columns);
-            let (y, z) = rest.split_at(columns);
-            for i in 0..columns {
-                let (a, b, c) = (weight * x[i], weight * y[i], weight * z[i]);
-                self.gradient[i] += a * r0 + b * r1 + c * r2;
-                let sums = &mut self.matrix[i * columns + i..(i + 1) * columns];
-                for (((sum, x), y), z) in sums.iter_mut().zip(&x[i..]).zip(&y[i..]).zip(&z[i..]) {
-                    *sum += a * x + b * y + c * z;
-                }
-            }
-        } else {
-            for (r, row) in residual.iter().zip(jacobian.chunks_exact(columns)) {
-                for i in 0..columns {
-                    let a = weight * row[i];
-                    self.gradient[i] += a * r;
-                    for (sum, x) in self.matrix[i * columns + i..(i + 1) * columns].iter_mut().zip(&row[i..]) {
-                        *sum += a * x;
-                    }
-                }
-            }
-        }
     }
 }
 
@@ -77,6 +50,8 @@ pub struct Sums {
 const BLOCKS: usize = 64;
 /// No block is smaller than this many rows, unless there are fewer.
 const LEAST_ROWS: usize = 32;
+/// Fewer rows are done before a thread has started.
+const ROWS_FOR_THREADS: usize = 256;
 
 impl<E: Effects> Problem<'_, E> {
     /// Residuals and normal equations at this state of the arm.
@@ -88,31 +63,33 @@ impl<E: Effects> Problem<'_, E> {
         let targets = self.data.targets.len();
         let block_rows = rows.div_ceil(BLOCKS).max(LEAST_ROWS);
         let mut squares = vec![[0.0; 2]; rows * targets];
-        let mut blocks: Vec<(usize, &mut [[f64; 2]])> = squares
-            .chunks_mut(block_rows * targets)
-            .enumerate()
-            .map(|(index, part)| (index * block_rows, part))
-            .collect();
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(blocks.len()).max(1);
-        let share = blocks.len().div_ceil(threads).max(1);
-        let work = |part: &mut [(usize, &mut [[f64; 2]])]| -> Vec<Vec<Channel>> {
-            let mut scratch = Scratch::new(self.layout, arm);
-            part.iter_mut().map(|(first, squares)| self.block(arm, weights, *first, squares, &mut scratch)).collect()
-        };
-        let done: Vec<Vec<Channel>> = if threads == 1 {
-            work(&mut blocks)
+        let blocks: Vec<(usize, &mut [[f64; 2]])> = squares.chunks_mut(block_rows * targets).enumerate().collect();
+        let threads = if rows < ROWS_FOR_THREADS {
+            1
         } else {
-            std::thread::scope(|scope| {
-                let work = &work;
-                let handles: Vec<_> = blocks.chunks_mut(share).map(|part| scope.spawn(move || work(part))).collect();
-                handles
-                    .into_iter()
-                    .flat_map(|handle| handle.join().expect("a block's computation does not panic"))
-                    .collect()
-            })
+            std::thread::available_parallelism().map_or(1, usize::from).min(blocks.len())
         };
-        let mut channels = self.no_channels();
-        for block in &done {
+        let mut done: Vec<(usize, Vec<Channel>)> = Vec::with_capacity(blocks.len());
+        let queue = Mutex::new(blocks.into_iter());
+        let work = || {
+            let mut scratch = Scratch::new(self.layout, arm);
+            let mut done = Vec::new();
+            loop {
+                let next = queue.lock().expect("taking a block does not panic").next();
+                let Some((index, squares)) = next else { return done };
+                done.push((index, self.block(arm, weights, index * block_rows, squares, &mut scratch)));
+            }
+        };
+        std::thread::scope(|scope| {
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            done.extend(work());
+            for other in others {
+                done.extend(other.join().expect("a block's computation does not panic"));
+            }
+        });
+        done.sort_by_key(|(index, _)| *index);
+        let mut channels = vec![Channel::zeros(self.layout.len()); self.parts().len()];
+        for (_, block) in &done {
             for (sum, part) in channels.iter_mut().zip(block) {
                 sum.add(part);
             }
@@ -120,9 +97,8 @@ impl<E: Effects> Problem<'_, E> {
         Sums { channels, squares }
     }
 
-    fn no_channels(&self) -> Vec<Channel> {
-        let count = if self.data.kind == MeasurementKind::Pose { 2 } else { 1 };
-        vec![Channel::zeros(self.layout.len()); count]
+    fn parts(&self) -> &'static [Part] {
+        if self.data.kind == MeasurementKind::Pose { &[Part::Place, Part::Turn] } else { &[Part::Place] }
     }
 
     fn block(
@@ -134,7 +110,7 @@ impl<E: Effects> Problem<'_, E> {
         scratch: &mut Scratch,
     ) -> Vec<Channel> {
         let (targets, step, columns) = (self.data.targets.len(), width(self.data.kind), self.layout.len());
-        let mut channels = self.no_channels();
+        let mut panels: Vec<Panel> = self.parts().iter().map(|part| Panel::new(self.layout, *part)).collect();
         let mut residual = vec![0.0; targets * step];
         let mut jacobian = vec![0.0; targets * step * columns];
         for (offset, squares) in squares.chunks_exact_mut(targets).enumerate() {
@@ -151,13 +127,13 @@ impl<E: Effects> Problem<'_, E> {
                     continue;
                 }
                 let j = &jacobian[target * step * columns..(target + 1) * step * columns];
-                channels[0].take(&r[..split], &j[..split * columns], weight);
-                if let Some(orientations) = channels.get_mut(1) {
+                panels[0].take(&r[..split], &j[..split * columns], weight);
+                if let Some(orientations) = panels.get_mut(1) {
                     orientations.take(&r[split..], &j[split * columns..], weight);
                 }
             }
         }
-        channels
+        panels.into_iter().map(Panel::finish).collect()
     }
 
     /// Squared residual norms of every observation by channel, m² and rad², without derivatives.

@@ -9,6 +9,10 @@ use denavit_model::{Chain, Pose, se3};
 
 /// Rows that the search for a start looks at.
 const ROWS_FOR_START: usize = 60;
+/// Rows that place the robot as drawn before its axes are fitted: more do not make a better start.
+const ROWS_FOR_PLACEMENT: usize = 1000;
+/// Rows that must see each target among these.
+const LEAST_SIGHTS: usize = 30;
 /// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
 const GOOD_ENOUGH: f64 = 0.01;
 
@@ -21,6 +25,19 @@ pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options:
     let layout = Layout::new(chain, data.kind, &data.targets, &freedom, &Tolerances::default(), Vec::new());
     let start = start(chain, data, weights, &layout);
     fit(data, &layout, &start, &NoEffects, weights, options)
+}
+
+/// Rows spread over the run that do for placing the robot as drawn; `None` where that takes all of them.
+pub(crate) fn some_rows(data: &Measurements) -> Option<Measurements> {
+    let rows = data.len();
+    if rows <= ROWS_FOR_PLACEMENT {
+        return None;
+    }
+    let spread: Vec<usize> = (0..ROWS_FOR_PLACEMENT).map(|k| k * (rows - 1) / (ROWS_FOR_PLACEMENT - 1)).collect();
+    let some = data.subset(&spread);
+    let sights = |target: usize| (0..some.len()).filter(|row| some.position(*row, target).is_some()).count();
+    let seen = some.kind == MeasurementKind::Distance || (0..some.targets.len()).all(|t| sights(t) >= LEAST_SIGHTS);
+    seen.then_some(some)
 }
 
 /// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.

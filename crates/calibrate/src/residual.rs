@@ -4,7 +4,7 @@ use crate::arm::{Across, Arm, Deviation, Row, RowState};
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, Layout, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
-use denavit_model::se3;
+use denavit_model::{Pose, se3};
 
 /// Measured data, parameters and effects: what residuals are computed from.
 #[derive(Debug, Clone, Copy)]
@@ -23,8 +23,54 @@ pub struct Scratch {
     state: RowState,
     deviation: Deviation,
     sensitivities: Vec<Sensitivity>,
-    twists: Vec<Vector6<f64>>,
+    twists: Twists,
     across: Vec<Across>,
+    axes: Vec<AxisNow>,
+}
+
+/// Twists `[omega; v]` of the tip in the base frame, one per joint and effect parameter: six numbers, each of them for
+/// all parameters in a row, so that a loop over parameters runs in vectors.
+#[derive(Debug, Clone, Default)]
+struct Twists([Vec<f64>; 6]);
+
+impl Twists {
+    fn zeros(count: usize) -> Self {
+        Self(std::array::from_fn(|_| vec![0.0; count]))
+    }
+
+    fn set(&mut self, column: usize, omega: &Vector3<f64>, v: &Vector3<f64>) {
+        for k in 0..3 {
+            self.0[k][column] = omega[k];
+            self.0[3 + k][column] = v[k];
+        }
+    }
+
+    /// Less the velocity of a point (base frame, m), parameter by parameter: three rows of `columns` cells.
+    fn less_velocities(&self, point: &Vector3<f64>, columns: usize, jacobian: &mut [f64]) {
+        let count = self.0[0].len();
+        let [wx, wy, wz, vx, vy, vz] = self.0.each_ref().map(|numbers| &numbers[..count]);
+        let (x, rest) = jacobian.split_at_mut(columns);
+        let (y, z) = rest.split_at_mut(columns);
+        let (x, y, z) = (&mut x[..count], &mut y[..count], &mut z[..count]);
+        for k in 0..count {
+            x[k] = wz[k] * point.y - wy[k] * point.z - vx[k];
+            y[k] = wx[k] * point.z - wz[k] * point.x - vy[k];
+            z[k] = wy[k] * point.x - wx[k] * point.y - vz[k];
+        }
+    }
+
+    /// Less the angular velocities, taken through `matrix`: three rows of `columns` cells.
+    fn less_turns(&self, matrix: &Matrix3<f64>, columns: usize, jacobian: &mut [f64]) {
+        let count = self.0[0].len();
+        let (wx, wy, wz) = (&self.0[0][..count], &self.0[1][..count], &self.0[2][..count]);
+        for (row, line) in jacobian.chunks_exact_mut(columns).take(3).enumerate() {
+            let (a, b, c) = (matrix[(row, 0)], matrix[(row, 1)], matrix[(row, 2)]);
+            let line = &mut line[..count];
+            for k in 0..count {
+                line[k] = -(a * wx[k] + b * wy[k] + c * wz[k]);
+            }
+        }
+    }
 }
 
 impl Scratch {
@@ -38,14 +84,43 @@ impl Scratch {
             state: RowState::default(),
             deviation: Deviation::none(arm.joints.len()),
             sensitivities: vec![Sensitivity::default(); layout.effects.len()],
-            twists: vec![Vector6::zeros(); layout.effects.end],
+            twists: Twists::zeros(layout.effects.end),
             across: arm.joints.iter().enumerate().map(carry).collect(),
+            axes: vec![AxisNow::default(); arm.joints.len()],
         }
     }
 
     /// Where the arm stood in the row computed last.
     pub fn state(&self) -> &RowState {
         &self.state
+    }
+}
+
+/// A joint's axis in one row, as a change of it enters: what carries it less what it carries.
+#[derive(Debug, Clone, Copy, Default)]
+struct AxisNow {
+    /// Directions across the axis before the joint's motion less those after it.
+    directions: [Vector3<f64>; 2],
+    after: [Vector3<f64>; 2],
+    /// Centre before the motion, and how far the motion brought it back, m.
+    centre: Vector3<f64>,
+    back: Vector3<f64>,
+}
+
+impl AxisNow {
+    #[inline]
+    fn of(before: &Pose, after: &Pose, basis: &Across) -> Self {
+        let now = [after.rotation * basis.a, after.rotation * basis.b];
+        let directions = [before.rotation * basis.a - now[0], before.rotation * basis.b - now[1]];
+        let centre = (before * basis.centre).coords;
+        Self { directions, after: now, centre, back: centre - (after * basis.centre).coords }
+    }
+
+    /// Twist per unit of a turn about direction `across`: c × w before the motion less the same after it.
+    #[inline]
+    fn turned(&self, across: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let w = self.directions[across];
+        (w, self.centre.cross(&w) + self.back.cross(&self.after[across]))
     }
 }
 
@@ -125,20 +200,20 @@ impl<E: Effects> Problem<'_, E> {
 
     /// Twist of the tip per unit of each joint and effect parameter.
     fn twists(&self, arm: &Arm, at: Row<'_>, scratch: &mut Scratch) {
-        let Scratch { state, sensitivities, twists, across, .. } = scratch;
+        let Scratch { state, sensitivities, twists, across, axes, .. } = scratch;
+        if !self.layout.joints.is_empty() {
+            for (axis, ((before, after), basis)) in
+                axes.iter_mut().zip(state.before.iter().zip(&state.after).zip(across.iter()))
+            {
+                *axis = AxisNow::of(before, after, basis);
+            }
+        }
         for (column, parameter) in self.layout.parameters[self.layout.joints.clone()].iter().enumerate() {
             let Some(joint) = parameter.kind.joint() else { continue };
-            let (before, after, basis) = (&state.before[joint], &state.after[joint], &across[joint]);
-            let pick = |k: usize| if k == 0 { basis.a } else { basis.b };
+            let (before, axis) = (&state.before[joint], &axes[joint]);
             let (w, v) = match parameter.kind {
-                ParameterKind::Turn { across, .. } => {
-                    let (w0, w1) = (before.rotation * pick(across), after.rotation * pick(across));
-                    let (c0, c1) = ((before * basis.centre).coords, (after * basis.centre).coords);
-                    (w0 - w1, c0.cross(&w0) - c1.cross(&w1))
-                }
-                ParameterKind::Move { across, .. } => {
-                    (Vector3::zeros(), before.rotation * pick(across) - after.rotation * pick(across))
-                }
+                ParameterKind::Turn { across, .. } => axis.turned(across),
+                ParameterKind::Move { across, .. } => (Vector3::zeros(), axis.directions[across]),
                 ParameterKind::Pitch { .. } => {
                     let u = arm.joints[joint].screw.direction().into_inner();
                     (Vector3::zeros(), before.rotation * u * arm.joints[joint].value(at.reading()))
@@ -150,13 +225,14 @@ impl<E: Effects> Problem<'_, E> {
                     (omega(&twist), Vector3::new(twist[3], twist[4], twist[5]))
                 }
             };
-            twists[column] = Vector6::new(w.x, w.y, w.z, v.x, v.y, v.z);
+            twists.set(column, &w, &v);
         }
         if !sensitivities.is_empty() {
             sensitivities.fill(Sensitivity::default());
             self.effects.sensitivities(at, arm, state, sensitivities);
-            for (twist, sensitivity) in twists[self.layout.effects.clone()].iter_mut().zip(sensitivities.iter()) {
-                *twist = sensitivity.twist;
+            for (column, sensitivity) in self.layout.effects.clone().zip(sensitivities.iter()) {
+                let twist = &sensitivity.twist;
+                twists.set(column, &omega(twist), &Vector3::new(twist[3], twist[4], twist[5]));
             }
         }
     }
@@ -180,67 +256,50 @@ impl<E: Effects> Problem<'_, E> {
         let (state, deviation) = (&scratch.state, &scratch.deviation);
         let on_tip = arm.targets[target].translation.vector + deviation.target;
         let predicted = state.tip.rotation * on_tip + state.tip.translation.vector;
-        let measured_in_base = arm.instrument.rotation.inverse()
-            * (measured / (1.0 + deviation.scale) - arm.instrument.translation.vector);
+        let to_base = arm.instrument.rotation.inverse();
+        let measured_in_base = to_base * (measured / (1.0 + deviation.scale) - arm.instrument.translation.vector);
         let difference = measured_in_base - predicted;
         residual[..3].copy_from_slice(difference.as_slice());
         let orientation = (self.data.kind == MeasurementKind::Pose).then(|| {
-            let turned = arm.instrument.rotation.inverse() * self.data.orientations[row];
+            let turned = to_base * self.data.orientations[row];
             let turn = se3::rotation_vector(&(turned * (state.tip.rotation * arm.targets[target].rotation).inverse()));
             residual[3..6].copy_from_slice(turn.as_slice());
             inverse_left_jacobian(&turn)
         });
         let Some(jacobian) = jacobian else { return };
         let columns = self.layout.len();
-        for (column, twist) in scratch.twists.iter().enumerate() {
-            put(jacobian, columns, column, &-velocity(twist, &predicted));
-        }
+        scratch.twists.less_velocities(&predicted, columns, jacobian);
         for (k, sensitivity) in scratch.sensitivities.iter().enumerate() {
             let column = self.layout.effects.start + k;
             let scale = sensitivity.scale / (1.0 + deviation.scale).powi(2);
             let value = -velocity(&sensitivity.twist, &predicted)
                 - state.tip.rotation * sensitivity.target
-                - arm.instrument.rotation.inverse() * measured * scale;
+                - to_base * measured * scale;
             put(jacobian, columns, column, &value);
         }
-        let start = self.layout.instrument.start;
-        for k in 0..3 {
-            let e = Vector3::ith(k, 1.0);
-            put(jacobian, columns, start + k, &-e.cross(&measured_in_base));
-            put(jacobian, columns, start + 3 + k, &-e);
-        }
-        for other in self.layout.targets.clone() {
-            let value = match self.layout.parameters[other].kind {
-                ParameterKind::Target { target: of, component } if of == target => {
-                    -state.tip.rotation.matrix().column(component).into_owned()
-                }
-                _ => Vector3::zeros(),
-            };
-            put(jacobian, columns, other, &value);
+        let [x, y, z]: [f64; 3] = measured_in_base.into();
+        let of_instrument = [[0.0, -z, y, -1.0, 0.0, 0.0], [z, 0.0, -x, 0.0, -1.0, 0.0], [-y, x, 0.0, 0.0, 0.0, -1.0]];
+        let (first, tip) = (self.layout.targets.start + 3 * target, state.tip.rotation.matrix());
+        for (row, line) in jacobian.chunks_exact_mut(columns).take(3).enumerate() {
+            line[self.layout.instrument.clone()].copy_from_slice(&of_instrument[row]);
+            line[self.layout.targets.clone()].fill(0.0);
+            line[first..first + 3].copy_from_slice(&[-tip[(row, 0)], -tip[(row, 1)], -tip[(row, 2)]]);
         }
         if let Some(left) = orientation {
             self.orientation(&left, &state.tip.rotation, &scratch.twists, &mut jacobian[3 * columns..]);
         }
     }
 
-    fn orientation(&self, left: &Matrix3<f64>, tip: &Rotation3<f64>, twists: &[Vector6<f64>], jacobian: &mut [f64]) {
+    fn orientation(&self, left: &Matrix3<f64>, tip: &Rotation3<f64>, twists: &Twists, jacobian: &mut [f64]) {
         let columns = self.layout.len();
         let right = left.transpose();
-        for (column, twist) in twists.iter().enumerate() {
-            put(jacobian, columns, column, &-(right * omega(twist)));
-        }
-        let start = self.layout.instrument.start;
-        for k in 0..3 {
-            put(jacobian, columns, start + k, &-left.column(k).into_owned());
-            put(jacobian, columns, start + 3 + k, &Vector3::zeros());
-        }
+        twists.less_turns(&right, columns, jacobian);
         let turned = right * tip.matrix();
-        for other in self.layout.targets.clone() {
-            let value = match self.layout.parameters[other].kind {
-                ParameterKind::TargetTurn { component } => -turned.column(component).into_owned(),
-                _ => Vector3::zeros(),
-            };
-            put(jacobian, columns, other, &value);
+        for (row, line) in jacobian.chunks_exact_mut(columns).take(3).enumerate() {
+            let less = |matrix: &Matrix3<f64>| [-matrix[(row, 0)], -matrix[(row, 1)], -matrix[(row, 2)]];
+            line[self.layout.instrument.start..].fill(0.0);
+            line[self.layout.instrument.start..][..3].copy_from_slice(&less(left));
+            line[self.layout.targets.end - 3..self.layout.targets.end].copy_from_slice(&less(&turned));
         }
     }
 
@@ -254,8 +313,11 @@ impl<E: Effects> Problem<'_, E> {
         residual[0] = self.data.distances[row] - stretch * distance - deviation.reading;
         let Some(jacobian) = jacobian else { return };
         let along = if distance > 0.0 { from_anchor * (stretch / distance) } else { Vector3::zeros() };
-        for (column, twist) in scratch.twists.iter().enumerate() {
-            jacobian[column] = -along.dot(&velocity(twist, &predicted));
+        let moment = predicted.cross(&along);
+        let direction = [moment.x, moment.y, moment.z, along.x, along.y, along.z];
+        for (column, cell) in jacobian[..self.layout.effects.end].iter_mut().enumerate() {
+            // along · (omega × p + v) = (p × along) · omega + along · v.
+            *cell = -scratch.twists.0.iter().zip(direction).map(|(numbers, d)| numbers[column] * d).sum::<f64>();
         }
         for (k, sensitivity) in scratch.sensitivities.iter().enumerate() {
             let moved =

@@ -296,6 +296,9 @@ impl Solver<'_> {
                 continue;
             };
             promise = scaled.dot(&(&system.matrix * &scaled));
+            if promise < PROMISE_AT_END {
+                return (None, promise);
+            }
             let step: Vec<f64> = scaled.iter().zip(system.scale.iter()).map(|(y, s)| y * s).collect();
             let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);

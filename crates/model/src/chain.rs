@@ -3,6 +3,7 @@
 use crate::screw::Screw;
 use crate::se3::{self, Pose};
 use nalgebra::Point3;
+use std::collections::HashSet;
 use std::f64::consts::PI;
 use thiserror::Error;
 
@@ -132,10 +133,9 @@ impl Chain {
         mut joints: Vec<ChainJoint>,
         home: Pose,
     ) -> Result<Self, ChainError> {
-        for (index, coordinate) in coordinates.iter().enumerate() {
-            if coordinates[..index].iter().any(|other| other.name == coordinate.name) {
-                return Err(ChainError::DuplicateName(coordinate.name.clone()));
-            }
+        let mut names = HashSet::with_capacity(coordinates.len());
+        if let Some(again) = coordinates.iter().find(|coordinate| !names.insert(coordinate.name.as_str())) {
+            return Err(ChainError::DuplicateName(again.name.clone()));
         }
         let mut reference = Point3::origin();
         for joint in &mut joints {

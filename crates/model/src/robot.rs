@@ -4,6 +4,7 @@ use crate::chain::Limits;
 use crate::notes::{Note, Place};
 use crate::se3::{self, Pose};
 use nalgebra::{Matrix3, Unit, Vector3};
+use std::sync::OnceLock;
 
 /// A robot description: a tree of links and joints, everything that is not kinematics kept as text.
 #[derive(Debug, Clone)]
@@ -22,8 +23,8 @@ pub struct Robot {
     pub source: SourceText,
 }
 
-/// The text of a robot description, such that nothing is lost on the way out again.
-#[derive(Debug, Clone)]
+/// The text of a robot description, such that nothing is lost on the way out again. It does not change once made.
+#[derive(Debug, Clone, Default)]
 pub struct SourceText {
     /// Name of the file, for messages.
     pub file: String,
@@ -33,13 +34,27 @@ pub struct SourceText {
     pub dropped_before: String,
     /// The piece of `text` that was put in to declare unbound namespace prefixes; not part of the original.
     pub declared: std::ops::Range<usize>,
+    /// Where lines end in `text`, found when a line is first asked for.
+    ends: OnceLock<Vec<usize>>,
 }
 
 impl SourceText {
+    /// A text of which nothing was dropped and to which nothing was added.
+    pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { file: file.into(), text: text.into(), ..Self::default() }
+    }
+
+    /// Puts a piece into the text.
+    pub(crate) fn insert(&mut self, at: usize, piece: &str) {
+        self.text.insert_str(at, piece);
+        self.ends = OnceLock::new();
+    }
+
     /// The line (counted from 1) of a byte offset into `text`, as it stands in the original.
     pub fn line(&self, offset: usize) -> usize {
-        let newlines = |text: &str| text.matches('\n').count();
-        1 + newlines(&self.dropped_before) + newlines(self.text.get(..offset).unwrap_or(&self.text))
+        let newlines = |text: &str| text.match_indices('\n').map(|(at, _)| at).collect::<Vec<usize>>();
+        let ends = self.ends.get_or_init(|| newlines(&self.text));
+        1 + newlines(&self.dropped_before).len() + ends.partition_point(|end| *end < offset)
     }
 
     /// The place of an element that starts at a byte offset.
@@ -226,7 +241,40 @@ impl Robot {
         self.joints.iter().position(|joint| joint.name == name)
     }
 
-    /// Index of the joint that carries a link; `None` for the root.
+    /// For each link the joint that carries it; `None` for the root.
+    pub fn carriers(&self) -> Vec<Option<usize>> {
+        let mut carriers = vec![None; self.links.len()];
+        for (index, joint) in self.joints.iter().enumerate() {
+            carriers[joint.child] = Some(index);
+        }
+        carriers
+    }
+
+    /// Every link, parents before their children.
+    pub fn parents_first(&self) -> Vec<usize> {
+        let mut children = vec![Vec::new(); self.links.len()];
+        for joint in &self.joints {
+            children[joint.parent].push(joint.child);
+        }
+        let mut order = vec![self.root];
+        let mut at = 0;
+        while at < order.len() {
+            order.extend(&children[order[at]]);
+            at += 1;
+        }
+        order
+    }
+
+    /// Links that carry no joint, in the order of the file.
+    pub fn leaves(&self) -> Vec<usize> {
+        let mut carries = vec![false; self.links.len()];
+        for joint in &self.joints {
+            carries[joint.parent] = true;
+        }
+        (0..self.links.len()).filter(|link| !carries[*link]).collect()
+    }
+
+    /// Index of the joint that carries a link; `None` for the root. For many links: [`Robot::carriers`].
     pub fn joint_to(&self, link: usize) -> Option<usize> {
         self.joints.iter().position(|joint| joint.child == link)
     }

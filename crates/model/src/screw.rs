@@ -1,7 +1,7 @@
 //! Screw axes: where a joint turns or slides, with which pitch.
 
 use crate::se3::{self, Pose};
-use nalgebra::{Point3, Unit, Vector3, Vector6};
+use nalgebra::{Point3, Rotation3, Unit, Vector3, Vector6};
 use thiserror::Error;
 
 /// A line in space: the axis of a revolute or helical joint.
@@ -157,10 +157,28 @@ impl Screw {
     /// exp(unit twist · value): the motion at joint value `value` (rad, or m for prismatic).
     #[inline]
     pub fn motion(&self, value: f64) -> Pose {
+        self.moved_by(value, |direction| se3::rotation_about(direction, value))
+    }
+
+    /// The motion at joint value `value` whose sine and cosine are known, as by
+    /// [`sines_and_cosines`](crate::compiled::sines_and_cosines); accurate to the rounding of the numbers' size.
+    #[inline]
+    pub fn motion_by(&self, value: f64, sine_and_cosine: (f64, f64)) -> Pose {
+        self.moved_by(value, |direction| se3::rotation_by(direction, sine_and_cosine))
+    }
+
+    #[inline]
+    fn moved_by(&self, value: f64, rotation: impl Fn(&Vector3<f64>) -> Rotation3<f64>) -> Pose {
+        // Rotation about a line and slide along it: R, p = (I - R) point + slide · u.
+        let turn = |axis: &AxisLine, slide: f64| {
+            let rotation = rotation(&axis.direction);
+            let moved = axis.point.coords - rotation * axis.point.coords + axis.direction.as_ref() * slide;
+            se3::pose(rotation, moved)
+        };
         match self {
-            Self::Revolute(axis) => turn(axis, value, 0.0),
+            Self::Revolute(axis) => turn(axis, 0.0),
             Self::Prismatic(direction) => se3::translation(direction.as_ref() * value),
-            Self::Helical { axis, pitch } => turn(axis, value, pitch.0 * value),
+            Self::Helical { axis, pitch } => turn(axis, pitch.0 * value),
         }
     }
 
@@ -183,14 +201,6 @@ impl Screw {
             Self::Helical { axis, pitch } => Self::Helical { axis: axis.about(reference), pitch: *pitch },
         }
     }
-}
-
-/// Rotation about a line and slide along it: R, p = (I - R) point + slide · u.
-#[inline]
-fn turn(axis: &AxisLine, angle: f64, slide: f64) -> Pose {
-    let rotation = se3::rotation_about(&axis.direction, angle);
-    let moved = axis.point.coords - rotation * axis.point.coords + axis.direction.as_ref() * slide;
-    se3::pose(rotation, moved)
 }
 
 #[cfg(test)]

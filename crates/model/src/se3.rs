@@ -37,10 +37,17 @@ pub fn translation(vector: Vector3<f64>) -> Pose {
 ///
 /// R = I + sin(angle) \[u\] + (1 - cos(angle)) \[u\]²  (Rodrigues).
 pub fn rotation_about(direction: &Vector3<f64>, angle: f64) -> Rotation3<f64> {
-    let (sine, cosine) = angle.sin_cos();
     let half = (0.5 * angle).sin();
-    let versine = 2.0 * half * half;
-    let u = direction;
+    rotation_of(direction, angle.sin_cos(), 2.0 * half * half)
+}
+
+/// Rotation about a unit `direction` by an angle of this sine and cosine; 1 - cos comes with their absolute rounding.
+pub fn rotation_by(direction: &Vector3<f64>, (sine, cosine): (f64, f64)) -> Rotation3<f64> {
+    rotation_of(direction, (sine, cosine), 1.0 - cosine)
+}
+
+#[inline]
+fn rotation_of(u: &Vector3<f64>, (sine, cosine): (f64, f64), versine: f64) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(Matrix3::new(
         cosine + versine * u.x * u.x,
         versine * u.x * u.y - sine * u.z,

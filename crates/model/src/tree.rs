@@ -9,6 +9,7 @@ use crate::screw::{AxisLine, Pitch, Screw};
 use crate::se3::{self, Pose};
 use nalgebra::{Point3, Unit, Vector3};
 use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use thiserror::Error;
 
 /// How the decimal literals of angles are read.
@@ -110,25 +111,33 @@ struct Drive {
     offset: f64,
 }
 
+/// Where joints are by name, if any joint follows another.
+struct DriverNames<'a>(HashMap<&'a str, usize>);
+
+impl<'a> DriverNames<'a> {
+    fn of(robot: &'a Robot) -> Self {
+        if robot.joints.iter().all(|joint| joint.mimic.is_none()) {
+            return Self(HashMap::new());
+        }
+        Self(robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.as_str(), index)).collect())
+    }
+}
+
 impl Robot {
     /// Every chain from the root (or from below the last floating joint on the way) to a leaf link, in file order.
     pub fn leaf_chains(&self) -> Vec<ChainListing> {
-        let mut has_child = vec![false; self.links.len()];
-        for joint in &self.joints {
-            has_child[joint.parent] = true;
-        }
-        let leaves = (0..self.links.len()).filter(|link| !has_child[*link]);
-        let to_parent = self.parent_joints();
-        leaves.map(|leaf| self.listing(leaf, &to_parent)).collect()
+        let (to_parent, names) = (self.carriers(), DriverNames::of(self));
+        self.leaves().into_iter().map(|leaf| self.listing(leaf, &to_parent, &names)).collect()
     }
 
-    fn listing(&self, leaf: usize, to_parent: &[Option<usize>]) -> ChainListing {
+    fn listing(&self, leaf: usize, to_parent: &[Option<usize>], names: &DriverNames) -> ChainListing {
         let base = self.start_below_floating(leaf, to_parent);
         let steps = Self::way(&self.joints, base, leaf, to_parent);
         let mut coordinates: Vec<String> = Vec::new();
+        let mut known: HashSet<String> = HashSet::new();
         for step in &steps {
             let joint = &self.joints[step.joint];
-            let name = match self.drive(step.joint) {
+            let name = match self.drive(step.joint, names) {
                 Ok(Drive { driver: Some(driver), .. }) => &self.joints[driver].name,
                 _ => &joint.name,
             };
@@ -138,7 +147,7 @@ impl Robot {
                 _ => vec![name.clone()],
             };
             for name in names {
-                if !coordinates.contains(&name) {
+                if known.insert(name.clone()) {
                     coordinates.push(name);
                 }
             }
@@ -167,7 +176,7 @@ impl Robot {
     /// # Errors
     /// A link or a mimic joint's driver does not exist, or a floating or unknown joint lies in between.
     pub fn chain(&self, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Result<Noted<Chain>, TreeError> {
-        let to_parent = self.parent_joints();
+        let to_parent = self.carriers();
         let default = || self.default_chain();
         let tip_link = match tip {
             Some(name) => self.named_link(name)?,
@@ -190,14 +199,6 @@ impl Robot {
             name: name.to_owned(),
             near: nearest_name(name, self.links.iter().map(|link| link.name.as_str())).map(str::to_owned),
         })
-    }
-
-    fn parent_joints(&self) -> Vec<Option<usize>> {
-        let mut to_parent = vec![None; self.links.len()];
-        for (index, joint) in self.joints.iter().enumerate() {
-            to_parent[joint.child] = Some(index);
-        }
-        to_parent
     }
 
     /// The link to start at on the way from the root to `tip`: below the last joint that no chain can hold.
@@ -252,7 +253,7 @@ impl Robot {
     }
 
     /// Follows mimic joints to the joint whose value is free.
-    fn drive(&self, joint: usize) -> Result<Drive, TreeError> {
+    fn drive(&self, joint: usize, names: &DriverNames) -> Result<Drive, TreeError> {
         let mut drive = Drive { driver: Some(joint), scale: 1.0, offset: 0.0 };
         let mut at = joint;
         for _ in 0..=self.joints.len() {
@@ -265,7 +266,7 @@ impl Robot {
             drive.scale *= mimic.multiplier;
             let place = || self.joint_place(joint);
             let bad = |why| TreeError::BadDriver { place: place(), driver: mimic.joint.clone(), why };
-            at = self.joint_index(&mimic.joint).ok_or_else(|| TreeError::NoDriver {
+            at = names.0.get(mimic.joint.as_str()).copied().ok_or_else(|| TreeError::NoDriver {
                 place: place(),
                 driver: mimic.joint.clone(),
                 near: nearest_name(&mimic.joint, self.joints.iter().map(|joint| joint.name.as_str()))
@@ -308,7 +309,8 @@ struct Assembly<'a> {
     reading: Reading,
     base_from_here: Pose,
     coordinates: Vec<Coordinate>,
-    drivers: Vec<(usize, &'static str)>,
+    drivers: HashMap<(usize, &'static str), usize>,
+    names: DriverNames<'a>,
     joints: Vec<ChainJoint>,
     /// Sum of the lengths walked and the slides passed, m.
     reach: f64,
@@ -323,7 +325,8 @@ impl<'a> Assembly<'a> {
             reading,
             base_from_here: Pose::identity(),
             coordinates: Vec::new(),
-            drivers: Vec::new(),
+            drivers: HashMap::new(),
+            names: DriverNames::of(robot),
             joints: Vec::new(),
             reach: 0.0,
             literals: Vec::new(),
@@ -398,7 +401,7 @@ impl<'a> Assembly<'a> {
                 return Err(TreeError::Unsupported { place: self.robot.joint_place(index), word, below, above });
             }
         };
-        let drive = self.robot.drive(index)?;
+        let drive = self.robot.drive(index, &self.names)?;
         let sign = if upwards { -1.0 } else { 1.0 };
         let Some(driver) = drive.driver else {
             // It follows a joint that never moves: a fixed displacement.
@@ -445,15 +448,15 @@ impl<'a> Assembly<'a> {
 
     /// Index of the coordinate of a joint's (part's) own value.
     fn coordinate(&mut self, driver: usize, part: &'static str) -> usize {
-        if let Some(found) = self.drivers.iter().position(|known| *known == (driver, part)) {
-            return found;
+        if let Some(found) = self.drivers.get(&(driver, part)) {
+            return *found;
         }
         let joint = &self.robot.joints[driver];
         let slides = joint.kind == JointKind::Prismatic || ["_x", "_y"].contains(&part);
         let quantity = if slides { Quantity::Length } else { Quantity::Angle };
         let continuous = joint.kind == JointKind::Continuous;
         let limits = if continuous || !part.is_empty() { None } else { joint.limits };
-        self.drivers.push((driver, part));
+        self.drivers.insert((driver, part), self.coordinates.len());
         self.coordinates.push(Coordinate { name: format!("{}{part}", joint.name), quantity, limits, continuous });
         self.coordinates.len() - 1
     }
@@ -576,6 +579,33 @@ mod tests {
             .fold(0.0, f64::max);
         assert!(largest <= *tip_moves && largest > 0.9 * tip_moves, "{largest} {tip_moves}");
         assert!(written.notes.is_empty());
+    }
+
+    /// Links one behind the other, every second joint turning, its angles as people write them, every fourth a mimic.
+    fn deep_chain(links: usize) -> String {
+        let joint = |k: usize| {
+            let (kind, above) = (if k.is_multiple_of(2) { "revolute" } else { "fixed" }, k - 1);
+            let mimic = if k.is_multiple_of(4) { "<mimic joint=\"j2\"/>" } else { "" };
+            format!(
+                "<link name=\"l{k}\"/><joint name=\"j{k}\" type=\"{kind}\"><origin xyz=\"0 0 0.001\" rpy=\"1.5708 0 0\"/>\
+                 <parent link=\"l{above}\"/><child link=\"l{k}\"/><limit lower=\"-1\" upper=\"1\"/>{mimic}</joint>\n"
+            )
+        };
+        let joints: String = (1..links).map(joint).collect();
+        format!("<robot name=\"deep\">\n<link name=\"l0\"/>\n{joints}</robot>")
+    }
+
+    /// Looking up each link, joint, name or line among all of them would take 10^10 steps here, and never end in a debug build.
+    #[test]
+    fn a_chain_of_a_hundred_thousand_links_is_read() {
+        let links = 100_000;
+        let robot = urdf::read("deep.urdf", &deep_chain(links)).unwrap();
+        let read = robot.chain(None, None, Reading::Intended).unwrap();
+        assert_eq!(read.value.joints().len(), (links - 1) / 2);
+        assert_eq!(read.value.coordinates().len(), links / 4);
+        assert_eq!(read.notes.len(), links - 1);
+        let Some(Note::IntendedAngle { place, .. }) = read.notes.last() else { panic!("{:?}", read.notes.last()) };
+        assert_eq!(place.line, links + 1);
     }
 
     #[test]

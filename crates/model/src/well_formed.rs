@@ -20,19 +20,15 @@ pub(crate) fn prepare(file: &str, original: &str) -> (SourceText, Vec<Note>) {
         mended(1, "white space before the XML declaration is skipped".into());
     }
     let (dropped_before, text) = original.split_at(start);
-    let mut source = SourceText {
-        file: file.to_owned(),
-        text: text.to_owned(),
-        dropped_before: dropped_before.to_owned(),
-        declared: 0..0,
-    };
+    let mut source = SourceText::new(file, text);
+    dropped_before.clone_into(&mut source.dropped_before);
     let unbound = unbound_prefixes(text);
     if let (false, Some(at)) = (unbound.is_empty(), root_name_end(text)) {
         let declarations: Vec<String> =
             unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
         let declaration = declarations.concat();
         mended(source.line(at), format!("namespace prefix {} is not declared; taken as a name", unbound.join(", ")));
-        source.text.insert_str(at, &declaration);
+        source.insert(at, &declaration);
         source.declared = at..at + declaration.len();
     }
     (source, notes)

@@ -6,6 +6,7 @@ use crate::effects::driver::Driver;
 use crate::trace::search::handicap;
 use crate::trace::select::{SWAP_GAIN, State, Tracer};
 use denavit_model::nalgebra::DVector;
+use std::ops::Range;
 
 /// So many others are fitted in the place of an effect.
 const FITTED: usize = 3;
@@ -18,26 +19,26 @@ impl Tracer<'_> {
     /// The state with one effect changed for another that fits better, or with the steps of two drifts as one.
     ///
     /// The scan compares effects on the model linearised where it stands. Large effects bend that: so those that come
-    /// near are fitted, and the fits compared.
-    pub(crate) fn contested(&self, state: &State) -> Option<State> {
+    /// near are fitted, and the fits compared. `contested`: indices of the effects in question.
+    pub(crate) fn contested(&self, state: &State, contested: Range<usize>) -> Option<State> {
         let had = self.criterion(state);
         let mut best: Option<(f64, State)> = None;
-        for chosen in self.contenders(state) {
-            let next = self.rescanned(self.refitted(chosen, Some(state)));
+        for chosen in self.contenders(state, contested) {
+            let next = self.refitted(chosen, Some(state));
             let found = self.criterion(&next);
             if found < had - SWAP_GAIN && best.as_ref().is_none_or(|(least, _)| found < *least) {
                 best = Some((found, next));
             }
         }
-        best.map(|(_, next)| next)
+        best.map(|(_, next)| self.rescanned(next))
     }
 
     /// The sets of terms that are worth a fit.
-    fn contenders(&self, state: &State) -> Vec<Vec<Candidate>> {
+    fn contenders(&self, state: &State, contested: Range<usize>) -> Vec<Vec<Candidate>> {
         let linear = self.linear(state);
         let field = self.field(&linear);
         let mut sets = Vec::new();
-        for index in 0..state.chosen.len() {
+        for index in contested {
             let rest = state.without(&linear, &[index]);
             let own = field.own(&rest.loose, &state.chosen[index]);
             let mut scored = field.score(&rest.loose, &self.candidates);

@@ -40,13 +40,13 @@ pub fn held_out(linear: &Linear, parts: &[&DMatrix<f64>], residual: &DVector<f64
         all.select_rows(held.iter())
     };
     let held: Vec<DMatrix<f64>> = (0..FOLDS).map(pick).collect();
-    let total = all.tr_mul(&all);
+    let total = all.transpose() * &all;
     let mut sum = 0.0;
     for part in &held {
         if part.nrows() == 0 {
             continue;
         }
-        let gram = &total - part.tr_mul(part);
+        let gram = &total - part.transpose() * part;
         let mut matrix = gram.view((0, 0), (count, count)).into_owned();
         for k in 0..count {
             // What the other folds do not see at all stays at zero.

@@ -1,6 +1,9 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
+#![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
+
 use denavit_model::nalgebra::{DMatrix, DVector};
+use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// A column of the model that is this nearly a sum of others adds nothing.
 const DEPENDENT: f64 = 1e-9;
@@ -65,41 +68,25 @@ impl Projector {
         self.basis.ncols()
     }
 
-    /// Takes the model's part out of many columns at once.
-    pub fn remove_from(&self, columns: &mut DMatrix<f64>) {
-        let shares = self.basis.tr_mul(columns);
-        columns.gemm(-1.0, &self.basis, &shares, 1.0);
-    }
-
-    /// What a block explains; `norms` are its columns' lengths before [`Projector::remove_from`].
+    /// What each of several blocks of raw columns explains, each alone: `blocks` says how many columns each has.
     ///
-    /// A column of which less than the share `least` is left counts as nothing. The block is overwritten by an
-    /// orthonormal basis of what is left of it, zero where nothing is.
-    pub fn gain(&self, block: &mut [f64], norms: &[f64], least: f64) -> Gain {
+    /// A column of which less than the share `least` is left, beside the model and the columns of its block before it,
+    /// counts as nothing. Only products of columns are formed: what is left of C is CᵀC - (BᵀC)ᵀ(BᵀC).
+    pub fn gains(&self, columns: &[f64], blocks: &[usize], least: f64) -> Vec<Gain> {
         let rows = self.residual.len();
-        let residual = self.residual.as_slice();
-        let mut gain = Gain { drop: 0.0, rank: 0 };
-        for (k, whole) in norms.iter().enumerate() {
-            let (done, rest) = block.split_at_mut(k * rows);
-            let column = &mut rest[..rows];
-            for other in done.chunks_exact(rows) {
-                let share = dot(column, other);
-                for (x, y) in column.iter_mut().zip(other) {
-                    *x -= share * y;
-                }
-            }
-            let norm = dot(column, column).sqrt();
-            if norm <= least * whole {
-                column.fill(0.0);
-                continue;
-            }
-            for x in column.iter_mut() {
-                *x /= norm;
-            }
-            gain.drop += dot(column, residual).powi(2);
-            gain.rank += 1;
-        }
-        gain
+        let rank = self.rank();
+        let shares = products(self.basis.as_slice(), columns, rows);
+        let along = products(self.residual.as_slice(), columns, rows);
+        let mut first = 0;
+        let block_gain = |count: &usize| {
+            let range = first..first + count;
+            first = range.end;
+            let raw = &columns[range.start * rows..range.end * rows];
+            let share = &shares[range.start * rank..range.end * rank];
+            let of_shares = if rank == 0 { vec![0.0; count * count] } else { products(share, share, rank) };
+            gain(&products(raw, raw, rows), &of_shares, along[range].to_vec(), least)
+        };
+        blocks.iter().map(block_gain).collect()
     }
 
     /// What a matrix of raw columns explains.
@@ -109,23 +96,103 @@ impl Projector {
 
     /// The same, with another share of a column that must be left.
     pub fn gain_of_seen(&self, columns: &DMatrix<f64>, least: f64) -> Gain {
-        let norms: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
-        let mut columns = columns.clone();
-        self.remove_from(&mut columns);
-        self.gain(columns.as_mut_slice(), &norms, least)
+        self.gains(columns.as_slice(), &[columns.ncols()], least)[0]
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a4.zip(b4) {
-        for k in 0..4 {
-            sums[k] += x[k] * y[k];
+/// Columns made orthogonal one after the other by their products alone.
+///
+/// # Shape and units
+/// `raw`: products of the columns, square; `shares`: of their parts in the model; `along`: with the residual.
+fn gain(raw: &[f64], shares: &[f64], mut along: Vec<f64>, least: f64) -> Gain {
+    let count = along.len();
+    let mut left: Vec<f64> = raw.iter().zip(shares).map(|(whole, share)| whole - share).collect();
+    let mut gain = Gain { drop: 0.0, rank: 0 };
+    for k in 0..count {
+        let square = left[k * count + k];
+        if square <= least * least * raw[k * count + k] {
+            continue;
+        }
+        gain.drop += along[k] * along[k] / square;
+        gain.rank += 1;
+        for other in k + 1..count {
+            let share = left[k * count + other] / square;
+            along[other] -= share * along[k];
+            for cell in k + 1..count {
+                left[other * count + cell] -= share * left[k * count + cell];
+            }
         }
     }
-    sums.iter().sum::<f64>() + rest
+    gain
+}
+
+/// Products of columns of `rows` cells: one per column of `left`, for each column of `right`.
+fn products(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
+    if rows == 0 {
+        return Vec::new();
+    }
+    let mut result = vec![0.0; (left.len() / rows) * (right.len() / rows)];
+    dispatch!(Level::new(), simd => products_into(simd, left, right, rows, &mut result));
+    result
+}
+
+/// Columns of `left` and of `right` whose products are formed at once: as many sums as registers hold.
+const TILE: (usize, usize) = (4, 2);
+
+#[inline(always)]
+fn products_into<S: Simd>(simd: S, left: &[f64], right: &[f64], rows: usize, result: &mut [f64]) {
+    let (count, others) = (left.len() / rows, right.len() / rows);
+    let (whole, whole_others) = (count - count % TILE.0, others - others % TILE.1);
+    for r in (0..whole_others).step_by(TILE.1) {
+        for l in (0..whole).step_by(TILE.0) {
+            tile::<S, { TILE.0 }, { TILE.1 }>(simd, left, right, rows, (l, r), result);
+        }
+        for l in whole..count {
+            tile::<S, 1, { TILE.1 }>(simd, left, right, rows, (l, r), result);
+        }
+    }
+    for r in whole_others..others {
+        for l in (0..whole).step_by(TILE.0) {
+            tile::<S, { TILE.0 }, 1>(simd, left, right, rows, (l, r), result);
+        }
+        for l in whole..count {
+            tile::<S, 1, 1>(simd, left, right, rows, (l, r), result);
+        }
+    }
+}
+
+#[inline(always)]
+fn tile<S: Simd, const L: usize, const R: usize>(
+    simd: S,
+    left: &[f64],
+    right: &[f64],
+    rows: usize,
+    (l, r): (usize, usize),
+    result: &mut [f64],
+) {
+    let (count, lanes) = (left.len() / rows, S::f64s::LEN);
+    let lefts: [&[f64]; L] = std::array::from_fn(|k| &left[(l + k) * rows..(l + k + 1) * rows]);
+    let rights: [&[f64]; R] = std::array::from_fn(|k| &right[(r + k) * rows..(r + k + 1) * rows]);
+    let mut sums = [[S::f64s::splat(simd, 0.0); R]; L];
+    let whole = rows - rows % lanes;
+    for at in (0..whole).step_by(lanes) {
+        let mut b = [S::f64s::splat(simd, 0.0); R];
+        for k in 0..R {
+            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + lanes]);
+        }
+        for i in 0..L {
+            let a = S::f64s::from_slice(simd, &lefts[i][at..at + lanes]);
+            for k in 0..R {
+                sums[i][k] = a.mul_add(b[k], sums[i][k]);
+            }
+        }
+    }
+    for i in 0..L {
+        for k in 0..R {
+            let rest: f64 = lefts[i][whole..].iter().zip(&rights[k][whole..]).map(|(a, b)| a * b).sum();
+            result[(r + k) * count + l + i] = sums[i][k].as_slice().iter().sum::<f64>() + rest;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -145,6 +212,22 @@ mod tests {
         let projector = Projector::new(&[&model], &residual);
         let gain = projector.gain_of(&block);
         assert!((gain.drop - (rss(&model) - rss(&both))).abs() < 1e-10 && gain.rank == 2);
+    }
+
+    #[test]
+    fn products_are_sums_over_the_rows() {
+        let cell = |k: usize| (k as f64 * 0.7).sin();
+        for (rows, count, others) in [(1, 1, 1), (19, 5, 3), (32, 9, 4)] {
+            let (left, right): (Vec<f64>, Vec<f64>) =
+                ((0..rows * count).map(cell).collect(), (0..rows * others).map(|k| cell(k + 50)).collect());
+            let found = products(&left, &right, rows);
+            for r in 0..others {
+                for l in 0..count {
+                    let sum: f64 = (0..rows).map(|i| left[l * rows + i] * right[r * rows + i]).sum();
+                    assert!((found[r * count + l] - sum).abs() < 1e-13);
+                }
+            }
+        }
     }
 
     #[test]

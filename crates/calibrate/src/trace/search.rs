@@ -10,9 +10,10 @@ use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector, UNSEEN};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::sync::Mutex;
 
-/// Columns that are projected together.
-const BATCH: usize = 192;
+/// Candidates whose columns are projected together.
+const BATCH: usize = 16;
 
 /// A candidate's result.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,39 +121,33 @@ impl Field<'_> {
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let share = candidates.len().div_ceil(threads).max(1);
-        std::thread::scope(|scope| {
-            let handles: Vec<_> =
-                candidates.chunks(share).map(|part| scope.spawn(move || self.score_part(projector, part))).collect();
-            handles.into_iter().flat_map(|handle| handle.join().expect("scoring does not panic")).collect()
-        })
+        let queue = Mutex::new(candidates.chunks(BATCH).enumerate());
+        let work = || {
+            let mut done = Vec::new();
+            loop {
+                let next = queue.lock().expect("taking a batch does not panic").next();
+                let Some((index, batch)) = next else { return done };
+                done.push((index, self.score_batch(projector, batch)));
+            }
+        };
+        let mut done = std::thread::scope(|scope| {
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let mut done = work();
+            for other in others {
+                done.extend(other.join().expect("scoring does not panic"));
+            }
+            done
+        });
+        done.sort_by_key(|(index, _)| *index);
+        done.into_iter().flat_map(|(_, scored)| scored).collect()
     }
 
-    fn score_part(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let total = self.linear.residual.len();
-        let mut scored = Vec::with_capacity(candidates.len());
-        let mut waiting: Vec<(&Candidate, usize)> = Vec::new();
-        let mut cells: Vec<f64> = Vec::with_capacity((BATCH + 32) * total);
-        for (index, candidate) in candidates.iter().enumerate() {
-            let count = self.columns_into(&candidate.term, &mut cells);
-            waiting.push((candidate, count));
-            if cells.len() < BATCH * total && index + 1 < candidates.len() {
-                continue;
-            }
-            let mut block = DMatrix::from_vec(total, cells.len() / total, std::mem::take(&mut cells));
-            let norms: Vec<f64> = block.column_iter().map(|column| column.norm()).collect();
-            projector.remove_from(&mut block);
-            let mut first = 0;
-            for (candidate, count) in waiting.drain(..) {
-                let part = &mut block.as_mut_slice()[first * total..(first + count) * total];
-                let gain = projector.gain(part, &norms[first..first + count], UNSEEN);
-                scored.push(self.judged(projector, candidate, gain));
-                first += count;
-            }
-            cells = block.data.into();
-            cells.clear();
-        }
-        scored
+    fn score_batch(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
+        let mut cells: Vec<f64> = Vec::new();
+        let counts: Vec<usize> =
+            candidates.iter().map(|candidate| self.columns_into(&candidate.term, &mut cells)).collect();
+        let gains = projector.gains(&cells, &counts, UNSEEN);
+        candidates.iter().zip(gains).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
     }
 
     /// What an effect of the model explains when it is put back.

@@ -21,7 +21,7 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
 /// A swap must gain this much, or the search would go round in circles.
 pub(crate) const SWAP_GAIN: f64 = 2.0;
-/// Changes of one effect for another by fitting both, in one pass.
+/// Changes of one effect for another by fitting both, at the end.
 const MOST_CONTESTS: usize = 3;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
@@ -135,7 +135,11 @@ impl<'a> Tracer<'a> {
                 break;
             }
         }
-        let (state, leftover) = self.without_mimics(state);
+        let (mut state, mut leftover) = self.without_mimics(state);
+        for _ in 0..MOST_CONTESTS {
+            let Some(next) = self.contested(&state, 0..state.chosen.len()) else { break };
+            (state, leftover) = self.without_mimics(next);
+        }
         let stages = self.stages(&state);
         let findings = self.findings(&state);
         Trace { fit: state.fit, stages, findings, candidates: self.candidates.len(), scan, leftover }
@@ -253,11 +257,8 @@ impl<'a> Tracer<'a> {
             let Some(next) = self.improved(&state) else { break };
             state = self.rescanned(next);
         }
-        for _ in 0..MOST_CONTESTS {
-            let Some(next) = self.contested(&state) else { break };
-            state = next;
-        }
-        state
+        let newest = state.chosen.len().saturating_sub(1)..state.chosen.len();
+        self.contested(&state, newest).unwrap_or(state)
     }
 
     /// Refines every scanned number with all else in the model.

@@ -2,6 +2,8 @@
 
 use crate::diff::steps::Way;
 use crate::mechanism::Interval;
+use denavit_model::CompiledChain;
+use denavit_model::nalgebra::Point3;
 
 /// Joint values where a tip is displaced most, and by how much, m.
 #[derive(Debug, Clone)]
@@ -48,6 +50,8 @@ fn unit_interval(state: &mut u64) -> f64 {
 
 /// Starts of the ascent.
 const STARTS: usize = 3;
+/// Configurations that are computed at once.
+const BATCH: usize = 1024;
 /// Displacements this close, relative, are the same.
 const ALIKE: f64 = 1e-9;
 /// Rounds over all coordinates; each ends early when nothing is gained.
@@ -58,27 +62,85 @@ pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u
     let zero: Vec<f64> = intervals.iter().map(|i| 0.0f64.clamp(i.lower, i.upper)).collect();
     let used = way.coordinates();
     let at_zero = Largest { displacement: way.displacement(&zero), q: zero.clone() };
-    let mut best = vec![at_zero.clone()];
-    let sequence = LowDiscrepancy::new(used.len(), seed);
-    let mut q = zero;
-    let count = if used.is_empty() { 0 } else { samples };
-    for n in 0..count {
-        for (k, coordinate) in used.iter().enumerate() {
-            let interval = &intervals[*coordinate];
-            q[*coordinate] = interval.lower + sequence.at(n, k) * (interval.upper - interval.lower);
+    let places = if used.is_empty() { Vec::new() } else { sampled(way, intervals, &used, samples, seed) };
+    let starts = places.into_iter().map(|start| {
+        let mut q = zero.clone();
+        for (value, coordinate) in start.iter().zip(&used) {
+            q[*coordinate] = *value;
         }
-        let displacement = way.displacement(&q);
-        if best.len() < STARTS || best.last().is_some_and(|last| displacement > last.displacement) {
-            let place = best.partition_point(|known| known.displacement >= displacement);
-            best.insert(place, Largest { q: q.clone(), displacement });
-            best.truncate(STARTS);
-        }
-    }
+        Largest { displacement: way.displacement(&q), q }
+    });
+    let mut best: Vec<Largest> = std::iter::once(at_zero.clone()).chain(starts).collect();
+    best.sort_by(|one, other| other.displacement.total_cmp(&one.displacement));
+    best.truncate(STARTS);
     let climbed = best.into_iter().map(|start| climb(way, intervals, &used, start));
     let larger = |one: Largest, other: Largest| if other.displacement > one.displacement { other } else { one };
     let found = climbed.fold(at_zero.clone(), larger);
     // Where the displacement is the same everywhere, rounding would choose the place.
     if at_zero.displacement >= found.displacement * (1.0 - ALIKE) { at_zero } else { found }
+}
+
+/// The used coordinates' values at the places of the sequence where the tip is displaced most, the largest first.
+fn sampled(way: &Way, intervals: &[Interval], used: &[usize], samples: usize, seed: u64) -> Vec<Vec<f64>> {
+    let sequence = LowDiscrepancy::new(used.len(), seed);
+    let ranges: Vec<(f64, f64)> =
+        used.iter().map(|coordinate| (intervals[*coordinate].lower, intervals[*coordinate].upper)).collect();
+    let mut displacements = Displacements::new(way, used, intervals.len());
+    let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
+    let mut values = Vec::with_capacity(BATCH * used.len());
+    for first in (0..samples).step_by(BATCH) {
+        values.clear();
+        for n in first..(first + BATCH).min(samples) {
+            let place = |(k, (lower, upper)): (usize, &(f64, f64))| lower + sequence.at(n, k) * (upper - lower);
+            values.extend(ranges.iter().enumerate().map(place));
+        }
+        for (displacement, values) in displacements.of(&values).iter().zip(values.chunks_exact(used.len())) {
+            if best.len() < STARTS || best.last().is_some_and(|last| *displacement > last.0) {
+                let place = best.partition_point(|known| known.0 >= *displacement);
+                best.insert(place, (*displacement, values.to_vec()));
+                best.truncate(STARTS);
+            }
+        }
+    }
+    best.into_iter().map(|(_, values)| values).collect()
+}
+
+/// How far apart both tips are at many configurations.
+struct Displacements<'a> {
+    way: &'a Way,
+    used: &'a [usize],
+    compiled: Option<[CompiledChain; 2]>,
+    tips: [Vec<Point3<f64>>; 2],
+    q: Vec<f64>,
+    found: Vec<f64>,
+}
+
+impl<'a> Displacements<'a> {
+    fn new(way: &'a Way, used: &'a [usize], coordinates: usize) -> Self {
+        let compiled = way.compiled(used);
+        Self { way, used, compiled, tips: [Vec::new(), Vec::new()], q: vec![0.0; coordinates], found: Vec::new() }
+    }
+
+    /// `values`: those of the used coordinates, configuration by configuration. Result: m.
+    fn of(&mut self, values: &[f64]) -> &[f64] {
+        self.found.clear();
+        if let Some(chains) = &self.compiled {
+            for (tips, chain) in self.tips.iter_mut().zip(chains) {
+                tips.resize(values.len() / self.used.len(), Point3::origin());
+                chain.tips_into(values, tips);
+            }
+            let [one, other] = &self.tips;
+            self.found.extend(one.iter().zip(other).map(|(one, other)| (one - other).norm()));
+        } else {
+            for values in values.chunks_exact(self.used.len()) {
+                for (value, coordinate) in values.iter().zip(self.used) {
+                    self.q[*coordinate] = *value;
+                }
+                self.found.push(self.way.displacement(&self.q));
+            }
+        }
+        &self.found
+    }
 }
 
 /// Coordinate by coordinate to the best value on the whole interval, until nothing is gained.

@@ -10,9 +10,9 @@ use crate::diff::Options;
 use crate::diff::alignment::Alignment;
 use crate::diff::joints::Reparametrised;
 use crate::mechanism::{Drive, Interval, Mechanism};
-use denavit_model::Screw;
 use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::se3::{self, Pose};
+use denavit_model::{Chain, ChainJoint, CompiledChain, Coordinate, Quantity, Screw};
 
 /// A screw axis and what moves it.
 #[derive(Debug, Clone, Copy)]
@@ -162,6 +162,34 @@ impl Way {
     pub fn displacement(&self, q: &[f64]) -> f64 {
         let (one, other) = self.tips_at(q);
         (one - other).norm()
+    }
+
+    /// Both tips' ways for many configurations at once: a's, then b's, over the coordinates `used` in that order.
+    ///
+    /// `None` where a drive is no chain's: a mimic joint that multiplies by 0.
+    pub fn compiled(&self, used: &[usize]) -> Option<[CompiledChain; 2]> {
+        let coordinates: Vec<Coordinate> =
+            (0..used.len()).map(|k| Coordinate::unlimited(k.to_string(), Quantity::Angle)).collect();
+        let joint = |motor: &Motor, carrier: &Pose| {
+            let Drive { coordinate, scale, offset } = motor.drive;
+            let coordinate = used.iter().position(|other| *other == coordinate)?;
+            Some(ChainJoint { name: String::new(), screw: motor.screw.moved(carrier), coordinate, scale, offset })
+        };
+        let (mut in_a, mut in_b, mut carrier) = (Vec::new(), Vec::new(), Pose::identity());
+        for step in &self.steps {
+            if let Some(motor) = &step.a {
+                in_a.push(joint(motor, &Pose::identity())?);
+            }
+            if let Some(motor) = &step.b {
+                in_b.push(joint(motor, &carrier)?);
+            }
+            carrier *= step.carried;
+        }
+        let chain = |joints: Vec<ChainJoint>, tip: Point3<f64>| {
+            let chain = Chain::new(("", "", ""), coordinates.clone(), joints, se3::translation(tip.coords)).ok()?;
+            Some(CompiledChain::new(&chain))
+        };
+        Some([chain(in_a, self.tip_a)?, chain(in_b, carrier * self.tip_b)?])
     }
 
     /// Indices of the coordinates that move the tip in a or in b, each once.

@@ -90,15 +90,12 @@ fn owner(node: Node) -> String {
 
 /// How large the robot is, m: the longest way of joint origins from the root to a leaf, at least 1 m.
 fn size(robot: &Robot) -> f64 {
-    let mut largest = 1.0f64;
-    for leaf in 0..robot.links.len() {
-        let (mut at, mut length, mut steps) = (leaf, 0.0, 0);
-        while let Some(joint) = robot.joint_to(at).filter(|_| steps < robot.links.len()) {
-            length += Vector3::from(robot.joints[joint].origin.xyz).norm();
-            at = robot.joints[joint].parent;
-            steps += 1;
+    let carriers = robot.carriers();
+    let mut lengths = vec![0.0; robot.links.len()];
+    for link in robot.parents_first() {
+        if let Some(joint) = carriers[link].map(|joint| &robot.joints[joint]) {
+            lengths[link] = lengths[joint.parent] + Vector3::from(joint.origin.xyz).norm();
         }
-        largest = largest.max(length);
     }
-    largest
+    lengths.into_iter().fold(1.0, f64::max)
 }

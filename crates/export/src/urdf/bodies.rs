@@ -38,11 +38,7 @@ pub(crate) fn has_axis(kind: &JointKind) -> bool {
 
 impl Bodies {
     pub fn of(robot: &Robot, reading: Reading) -> Self {
-        let order = parents_first(robot);
-        let mut to_parent = vec![None; robot.links.len()];
-        for (index, joint) in robot.joints.iter().enumerate() {
-            to_parent[joint.child] = Some(index);
-        }
+        let (order, to_parent) = (robot.parents_first(), robot.carriers());
         let reach = reach_below(robot, &order, &to_parent);
         let (mut origins, mut reread, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         for index in 0..robot.joints.len() {
@@ -63,28 +59,13 @@ impl Bodies {
         }
         let mut on_the_way = vec![false; robot.links.len()];
         for link in order.iter().rev() {
-            on_the_way[*link] = robot.joints_from(*link).any(|index| {
-                let joint = &robot.joints[index];
-                has_axis(&joint.kind) || !joint.kind.moves() && on_the_way[joint.child]
-            });
+            let Some(index) = to_parent[*link] else { continue };
+            let joint = &robot.joints[index];
+            on_the_way[joint.parent] |= has_axis(&joint.kind) || !joint.kind.moves() && on_the_way[*link];
         }
         let size = if reach[robot.root] > 0.0 { reach[robot.root] } else { 1.0 };
         Self { origins, reread, poses, to_parent, body, on_the_way, order, size, notes }
     }
-}
-
-fn parents_first(robot: &Robot) -> Vec<usize> {
-    let mut children = vec![Vec::new(); robot.links.len()];
-    for joint in &robot.joints {
-        children[joint.parent].push(joint.child);
-    }
-    let mut order = vec![robot.root];
-    let mut at = 0;
-    while at < order.len() {
-        order.extend(&children[order[at]]);
-        at += 1;
-    }
-    order
 }
 
 /// For each link the longest way down from it, m: origins walked and slides passed.

@@ -132,8 +132,8 @@ mod tests {
     use roxmltree::Document;
 
     fn check(text: &str, expected: &str, edit: impl Fn(&mut Edits, &SourceText, Node)) {
-        let source =
-            SourceText { file: "f".into(), text: text.into(), dropped_before: "\u{feff}".into(), declared: 2..2 };
+        let mut source = SourceText::new("f", text);
+        (source.dropped_before, source.declared) = ("\u{feff}".into(), 2..2);
         let document = Document::parse(text).unwrap();
         let mut edits = Edits::default();
         edit(&mut edits, &source, document.root_element());
@@ -162,12 +162,8 @@ mod tests {
 
     #[test]
     fn what_was_declared_for_the_parser_is_taken_out() {
-        let source = SourceText {
-            file: "f".into(),
-            text: "<robot xmlns:x='u'/>".into(),
-            dropped_before: " ".into(),
-            declared: 6..18,
-        };
+        let mut source = SourceText::new("f", "<robot xmlns:x='u'/>");
+        (source.dropped_before, source.declared) = (" ".into(), 6..18);
         assert_eq!(Edits::default().apply(&source).unwrap(), " <robot/>");
     }
 }

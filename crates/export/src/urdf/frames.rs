@@ -48,7 +48,7 @@ impl Plan {
             ),
             None => robot.link_index(&robot.default_chain().tip),
         };
-        let leaves: Vec<usize> = (0..links).filter(|link| robot.joints_from(*link).next().is_none()).collect();
+        let leaves = robot.leaves();
         loop {
             let ways = leaves.iter().map(|leaf| (*leaf, way(robot, bodies, &placed, *leaf)));
             let longest = ways.rev().max_by_key(|(_, way)| way.len());

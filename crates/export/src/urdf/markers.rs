@@ -128,13 +128,13 @@ fn is_marker(name: &str) -> bool {
 
 /// The robot without marker links that an earlier export put in.
 fn without_markers(robot: &Robot) -> Robot {
-    let is_leaf = |link: usize| robot.joints_from(link).next().is_none();
+    let (leaves, carriers) = (robot.leaves(), robot.carriers());
     let marker = |link: usize| {
-        let fixed = robot.joint_to(link).is_some_and(|joint| robot.joints[joint].kind == JointKind::Fixed);
-        is_marker(&robot.links[link].name) && is_leaf(link) && fixed
+        let fixed = carriers[link].is_some_and(|joint| robot.joints[joint].kind == JointKind::Fixed);
+        is_marker(&robot.links[link].name) && leaves.binary_search(&link).is_ok() && fixed
     };
     let kept: Vec<usize> = (0..robot.links.len()).filter(|link| !marker(*link)).collect();
-    let new_index = |old: usize| kept.iter().position(|link| *link == old);
+    let new_index = |old: usize| kept.binary_search(&old).ok();
     let joints = robot.joints.iter().filter_map(|joint| {
         let (parent, child) = (new_index(joint.parent)?, new_index(joint.child)?);
         Some(Joint { parent, child, ..joint.clone() })
