@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table, and stops at a bad line.
 
+#[allow(dead_code, reason = "the tests judge more than the study does")]
 #[path = "../tests/runs/mod.rs"]
 mod runs;
 

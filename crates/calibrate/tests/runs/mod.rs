@@ -1,6 +1,6 @@
 //! Runs made by pinocchio (`tests/oracle/calibration/runs.py`), the fit to one, and what the fit is to be judged by.
 
-use denavit_calibrate::errors::residuals;
+use denavit_calibrate::errors::{Residual, residuals};
 use denavit_calibrate::measurements::{Units, read};
 use denavit_calibrate::{
     Arm, Fit, Identification, IdentifyOptions, MeasurementKind, Measurements, NoEffects, gauge, identify,
@@ -105,7 +105,7 @@ impl Run {
         let found = residuals(arm, &NoEffects, &self.test);
         let components = if self.train.kind == MeasurementKind::Distance { 1.0 } else { 3.0 };
         let squares: f64 = found.iter().map(|residual| residual.position.norm_squared()).sum();
-        let largest = found.iter().map(|residual| residual.distance()).fold(0.0, f64::max);
+        let largest = found.iter().map(Residual::distance).fold(0.0, f64::max);
         ((squares / components / found.len() as f64).sqrt(), largest)
     }
 }
