@@ -52,9 +52,9 @@ impl Tracer<'_> {
         let coefficients = &state.fit.effects.effects[index].coefficients;
         let values = field.driver_values(&candidate.term);
         let count = candidate.term.driver.len(self.statics);
-        let strongest = self.strongest(field.linear, candidate, coefficients, &values, count);
-        let here = along(field.linear, candidate, coefficients, &values, count, strongest);
-        let there = along(bare, candidate, coefficients, &values, count, strongest);
+        let direction = strongest(field.linear, candidate, coefficients, &values, count);
+        let here = along(field.linear, candidate, coefficients, &values, count, direction);
+        let there = along(bare, candidate, coefficients, &values, count, direction);
         let after = projected(field.linear, &here, self.data.len());
         let before = projected(bare, &there, self.data.len());
         let most = after.iter().flatten().map(|(_, felt)| *felt).fold(0.0, f64::max);
@@ -71,36 +71,15 @@ impl Tracer<'_> {
         };
         let points = after.iter().enumerate().filter_map(of_row).collect();
         let place = candidate.term.carrier.place(&self.statics.chain);
-        let unit = candidate.term.carrier.unit(&self.statics.chain, strongest);
+        let unit = candidate.term.carrier.unit(&self.statics.chain, direction);
         let (abscissa, ordinate) = match (candidate.term.coupling, driver) {
             (Coupling::Each, Some((abscissa, _))) => {
-                let direction = candidate.term.carrier.direction_name(strongest).replace('_', " ");
-                (abscissa, format!("{place} {direction}, {unit}").replace(" ,", ","))
+                let words = candidate.term.carrier.direction_name(direction).replace('_', " ");
+                (abscissa, format!("{place} {words}, {unit}").replace(" ,", ","))
             }
             _ => ("what the effect does, in units of the noise".into(), "residual, in units of the noise".into()),
         };
         Portrait { abscissa, ordinate, points }
-    }
-
-    /// The direction of the carrier in which the effect does most.
-    fn strongest(
-        &self,
-        linear: &Linear,
-        candidate: &Candidate,
-        coefficients: &[f64],
-        values: &[f64],
-        count: usize,
-    ) -> usize {
-        let Some(carrier) = linear.columns_of(candidate.term.carrier) else { return 0 };
-        if candidate.term.coupling == Coupling::Paired {
-            return 0;
-        }
-        let does = |direction: usize| -> f64 {
-            let column = linear.carriers.column(carrier.start + direction);
-            let amount = |row: usize| dot(&coefficients[direction * count..], &values[row * count..(row + 1) * count]);
-            linear.rows.iter().zip(column.iter()).map(|(row, unit)| (unit * amount(*row)).powi(2)).sum()
-        };
-        (0..carrier.len()).max_by(|a, b| does(*a).total_cmp(&does(*b))).unwrap_or(0)
     }
 
     /// What drives an effect as one number per row, with its name and unit; none where that is several.
@@ -136,6 +115,20 @@ impl Tracer<'_> {
             _ => None,
         }
     }
+}
+
+/// The direction of the carrier in which the effect does most.
+fn strongest(linear: &Linear, candidate: &Candidate, coefficients: &[f64], values: &[f64], count: usize) -> usize {
+    let Some(carrier) = linear.columns_of(candidate.term.carrier) else { return 0 };
+    if candidate.term.coupling == Coupling::Paired {
+        return 0;
+    }
+    let does = |direction: usize| -> f64 {
+        let column = linear.carriers.column(carrier.start + direction);
+        let amount = |row: usize| dot(&coefficients[direction * count..], &values[row * count..(row + 1) * count]);
+        linear.rows.iter().zip(column.iter()).map(|(row, unit)| (unit * amount(*row)).powi(2)).sum()
+    };
+    (0..carrier.len()).max_by(|a, b| does(*a).total_cmp(&does(*b))).unwrap_or(0)
 }
 
 fn along(
