@@ -97,6 +97,12 @@ fn shifted<S: Simd>(origin: Triple<S>, along: Triple<S>, by: f64) -> Triple<S> {
     each::<S>(|k| along[k].mul_add(by, origin[k]))
 }
 
+/// Sine and cosine of a joint's value in each of as many configurations as there are lanes.
+#[inline(always)]
+fn turn<S: Simd>(simd: S, q: &[f64], joint: usize) -> (S::f64s, S::f64s) {
+    sine_and_cosine(simd, S::f64s::from_fn(simd, |lane| q[lane * 6 + joint]))
+}
+
 /// Forward kinematics of the UR5e alone, joint after joint by its published D-H numbers (d, a; alpha a quarter turn or none),
 /// with nothing decided at run time: what batches of a chain that is only known at run time are measured against.
 #[inline(always)]
@@ -104,21 +110,20 @@ fn ur5e<S: Simd>(simd: S, q: &[f64], poses: &mut [Pose]) {
     let (zero, one) = (S::f64s::splat(simd, 0.0), S::f64s::splat(simd, 1.0));
     let lanes = S::f64s::LEN;
     for (q, poses) in q.chunks_exact(6 * lanes).zip(poses.chunks_exact_mut(lanes)) {
-        let turn = |joint: usize| sine_and_cosine(simd, S::f64s::from_fn(simd, |lane| q[lane * 6 + joint]));
-        let (sine, cosine) = turn(0);
+        let (sine, cosine) = turn(simd, q, 0);
         let (x, y, z) = ([cosine, sine, zero], [zero, zero, one], [sine, -cosine, zero]);
         let origin = [zero, zero, S::f64s::splat(simd, 0.1625)];
-        let (x, y) = turned::<S>(turn(1), x, y);
+        let (x, y) = turned::<S>(turn(simd, q, 1), x, y);
         let origin = shifted::<S>(origin, x, -0.425);
-        let (x, y) = turned::<S>(turn(2), x, y);
+        let (x, y) = turned::<S>(turn(simd, q, 2), x, y);
         let origin = shifted::<S>(origin, x, -0.3922);
-        let (x, y) = turned::<S>(turn(3), x, y);
+        let (x, y) = turned::<S>(turn(simd, q, 3), x, y);
         let origin = shifted::<S>(origin, z, 0.1333);
         let (y, z) = (z, each::<S>(|k| -y[k]));
-        let (x, y) = turned::<S>(turn(4), x, y);
+        let (x, y) = turned::<S>(turn(simd, q, 4), x, y);
         let origin = shifted::<S>(origin, z, 0.0997);
         let (y, z) = (each::<S>(|k| -z[k]), y);
-        let (x, y) = turned::<S>(turn(5), x, y);
+        let (x, y) = turned::<S>(turn(simd, q, 5), x, y);
         let origin = shifted::<S>(origin, z, 0.0996);
         for (lane, pose) in poses.iter_mut().enumerate() {
             let column =
