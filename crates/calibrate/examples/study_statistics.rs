@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table, and stops at a bad line.
 
+#[allow(dead_code, reason = "the tests judge more than the study does")]
 #[path = "../tests/runs/mod.rs"]
 mod runs;
 
@@ -54,7 +55,7 @@ impl Tally {
         // Errors on new rows, their own noise included, in units of the noise.
         let reached = (1.0 + self.unseen / self.runs).sqrt();
         println!(
-            "| {} | {} | {:.2} ± {:.2} % | {:.4} | {:.4} | {:.4} | {}, {} | {} of {} | {} |",
+            "| {} | {} | {:.2} ± {:.2} % | {:.4} | {:.4} | {:.4} | {}, {:.1} %, {} | {} of {} | {} |",
             self.case,
             self.runs,
             100.0 * inside,
@@ -63,6 +64,7 @@ impl Tally {
             reached / (1.0 + self.load / self.runs).sqrt(),
             reached / (1.0 + self.attainable / self.runs).sqrt(),
             self.iterations[self.iterations.len() / 2],
+            100.0 * self.iterations.iter().filter(|count| **count <= 6).count() as f64 / self.runs,
             self.iterations[self.iterations.len() - 1],
             self.missed,
             self.outliers,
@@ -73,7 +75,7 @@ impl Tally {
 
 fn main() {
     println!(
-        "| run | runs | inside 95 % | χ²/dof | error / floor·√(1 + p/N) | error / attainable | iterations: median, most \
+        "| run | runs | inside 95 % | χ²/dof | error / floor·√(1 + p/N) | error / attainable | iterations: median, at most 6, most \
          | outliers missed | clean rows rejected |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");

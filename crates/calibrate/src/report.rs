@@ -8,5 +8,6 @@ pub mod html;
 pub mod plots;
 pub mod text;
 pub mod told;
+pub mod trace_plots;
 
 pub use contract::CalibrationReport;

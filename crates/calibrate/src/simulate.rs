@@ -5,7 +5,7 @@ pub mod truth;
 pub mod wish;
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
-use crate::effects::survey::with_run_order;
+use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::measurements::{Covariate, MeasurementKind, Measurements};
 use crate::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
@@ -39,8 +39,8 @@ pub struct SimulationOptions {
     pub covariates: Vec<Covariate>,
     /// Joint readings, one value per coordinate and row (rad, m), instead of random ones within the limits.
     pub readings: Option<Vec<Vec<f64>>>,
-    /// Rows of the same run that were measured before: where run order starts.
-    pub first_row: usize,
+    /// Rows of the same run that were measured before, with run order: it goes on from there.
+    pub before: Option<Measurements>,
 }
 
 impl Default for SimulationOptions {
@@ -57,7 +57,7 @@ impl Default for SimulationOptions {
             outliers: 0.0,
             covariates: Vec::new(),
             readings: None,
-            first_row: 0,
+            before: None,
         }
     }
 }
@@ -90,6 +90,8 @@ pub fn simulate_arm<E: Effects>(arm: &Arm, options: &SimulationOptions, effects:
 /// Random joint readings within the limits: `rows` times one value per coordinate, rad or m.
 pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
+    // Not the numbers that the arm and the noise are drawn from.
+    random.set_stream(1 << 33);
     (0..rows).map(|_| reading(chain.coordinates(), &mut random)).collect()
 }
 
@@ -166,7 +168,10 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         Some(readings) => data.readings = readings.concat(),
         None => (0..options.rows).for_each(|_| data.readings.extend(reading(coordinates, random))),
     }
-    let seen = with_run_order(data.clone(), options.first_row);
+    let seen = match &options.before {
+        Some(before) => with_run_order_after(data.clone(), before),
+        None => with_run_order(data.clone(), 0),
+    };
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let mut outliers = Vec::new();
     for row in 0..options.rows {

@@ -77,6 +77,8 @@ const GAUGE_WEIGHT: f64 = 10.0;
 const TRUST_AT_START: f64 = 0.03;
 /// Noise is never taken to be smaller than this share of the robot's size: rounding.
 const ROUNDING: f64 = 1e-14;
+/// χ² of a step after which the next is small beside a change of the weights.
+const PROMISE_NEAR_END: f64 = 1e3;
 /// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
 const PROMISE_FOR_REJECTION: f64 = 1.0;
 /// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
@@ -158,6 +160,10 @@ impl Solver<'_> {
                     noise = self.noise_of(&state.sums.squares, &weights, used, false);
                 } else {
                     weights = self.downweighted(&state.sums.squares, &given, noise);
+                    if promise < PROMISE_NEAR_END {
+                        // The next step gains less than other weights change: sums with the old ones would mislead it.
+                        state = self.evaluate(state.arm, state.effects, &weights);
+                    }
                 }
                 continue;
             }

@@ -190,8 +190,14 @@ pub struct ChainsArguments {
     pub json: bool,
 }
 
+const FK_EXAMPLES: &str = "\
+Examples:
+  denavit fk ur5e.urdf --q 0,-90,90,0,0,0 --degrees
+  denavit fk as_it_is.urdf --effects effects.json --given payload=2 --q elbow_joint=1.2";
+
 /// Arguments of `denavit fk`.
 #[derive(Debug, Args)]
+#[command(after_help = FK_EXAMPLES)]
 pub struct FkArguments {
     /// Which robot.
     #[command(flatten)]

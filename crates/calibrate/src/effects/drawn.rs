@@ -29,7 +29,7 @@ pub struct Drawn {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Mass {
     joint: usize,
-    mass: f64,
+    kilograms: f64,
     centre: [f64; 3],
 }
 
@@ -43,7 +43,7 @@ impl Drawn {
     pub fn of(statics: &Statics) -> Self {
         let masses = &statics.masses;
         let entry =
-            |point: &PointMass| Mass { joint: point.joint, mass: point.mass, centre: point.centre.coords.into() };
+            |point: &PointMass| Mass { joint: point.joint, kilograms: point.mass, centre: point.centre.coords.into() };
         Self {
             chain: PoeFile::of(&statics.chain, &[]),
             masses: masses.points.iter().map(entry).collect(),
@@ -68,7 +68,7 @@ impl Drawn {
         if self.points.len() != joints + 1 {
             return Err(DrawnError::Parts(format!("{} points, where {} belong", self.points.len(), joints + 1)));
         }
-        let point = |mass: &Mass| PointMass { joint: mass.joint, mass: mass.mass, centre: mass.centre.into() };
+        let point = |mass: &Mass| PointMass { joint: mass.joint, mass: mass.kilograms, centre: mass.centre.into() };
         let masses = Masses {
             points: self.masses.iter().map(point).collect(),
             gravity: Vector3::from(self.gravity),

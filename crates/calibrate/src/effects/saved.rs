@@ -224,7 +224,10 @@ mod tests {
         assert!(refused(&other).starts_with("e.json: the effects are for joints elsewhere"), "{}", refused(&other));
         let short = text.replacen("0.001,", "", 1);
         assert_eq!(refused(&short), "e.json: effect 1 (transmission_error): 1 coefficients are given; give 2");
-        let beyond = text.replace("\"joint\": 1\n", "\"joint\": 7\n").replace("\"joint\": 1,", "\"joint\": 7,");
+        let (drawn, effects) = text.split_once("\"effects\": [").unwrap();
+        let beyond = format!("{drawn}\"effects\": [{}", effects.replace("\"joint\": 1", "\"joint\": 7"));
         assert_eq!(refused(&beyond), "e.json: effect 1 (transmission_error): it names joint 7; joints are 0 to 1");
+        let bare = refused(&text.replacen("\"points\": [", "\"points\": [[0, 0, 0],", 1));
+        assert!(bare.starts_with("e.json: drawn: 4 points, where 3 belong"), "{bare}");
     }
 }

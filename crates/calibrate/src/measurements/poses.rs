@@ -2,7 +2,7 @@
 
 use super::header::{naming, no_column};
 use super::problem::{DataError, Problem};
-use super::read::{Problems, line_of, number, rows_of, unreadable};
+use super::read::{Problems, header_row, line_of, number, rows_of, unreadable};
 use super::units::Units;
 use super::{Covariate, QUATERNION_TOLERANCE};
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -48,13 +48,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
-    match reader.read_record(&mut record) {
-        Ok(true) => {}
-        Ok(false) => return Err(problems.only(0, Problem::NoHeader)),
-        Err(error) => return Err(problems.only(line_of(&error), unreadable(&error))),
-    }
-    let names: Vec<String> = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
-    let header_line = reader.position().line() - 1;
+    let (names, header_line) = header_row(&mut reader, source)?;
     let roles = match roles(&names, chain) {
         Ok(roles) => roles,
         Err(found) => {

@@ -93,13 +93,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
-    match reader.read_record(&mut record) {
-        Ok(true) => {}
-        Ok(false) => return Err(problems.only(0, Problem::NoHeader)),
-        Err(error) => return Err(problems.only(line_of(&error), unreadable(&error))),
-    }
-    let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
-    let header_line = reader.position().line() - 1;
+    let (names, header_line) = header_row(&mut reader, source)?;
     let header = match Header::read(names, chain.coordinates()) {
         Ok(header) => header,
         Err(found) => {
@@ -131,6 +125,20 @@ pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
         .has_headers(false)
         .trim(csv::Trim::All)
         .from_reader(LineFeeds(input).chain(&b"\n"[..]))
+}
+
+/// The names in the header row, and its line.
+pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> Result<(Vec<String>, u64), DataError> {
+    let mut record = csv::StringRecord::new();
+    let (line, problem) = match reader.read_record(&mut record) {
+        Ok(true) => {
+            let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
+            return Ok((names, reader.position().line() - 1));
+        }
+        Ok(false) => (0, Problem::NoHeader),
+        Err(error) => (line_of(&error), unreadable(&error)),
+    };
+    Err(Problems::new(source).only(line, problem))
 }
 
 /// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.

@@ -68,7 +68,10 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
 /// Commands as CSV: `comments`, then joint values (rad, m) and what each is expected to miss with and without compensation
 /// (m, rad), to 1 nm and 1 nrad.
 pub fn to_csv(chain: &Chain, commands: &[Command], allowed: Allowed, comments: &str) -> String {
-    let mut text: String = comments.lines().map(|line| format!("# {line}\n")).collect();
+    let mut text = String::new();
+    for line in comments.lines() {
+        let _ = writeln!(text, "# {line}");
+    }
     let mut header: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
     header.extend(["position_error_m", "orientation_error_rad", "uncompensated_m", "uncompensated_rad", "state"]);
     let _ = writeln!(text, "{}", header.join(","));

@@ -14,7 +14,7 @@ fn number(value: &Value) -> String {
 fn probability(p: f64) -> String {
     match p {
         p if p < 1e-99 => "p below 1e-99".into(),
-        p if p < 1e-3 => format!("p {p:.1e}"),
+        p if p < 0.01 => format!("p {p:.1e}"),
         p => format!("p {p:.2}"),
     }
 }

@@ -154,17 +154,14 @@ pub fn calibration(result: &Calibration) -> String {
     text.push('\n');
     text.push_str(&stages(&report.stages, report.measurement));
     text.push('\n');
-    let used: (Noise, f64, f64) = match &result.trace {
-        Some(trace) => {
-            text.push_str(&findings(trace));
-            (trace.fit.noise, trace.fit.parameters_used[0], trace.fit.values[0])
-        }
-        None => {
-            let fit = &result.identification.geometric;
-            (fit.noise, fit.parameters_used[0], fit.values[0])
-        }
+    if let Some(trace) = &result.trace {
+        text.push_str(&findings(trace));
+    }
+    let geometric = &result.identification.geometric;
+    let (noise, parameters, values) = match &result.trace {
+        Some(trace) => (trace.fit.noise, trace.fit.parameters_used[0], trace.fit.values[0]),
+        None => (geometric.noise, geometric.parameters_used[0], geometric.values[0]),
     };
-    let (noise, parameters, values) = used;
     let _ = writeln!(text, "noise floor: {:.4} mm per component{}", noise.position * 1e3, of_norm(result, noise));
     if noise.orientation > 0.0 {
         let _ = writeln!(text, "  and {:.4} mrad per component of orientation", noise.orientation * 1e3);

@@ -25,20 +25,23 @@ pub fn identifiability(found: &[Identifiability]) -> String {
     }
     let mut text = table(&rows);
     for one in found {
-        for untold in &one.untold {
-            let _ = writeln!(text, "{}: {} cannot be told: {}", kind_word(one.kind), untold.parameter, untold.why);
+        // One line for all that cannot be told for one reason.
+        for together in one.untold.chunk_by(|a, b| a.why == b.why) {
+            let names: Vec<&str> = together.iter().map(|untold| untold.parameter.as_str()).collect();
+            let kind = kind_word(one.kind);
+            let _ = writeln!(text, "{kind}: {} cannot be told: {}", names.join(", "), together[0].why);
         }
     }
     text
 }
 
+/// Why joint offsets are no parameters.
+const OFFSETS: &str = "beside free axes and tool no measurement tells them";
+
 /// What no measurement tells of this form: joint offsets beside the tool, the place of slides.
 pub fn never_told(chain: &Chain) -> String {
     let joints = chain.joints();
-    let mut text = format!(
-        "joint offsets ({}) are no parameters of this form: beside free axes and tool no measurement tells them\n",
-        joints.len()
-    );
+    let mut text = format!("joint offsets ({}) are no parameters of this form: {OFFSETS}\n", joints.len());
     let slides: Vec<String> = joints
         .iter()
         .filter(|joint| matches!(joint.screw, Screw::Prismatic(_)))
@@ -105,6 +108,7 @@ pub fn to_json(chain: &Chain, rows: usize, found: &[Identifiability], form: &DhF
         "tip": chain.tip(),
         "rows": rows,
         "poe": poe,
+        "joint_offsets": {"number": chain.joints().len(), "told": 0, "why": OFFSETS},
         "dh": {
             "numbers": form.numbers,
             "rank": form.rank,

@@ -78,7 +78,7 @@ fn values(name: &str, chain: &Chain, rows: usize, first_row: usize, random: &mut
     match name {
         "time" => return Some((0..rows).map(time).collect()),
         "temperature" => return Some((0..rows).map(warm).collect()),
-        PAYLOAD => return Some((0..rows).map(|_| PAYLOADS[(4.0 * random.random::<f64>()) as usize % 4]).collect()),
+        PAYLOAD => return Some((0..rows).map(|_| PAYLOADS[random.random_range(0..PAYLOADS.len())]).collect()),
         _ => {}
     }
     let (joint, word) = name.rsplit_once('.')?;

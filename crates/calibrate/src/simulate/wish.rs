@@ -179,14 +179,8 @@ impl Wish {
 ///
 /// # Errors
 /// A wish cannot be granted on this robot or with these columns.
-pub fn granted(
-    wishes: &[Wish],
-    statics: &Statics,
-    run: &Simulation,
-    first_row: usize,
-    seed: u64,
-) -> Result<EffectModel, WishError> {
-    let data = with_run_order(run.data.clone(), first_row);
+pub fn granted(wishes: &[Wish], statics: &Statics, run: &Simulation, seed: u64) -> Result<EffectModel, WishError> {
+    let data = with_run_order(run.data.clone(), 0);
     let survey = Survey::of(statics, &data, Vec::new());
     let mut effects = Vec::new();
     for (index, wish) in wishes.iter().enumerate() {
@@ -262,4 +256,58 @@ fn at_its_mean(data: &Measurements, name: &str) -> Measurements {
         column.values.fill(mean);
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::columns::columns;
+    use crate::simulate::{SimulationOptions, simulate};
+    use denavit_model::{Chain, examples};
+
+    fn run(chain: &Chain) -> Simulation {
+        let names = ["time", "temperature", "velocity"].map(String::from);
+        let covariates = columns(&names, chain, 60, 0, 3).unwrap();
+        simulate(chain, &SimulationOptions { rows: 60, seed: 3, covariates, ..Default::default() }, &NoEffects)
+    }
+
+    #[test]
+    fn every_kind_moves_the_measured_values_by_what_was_asked_for() {
+        for chain in examples::all() {
+            let (statics, run) = (Statics::of_chain(&chain), run(&chain));
+            let data = with_run_order(run.data.clone(), 0);
+            let survey = Survey::of(&statics, &data, Vec::new());
+            for entry in KINDS {
+                let Some(first) = (entry.terms)(&survey).into_iter().next() else { continue };
+                let place = first.term.carrier.place(&chain);
+                let wish: Wish = format!("{}@{place}=0.3mm", entry.name).parse().unwrap();
+                match granted(std::slice::from_ref(&wish), &statics, &run, 7) {
+                    Ok(model) => {
+                        let moved = moves(&run.arm, &statics, &model.effects[0], &data);
+                        assert!((moved - 3e-4).abs() < 3e-6, "{} on {}: {moved}", entry.name, chain.name());
+                        assert_eq!(model, granted(&[wish], &statics, &run, 7).unwrap());
+                    }
+                    Err(error) => assert!(error.to_string().contains("moves nothing that is measured"), "{error}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_kind_leaves_open_can_be_set() {
+        let chain = examples::puma_like();
+        let (statics, run) = (Statics::of_chain(&chain), run(&chain));
+        let of = |text: &str| granted(&[text.parse().unwrap()], &statics, &run, 0).unwrap().effects.remove(0);
+        let [first, second] = [0, 1].map(|joint: usize| chain.joints()[joint].name.clone());
+        let effect = of(&format!("transmission_error@{first}:order=3=2e-4"));
+        assert_eq!(effect.term.driver, Driver::Harmonic { joint: 0, order: 3.0 });
+        let length = effect.coefficients.iter().map(|value| value * value).sum::<f64>().sqrt();
+        assert!((length - 2e-4).abs() < 1e-15);
+        let effect = of(&format!("joint_coupling@{first}:with={second}=-1e-3"));
+        assert_eq!((effect.term.driver, effect.coefficients), (Driver::Reading(1), vec![-1e-3]));
+        let effect = of("drift@target:step=100=0.1mm");
+        assert_eq!(effect.term.driver, Driver::Steps { covariate: "time".into(), at: vec![100.0] });
+        let effect = of(&format!("local_joint_error@{second}:at=0.4,width=0.1=1e-4"));
+        assert_eq!(effect.term.driver, Driver::Bump { joint: 1, at: 0.4, width: 0.1, shape: BumpShape::Bell });
+    }
 }

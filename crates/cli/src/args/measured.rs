@@ -18,24 +18,24 @@ pub enum MeasureName {
 /// What effects follow, where no file says it.
 #[derive(Debug, Args)]
 pub struct GivenArguments {
-    /// Value of a quantity that an effect follows: payload=2.5 (kg), temperature=31 (°C), time=3600 (s),
+    /// Value of a quantity that an effect follows: payload=2.5 (kg, else 0), temperature=31 (°C), time=3600 (s),
     /// elbow_joint.approach=1
     #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',', allow_hyphen_values = true)]
     pub given: Vec<String>,
 }
 
 const CALIBRATE_EXAMPLES: &str = "\
-The data are CSV: a column per joint, named as in the URDF (rad, m), and x,y,z of a target on the tip (m), or
-x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor. Where the instrument
-stands and where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach,
-JOINT.velocity and other numeric columns are what effects may follow.
+The data are CSV: a column per joint, named as in the URDF (rad, m), and x,y,z of a target on the tip (m), or \
+x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor. Where the instrument stands and \
+where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
+other numeric columns are what effects may follow.
 
 Examples:
   denavit calibrate arm.urdf --data train.csv --test test.csv
-  denavit calibrate arm.urdf --data tracker.csv --units mm,deg --hold-out 0.3 --html report.html
-  denavit calibrate arm.urdf --data d.csv --urdf calibrated.urdf --effects-out effects.json --dh table.csv
-  denavit calibrate ur5e.urdf --data d.csv --dh ur_kinematics.yaml     for ur_description
-  some-tool | denavit calibrate arm.urdf --data - --effects none       geometry alone, from a pipe
+  denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
+  denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
+  denavit calibrate ur5e.urdf --data d.csv --dh ur_kinematics.yaml       for ur_description
+  some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
 
 See docs/calibration.md and docs/effects.md.";
 
@@ -103,9 +103,9 @@ pub struct FreedomArguments {
 }
 
 const IDENTIFY_EXAMPLES: &str = "\
-Prints the count 5h + 4r + 2t + n + 6 of Wu, Crawford and Roberts (h screws, r revolute joints, t slides, n scales) for
-poses, positions and distances, and beside it the rank of the identification Jacobian; names what cannot be told
-and why; then the same for the D-H form.
+Prints the count 5h + 4r + 2t + n + 6 of Wu, Crawford and Roberts (h screws, r revolute joints, t slides, n scales) \
+for poses, positions and distances, and beside it the rank of the identification Jacobian; names what cannot be told and \
+why; then the same for the D-H form.
 
 Examples:
   denavit identify arm.urdf                     what any measurement could tell
@@ -141,9 +141,9 @@ pub struct IdentifyArguments {
 }
 
 const PLAN_EXAMPLES: &str = "\
-Chooses, among candidates within the joint limits, the poses that make the determinant of the information largest
-(D-optimal), and prints the observability indices O1 to O5 beside those of random poses. Nothing is known of
-obstacles: look at the poses before the robot takes them.
+Chooses, among candidates within the joint limits, the poses that make the determinant of the information largest \
+(D-optimal), and prints the observability indices O1 to O5 beside those of random poses. Nothing is known of obstacles: \
+look at the poses before the robot takes them.
 
 Examples:
   denavit plan arm.urdf --count 40 -o poses.csv
@@ -194,15 +194,15 @@ pub struct PlanArguments {
 }
 
 const SIMULATE_EXAMPLES: &str = "\
-An effect is KIND@PLACE=STRENGTH: one of the kinds of docs/effects.md; a joint's name or base, links, target, anchor,
-instrument, \"wire zero\", \"all joints\"; what it moves the measured values by (0.3mm, root mean square) or its coefficient
-in SI units. What a kind leaves open is set as KIND@PLACE:order=3=0.1mm (order; at and width; step; with).
+An effect is KIND@PLACE=STRENGTH: one of the kinds of docs/effects.md; a joint's name or base, links, target, \
+anchor, instrument, \"wire zero\", \"all joints\"; what it moves the measured values by (0.3mm, root mean square) or its \
+coefficient in SI units. What a kind leaves open is set as KIND@PLACE:order=3=0.1mm (order; at and width; step; with).
 
 Examples:
   denavit simulate arm.urdf -o data.csv --rows 120 --seed 7
-  denavit simulate arm.urdf -o train.csv --test test.csv --effect joint_compliance@elbow_joint=0.3mm
-  denavit simulate arm.urdf -o d.csv --columns time,temperature --effect thermal@base=0.2mm --truth truth.json
-  denavit simulate arm.urdf -o d.csv --poses plan.csv --measure distances --effects effects.json";
+  denavit simulate arm.urdf -o train.csv --test test.csv --effect backlash@elbow_joint=0.1mm
+  denavit simulate arm.urdf -o d.csv --columns temperature --effect thermal@base=0.2mm
+  denavit simulate arm.urdf -o d.csv --poses plan.csv --effects effects.json --truth truth.json";
 
 /// Arguments of `denavit simulate`.
 #[derive(Debug, Args)]
@@ -266,15 +266,16 @@ pub struct SimulateArguments {
 }
 
 const COMPENSATE_EXAMPLES: &str = "\
-ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and qx,qy,qz,qw or
-roll,pitch,yaw; or joint values, which stand for the pose that the nominal robot has there; with both, the joint values
-are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of approach
-are those of the row order unless given. The commands keep their poses' order. Where rows are out of reach or out of the
-limits they say so, and the exit code is 1.
+ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and \
+qx,qy,qz,qw or roll,pitch,yaw; or joint values, which stand for the pose that the nominal robot has there; with both, the \
+joint values are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of \
+approach are those of the row order unless given. The commands keep their poses' order. Rows that are out of reach or \
+outside of the limits are named, and the exit code is then 1. Fewer than six joints cannot correct every direction: place \
+goes first, and --allowed-miss says what direction may be off.
 
 Examples:
-  denavit compensate calibrated.urdf --from arm.urdf --poses poses.csv -o commands.csv
-  denavit compensate calibrated.urdf --effects effects.json --poses poses.csv --given payload=2.5 --json";
+  denavit compensate as_it_is.urdf --from arm.urdf --poses poses.csv -o commands.csv
+  denavit compensate as_it_is.urdf --effects effects.json --poses poses.csv --json";
 
 /// Arguments of `denavit compensate`.
 #[derive(Debug, Args)]

@@ -13,7 +13,7 @@ use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
-use denavit_export::{FORMATS, Sheet, urdf};
+use denavit_export::{FORMATS, Format, Sheet, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
 
@@ -22,6 +22,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
     let robot = measured::robot(&arguments.robot)?;
     let options = options(arguments, &robot.chain)?;
+    let outputs = outputs(arguments, &robot.loaded)?;
     let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
     let data = read(&arguments.data)?;
     let test = arguments.test.as_deref().map(read).transpose()?;
@@ -34,15 +35,35 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         });
     })?;
     drop(spinner);
-    let files = files(arguments, &robot, &result)?;
+    let files = files(arguments, &outputs, &robot, &result)?;
     output::write_files(&files)?;
     output::print(&text::report(&result))?;
     Ok(Status::Same)
 }
 
+/// What some outputs need.
+struct Outputs<'a> {
+    /// The tree that a calibrated URDF is made of.
+    urdf: Option<(&'a Path, &'a denavit_model::Robot)>,
+    /// The format of the table.
+    dh: Option<(&'a Path, &'static Format)>,
+}
+
+/// Refuses what cannot be made before any work is done.
+fn outputs<'a>(arguments: &'a CalibrateArguments, loaded: &'a Loaded) -> Result<Outputs<'a>, Failure> {
+    let urdf = match (&arguments.urdf, loaded) {
+        (None, _) => None,
+        (Some(path), Loaded::Robot(tree)) => Some((path.as_path(), tree.as_ref())),
+        _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
+    };
+    let dh = arguments.dh.as_deref().map(|path| format_of(path).map(|format| (path, format))).transpose()?;
+    Ok(Outputs { urdf, dh })
+}
+
 /// Every file that was asked for: all are made before any is written.
 fn files<'a>(
     arguments: &'a CalibrateArguments,
+    outputs: &Outputs<'a>,
     robot: &Robot,
     result: &Calibration,
 ) -> Result<Vec<(&'a Path, String)>, Failure> {
@@ -54,17 +75,14 @@ fn files<'a>(
     if let Some(path) = &arguments.html {
         files.push((path, html::page(result)?));
     }
-    if let Some(path) = &arguments.urdf {
-        let Loaded::Robot(tree) = &robot.loaded else {
-            return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into()));
-        };
+    if let Some((path, tree)) = outputs.urdf {
         let reading = if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended };
         let written = urdf::with_chain(tree, &calibrated, reading)?;
         output::remark(&written.notes);
         files.push((path, written.value));
     }
-    if let Some(path) = &arguments.dh {
-        files.push((path, dh_table(path, &calibrated, &arguments.robot.robot)?));
+    if let Some((path, format)) = outputs.dh {
+        files.push((path, dh_table(format, &calibrated, &arguments.robot.robot)?));
     }
     if let Some(path) = &arguments.effects_out {
         files.push((path, result.effects(&robot.statics).to_json()));
@@ -115,17 +133,20 @@ fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, Fa
     Ok(ratios)
 }
 
-/// The calibrated table: Hayati's rows where axes are nearly parallel, as the numbers then stay small.
-fn dh_table(path: &Path, calibrated: &Chain, source: &str) -> Result<String, Failure> {
+fn format_of(path: &Path) -> Result<&'static Format, Failure> {
     let extension = path.extension().map_or_else(String::new, |extension| extension.to_string_lossy().into_owned());
-    let format = FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
+    FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
         Failure::Argument(format!(
             "--dh {}: the extension chooses the format; take one of {}",
             path.display(),
             known.join(", ")
         ))
-    })?;
+    })
+}
+
+/// The calibrated table: Hayati's rows where axes are nearly parallel, as the numbers then stay small.
+fn dh_table(format: &Format, calibrated: &Chain, source: &str) -> Result<String, Failure> {
     let options = Options {
         parallelism: Parallelism::Exact,
         near_parallel: NearParallel::HayatiBelow(HAYATI_BELOW),

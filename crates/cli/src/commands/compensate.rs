@@ -98,6 +98,7 @@ fn commands(
     };
     let mut near: Vec<f64> = nominal.coordinates().iter().map(middle).collect();
     let mut before: Option<Vec<f64>> = None;
+    let mut sides = vec![0.0; near.len()];
     let mut commands = Vec::with_capacity(poses.lines.len());
     for row in 0..poses.lines.len() {
         let start = poses.joints.get(row).unwrap_or(&near);
@@ -112,7 +113,7 @@ fn commands(
         let actual = |q: &[f64]| {
             let recorded = |name: &str| {
                 let name = recorded::plain(name);
-                let side = || side(&name, nominal, before.as_deref(), q);
+                let side = || side(&name, nominal, before.as_deref(), &sides, q);
                 column(&name).or_else(|| recorded::given(given, &name)).or_else(side)
             };
             model.fk(calibrated, &Conditions { reading: q, covariate: &recorded })
@@ -121,17 +122,26 @@ fn commands(
         if allowed.reached_by(&command) {
             near.clone_from(&command.nominal);
         }
+        if let Some(before) = &before {
+            for (index, side) in sides.iter_mut().enumerate() {
+                *side = side_of(command.nominal[index] - before[index], *side);
+            }
+        }
         before = Some(command.nominal.clone());
         commands.push(command);
     }
     commands
 }
 
-/// The side from which a joint comes to `q` from the command before, for the name of a column of sides; 0 where it does
-/// not move or nothing was before.
-fn side(name: &str, chain: &Chain, before: Option<&[f64]>, q: &[f64]) -> Option<f64> {
+/// The side from which a joint comes to `q` from the command before, for the name of a column of sides; 0 where nothing was
+/// before.
+fn side(name: &str, chain: &Chain, before: Option<&[f64]>, sides: &[f64], q: &[f64]) -> Option<f64> {
     let joint = name.strip_suffix(APPROACH)?;
     let index = chain.coordinates().iter().position(|coordinate| coordinate.name == joint)?;
-    let moved = before.map_or(0.0, |before| q[index] - before[index]);
-    Some(if moved.abs() < STILL { 0.0 } else { moved.signum() })
+    Some(before.map_or(0.0, |before| side_of(q[index] - before[index], sides[index])))
+}
+
+/// The side after a move: a joint that stands still keeps the one it has.
+fn side_of(moved: f64, had: f64) -> f64 {
+    if moved.abs() < STILL { had } else { moved.signum() }
 }

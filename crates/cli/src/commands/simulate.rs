@@ -4,6 +4,7 @@ use crate::args::SimulateArguments;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{self, Status};
+use denavit_calibrate::effects::survey::with_run_order;
 use denavit_calibrate::effects::{EffectModel, recorded};
 use denavit_calibrate::measurements::{Covariate, write};
 use denavit_calibrate::simulate::columns::columns;
@@ -37,7 +38,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     }
     // What is drawn does not depend on the effects: the strengths asked for are those on the very rows that are written.
     let bare = simulate(chain, &options, &NoEffects);
-    let granted = granted(&wishes, &robot.statics, &bare, options.first_row, options.seed)
+    let granted = granted(&wishes, &robot.statics, &bare, options.seed)
         .map_err(|error| Failure::Argument(format!("--effect {error}")))?;
     let EffectModel { statics, effects } = loaded;
     let model = EffectModel::new(statics, effects.into_iter().chain(granted.effects).collect());
@@ -58,7 +59,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
             rows,
             seed,
             readings: Some(commanded_readings(chain, rows, seed)),
-            first_row: options.rows,
+            before: Some(with_run_order(run.data.clone(), 0)),
             covariates: recorded_columns(arguments, chain, rows, options.rows, seed)?,
             ..options.clone()
         };
@@ -119,6 +120,6 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         outliers: share,
         covariates: recorded_columns(arguments, chain, rows, 0, arguments.seed)?,
         readings: Some(readings),
-        first_row: 0,
+        before: None,
     })
 }
