@@ -2,7 +2,10 @@
 //!
 //! `instructions WHAT TIMES`, WHAT one of [`WORK`].
 
-use denavit_benches::{BATCH, ROBOTS, chain, configurations, robot_text};
+use denavit_benches::{BATCH, ROBOTS, chain, configurations, moved_axes, robot_text};
+use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects, identify};
+use denavit_compare::{Options, Subject, compare};
 use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::{CompiledChain, Pose, Reading, urdf};
 use std::hint::black_box;
@@ -18,6 +21,8 @@ const WORK: &[(&str, Repeat)] = &[
     ("poses", |times| kinematics(times, Kinematics::Poses)),
     ("tips", |times| kinematics(times, Kinematics::Tips)),
     ("load", load),
+    ("identify", identification),
+    ("compare", comparison),
 ];
 
 #[derive(Clone, Copy)]
@@ -54,6 +59,27 @@ fn load(times: usize) {
         let robot = urdf::read("robot.urdf", black_box(&text)).expect("a robot");
         black_box(robot.chain(None, None, Reading::Intended).expect("a chain"));
     }
+}
+
+/// 10 000 full poses of a 6R arm.
+fn identification(times: usize) {
+    let (_, file, tip) = ROBOTS[0];
+    let chain = chain(file, tip);
+    let options = SimulationOptions { kind: MeasurementKind::Pose, rows: 10_000, ..Default::default() };
+    let data = simulate(&chain, &options, &NoEffects).data;
+    for _ in 0..times {
+        black_box(identify(black_box(&chain), black_box(&data), &IdentifyOptions::axes(&chain)));
+    }
+}
+
+/// 100 000 configurations of a 7R arm.
+fn comparison(times: usize) {
+    let (_, file, tip) = ROBOTS[1];
+    let drawn = chain(file, tip);
+    let built = moved_axes(&drawn);
+    let sides = (Subject::Chain { file: "drawn", chain: &drawn }, Subject::Chain { file: "built", chain: &built });
+    let options = Options { samples: 100_000, ..Options::default() };
+    (0..times).for_each(|_| _ = black_box(compare(&sides.0, &sides.1, &options)));
 }
 
 fn main() {

@@ -4,7 +4,8 @@
 //! others use, too, most windows are not interrupted, where the milliseconds of a sample of criterion's mostly are. The peers
 //! in C++ and Python are timed in the same way, so that ratios mean something.
 
-use denavit_model::{Chain, Reading, urdf};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::{Chain, Reading, se3, urdf};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -35,6 +36,18 @@ pub fn robot_text(file: &str) -> String {
 pub fn chain(file: &str, tip: &str) -> Chain {
     let robot = urdf::read(file, &robot_text(file)).expect("robots/ holds URDFs");
     robot.chain(None, Some(tip), Reading::Intended).expect("the robot has the link").value
+}
+
+/// The chain with every axis moved by about a millimetre, each its own way.
+///
+/// # Panics
+/// Never: small finite moves make a chain.
+pub fn moved_axes(drawn: &Chain) -> Chain {
+    let moved = drawn.joints().iter().enumerate().map(|(k, joint)| {
+        let by = 1e-3 * Vector3::new((k as f64).sin(), (k as f64).cos(), 0.3);
+        joint.screw.moved(&se3::translation(by))
+    });
+    drawn.with_geometry(&moved.collect::<Vec<_>>(), *drawn.home()).expect("a chain like the drawn one")
 }
 
 /// `count` configurations one after the other, each value in \[-3, 3\]: the same on every run.

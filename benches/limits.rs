@@ -1,8 +1,12 @@
-//! What the machine can do at best: vector arithmetic from registers alone, and the sines that kinematics cannot go without.
+//! What the machine can do at best: vector arithmetic from registers alone, the sines that kinematics cannot go without, and
+//! forward kinematics of one robot written out by hand.
 
 #![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
 
-use denavit_benches::{configurations, report};
+use denavit_benches::{BATCH, ROBOTS, chain, configurations, report};
+use denavit_model::compiled::sine_and_cosine;
+use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
+use denavit_model::{Pose, se3};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 use std::hint::black_box;
 
@@ -72,4 +76,78 @@ pub fn standard_sines() {
             black_box(black_box(angle).sin_cos());
         }
     });
+}
+
+type Triple<S> = [<S as Simd>::f64s; 3];
+
+#[inline(always)]
+fn each<S: Simd>(of: impl Fn(usize) -> S::f64s) -> Triple<S> {
+    [of(0), of(1), of(2)]
+}
+
+/// The columns x and y of a frame after a turn about z.
+#[inline(always)]
+fn turned<S: Simd>((sine, cosine): (S::f64s, S::f64s), x: Triple<S>, y: Triple<S>) -> (Triple<S>, Triple<S>) {
+    let new_x = each::<S>(|k| y[k].mul_add(sine, x[k] * cosine));
+    (new_x, each::<S>(|k| y[k].mul_sub(cosine, x[k] * sine)))
+}
+
+#[inline(always)]
+fn shifted<S: Simd>(origin: Triple<S>, along: Triple<S>, by: f64) -> Triple<S> {
+    each::<S>(|k| along[k].mul_add(by, origin[k]))
+}
+
+/// Sine and cosine of a joint's value in each of as many configurations as there are lanes.
+#[inline(always)]
+fn turn<S: Simd>(simd: S, q: &[f64], joint: usize) -> (S::f64s, S::f64s) {
+    sine_and_cosine(simd, S::f64s::from_fn(simd, |lane| q[lane * 6 + joint]))
+}
+
+/// Forward kinematics of the UR5e alone, joint after joint by its published D-H numbers (d, a; alpha a quarter turn or none),
+/// with nothing decided at run time: what batches of a chain that is only known at run time are measured against.
+#[inline(always)]
+fn ur5e<S: Simd>(simd: S, q: &[f64], poses: &mut [Pose]) {
+    let (zero, one) = (S::f64s::splat(simd, 0.0), S::f64s::splat(simd, 1.0));
+    let lanes = S::f64s::LEN;
+    for (q, poses) in q.chunks_exact(6 * lanes).zip(poses.chunks_exact_mut(lanes)) {
+        let (sine, cosine) = turn(simd, q, 0);
+        let (x, y, z) = ([cosine, sine, zero], [zero, zero, one], [sine, -cosine, zero]);
+        let origin = [zero, zero, S::f64s::splat(simd, 0.1625)];
+        let (x, y) = turned::<S>(turn(simd, q, 1), x, y);
+        let origin = shifted::<S>(origin, x, -0.425);
+        let (x, y) = turned::<S>(turn(simd, q, 2), x, y);
+        let origin = shifted::<S>(origin, x, -0.3922);
+        let (x, y) = turned::<S>(turn(simd, q, 3), x, y);
+        let origin = shifted::<S>(origin, z, 0.1333);
+        let (y, z) = (z, each::<S>(|k| -y[k]));
+        let (x, y) = turned::<S>(turn(simd, q, 4), x, y);
+        let origin = shifted::<S>(origin, z, 0.0997);
+        let (y, z) = (each::<S>(|k| -z[k]), y);
+        let (x, y) = turned::<S>(turn(simd, q, 5), x, y);
+        let origin = shifted::<S>(origin, z, 0.0996);
+        for (lane, pose) in poses.iter_mut().enumerate() {
+            let column =
+                |v: &Triple<S>| Vector3::new(v[0].as_slice()[lane], v[1].as_slice()[lane], v[2].as_slice()[lane]);
+            let rotation = Matrix3::from_columns(&[column(&x), column(&y), column(&z)]);
+            *pose = se3::pose(Rotation3::from_matrix_unchecked(rotation), column(&origin));
+        }
+    }
+}
+
+/// The robot of which the kinematics are written out, at each width of vector.
+pub fn written_out() {
+    let (robot, file, tip) = ROBOTS[0];
+    let chain = chain(file, tip);
+    let q = configurations(chain.coordinates().len(), BATCH);
+    let mut poses = vec![Pose::identity(); BATCH];
+    for (bits, level) in levels() {
+        report(robot, &format!("written out by hand, poses, {bits} bits"), "batch", BATCH, || {
+            dispatch!(level, simd => ur5e(simd, black_box(&q), black_box(&mut poses)));
+        });
+        for (pose, q) in poses.iter().zip(q.chunks(6)) {
+            // The base frame is turned against the URDF's; distances from the base are not.
+            let apart = pose.translation.vector.norm() - chain.fk(q).translation.vector.norm();
+            assert!(apart.abs() < 1e-12, "{apart} m");
+        }
+    }
 }

@@ -16,6 +16,7 @@ fn main() {
     comparison::comparison();
     calibration::identification();
     calibration::tracing();
+    limits::written_out();
     limits::arithmetic();
     limits::standard_sines();
 }

@@ -128,7 +128,33 @@ def scipy(robot, path, tip, load):
     report(robot, "scipy", "batch", median_ns(work, len(many)))
 
 
-PEERS = [pinocchio, yourdfpy, toolbox, scipy]
+def pybotics(robot, path, tip, load):
+    """Reads no URDF: its own UR10 stands for the UR5e, whose joints are arranged alike."""
+    if load or robot != "UR5e":
+        return
+    from pybotics.optimization import OptimizationHandler, optimize_accuracy
+    from pybotics.predefined_models import ur10
+    from pybotics.robot import Robot
+    from scipy.optimize import least_squares
+
+    model = Robot.from_parameters(ur10())
+    rows = list(configurations(6))
+    report(robot, "pybotics (UR10)", "fk", median_ns(each(model.fk, rows), len(rows)))
+    report(robot, "pybotics (UR10)", "jacobian", median_ns(each(model.jacobian_world, rows), len(rows)))
+    rng = np.random.default_rng(1)
+    built = Robot.from_parameters(ur10())
+    built.kinematic_chain.vector = built.kinematic_chain.vector + rng.normal(0, [1e-3, 1.0, 1e-3, 1.0] * 6)
+    q = configurations(6, 100)
+    positions = np.array([built.fk(row)[:3, 3] for row in q]) + rng.normal(0, 0.05, (len(q), 3))
+
+    def identify():
+        handler = OptimizationHandler(Robot.from_parameters(ur10()), kinematic_chain_mask=True)
+        least_squares(optimize_accuracy, handler.generate_optimization_vector(), args=(handler, q, positions))
+
+    report(robot, "pybotics and scipy, 100 positions identified", "calibration", median_ns(identify))
+
+
+PEERS = [pinocchio, yourdfpy, toolbox, scipy, pybotics]
 
 
 def main(robot, path, tip, load=False):
