@@ -10,7 +10,7 @@ const ROBOTS: &[(&str, &[&str])] = &[
     ("stanford_hayati", &["stanford/stanford_arm.urdf", "--convention", "hayati"]),
 ];
 
-fn snapshot(name: &str, text: &str) {
+pub fn snapshot(name: &str, text: &str) {
     let folder = top().join("tests/golden");
     let text = text.replace(&format!("{}/", top().display()), "");
     insta::with_settings!({ snapshot_path => folder, prepend_module_to_snapshot => false, omit_expression => true }, {

@@ -9,6 +9,7 @@ mod command_line;
 mod compare;
 mod corpus;
 mod golden;
+mod measured;
 mod oracle;
 mod quirky;
 mod readme;

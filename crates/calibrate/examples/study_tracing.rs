@@ -8,7 +8,7 @@
 
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::catalogue::Kind;
-use denavit_calibrate::effects::survey::with_run_order;
+use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
 use denavit_calibrate::measurements::{MeasurementKind, Measurements, Units, read};
 use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};
@@ -87,9 +87,9 @@ fn main() {
                 .unwrap();
         let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
         let statics = Statics::of(&robot, &chain);
-        let train = with_run_order(load(&case.join("train.csv"), &chain), None);
+        let train = with_run_order(load(&case.join("train.csv"), &chain), 0);
         let rows = train.len();
-        let test = with_run_order(load(&case.join("test.csv"), &chain), Some(&train));
+        let test = with_run_order_after(load(&case.join("test.csv"), &chain), &train);
         let mut options = TraceOptions::new(IdentifyOptions::axes(&chain));
         if let Some(ratio) = truth["gear_ratio"].as_f64() {
             options.gear_ratios = vec![Some(ratio); chain.joints().len()];

@@ -2,7 +2,8 @@
 
 use crate::arm::Arm;
 use crate::effects::driver::Statics;
-use crate::effects::survey::with_run_order;
+use crate::effects::model::EffectModel;
+use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::errors::{Errors, Residual, TestError, errors, placed, residuals};
 use crate::grid::{self, Rounding};
 use crate::identifiability::{Identifiability, identifiability};
@@ -126,6 +127,23 @@ impl Calibration {
     pub fn arm(&self) -> &Arm {
         self.trace.as_ref().map_or(&self.identification.geometric.arm, |trace| &trace.fit.arm)
     }
+
+    /// The effects at the last stage; none where none was looked for.
+    pub fn effects(&self, statics: &Statics) -> EffectModel {
+        let none = || EffectModel::new(statics.clone(), Vec::new());
+        self.trace.as_ref().map_or_else(none, |trace| trace.fit.effects.clone())
+    }
+}
+
+/// What a calibration is at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// Instrument, targets, axes.
+    Geometry,
+    /// The search for effects.
+    Effects,
+    /// Errors of every stage, what the data can tell.
+    Judgement,
 }
 
 /// Residual of the nominal robot beyond which something else is wrong than geometry, relative to its reach.
@@ -142,19 +160,39 @@ pub fn calibrate(
     test: Option<Measurements>,
     options: &CalibrateOptions,
 ) -> Result<Calibration, CalibrateError> {
-    let data = with_run_order(data, None);
+    calibrate_and_tell(chain, statics, data, test, options, &mut |_| {})
+}
+
+/// As [`calibrate`], and tells what it starts with.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn calibrate_and_tell(
+    chain: &Chain,
+    statics: &Statics,
+    data: Measurements,
+    test: Option<Measurements>,
+    options: &CalibrateOptions,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Calibration, CalibrateError> {
+    let data = with_run_order(data, 0);
     let (train, test) = match (test, options.hold_out) {
         (Some(test), _) => {
-            let test = with_run_order(test, Some(&data));
+            let test = with_run_order_after(test, &data);
             (data, Some(test))
         }
         (None, Some(hold_out)) => split(&data, hold_out)?,
         (None, None) => (data, None),
     };
     enough(&train)?;
+    progress(Progress::Geometry);
     let identification = identify(chain, &train, &options.identify);
     fits(chain, &train, &identification)?;
-    let found = options.trace.as_ref().map(|options| trace(statics, &train, &identification.geometric, options));
+    let found = options.trace.as_ref().map(|options| {
+        progress(Progress::Effects);
+        trace(statics, &train, &identification.geometric, options)
+    });
+    progress(Progress::Judgement);
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
     stages.add("geometric".into(), &identification.geometric)?;
@@ -279,9 +317,9 @@ fn rejected(data: &Measurements, weights: &[f64]) -> Vec<usize> {
 }
 
 /// Stages of the tracer by what each added; the last one is what it settled on.
-fn trace_stages(found: &Trace) -> Vec<(String, &Fit<crate::effects::model::EffectModel>)> {
+fn trace_stages(found: &Trace) -> Vec<(String, &Fit<EffectModel>)> {
     let chain = &found.fit.arm.nominal;
-    let name = |fit: &Fit<crate::effects::model::EffectModel>| {
+    let name = |fit: &Fit<EffectModel>| {
         let terms = fit
             .effects
             .effects

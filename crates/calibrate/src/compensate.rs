@@ -1,7 +1,8 @@
 //! Joint commands that reach given poses with the robot as it is: Newton on the full model.
 
 use denavit_model::nalgebra::{DMatrix, DVector, Vector6};
-use denavit_model::{Chain, Pose, se3};
+use denavit_model::{Chain, Pose, Screw, se3};
+use std::f64::consts::TAU;
 
 /// What is to be reached.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,8 +32,10 @@ pub struct Command {
     pub steps: usize,
 }
 
-/// Orientation weighs as this lever (share of the robot's size) where a chain cannot reach both.
+/// Orientation weighs as this lever (share of the robot's size) where a pose is out of reach.
 const LEVER: f64 = 0.1;
+/// The same for a chain of fewer than six coordinates, which can never correct both: place goes first.
+const LEVER_OF_FEW: f64 = 0.01;
 /// A solution is one when the nominal tip is this near, m (rad times lever).
 const REACHED: f64 = 1e-9;
 /// Steps of one search.
@@ -56,15 +59,11 @@ pub fn compensate(
         Wanted::Joints(q) => (nominal.fk(q), q.clone()),
         Wanted::Pose(pose) => (*pose, nominal_solution(nominal, pose, near)),
     };
-    let size = nominal.size();
-    let (joints, steps) = newton(calibrated, actual, &pose, &start, size);
+    let lever = lever(nominal);
+    let (joints, steps) = newton(calibrated, actual, &pose, &start, lever);
     let (orientation_error, position_error) = se3::difference(&actual(&joints), &pose);
     let (turned, moved) = se3::difference(&actual(&start), &pose);
-    let beyond = |(coordinate, value): (&denavit_model::Coordinate, &f64)| {
-        let (lower, upper) = coordinate.range();
-        (coordinate.limits.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
-    };
-    let outside = nominal.coordinates().iter().zip(&joints).filter_map(beyond).collect();
+    let outside = beyond_limits(nominal, &joints);
     Command {
         nominal: start,
         joints,
@@ -76,22 +75,52 @@ pub fn compensate(
     }
 }
 
-/// Joint values at which the nominal robot has a pose, searched from `near` and then from over the joint range.
+/// Joint values at which the nominal robot has a pose, searched from `near` and then from over the joint range: the first
+/// that is one within the limits, else the first that is one, else the nearest miss.
 fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> Vec<f64> {
-    let size = chain.size();
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let lever = lever(chain);
+    let mut best: Option<(bool, f64, Vec<f64>)> = None;
     let starts = std::iter::once(near.to_vec()).chain((1..40).map(|k| spread(chain, k)));
     for start in starts {
-        let (found, _) = newton(chain, &|q| chain.fk(q), pose, &start, size);
-        let left = error(&chain.fk(&found), pose, size).norm();
-        if best.as_ref().is_none_or(|(least, _)| left < *least) {
-            best = Some((left, found));
+        let (found, _) = newton(chain, &|q| chain.fk(q), pose, &start, lever);
+        let found = unwound(chain, found, near);
+        let left = error(&chain.fk(&found), pose, lever).norm();
+        if left < REACHED && beyond_limits(chain, &found).is_empty() {
+            return found;
         }
-        if left < REACHED {
-            break;
+        let better = |(reached, least, _): &(bool, f64, Vec<f64>)| !reached && left < *least;
+        if best.as_ref().is_none_or(better) {
+            best = Some((left < REACHED, left, found));
         }
     }
-    best.map_or_else(|| near.to_vec(), |(_, found)| found)
+    best.map_or_else(|| near.to_vec(), |(_, _, found)| found)
+}
+
+/// The same angles with whole turns taken off: within the limits if that can be, and there nearest to `near`.
+///
+/// A coordinate that lifts or slides anything, or turns a joint by other than itself, stays as it is.
+fn unwound(chain: &Chain, mut q: Vec<f64>, near: &[f64]) -> Vec<f64> {
+    for (index, coordinate) in chain.coordinates().iter().enumerate() {
+        let mut moved = chain.joints().iter().filter(|joint| joint.coordinate == index);
+        if !moved.all(|joint| matches!(joint.screw, Screw::Revolute(_)) && joint.scale.abs() == 1.0) {
+            continue;
+        }
+        let nearest = q[index] - TAU * ((q[index] - near[index]) / TAU).round();
+        let (lower, upper) = coordinate.range();
+        let within = |value: &f64| coordinate.limits.is_none() || (lower..=upper).contains(value);
+        let others = (1..=4).flat_map(|turns| [nearest + TAU * f64::from(turns), nearest - TAU * f64::from(turns)]);
+        q[index] = std::iter::once(nearest).chain(others).find(within).unwrap_or(nearest);
+    }
+    q
+}
+
+/// Names of the coordinates that are outside of their limits.
+pub fn beyond_limits(chain: &Chain, q: &[f64]) -> Vec<String> {
+    let beyond = |(coordinate, value): (&denavit_model::Coordinate, &f64)| {
+        let (lower, upper) = coordinate.range();
+        (coordinate.limits.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
+    };
+    chain.coordinates().iter().zip(q).filter_map(beyond).collect()
 }
 
 fn spread(chain: &Chain, index: usize) -> Vec<f64> {
@@ -103,23 +132,28 @@ fn spread(chain: &Chain, index: usize) -> Vec<f64> {
     chain.coordinates().iter().enumerate().map(at).collect()
 }
 
+fn lever(chain: &Chain) -> f64 {
+    let share = if chain.coordinates().len() < 6 { LEVER_OF_FEW } else { LEVER };
+    share * chain.size()
+}
+
 /// What is missing to the wanted pose: rotation vector times lever, then translation; base frame, m.
-fn error(reached: &Pose, wanted: &Pose, size: f64) -> Vector6<f64> {
-    let turn = se3::rotation_vector(&(wanted.rotation * reached.rotation.inverse())) * (LEVER * size);
+fn error(reached: &Pose, wanted: &Pose, lever: f64) -> Vector6<f64> {
+    let turn = se3::rotation_vector(&(wanted.rotation * reached.rotation.inverse())) * (lever);
     let shift = wanted.translation.vector - reached.translation.vector;
     Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
 }
 
 /// Damped Newton steps from `start` until the error does not fall any more.
-fn newton(chain: &Chain, fk: &dyn Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f64], size: f64) -> (Vec<f64>, usize) {
+fn newton(chain: &Chain, fk: &dyn Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f64], lever: f64) -> (Vec<f64>, usize) {
     let n = chain.coordinates().len();
     let mut q = start.to_vec();
     let mut columns = vec![Vector6::zeros(); n];
-    let mut left = error(&fk(&q), wanted, size);
+    let mut left = error(&fk(&q), wanted, lever);
     let mut damping = 1e-9;
     for step in 0..MOST_STEPS {
         chain.tip_jacobian_into(&q, &mut columns);
-        let jacobian = DMatrix::from_fn(6, n, |i, k| columns[k][i] * if i < 3 { LEVER * size } else { 1.0 });
+        let jacobian = DMatrix::from_fn(6, n, |i, k| columns[k][i] * if i < 3 { lever } else { 1.0 });
         let gradient = jacobian.transpose() * DVector::from_column_slice(left.as_slice());
         let normal = jacobian.transpose() * &jacobian;
         let largest = normal.diagonal().max().max(f64::MIN_POSITIVE);
@@ -135,10 +169,10 @@ fn newton(chain: &Chain, fk: &dyn Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f6
             };
             let delta = factor.solve(&gradient);
             let trial: Vec<f64> = q.iter().zip(delta.iter()).map(|(value, delta)| value + delta).collect();
-            let now = error(&fk(&trial), wanted, size);
+            let now = error(&fk(&trial), wanted, lever);
             if now.norm() < left.norm() {
                 let gained = left.norm() - now.norm();
-                improved = gained > 1e-16 * size && gained > 1e-9 * left.norm();
+                improved = gained > 1e-16 * chain.size() && gained > 1e-9 * left.norm();
                 q = trial;
                 left = now;
                 damping = (damping * 0.1).max(1e-12);

@@ -2,9 +2,11 @@
 
 pub mod carrier;
 pub mod catalogue;
+pub mod drawn;
 pub mod driver;
 pub mod gravity;
 pub mod model;
+pub mod recorded;
 pub mod saved;
 pub mod survey;
 

@@ -5,6 +5,7 @@ use crate::gauge;
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind};
 use crate::residual::{Problem, Scratch, width};
+use crate::simulate::{SimulationOptions, simulate};
 use denavit_model::nalgebra::DMatrix;
 use denavit_model::{Chain, Screw};
 
@@ -240,29 +241,30 @@ fn why_mixed(layout: &Layout, analysis: &Analysis, index: usize) -> String {
     format!("the data cannot tell it from {}{more}", names.join(", "))
 }
 
-/// What poses, positions of one target and distances can tell of a chain, measured at `rows` readings spread over the
+/// What poses, positions of so many targets and distances can tell of a chain, measured at `rows` readings spread over the
 /// joint range.
 pub fn of_chain(chain: &Chain, freedom: &Freedom, targets: usize, rows: usize) -> Vec<Identifiability> {
-    use crate::simulate::{SimulationOptions, simulate};
+    measured(chain, freedom, &SimulationOptions { rows, targets, ..drawn() })
+}
+
+/// The same, measured at these joint readings (rad, m; one value per coordinate).
+pub fn at_readings(chain: &Chain, freedom: &Freedom, targets: usize, readings: &[Vec<f64>]) -> Vec<Identifiability> {
+    let options = SimulationOptions { rows: readings.len(), targets, readings: Some(readings.to_vec()), ..drawn() };
+    measured(chain, freedom, &options)
+}
+
+/// Axes as drawn and no noise; a target beside the last axis and an anchor in general position.
+fn drawn() -> SimulationOptions {
+    SimulationOptions { turn: 0.0, shift: 0.0, noise_position: 0.0, noise_orientation: 0.0, ..Default::default() }
+}
+
+fn measured(chain: &Chain, freedom: &Freedom, options: &SimulationOptions) -> Vec<Identifiability> {
     let kinds = [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance];
-    kinds
-        .into_iter()
-        .map(|kind| {
-            // A target beside the last axis and an anchor in general position; axes as drawn.
-            let options = SimulationOptions {
-                kind,
-                rows,
-                targets,
-                turn: 0.0,
-                shift: 0.0,
-                noise_position: 0.0,
-                noise_orientation: 0.0,
-                ..Default::default()
-            };
-            let run = simulate(chain, &options, &NoEffects);
-            identifiability(&run.data, &run.arm, &NoEffects, freedom)
-        })
-        .collect()
+    let found = kinds.into_iter().map(|kind| {
+        let run = simulate(chain, &SimulationOptions { kind, ..options.clone() }, &NoEffects);
+        identifiability(&run.data, &run.arm, &NoEffects, freedom)
+    });
+    found.collect()
 }
 
 /// Whether a parameter belongs to the robot, not to how it is measured.

@@ -51,7 +51,9 @@ impl<E> Fit<E> {
         };
         let mut conditions = gauge::conditions(&self.layout, &self.arm).rows(0, count).into_owned();
         // Each condition brought to size 1. Along a SCARA's parallel axes one says nothing, and is left out.
-        let size = DVector::from_fn(6, |k, _| conditions.column(k).dot(&(&covariance * conditions.column(k))).sqrt());
+        let size = DVector::from_fn(conditions.ncols(), |k, _| {
+            conditions.column(k).dot(&(&covariance * conditions.column(k))).sqrt()
+        });
         for (k, mut column) in conditions.column_iter_mut().enumerate() {
             column.scale_mut(if size[k] > SAYS_NOTHING * size.max() { size[k].recip() } else { 0.0 });
         }

@@ -7,6 +7,8 @@
 //! ```
 //! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
 
+#![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
+
 pub mod arm;
 pub mod calibration;
 pub mod compensate;
@@ -19,6 +21,7 @@ pub mod grid;
 pub mod identifiability;
 pub mod identify;
 pub mod intervals;
+mod lanes;
 pub mod measurements;
 pub mod normal;
 mod panel;
@@ -26,6 +29,7 @@ pub mod parameters;
 pub mod placement;
 pub mod plan;
 pub mod prior;
+mod products;
 pub mod report;
 pub mod residual;
 pub mod simulate;

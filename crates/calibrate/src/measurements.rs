@@ -2,6 +2,7 @@
 
 mod header;
 mod plausible;
+pub mod poses;
 mod problem;
 mod read;
 mod units;
@@ -79,6 +80,8 @@ pub struct Measurements {
     pub lines: Vec<usize>,
 }
 
+/// A quaternion whose length is further from 1 than this was not meant as one.
+const QUATERNION_TOLERANCE: f64 = 1e-3;
 /// Joint readings closer than this are one reading, rad or m.
 const SAME_READING: f64 = 1e-9;
 

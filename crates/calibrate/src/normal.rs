@@ -1,10 +1,12 @@
 //! Normal equations, accumulated over blocks of rows in threads; sums do not depend on how many threads there are.
 
 use crate::arm::Arm;
+use crate::lanes;
 use crate::measurements::MeasurementKind;
 use crate::panel::{Panel, Part};
 use crate::parameters::Effects;
 use crate::residual::{Problem, Scratch, width};
+use fearless_simd::{Level, dispatch};
 use std::sync::Mutex;
 
 /// Jᵀ W J, Jᵀ W r and rᵀ W r of one kind of value.
@@ -111,6 +113,13 @@ impl<E: Effects> Problem<'_, E> {
     ) -> Vec<Channel> {
         let (targets, step, columns) = (self.data.targets.len(), width(self.data.kind), self.layout.len());
         let mut panels: Vec<Panel> = self.parts().iter().map(|part| Panel::new(self.layout, *part)).collect();
+        if self.effects.are_none()
+            && let Some(geometry) = scratch.geometry(arm, self.data.kind)
+        {
+            let of = (&geometry, arm, self.layout, self.data);
+            dispatch!(Level::new(), simd => lanes::rows(simd, of, weights, first, squares, &mut panels));
+            return panels.into_iter().map(Panel::finish).collect();
+        }
         let mut residual = vec![0.0; targets * step];
         let mut jacobian = vec![0.0; targets * step * columns];
         for (offset, squares) in squares.chunks_exact_mut(targets).enumerate() {

@@ -1,17 +1,15 @@
 //! Rows of a Jacobian gathered until there are enough to form their products in vectors of the machine.
 
-#![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
-
 use crate::normal::Channel;
-use crate::parameters::{Layout, ParameterKind};
-use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
+use crate::parameters::{Layout, Parameter, ParameterKind};
+use crate::products::{TILE, add_gram};
+use fearless_simd::{Simd, SimdBase as _};
 
-/// Rows that are gathered: with forty columns 30 KB, which the cache nearest to the processor holds.
-const ROWS: usize = 96;
-/// Columns of a tile of the products: one vector of 512 bits or more of narrower ones.
-const TILE: usize = 8;
-/// Rows of a tile: as many sums as registers hold.
-const TILE_ROWS: usize = 4;
+/// Rows that are gathered: with forty columns 60 KB.
+const ROWS: usize = 192;
+
+/// A vector in each lane.
+pub(crate) type Triple<S> = [<S as Simd>::f64s; 3];
 
 /// Which part of an observation a row belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,117 +37,103 @@ impl Part {
     }
 }
 
-/// Weighted rows `[J | r]` and the sums of their products so far. Columns that are always 0 are left out.
+/// Weighted rows `[J | r]`, column by column, and the sums of their products so far. Columns that are always 0 are left
+/// out.
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
-    /// Column of the Jacobian for each column of the panel; the residual's comes after them, then zeros.
-    columns: Vec<usize>,
-    /// As many of them are the Jacobian's first.
-    leading: usize,
-    all: usize,
-    width: usize,
+    /// Column of the panel for each parameter.
+    places: Vec<Option<usize>>,
+    /// Column of the residual; the ones after it are zero.
+    residual: usize,
     /// Rows in `cells`.
     rows: usize,
     cells: Vec<f64>,
-    /// Upper triangle, width × width.
+    /// Products of columns l ≤ r, see [`add_gram`].
     sums: Vec<f64>,
     count: f64,
 }
 
 impl Panel {
     pub(crate) fn new(layout: &Layout, part: Part) -> Self {
-        let columns: Vec<usize> =
-            (0..layout.len()).filter(|&column| part.depends_on(layout.parameters[column].kind)).collect();
-        let leading = columns.iter().enumerate().take_while(|(index, column)| index == *column).count();
-        let width = (columns.len() + 1).next_multiple_of(TILE);
+        let mut residual = 0usize;
+        let place = |parameter: &Parameter| {
+            part.depends_on(parameter.kind).then(|| {
+                residual += 1;
+                residual - 1
+            })
+        };
+        let places = layout.parameters.iter().map(place).collect();
+        let width = (residual + 1).next_multiple_of(TILE.0);
         let (cells, sums) = (vec![0.0; ROWS * width], vec![0.0; width * width]);
-        Self { columns, leading, all: layout.len(), width, rows: 0, cells, sums, count: 0.0 }
+        Self { places, residual, rows: 0, cells, sums, count: 0.0 }
     }
 
     /// Adds one value or three of one weight: `jacobian` holds as many rows.
     pub(crate) fn take(&mut self, residual: &[f64], jacobian: &[f64], weight: f64) {
+        self.make_room(residual.len());
         self.count += weight * residual.len() as f64;
         let factor = weight.sqrt();
-        for (r, row) in residual.iter().zip(jacobian.chunks_exact(self.all)) {
-            let line = &mut self.cells[self.rows * self.width..(self.rows + 1) * self.width];
-            let (cells, rest) = line.split_at_mut(self.columns.len());
-            let (leading, scattered) = cells.split_at_mut(self.leading);
-            for (cell, value) in leading.iter_mut().zip(row) {
-                *cell = factor * value;
+        for (r, row) in residual.iter().zip(jacobian.chunks_exact(self.places.len())) {
+            for (value, place) in row.iter().zip(&self.places) {
+                if let Some(place) = place {
+                    self.cells[place * ROWS + self.rows] = factor * value;
+                }
             }
-            for (cell, &column) in scattered.iter_mut().zip(&self.columns[self.leading..]) {
-                *cell = factor * row[column];
-            }
-            rest[0] = factor * r;
+            self.cells[self.residual * ROWS + self.rows] = factor * r;
             self.rows += 1;
-        }
-        if self.rows + 3 > ROWS {
-            self.flush();
         }
     }
 
-    fn flush(&mut self) {
-        let cells = &self.cells[..self.rows * self.width];
-        dispatch!(Level::new(), simd => add_products(simd, cells, self.width, &mut self.sums));
-        self.rows = 0;
+    /// Adds three values in each lane: `of` gives the derivatives by a parameter, `factor` is the root of the weights.
+    #[inline(always)]
+    pub(crate) fn take_lanes<S: Simd>(
+        &mut self,
+        residual: Triple<S>,
+        factor: S::f64s,
+        of: impl Fn(usize) -> Triple<S>,
+    ) {
+        self.make_room(3 * S::f64s::LEN);
+        self.count += 3.0 * factor.as_slice().iter().map(|factor| factor * factor).sum::<f64>();
+        let mut put = |column: usize, value: Triple<S>| {
+            let start = column * ROWS + self.rows;
+            let cells = &mut self.cells[start..start + 3 * S::f64s::LEN];
+            for (cells, value) in cells.chunks_exact_mut(S::f64s::LEN).zip(value) {
+                (value * factor).store_slice(cells);
+            }
+        };
+        for (parameter, place) in self.places.iter().enumerate() {
+            if let Some(place) = place {
+                put(*place, of(parameter));
+            }
+        }
+        put(self.residual, residual);
+        self.rows += 3 * S::f64s::LEN;
+    }
+
+    fn make_room(&mut self, rows: usize) {
+        if self.rows + rows > ROWS {
+            add_gram(&self.cells, ROWS, self.rows, &mut self.sums);
+            self.rows = 0;
+        }
     }
 
     /// The sums over all rows taken.
     pub(crate) fn finish(mut self) -> Channel {
-        self.flush();
-        let mut channel = Channel::zeros(self.all);
-        let residual = self.columns.len();
-        for (i, &to) in self.columns.iter().enumerate() {
-            for (k, &other) in self.columns.iter().enumerate().skip(i) {
-                channel.matrix[to * self.all + other] = self.sums[i * self.width + k];
+        self.make_room(ROWS + 1);
+        let (all, width) = (self.places.len(), self.cells.len() / ROWS);
+        let mut channel = Channel::zeros(all);
+        for (k, right) in self.places.iter().enumerate() {
+            let Some(right) = right else { continue };
+            for (i, left) in self.places[..=k].iter().enumerate() {
+                if let Some(left) = left {
+                    channel.matrix[i * all + k] = self.sums[right * width + left];
+                }
             }
-            channel.gradient[to] = self.sums[i * self.width + residual];
+            channel.gradient[k] = self.sums[self.residual * width + right];
         }
-        channel.cost = self.sums[residual * self.width + residual];
+        channel.cost = self.sums[self.residual * width + self.residual];
         channel.count = self.count;
         channel
-    }
-}
-
-/// Adds to `sums` the upper triangle of Aᵀ A, A the rows of `width` cells; some cells below it are touched, too.
-#[inline(always)]
-fn add_products<S: Simd>(simd: S, cells: &[f64], width: usize, sums: &mut [f64]) {
-    for right in (0..width).step_by(TILE) {
-        for left in (0..right + TILE).step_by(TILE_ROWS) {
-            match TILE / S::f64s::LEN {
-                1 => add_tile::<S, 1>(simd, cells, width, (left, right), sums),
-                2 => add_tile::<S, 2>(simd, cells, width, (left, right), sums),
-                _ => add_tile::<S, 4>(simd, cells, width, (left, right), sums),
-            }
-        }
-    }
-}
-
-/// One tile, `VECTORS` vectors wide.
-#[inline(always)]
-fn add_tile<S: Simd, const VECTORS: usize>(
-    simd: S,
-    cells: &[f64],
-    width: usize,
-    (left, right): (usize, usize),
-    sums: &mut [f64],
-) {
-    let lanes = S::f64s::LEN;
-    let mut tile = [[S::f64s::splat(simd, 0.0); VECTORS]; TILE_ROWS];
-    for row in cells.chunks_exact(width) {
-        let (row_left, row_right) = (&row[left..left + TILE_ROWS], &row[right..right + TILE]);
-        for v in 0..VECTORS {
-            let cell = S::f64s::from_slice(simd, &row_right[v * lanes..(v + 1) * lanes]);
-            for k in 0..TILE_ROWS {
-                tile[k][v] = cell.mul_add(row_left[k], tile[k][v]);
-            }
-        }
-    }
-    for (k, tile) in tile.iter().enumerate() {
-        let line = &mut sums[(left + k) * width + right..(left + k) * width + right + TILE];
-        for (sum, part) in line.chunks_exact_mut(lanes).zip(tile) {
-            (S::f64s::from_slice(simd, sum) + *part).store_slice(sum);
-        }
     }
 }
 

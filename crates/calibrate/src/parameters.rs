@@ -358,6 +358,11 @@ pub trait Effects: Clone + Sync {
     /// The free numbers, each of kind [`ParameterKind::Effect`].
     fn parameters(&self) -> Vec<Parameter>;
 
+    /// Whether there is nothing beyond geometry: rows can then be computed several at a time.
+    fn are_none(&self) -> bool {
+        false
+    }
+
     /// What the effects do to this arm in a row, into `out`, which comes all zero; `false` if nothing.
     fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool;
 
@@ -374,6 +379,10 @@ pub trait Effects: Clone + Sync {
 pub struct NoEffects;
 
 impl Effects for NoEffects {
+    fn are_none(&self) -> bool {
+        true
+    }
+
     fn parameters(&self) -> Vec<Parameter> {
         Vec::new()
     }

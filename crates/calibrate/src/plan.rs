@@ -3,6 +3,8 @@
 //! D-optimal design: among candidate poses choose `count` that make det(Jᵀ J / noise² + P) largest, P the prior; greedily,
 //! then by exchange (Fedorov 1972; Mitchell 1974, DETMAX) until no exchange helps.
 
+mod written;
+
 use crate::arm::Arm;
 use crate::gauge;
 use crate::measurements::{MeasurementKind, Measurements};
@@ -10,7 +12,9 @@ use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
 use crate::residual::{Problem, Scratch, width};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
-use std::fmt::Write;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
 use thiserror::Error;
 
 /// What to plan for.
@@ -38,6 +42,8 @@ pub struct PlanOptions {
     pub noise: f64,
     /// The prior.
     pub tolerances: Tolerances,
+    /// Seed of the spread candidates and of the random poses that the plan is compared with.
+    pub seed: u64,
 }
 
 impl PlanOptions {
@@ -55,6 +61,7 @@ impl PlanOptions {
             anchor: Vector3::new(1.0, 1.0, 0.0) * chain.size(),
             noise: 5e-5,
             tolerances: Tolerances::default(),
+            seed: 0,
         }
     }
 }
@@ -65,7 +72,8 @@ impl PlanOptions {
 pub enum PlanError {
     /// Fewer candidates than poses wanted.
     #[error(
-        "{wanted} poses are to be chosen, but only {left} of {candidates} candidates are within the limits and the box; allow more or ask for fewer"
+        "{wanted} poses are to be chosen, but only {left} of {candidates} candidates are within the limits and the box; \
+         allow more or ask for fewer"
     )]
     TooFewCandidates {
         /// Wanted.
@@ -89,7 +97,7 @@ pub enum PlanError {
 
 /// Observability indices of a set of poses, from the singular values s1 ≥ … ≥ sL > 0 of the identification Jacobian in
 /// units of the tolerances, the common frame left out.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Observability {
     /// (s1 ··· sL)^(1/L) / √poses (Borm, Menq 1991).
     pub o1: f64,
@@ -114,14 +122,16 @@ pub struct Plan {
     pub poses: Vec<Vec<f64>>,
     /// Their indices.
     pub observability: Observability,
-    /// The same for as many candidates taken as they come.
-    pub as_they_come: Observability,
+    /// The same for as many candidates taken at random: means over [`RANDOM_SETS`] sets.
+    pub at_random: Observability,
     /// Candidates that could be used.
     pub usable: usize,
     /// Exchanges made.
     pub exchanges: usize,
 }
 
+/// Sets of random poses that a plan is compared with.
+pub const RANDOM_SETS: usize = 10;
 /// Below this share of the largest a singular value counts as zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// An exchange must raise the logarithm of the determinant by this much.
@@ -145,12 +155,11 @@ pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
     }
     let design = Design::new(chain, &arm, usable, options);
     let (chosen, exchanges) = design.choose(options.count);
-    let first: Vec<usize> = (0..options.count).collect();
     Ok(Plan {
         joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
         poses: chosen.iter().map(|&index| design.candidates[index].clone()).collect(),
         observability: design.observability(&chosen),
-        as_they_come: design.observability(&first),
+        at_random: design.at_random(options.count, options.seed),
         usable: design.candidates.len(),
         exchanges,
     })
@@ -170,10 +179,12 @@ fn candidates(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, Pla
     for _ in 0..60 {
         phi = (1.0 + phi).powf(1.0 / (n as f64 + 1.0));
     }
+    // Every seed starts the sequence elsewhere; 0 in the middle.
+    let start = |k: usize| 0.5 + options.seed as f64 * 0.618_033_988_749_895 * (k as f64 + 1.0).sqrt();
     let at = |row: usize, (k, coordinate): (usize, &denavit_model::Coordinate)| {
         let (lower, upper) = coordinate.range();
         let inset = options.margin * (upper - lower);
-        let share = (0.5 + (row + 1) as f64 * phi.powi(-(i32::try_from(k).unwrap_or(0) + 1))).fract();
+        let share = (start(k) + (row + 1) as f64 * phi.powi(-(i32::try_from(k).unwrap_or(0) + 1))).fract();
         lower + inset + (upper - lower - 2.0 * inset) * share
     };
     Ok((0..options.spread)
@@ -299,6 +310,26 @@ impl Design {
         (chosen, exchanges)
     }
 
+    fn at_random(&self, count: usize, seed: u64) -> Observability {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut drawn = || {
+            let mut order: Vec<(f64, usize)> =
+                (0..self.candidates.len()).map(|index| (random.random::<f64>(), index)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            order[..count].iter().map(|(_, index)| *index).collect::<Vec<usize>>()
+        };
+        let sets: Vec<Observability> = (0..RANDOM_SETS).map(|_| self.observability(&drawn())).collect();
+        let mean = |of: fn(&Observability) -> f64| sets.iter().map(of).sum::<f64>() / RANDOM_SETS as f64;
+        Observability {
+            o1: mean(|set| set.o1),
+            o2: mean(|set| set.o2),
+            o3: mean(|set| set.o3),
+            o4: mean(|set| set.o4),
+            o5: mean(|set| set.o5),
+            rank: sets.iter().map(|set| set.rank).min().unwrap_or(0),
+        }
+    }
+
     fn observability(&self, chosen: &[usize]) -> Observability {
         let (height, columns) = (self.rows[0].nrows(), self.rows[0].ncols());
         let mut matrix = DMatrix::zeros(height * chosen.len(), columns);
@@ -347,44 +378,5 @@ fn unmeasured(chain: &Chain, poses: &[Vec<f64>], options: &PlanOptions) -> Measu
         labels: Vec::new(),
         locate: vec![false; rows],
         lines: (1..=rows).collect(),
-    }
-}
-
-impl Plan {
-    /// The poses as CSV for the robot: a header of joint names, rad and m; the indices as comments.
-    pub fn to_csv(&self) -> String {
-        let mut text = String::new();
-        for line in self.to_text().lines() {
-            let _ = writeln!(text, "# {line}");
-        }
-        let _ = writeln!(text, "{}", self.joints.join(","));
-        for pose in &self.poses {
-            let cells: Vec<String> = pose.iter().map(|value| format!("{value:.9}")).collect();
-            let _ = writeln!(text, "{}", cells.join(","));
-        }
-        text
-    }
-
-    /// What was chosen, and how observable it makes the parameters.
-    pub fn to_text(&self) -> String {
-        let mut text = format!(
-            "{} poses out of {} candidates, {} exchanges, {} parameters observable\n",
-            self.poses.len(),
-            self.usable,
-            self.exchanges,
-            self.observability.rank
-        );
-        let (own, other) = (&self.observability, &self.as_they_come);
-        let _ = writeln!(text, "index  chosen     as they come");
-        for (name, a, b) in [
-            ("O1", own.o1, other.o1),
-            ("O2", own.o2, other.o2),
-            ("O3", own.o3, other.o3),
-            ("O4", own.o4, other.o4),
-            ("O5", own.o5, other.o5),
-        ] {
-            let _ = writeln!(text, "{name}     {a:<9.3e}  {b:.3e}");
-        }
-        text
     }
 }

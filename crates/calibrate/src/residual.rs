@@ -1,6 +1,7 @@
 //! Residuals of one row and their derivatives with respect to every parameter, in closed form.
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
+use crate::lanes::Geometry;
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, Layout, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
@@ -90,6 +91,11 @@ impl Scratch {
         }
     }
 
+    /// The arm as lanes need it, where there are no effects.
+    pub(crate) fn geometry(&self, arm: &Arm, kind: MeasurementKind) -> Option<Geometry> {
+        Geometry::of(arm, &self.across, kind)
+    }
+
     /// Where the arm stood in the row computed last.
     pub fn state(&self) -> &RowState {
         &self.state
@@ -147,14 +153,16 @@ fn put(jacobian: &mut [f64], columns: usize, column: usize, value: &Vector3<f64>
     jacobian[2 * columns + column] = value.z;
 }
 
+/// (1 - t/2 cot(t/2))/t² of the square of an angle t, rad².
+pub(crate) fn square_factor(t2: f64) -> f64 {
+    let t = t2.sqrt();
+    if t < 1e-3 { 1.0 / 12.0 + t2 / 720.0 } else { (1.0 - t * t.sin() / (4.0 * (0.5 * t).sin().powi(2))) / t2 }
+}
+
 /// Inverse left Jacobian of SO(3) at rotation vector `r`; the right one is its transpose.
 fn inverse_left_jacobian(r: &Vector3<f64>) -> Matrix3<f64> {
-    let t2 = r.norm_squared();
-    let t = t2.sqrt();
-    let factor =
-        if t < 1e-3 { 1.0 / 12.0 + t2 / 720.0 } else { (1.0 - t * t.sin() / (4.0 * (0.5 * t).sin().powi(2))) / t2 };
     let w = se3::skew(r);
-    Matrix3::identity() - w * 0.5 + w * w * factor
+    Matrix3::identity() - w * 0.5 + w * w * square_factor(r.norm_squared())
 }
 
 impl<E: Effects> Problem<'_, E> {

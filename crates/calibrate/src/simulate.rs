@@ -1,10 +1,15 @@
 //! Measurement files for trials and teaching: a robot that differs from its drawing, an instrument, noise. Seeded.
 
+pub mod columns;
+pub mod truth;
+pub mod wish;
+
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
+use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::measurements::{Covariate, MeasurementKind, Measurements};
 use crate::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
-use denavit_model::{Chain, Pose, se3};
+use denavit_model::{Chain, Coordinate, Pose, se3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -32,6 +37,10 @@ pub struct SimulationOptions {
     pub outliers: f64,
     /// Numeric columns that come along, one value per row each.
     pub covariates: Vec<Covariate>,
+    /// Joint readings, one value per coordinate and row (rad, m), instead of random ones within the limits.
+    pub readings: Option<Vec<Vec<f64>>>,
+    /// Rows of the same run that were measured before, with run order: it goes on from there.
+    pub before: Option<Measurements>,
 }
 
 impl Default for SimulationOptions {
@@ -47,6 +56,8 @@ impl Default for SimulationOptions {
             noise_orientation: 5e-5,
             outliers: 0.0,
             covariates: Vec::new(),
+            readings: None,
+            before: None,
         }
     }
 }
@@ -62,7 +73,7 @@ pub struct Simulation {
     pub outliers: Vec<usize>,
 }
 
-/// Draw a true arm near the nominal one, and measure it at random joint readings within the limits.
+/// Draw a true arm near the nominal one, and measure it.
 ///
 /// What is drawn depends on the seed and the options alone, not on the effects.
 pub fn simulate<E: Effects>(chain: &Chain, options: &SimulationOptions, effects: &E) -> Simulation {
@@ -71,9 +82,50 @@ pub fn simulate<E: Effects>(chain: &Chain, options: &SimulationOptions, effects:
     measure(&arm, options, effects, &mut random)
 }
 
-/// Measure a given arm at random joint readings within the limits, with a seed of its own.
+/// Measure a given arm with a seed of its own.
 pub fn simulate_arm<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E) -> Simulation {
     measure(arm, options, effects, &mut ChaCha8Rng::seed_from_u64(options.seed))
+}
+
+/// Random joint readings within the limits: `rows` times one value per coordinate, rad or m.
+pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    // Not the numbers that the arm and the noise are drawn from.
+    random.set_stream(1 << 33);
+    (0..rows).map(|_| reading(chain.coordinates(), &mut random)).collect()
+}
+
+/// The same as a controller is told them: rounded to 1 µrad and 1 µm, where the robot then is.
+pub fn commanded_readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
+    let rounded = |reading: Vec<f64>| reading.iter().map(|value| (value * 1e6).round() / 1e6).collect();
+    readings(chain, rows, seed).into_iter().map(rounded).collect()
+}
+
+/// Measured values with the digits that an instrument of this noise shows: two beyond it. Without noise, all digits.
+pub fn as_displayed(data: &Measurements, options: &SimulationOptions) -> Measurements {
+    let mut data = data.clone();
+    let shown = |value: f64| {
+        if options.noise_position == 0.0 {
+            return value;
+        }
+        let digits = 10f64.powf((2.0 - options.noise_position.log10().floor()).min(15.0));
+        (value * digits).round() / digits
+    };
+    for position in data.positions.iter_mut().flatten() {
+        position.apply(|value| *value = shown(*value));
+    }
+    for distance in &mut data.distances {
+        *distance = shown(*distance);
+    }
+    data
+}
+
+fn reading(coordinates: &[Coordinate], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let value = |coordinate: &Coordinate| {
+        let (lower, upper) = coordinate.range();
+        lower + (upper - lower) * random.random::<f64>()
+    };
+    coordinates.iter().map(value).collect()
 }
 
 fn normal(random: &mut ChaCha8Rng, deviation: f64) -> f64 {
@@ -112,17 +164,19 @@ fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng)
 fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, random: &mut ChaCha8Rng) -> Simulation {
     let coordinates = arm.nominal.coordinates();
     let mut data = empty(arm, options);
-    for _ in 0..options.rows {
-        for coordinate in coordinates {
-            let (lower, upper) = coordinate.range();
-            data.readings.push(lower + (upper - lower) * random.random::<f64>());
-        }
+    match &options.readings {
+        Some(readings) => data.readings = readings.concat(),
+        None => (0..options.rows).for_each(|_| data.readings.extend(reading(coordinates, random))),
     }
+    let seen = match &options.before {
+        Some(before) => with_run_order_after(data.clone(), before),
+        None => with_run_order(data.clone(), 0),
+    };
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let mut outliers = Vec::new();
     for row in 0..options.rows {
         deviation.clear();
-        effects.deviate(Row::new(&data, row), arm, &mut deviation);
+        effects.deviate(Row::new(&seen, row), arm, &mut deviation);
         arm.state_into(data.reading(row), Some(&deviation), &mut state);
         let gross = random.random::<f64>() < options.outliers;
         let direction = normal_vector(random, 1.0).normalize();

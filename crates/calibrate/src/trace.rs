@@ -14,6 +14,7 @@ mod findings;
 mod holdout;
 mod leftover;
 mod linear;
+mod portrait;
 mod projector;
 mod refine;
 mod search;
@@ -28,6 +29,7 @@ use crate::parameters::NoEffects;
 use crate::solve::Fit;
 pub use leftover::{Leftover, Structure};
 pub use linear::with_effects;
+pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
 
 /// What the tracer may look for, and how sure it must be.
@@ -80,6 +82,8 @@ pub struct Finding {
     pub delta_bic: f64,
     /// Kinds and places that the data cannot tell from it.
     pub ambiguous_with: Vec<(Kind, String)>,
+    /// What the rows say of it.
+    pub portrait: Portrait,
 }
 
 /// One cell of the scan over all pairs, before anything was added.
@@ -108,6 +112,19 @@ pub struct Trace {
     pub scan: Vec<ScanCell>,
     /// What no entry explains.
     pub leftover: Leftover,
+}
+
+/// The first pass of the search alone: every candidate against the geometric fit, the best of each kind at each place.
+///
+/// # Shape and units
+/// As [`trace`].
+pub fn scan(
+    statics: &Statics,
+    data: &Measurements,
+    geometric: &Fit<NoEffects>,
+    options: &TraceOptions,
+) -> Vec<ScanCell> {
+    select::Tracer::new(statics, data, geometric, options).first_pass()
 }
 
 /// Searches for effects beyond a geometric fit.

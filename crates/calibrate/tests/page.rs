@@ -2,17 +2,21 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
-use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::driver::Statics;
+use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
+use denavit_calibrate::effects::carrier::Carrier;
+use denavit_calibrate::effects::catalogue::Kind;
+use denavit_calibrate::effects::driver::{Driver, Statics};
+use denavit_calibrate::effects::model::{Coupling, Effect, EffectModel, Term};
 use denavit_calibrate::report::html::page;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{MeasurementKind, NoEffects};
+use denavit_calibrate::trace::{PortraitPoint, TraceOptions};
+use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects};
 use denavit_model::examples::puma_like;
 
 #[test]
 fn holds_every_plot_and_no_link() {
     let chain = puma_like();
-    for (kind, plots) in [(MeasurementKind::Position, 9), (MeasurementKind::Distance, 7)] {
+    for (kind, plots) in [(MeasurementKind::Position, 11), (MeasurementKind::Distance, 9)] {
         let run = simulate(&chain, &SimulationOptions { kind, rows: 80, ..Default::default() }, &NoEffects);
         let options = CalibrateOptions::geometry(&chain);
         let result = calibrate(&chain, &Statics::of_chain(&chain), run.data, None, &options).unwrap();
@@ -23,5 +27,39 @@ fn holds_every_plot_and_no_link() {
         if let Ok(folder) = std::env::var("DENAVIT_SHOW") {
             std::fs::write(format!("{folder}/page_{plots}.html"), text).unwrap();
         }
+    }
+}
+
+#[test]
+fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
+    let chain = puma_like();
+    let statics = Statics::of_chain(&chain);
+    let wave = Term {
+        kind: Kind::TransmissionError,
+        carrier: Carrier::Joint(2),
+        driver: Driver::Harmonic { joint: 2, order: 2.0 },
+        coupling: Coupling::Each,
+    };
+    let hidden = EffectModel::new(statics.clone(), vec![Effect { term: wave, coefficients: vec![4e-4, 3e-4] }]);
+    let kind = MeasurementKind::Position;
+    let run = simulate(&chain, &SimulationOptions { kind, rows: 120, ..Default::default() }, &hidden);
+    let identify = IdentifyOptions::axes(&chain);
+    let trace = Some(TraceOptions::new(identify.clone()));
+    let options = CalibrateOptions { identify, hold_out: Some(HoldOut { share: 0.25, seed: 1 }), trace };
+    let result = calibrate(&chain, &statics, run.data, None, &options).unwrap();
+    let found = &result.trace.as_ref().unwrap().findings;
+    assert_eq!(found.len(), 1, "{found:?}");
+    // The wave is in what all else leaves, and no longer in what is left.
+    let points = &found[0].portrait.points;
+    let square = |value: fn(&PortraitPoint) -> f64| points.iter().map(|point| value(point).powi(2)).sum::<f64>();
+    assert!(points.len() > 40 && found[0].portrait.abscissa == "joint_3, rad", "{:?}", found[0].portrait.abscissa);
+    assert!(square(|point| point.after) < 0.2 * square(|point| point.partial));
+    assert!(square(|point| point.partial - point.model) < 0.2 * square(|point| point.model));
+    let text = page(&result).unwrap();
+    assert_eq!(text.matches("<svg").count(), 13);
+    assert!(text.contains("transmission_error at joint_3") && text.contains("Everything that was tried"));
+    assert!(text.contains("<td>helical_pitch</td>"));
+    if let Ok(folder) = std::env::var("DENAVIT_SHOW") {
+        std::fs::write(format!("{folder}/page_effect.html"), text).unwrap();
     }
 }

@@ -17,7 +17,7 @@ fn chosen_poses_are_more_observable_and_stay_in_the_box() {
             let free = plan(chain, &options).unwrap();
             println!("{} {kind:?}\n{}", chain.name(), free.to_text());
             assert_eq!(free.poses.len(), 20);
-            assert!(free.observability.o1 > free.as_they_come.o1, "{}", chain.name());
+            assert!(free.observability.o1 > free.at_random.o1, "{}", chain.name());
             assert_eq!(free.to_csv().lines().filter(|line| !line.starts_with('#')).count(), 21);
         }
         let half = [Point3::new(0.0, -9.0, -9.0), Point3::new(9.0, 9.0, 9.0)];

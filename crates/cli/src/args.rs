@@ -1,6 +1,12 @@
 //! The command line: what can be asked for, and the help that teaches it.
 
+mod measured;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub use measured::{
+    CalibrateArguments, CompensateArguments, GivenArguments, IdentifyArguments, MeasureName, PlanArguments,
+    SimulateArguments,
+};
 use std::path::PathBuf;
 
 /// A robot's URDF in; screw axes, Denavit-Hartenberg tables, comparison and calibration out.
@@ -21,9 +27,10 @@ Examples:
   denavit fk ur5e.urdf --q 0,-1.57,1.57,0,0,0      where the tip is
   denavit table ur.urdf.xacro ur_type:=ur5e        xacro, without ROS
   denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
+  denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
 
-ROBOT is a URDF, a xacro file, a D-H table or screw axes (CSV or JSON), - for standard input, or
-git:REVISION:PATH.
+ROBOT is a URDF, a xacro file, a D-H table or screw axes (CSV or JSON), a UR kinematics file (yaml), - for
+standard input, or git:REVISION:PATH.
 Exit codes: 0 done or the same, 1 different or found, 2 trouble.";
 
 /// The commands.
@@ -53,12 +60,19 @@ pub enum Command {
     Calibrate(CalibrateArguments),
     /// Say what measurements can tell of a robot, and what they cannot
     Identify(IdentifyArguments),
+    /// Choose the poses to measure that make the robot best observable
+    Plan(PlanArguments),
+    /// Make measurement files of a robot that differs from its drawing, for trials and teaching
+    Simulate(SimulateArguments),
+    /// Turn poses to reach into joint commands for the robot as it is
+    Compensate(CompensateArguments),
 }
 
 /// Which robot, and which chain of it.
 #[derive(Debug, Args)]
 pub struct RobotArguments {
-    /// URDF, xacro, D-H table or screw axes (CSV, JSON), - for standard input, or git:REVISION:PATH
+    /// URDF, xacro, D-H table or screw axes (CSV, JSON), UR kinematics file (yaml), - for standard input, or
+    /// git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
     #[arg(long, value_name = "LINK")]
@@ -73,14 +87,14 @@ pub struct RobotArguments {
     /// Neighbouring axes closer to parallel than this are treated as parallel, rad
     #[arg(long, value_name = "RAD", default_value_t = 1e-6, conflicts_with = "exact")]
     pub tolerance: f64,
-    /// What a xacro file needs.
+    /// What some sources need.
     #[command(flatten)]
-    pub xacro: XacroArguments,
+    pub source: SourceArguments,
 }
 
-/// What a xacro file needs; a URDF needs none of it.
+/// What some sources need; a URDF needs none of it.
 #[derive(Debug, Clone, Default, Args)]
-pub struct XacroArguments {
+pub struct SourceArguments {
     /// Arguments of a xacro file
     #[arg(value_name = "NAME:=VALUE")]
     pub values: Vec<String>,
@@ -91,6 +105,10 @@ pub struct XacroArguments {
     /// Let xacro read files outside its package and the package path
     #[arg(long)]
     pub allow_any_file: bool,
+    /// Read the angles of a UR kinematics file as the vendor's tool means them, Rx Ry Rz [default: Rz Ry Rx, as a URDF
+    /// reads them, so as a robot that ROS drives moves]
+    #[arg(long)]
+    pub vendor_angles: bool,
 }
 
 /// Units of what is printed for people.
@@ -164,16 +182,22 @@ fn format_names() -> clap::builder::PossibleValuesParser {
 pub struct ChainsArguments {
     /// URDF or xacro, - for standard input, or git:REVISION:PATH
     pub robot: String,
-    /// What a xacro file needs.
+    /// What some sources need.
     #[command(flatten)]
-    pub xacro: XacroArguments,
+    pub source: SourceArguments,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
 }
 
+const FK_EXAMPLES: &str = "\
+Examples:
+  denavit fk ur5e.urdf --q 0,-90,90,0,0,0 --degrees
+  denavit fk as_it_is.urdf --effects effects.json --given payload=2 --q elbow_joint=1.2";
+
 /// Arguments of `denavit fk`.
 #[derive(Debug, Args)]
+#[command(after_help = FK_EXAMPLES)]
 pub struct FkArguments {
     /// Which robot.
     #[command(flatten)]
@@ -184,6 +208,12 @@ pub struct FkArguments {
     /// Joint angles of --q are in degrees
     #[arg(long)]
     pub degrees: bool,
+    /// Effects that act on the robot: what `denavit calibrate --effects-out` wrote
+    #[arg(long, value_name = "FILE")]
+    pub effects: Option<String>,
+    /// What the effects follow.
+    #[command(flatten)]
+    pub given: GivenArguments,
     /// Print JSON, rad and m at full precision
     #[arg(long)]
     pub json: bool,
@@ -224,7 +254,7 @@ pub struct ExpandArguments {
     pub file: String,
     /// What it needs.
     #[command(flatten)]
-    pub xacro: XacroArguments,
+    pub source: SourceArguments,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -245,9 +275,9 @@ pub struct DiffArguments {
     pub a: String,
     /// The robot as it is: any source
     pub b: String,
-    /// What xacro files need.
+    /// What some sources need.
     #[command(flatten)]
-    pub xacro: XacroArguments,
+    pub source: SourceArguments,
     /// Lengths closer than this are equal, m
     #[arg(long, value_name = "M", default_value_t = 1e-7)]
     pub tolerance_m: f64,
@@ -355,9 +385,9 @@ pub struct DocArguments {
 pub struct FingerprintArguments {
     /// Any source
     pub robot: String,
-    /// What a xacro file needs.
+    /// What some sources need.
     #[command(flatten)]
-    pub xacro: XacroArguments,
+    pub source: SourceArguments,
     /// Cell size: m, rad, and relative for masses
     #[arg(long, value_name = "SIZE", default_value_t = denavit_compare::fingerprint::DEFAULT_TOLERANCE)]
     pub tolerance: f64,
@@ -405,59 +435,4 @@ pub struct CheckArguments {
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-}
-
-/// Arguments of `denavit calibrate`.
-#[derive(Debug, Args)]
-pub struct CalibrateArguments {
-    /// Which robot.
-    #[command(flatten)]
-    pub robot: RobotArguments,
-    /// Measurements to fit: CSV with a column per joint and x,y,z (and qx,qy,qz,qw), x1,y1,z1,x2,… or distance
-    #[arg(long, value_name = "FILE")]
-    pub data: String,
-    /// Measurements to judge by, never fitted
-    #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
-    pub test: Option<String>,
-    /// Without --test: share of the rows to keep for judging
-    #[arg(long, value_name = "SHARE")]
-    pub hold_out: Option<f64>,
-    /// Seed of the choice of rows held out
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
-    /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
-    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
-    pub units: String,
-    /// Effects to look for behind the geometry: none, auto, or kinds such as backlash,joint_compliance
-    #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
-    pub effects: Vec<String>,
-    /// No more effects than this
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub max_effects: usize,
-    /// Motor turns per joint turn: NAME=RATIO
-    #[arg(long, value_name = "RATIO", value_delimiter = ',')]
-    pub gear_ratio: Vec<String>,
-    /// Write the result as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the calibrated URDF
-    #[arg(long, value_name = "FILE")]
-    pub urdf: Option<PathBuf>,
-    /// Write the calibrated D-H table; the extension chooses the format (csv, json, md, tex, txt)
-    #[arg(long, value_name = "FILE")]
-    pub dh: Option<PathBuf>,
-}
-
-/// Arguments of `denavit identify`.
-#[derive(Debug, Args)]
-pub struct IdentifyArguments {
-    /// Which robot.
-    #[command(flatten)]
-    pub robot: RobotArguments,
-    /// Targets on the tip that a position measurement sees
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub targets: usize,
-    /// Configurations spread over the joint range
-    #[arg(long, value_name = "N", default_value_t = 100)]
-    pub rows: usize,
 }

@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod chains;
 pub mod check;
+pub mod compensate;
 pub mod diff;
 pub mod doc;
 pub mod expand;
@@ -10,7 +11,9 @@ pub mod export;
 pub mod fingerprint;
 pub mod fk;
 pub mod identify;
+pub mod plan;
 pub mod poe;
+pub mod simulate;
 pub mod table;
 
 use crate::args::UnitsArguments;

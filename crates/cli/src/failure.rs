@@ -56,6 +56,18 @@ pub enum Failure {
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
+    /// Effects that cannot be read.
+    #[error(transparent)]
+    Effects(#[from] denavit_calibrate::effects::saved::SavedError),
+    /// A calibration that makes no page.
+    #[error(transparent)]
+    Page(#[from] denavit_calibrate::report::html::PageError),
+    /// Poses that cannot be chosen.
+    #[error(transparent)]
+    Plan(#[from] denavit_calibrate::plan::PlanError),
+    /// A UR kinematics file that is none.
+    #[error(transparent)]
+    Kinematics(#[from] denavit_calibrate::kinematics_yaml::KinematicsFileError),
     /// Parts that make no chain.
     #[error("{file}: {source}")]
     Chain {

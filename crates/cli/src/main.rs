@@ -3,7 +3,9 @@
 mod args;
 mod commands;
 mod failure;
+mod measured;
 mod output;
+mod progress;
 mod source;
 
 use args::{Arguments, Command};
@@ -38,5 +40,8 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Check(arguments) => commands::check::run(&arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
         Command::Identify(arguments) => commands::identify::run(&arguments),
+        Command::Plan(arguments) => commands::plan::run(&arguments),
+        Command::Simulate(arguments) => commands::simulate::run(&arguments),
+        Command::Compensate(arguments) => commands::compensate::run(&arguments),
     }
 }

@@ -7,6 +7,7 @@ use denavit_compare::report::Colour;
 use denavit_model::notes::Note;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Exit codes, as those of `diff`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,15 +61,47 @@ pub fn colour(to_standard_output: bool) -> Colour {
 
 /// Writes a file as a whole or not at all: to a temporary file beside it, then renamed.
 pub fn write_file(path: &Path, content: &[u8]) -> Result<(), Failure> {
-    let failed = |error: io::Error| Failure::Write { file: path.display().to_string(), reason: error.to_string() };
+    persist(written(path, content)?, path)
+}
+
+/// Writes several files: every temporary file is full before the first is renamed.
+pub fn write_files(files: &[(&Path, String)]) -> Result<(), Failure> {
+    for (index, (path, _)) in files.iter().enumerate() {
+        if files[..index].iter().any(|(other, _)| other == path) {
+            let message = format!("{}: two outputs have this name; give each a file of its own", path.display());
+            return Err(Failure::Argument(message));
+        }
+        if path.is_dir() {
+            let reason = "it is a folder".to_owned();
+            return Err(Failure::Write { file: path.display().to_string(), reason });
+        }
+    }
+    let full = files.iter().map(|(path, text)| written(path, text.as_bytes())).collect::<Result<Vec<_>, _>>()?;
+    full.into_iter().zip(files).try_for_each(|(file, (path, _))| persist(file, path))
+}
+
+fn failed(path: &Path, error: &io::Error) -> Failure {
+    Failure::Write { file: path.display().to_string(), reason: error.to_string() }
+}
+
+/// A temporary file beside `path` with this content.
+fn written(path: &Path, content: &[u8]) -> Result<NamedTempFile, Failure> {
+    let failed = |error: io::Error| failed(path, &error);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let reason = format!("there is no folder {}", folder.display());
+        return Err(Failure::Write { file: path.display().to_string(), reason });
+    }
     let mut file = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder).map_err(failed)?;
     file.write_all(content).map_err(failed)?;
     if let Some(permissions) = permissions(path) {
         file.as_file().set_permissions(permissions).map_err(failed)?;
     }
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
+    Ok(file)
+}
+
+fn persist(file: NamedTempFile, path: &Path) -> Result<(), Failure> {
+    file.persist(path).map(drop).map_err(|error| failed(path, &error.error))
 }
 
 /// What the file has, or what one gets that is made in the usual way: temporary files are closed to others.

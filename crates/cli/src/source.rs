@@ -1,10 +1,13 @@
-//! Any source to a robot: URDF, xacro, D-H table or screw axes in CSV or JSON, standard input, a revision in git.
+//! Any source to a robot: URDF, xacro, D-H table or screw axes in CSV or JSON, UR kinematics file, standard input, a
+//! revision in git.
 
-use crate::args::{RobotArguments, XacroArguments};
+use crate::args::{RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
+use denavit_calibrate::effects::driver::Statics;
 use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
+use denavit_export::kinematics_yaml::{self, AngleOrder};
 use denavit_export::sources::{self, Source};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::{Chain, Reading, Robot};
@@ -29,9 +32,13 @@ pub enum Loaded {
 }
 
 /// Reads a robot.
-pub fn load(name: &str, xacro: &XacroArguments) -> Result<Loaded, Failure> {
+pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> {
     let (file, text) = read_text(name)?;
     let start = text.trim_start_matches('\u{feff}').trim_start();
+    if is_kinematics_file(&file, start) {
+        let order = if arguments.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
+        return Ok(Loaded::Poe(kinematics_yaml::read(&file, &text)?.chain(&stem(&file), order)?));
+    }
     let is_table = [".csv", ".json"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
         || start.starts_with('{')
         || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'));
@@ -45,7 +52,7 @@ pub fn load(name: &str, xacro: &XacroArguments) -> Result<Loaded, Failure> {
         });
     }
     let is_xacro = denavit_xacro::is_xacro(&text);
-    let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !xacro.values.is_empty());
+    let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !arguments.values.is_empty());
     if !is_meant {
         match denavit_model::urdf::read(&file, &text) {
             // By another name it may hold xacro that a URDF reader cannot do without: plain URDFs often keep a stray
@@ -54,12 +61,24 @@ pub fn load(name: &str, xacro: &XacroArguments) -> Result<Loaded, Failure> {
             read => return Ok(Loaded::Robot(Box::new(read?))),
         }
     }
-    let urdf = expanded(&file, &text, xacro)?;
+    let urdf = expanded(&file, &text, arguments)?;
     Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?)))
 }
 
+/// By its name, or by what it starts with where it has none.
+fn is_kinematics_file(file: &str, start: &str) -> bool {
+    let name = file.to_ascii_lowercase();
+    let first = || start.lines().map(str::trim_end).find(|line| !line.is_empty() && !line.starts_with(['#', '-']));
+    [".yaml", ".yml"].iter().any(|end| name.ends_with(end)) || first().is_some_and(|line| line == "kinematics:")
+}
+
+/// The name of a file without folders and extension.
+fn stem(file: &str) -> String {
+    std::path::Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
 /// The URDF that a xacro document stands for.
-pub fn expanded(file: &str, text: &str, arguments: &XacroArguments) -> Result<String, Failure> {
+pub fn expanded(file: &str, text: &str, arguments: &SourceArguments) -> Result<String, Failure> {
     let mut pairs = Vec::new();
     for word in &arguments.values {
         let (name, value) = word.split_once(":=").ok_or_else(|| {
@@ -135,6 +154,14 @@ impl Loaded {
             }
         }
         Ok(Noted { value: chain.clone(), notes: Vec::new() })
+    }
+
+    /// The chain and what gravity acts on.
+    pub fn statics(&self, chain: &Chain) -> Statics {
+        match self {
+            Self::Robot(robot) => Statics::of(robot, chain),
+            Self::Table { .. } | Self::Poe(_) => Statics::of_chain(chain),
+        }
     }
 
     /// What a comparison takes.

@@ -22,7 +22,7 @@ use blocks::Block;
 use fearless_simd::{Level, Simd, dispatch};
 use frames::Frames;
 use nalgebra::{Point3, Vector6};
-pub use sin_cos::sines_and_cosines;
+pub use sin_cos::{sine_and_cosine, sines_and_cosines};
 use std::num::NonZeroUsize;
 
 /// A chain compiled to straight-line work.

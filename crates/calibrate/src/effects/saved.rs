@@ -1,13 +1,15 @@
 //! Effects as JSON, to be used again: by forward kinematics, by compensation, by the simulator.
 //!
 //! ```json
-//! {"schema": "denavit.effects/1", "robot": "arm", "joints": ["j1", "j2"],
+//! {"schema": "denavit.effects/1", "robot": "arm", "joints": ["j1", "j2"], "drawn": {…},
 //!  "effects": [{"kind": "joint_compliance", "carrier": {"joint": 1}, "driver": {"torque": 1}, "coupling": "each",
 //!               "coefficients": [2e-5], "formula": "…", "units": "…", "source": "…"}]}
 //! ```
 //! Joints are counted from 0 in the order of `joints`. Coefficients: direction by direction of the carrier, within it value
-//! by value of the driver.
+//! by value of the driver. `drawn` is the robot that the effects were found on ([`Drawn`]); without it they are taken to be
+//! those of the robot at hand.
 
+use crate::effects::drawn::{Drawn, apart};
 use crate::effects::driver::Statics;
 use crate::effects::model::{Effect, EffectModel};
 use serde::{Deserialize, Serialize};
@@ -21,6 +23,8 @@ struct Saved {
     schema: String,
     robot: String,
     joints: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    drawn: Option<Drawn>,
     effects: Vec<SavedEffect>,
 }
 
@@ -41,7 +45,7 @@ struct SavedEffect {
 #[non_exhaustive]
 pub enum SavedError {
     /// No JSON, or not of this form.
-    #[error("{file}: not a file of effects ({why}); make one with `calibrate --effects-json`")]
+    #[error("{file}: not a file of effects ({why}); make one with denavit calibrate --effects-out")]
     Form {
         /// The file.
         file: String,
@@ -49,7 +53,9 @@ pub enum SavedError {
         why: String,
     },
     /// Another version.
-    #[error("{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make the file again")]
+    #[error(
+        "{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make one with denavit calibrate --effects-out"
+    )]
     Schema {
         /// The file.
         file: String,
@@ -65,6 +71,27 @@ pub enum SavedError {
         found: String,
         /// The chain's.
         wanted: String,
+    },
+    /// For another robot with joints of the same names.
+    #[error(
+        "{file}: the effects are those of robot \"{found}\", whose tip comes {apart:.3} m away from this one's; give the \
+         robot that they were found on, as drawn or as calibrated"
+    )]
+    OtherRobot {
+        /// The file.
+        file: String,
+        /// Its robot.
+        found: String,
+        /// m.
+        apart: f64,
+    },
+    /// The drawn robot in the file is none.
+    #[error("{file}: drawn: {why}; make the file again with denavit calibrate --effects-out")]
+    Drawn {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        why: String,
     },
     /// An effect that the chain cannot have.
     #[error("{file}: effect {index} ({kind}): {why}")]
@@ -97,27 +124,35 @@ impl EffectModel {
             schema: SCHEMA.into(),
             robot: chain.name().into(),
             joints: chain.joints().iter().map(|joint| joint.name.clone()).collect(),
+            drawn: Some(Drawn::of(&self.statics)),
             effects: effects.collect(),
         };
-        serde_json::to_string_pretty(&saved).expect("names are texts and numbers are numbers")
+        serde_json::to_string_pretty(&saved).expect("names are texts and numbers are numbers") + "\n"
     }
 
-    /// From JSON text, for a robot whose joints have the same names in the same order.
+    /// From JSON text, for a robot, drawn or calibrated, whose joints have the same names in the same order.
     ///
     /// # Errors
     /// The text is of another form or for another robot, or an effect does not fit the chain.
     pub fn from_json(file: &str, text: &str, statics: &Statics) -> Result<Self, SavedError> {
         let file = || file.to_string();
-        let saved: Saved =
-            serde_json::from_str(text).map_err(|error| SavedError::Form { file: file(), why: error.to_string() })?;
-        if saved.schema != SCHEMA {
-            return Err(SavedError::Schema { file: file(), found: saved.schema });
+        let form = |error: serde_json::Error| SavedError::Form { file: file(), why: error.to_string() };
+        let any: serde_json::Value = serde_json::from_str(text).map_err(form)?;
+        if let Some(found) = any["schema"].as_str().filter(|schema| *schema != SCHEMA) {
+            return Err(SavedError::Schema { file: file(), found: found.into() });
         }
+        let saved: Saved = serde_json::from_str(text).map_err(form)?;
         let joints: Vec<String> = statics.chain.joints().iter().map(|joint| joint.name.clone()).collect();
         if joints != saved.joints {
             let (found, wanted) = (saved.joints.join(", "), joints.join(", "));
             return Err(SavedError::OtherJoints { file: file(), found, wanted });
         }
+        let drawn = saved.drawn.as_ref().map(|drawn| drawn.statics(&file())).transpose();
+        let drawn = drawn.map_err(|error| SavedError::Drawn { file: file(), why: error.to_string() })?;
+        if let Some(apart) = drawn.as_ref().and_then(|drawn| apart(&drawn.chain, &statics.chain)) {
+            return Err(SavedError::OtherRobot { file: file(), found: saved.robot, apart });
+        }
+        let statics = drawn.as_ref().unwrap_or(statics);
         let mut effects = Vec::with_capacity(saved.effects.len());
         for (index, SavedEffect { effect, .. }) in saved.effects.into_iter().enumerate() {
             let kind = effect.term.kind.name();
@@ -126,6 +161,9 @@ impl EffectModel {
             if highest.is_some_and(|joint| joint >= joints.len()) {
                 let last = joints.len().saturating_sub(1);
                 return Err(bad(format!("it names joint {}; joints are 0 to {last}", highest.unwrap_or(0))));
+            }
+            if let Some(why) = effect.term.driver.fault() {
+                return Err(bad(why));
             }
             let wanted = effect.term.coefficients(statics);
             if effect.coefficients.len() != wanted {
@@ -186,7 +224,10 @@ mod tests {
         assert!(refused(&other).starts_with("e.json: the effects are for joints elsewhere"), "{}", refused(&other));
         let short = text.replacen("0.001,", "", 1);
         assert_eq!(refused(&short), "e.json: effect 1 (transmission_error): 1 coefficients are given; give 2");
-        let beyond = text.replace("\"joint\": 1,", "\"joint\": 7,");
+        let (drawn, effects) = text.split_once("\"effects\": [").unwrap();
+        let beyond = format!("{drawn}\"effects\": [{}", effects.replace("\"joint\": 1", "\"joint\": 7"));
         assert_eq!(refused(&beyond), "e.json: effect 1 (transmission_error): it names joint 7; joints are 0 to 1");
+        let bare = refused(&text.replacen("\"points\": [", "\"points\": [[0, 0, 0],", 1));
+        assert!(bare.starts_with("e.json: drawn: 4 points, where 3 belong"), "{bare}");
     }
 }

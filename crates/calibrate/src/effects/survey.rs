@@ -202,15 +202,24 @@ impl Clock {
 
 /// Adds what the order of the rows tells: run order, and for each joint the side from which it came.
 ///
-/// `before`: the rows that were measured before these; for a test file, those of the training file.
-pub fn with_run_order(mut data: Measurements, before: Option<&Measurements>) -> Measurements {
+/// `first_row` is the run order of the first row.
+pub fn with_run_order(data: Measurements, first_row: usize) -> Measurements {
+    ordered(data, first_row, None)
+}
+
+/// The same for rows that were measured after those of `before`, which has its run order: a test file's after the
+/// training file's.
+pub fn with_run_order_after(data: Measurements, before: &Measurements) -> Measurements {
+    ordered(data, before.len(), Some(before))
+}
+
+fn ordered(mut data: Measurements, first: usize, before: Option<&Measurements>) -> Measurements {
     let rows = data.len();
-    let first = before.map_or(0, Measurements::len);
     let order = (0..rows).map(|row| (first + row) as f64).collect();
     data.covariates.push(Covariate { name: RUN_ORDER.into(), values: order });
     for (index, joint) in data.joints.clone().iter().enumerate() {
         let name = format!("{joint}{APPROACH_FROM_ROWS}");
-        let mut last = before.filter(|_| first > 0).map(|before| before.reading(first - 1)[index]);
+        let mut last = before.filter(|before| !before.is_empty()).map(|before| before.reading(before.len() - 1)[index]);
         let mut side = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
         let mut values = Vec::with_capacity(rows);
         for row in 0..rows {

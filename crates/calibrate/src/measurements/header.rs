@@ -36,21 +36,7 @@ const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 impl Header {
     /// Reads the header row.
     pub fn read(names: Vec<String>, coordinates: &[Coordinate]) -> Result<Self, Vec<Problem>> {
-        let mut problems = Vec::new();
-        if let [only] = names.as_slice() {
-            for (separator, word) in [(';', "semicolons"), ('\t', "tabs"), (' ', "spaces")] {
-                if only.contains(separator) {
-                    return Err(vec![Problem::Separator { found: only.clone(), separator: word }]);
-                }
-            }
-        }
-        for (index, name) in names.iter().enumerate() {
-            if name.is_empty() {
-                problems.push(Problem::NamelessColumn(index + 1));
-            } else if names[..index].contains(name) {
-                problems.push(Problem::DuplicateColumn(name.clone()));
-            }
-        }
+        let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
         let roles = roles(&names, coordinates, &targets);
         for (index, coordinate) in coordinates.iter().enumerate() {
@@ -70,6 +56,29 @@ impl Header {
         let targets = if kind == MeasurementKind::Distance { vec![String::new()] } else { targets };
         Ok(Self { names, roles, kind, targets })
     }
+}
+
+/// What is wrong with the names as such.
+///
+/// # Errors
+/// The columns are separated by something else than commas: nothing else can be said then.
+pub(super) fn naming(names: &[String]) -> Result<Vec<Problem>, Vec<Problem>> {
+    if let [only] = names {
+        for (separator, word) in [(';', "semicolons"), ('\t', "tabs"), (' ', "spaces")] {
+            if only.contains(separator) {
+                return Err(vec![Problem::Separator { found: only.clone(), separator: word }]);
+            }
+        }
+    }
+    let mut problems = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        if name.is_empty() {
+            problems.push(Problem::NamelessColumn(index + 1));
+        } else if names[..index].contains(name) {
+            problems.push(Problem::DuplicateColumn(name.clone()));
+        }
+    }
+    Ok(problems)
 }
 
 /// Names of the targets: what follows x, y, z; digits alone.
@@ -160,6 +169,15 @@ fn kind(names: &[String], roles: &[Role], targets: &[String], problems: &mut Vec
 
 fn missing_joint(coordinate: &Coordinate, names: &[String], roles: &[Role], coordinates: &[Coordinate]) -> Problem {
     let free = names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str());
+    no_column(coordinate, free, coordinates)
+}
+
+/// A joint without a column; `free`: columns that are nothing else.
+pub(super) fn no_column<'a>(
+    coordinate: &Coordinate,
+    free: impl Iterator<Item = &'a str>,
+    coordinates: &[Coordinate],
+) -> Problem {
     Problem::MissingJoint {
         joint: coordinate.name.clone(),
         suggestion: nearest(&coordinate.name, free),

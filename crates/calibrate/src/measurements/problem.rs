@@ -70,6 +70,15 @@ pub enum Problem {
     /// A column without a name.
     #[error("column {0} has no name; name it or remove it")]
     NamelessColumn(usize),
+    /// Neither joints nor poses.
+    #[error(
+        "no column is a joint's or a pose's; there must be one for each of {joints}, or x,y,z with qx,qy,qz,qw or \
+         roll,pitch,yaw"
+    )]
+    NeitherJointsNorPose {
+        /// The joints.
+        joints: String,
+    },
     /// A joint of the chain has no column.
     #[error("joint \"{joint}\" has no column; {}", mend_for_joint(suggestion.as_deref(), joints))]
     MissingJoint {

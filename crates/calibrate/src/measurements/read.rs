@@ -4,7 +4,7 @@ use super::header::{Header, Role, quantity_of};
 use super::plausible;
 use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
-use super::{Covariate, Label, MeasurementKind, Measurements};
+use super::{Covariate, Label, MeasurementKind, Measurements, QUATERNION_TOLERANCE};
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::{Chain, Quantity};
 use std::fmt;
@@ -12,8 +12,6 @@ use std::io::Read;
 
 /// No more problems than this are listed.
 const MOST_PROBLEMS: usize = 10;
-/// A quaternion whose length is further from 1 than this was not meant as one.
-const QUATERNION_TOLERANCE: f64 = 1e-3;
 
 /// A measurement file's content and what a user must know of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,21 +90,10 @@ impl fmt::Display for DataNote {
 /// # Errors
 /// All problems found, each with file and line.
 pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Loaded, DataError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .flexible(true)
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .from_reader(LineFeeds(input).chain(&b"\n"[..]));
-    let mut problems = Problems { source, found: Vec::new(), more: 0 };
+    let mut reader = rows_of(input);
+    let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
-    match reader.read_record(&mut record) {
-        Ok(true) => {}
-        Ok(false) => return Err(problems.only(0, Problem::NoHeader)),
-        Err(error) => return Err(problems.only(line_of(&error), unreadable(&error))),
-    }
-    let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
-    let header_line = reader.position().line() - 1;
+    let (names, header_line) = header_row(&mut reader, source)?;
     let header = match Header::read(names, chain.coordinates()) {
         Ok(header) => header,
         Err(found) => {
@@ -128,6 +115,30 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
         }
     }
     table.finish(chain, problems)
+}
+
+/// The rows of a file, header included, `#` lines left out.
+pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .flexible(true)
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_reader(LineFeeds(input).chain(&b"\n"[..]))
+}
+
+/// The names in the header row, and its line.
+pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> Result<(Vec<String>, u64), DataError> {
+    let mut record = csv::StringRecord::new();
+    let (line, problem) = match reader.read_record(&mut record) {
+        Ok(true) => {
+            let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
+            return Ok((names, reader.position().line() - 1));
+        }
+        Ok(false) => (0, Problem::NoHeader),
+        Err(error) => (line_of(&error), unreadable(&error)),
+    };
+    Err(Problems::new(source).only(line, problem))
 }
 
 /// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.
@@ -153,11 +164,11 @@ impl<R: Read> Read for LineFeeds<R> {
     }
 }
 
-fn line_of(error: &csv::Error) -> u64 {
+pub(super) fn line_of(error: &csv::Error) -> u64 {
     error.position().map_or(0, csv::Position::line)
 }
 
-fn unreadable(error: &csv::Error) -> Problem {
+pub(super) fn unreadable(error: &csv::Error) -> Problem {
     match error.kind() {
         csv::ErrorKind::Utf8 { .. } => Problem::Unreadable("the text is not UTF-8".into()),
         csv::ErrorKind::Io(error) => Problem::Unreadable(error.to_string()),
@@ -165,14 +176,19 @@ fn unreadable(error: &csv::Error) -> Problem {
     }
 }
 
-struct Problems<'a> {
+/// Problems of a file while it is read.
+pub(super) struct Problems<'a> {
     source: &'a str,
-    found: Vec<DataProblem>,
+    pub found: Vec<DataProblem>,
     more: usize,
 }
 
-impl Problems<'_> {
-    fn add(&mut self, line: u64, problem: Problem) {
+impl<'a> Problems<'a> {
+    pub fn new(source: &'a str) -> Self {
+        Self { source, found: Vec::new(), more: 0 }
+    }
+
+    pub fn add(&mut self, line: u64, problem: Problem) {
         if self.found.len() < MOST_PROBLEMS {
             self.found.push(DataProblem { file: self.source.into(), line, problem });
         } else {
@@ -180,11 +196,11 @@ impl Problems<'_> {
         }
     }
 
-    fn error(self) -> DataError {
+    pub fn error(self) -> DataError {
         DataError { problems: self.found, more: self.more }
     }
 
-    fn only(mut self, line: u64, problem: Problem) -> DataError {
+    pub fn only(mut self, line: u64, problem: Problem) -> DataError {
         self.add(line, problem);
         self.error()
     }
@@ -405,7 +421,7 @@ impl OtherColumn {
 }
 
 /// A finite number.
-fn number(column: &str, cell: &str) -> Result<f64, Problem> {
+pub(super) fn number(column: &str, cell: &str) -> Result<f64, Problem> {
     if cell.is_empty() {
         return Err(Problem::Empty { column: column.into() });
     }

@@ -1,12 +1,15 @@
 //! A calibration as a page with plots, in one file.
 
 use crate::calibration::{Calibration, StageResiduals};
+use crate::effects::catalogue::{KINDS, Kind};
 use crate::measurements::MeasurementKind;
 use crate::report::plots::{self, Plot, PlotError};
-use crate::report::text;
+use crate::report::{text, trace_plots};
+use crate::trace::Trace;
 use denavit_model::nalgebra::Vector3;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Value, context};
+use serde::Serialize;
 use thiserror::Error;
 
 const PAGE: &str = include_str!("page.html");
@@ -23,7 +26,8 @@ pub enum PageError {
     Template(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// The page: summary, residuals on the robot, histograms, residuals against each joint, parameters.
+/// The page: summary, effects beside what drives them, the scan, what remains, residuals on the robot and against each
+/// joint, parameters.
 ///
 /// # Errors
 /// A plot has values that are not finite.
@@ -47,10 +51,81 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 robot_plots => Value::from(Serde(on_robot(result, before, after)?)),
                 histograms => Value::from(Serde([plots::histogram(before, after)?])),
                 joint_plots => Value::from(Serde(joint_plots)),
+                stages => Value::from(Serde(&result.report.stages)),
+                distances => result.report.measurement == MeasurementKind::Distance,
+                poses => result.report.measurement == MeasurementKind::Pose,
+                effects => Value::from(Serde(effects(result)?)),
+                scan => Value::from(Serde(result.trace.as_ref().map(scan))),
+                remains => Value::from(Serde(remains(result, after)?)),
                 parameters => text::parameters(&result.identification.geometric),
             },
         )
         .map_err(|error| PageError::Template(Box::new(error)))
+}
+
+/// An effect with its two plots.
+#[derive(Serialize)]
+struct EffectShown {
+    name: String,
+    plots: [Plot; 2],
+}
+
+fn effects(result: &Calibration) -> Result<Vec<EffectShown>, PlotError> {
+    let findings = result.trace.iter().flat_map(|trace| &trace.findings);
+    let shown = findings.map(|finding| {
+        let name = format!("{} at {}", finding.term.kind.name(), finding.place);
+        Ok(EffectShown { plots: trace_plots::portrait(&finding.portrait, &name)?, name })
+    });
+    shown.collect()
+}
+
+/// The first pass of the search as a table: kinds down, places across.
+#[derive(Serialize)]
+struct Scan {
+    places: Vec<String>,
+    kinds: Vec<ScanLine>,
+}
+
+#[derive(Serialize)]
+struct ScanLine {
+    kind: &'static str,
+    cells: Vec<Option<ScanShown>>,
+}
+
+/// How much the criterion falls, and how dark that is drawn, 0 to 1.
+#[derive(Serialize)]
+struct ScanShown {
+    delta_bic: f64,
+    shade: f64,
+}
+
+fn scan(trace: &Trace) -> Scan {
+    let mut places: Vec<String> = Vec::new();
+    for cell in &trace.scan {
+        if !places.contains(&cell.place) {
+            places.push(cell.place.clone());
+        }
+    }
+    // Joints in the order of the arm, all else after them.
+    let chain = &trace.fit.arm.nominal;
+    let order = |place: &String| chain.joints().iter().position(|joint| joint.name == *place).unwrap_or(usize::MAX);
+    places.sort_by_key(order);
+    let most = trace.scan.iter().map(|cell| cell.delta_bic).fold(1.0, f64::max);
+    let line = |kind: Kind| {
+        let of_place = |place: &String| {
+            let cell = trace.scan.iter().find(|cell| cell.kind == kind && cell.place == *place)?;
+            let shade = (cell.delta_bic.max(0.0) / most).sqrt();
+            cell.delta_bic.is_finite().then_some(ScanShown { delta_bic: cell.delta_bic.round(), shade })
+        };
+        ScanLine { kind: kind.name(), cells: places.iter().map(of_place).collect() }
+    };
+    let tried = KINDS.iter().filter(|entry| trace.scan.iter().any(|cell| cell.kind == entry.kind));
+    Scan { kinds: tried.map(|entry| line(entry.kind)).collect(), places }
+}
+
+fn remains(result: &Calibration, after: &StageResiduals) -> Result<[Plot; 2], PlotError> {
+    let noise = result.trace.as_ref().map_or(result.identification.geometric.noise, |trace| trace.fit.noise);
+    Ok([trace_plots::quantiles(&after.train, noise)?, trace_plots::autocorrelation(&after.train, noise)?])
 }
 
 /// Side and top view; none for distances, which have no direction.

@@ -22,15 +22,15 @@ pub struct Plot {
 pub struct PlotError;
 
 const SIZE: (u32, u32) = (460, 320);
-const BEFORE: RGBColor = RGBColor(0xb3, 0x54, 0x1e);
-const AFTER: RGBColor = RGBColor(0x1f, 0x5f, 0xa8);
-const ARM: RGBColor = RGBColor(0x9a, 0xa4, 0xb2);
+pub(super) const BEFORE: RGBColor = RGBColor(0xb3, 0x54, 0x1e);
+pub(super) const AFTER: RGBColor = RGBColor(0x1f, 0x5f, 0xa8);
+pub(super) const ARM: RGBColor = RGBColor(0x9a, 0xa4, 0xb2);
 const BINS: usize = 24;
 
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-fn svg(draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, PlotError> {
+pub(super) fn svg(draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, PlotError> {
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();

@@ -1,21 +1,20 @@
 //! A calibration as text for a terminal.
 
 use crate::calibration::Calibration;
-use crate::compensate::Command;
-use crate::dh_form::DhForm;
 use crate::errors::Errors;
-use crate::identifiability::Identifiability;
 use crate::measurements::MeasurementKind;
 use crate::parameters::{Parameter, ParameterKind};
+use crate::report::axes::axes;
 use crate::report::contract::Stage;
-use crate::solve::Fit;
-use denavit_model::Chain;
+use crate::report::findings::findings;
+use crate::solve::{Fit, Noise};
 use std::fmt::Write;
 
 /// Prior and posterior spread are alike when their ratio is above this.
 const HELD: f64 = 0.7;
 
-fn table(rows: &[Vec<String>]) -> String {
+/// Rows in columns as wide as they must be; the first aligned left, the others right.
+pub(super) fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max();
     let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
@@ -55,12 +54,12 @@ fn cells(errors: Option<&Errors>, kind: MeasurementKind) -> Vec<String> {
 /// The before/after table: one line per stage, errors in mm and mrad.
 pub fn stages(stages: &[Stage], kind: MeasurementKind) -> String {
     let tested = stages.iter().any(|stage| stage.test.is_some());
-    let mut header: Vec<String> = vec!["stage".into()];
+    let mut header: Vec<String> = vec!["errors in mm".into()];
     for (part, wanted) in [("train", true), ("test", tested)] {
         if wanted {
-            header.extend(["rms", "mean", "max"].map(|word| format!("{part} {word} mm")));
+            header.extend([format!("{part} rms"), "mean".into(), "max".into()]);
             if kind == MeasurementKind::Pose {
-                header.push(format!("{part} rms mrad"));
+                header.push("rms, mrad".into());
             }
         }
     }
@@ -125,28 +124,6 @@ pub fn correlations<E>(fit: &Fit<E>, above: f64, most: usize) -> Vec<(String, St
     pairs
 }
 
-/// The report of `identify`: counts, and what is untold and why.
-pub fn identifiability(found: &[Identifiability]) -> String {
-    let mut rows = vec![["measured", "count", "", "rank", "weakest"].map(String::from).to_vec()];
-    for one in found {
-        rows.push(vec![
-            crate::errors::kind_word(one.kind).into(),
-            one.formula.clone(),
-            format!("= {}", one.expected),
-            one.rank.to_string(),
-            format!("{:.1e}", one.smallest),
-        ]);
-    }
-    let mut text = table(&rows);
-    for one in found {
-        for untold in &one.untold {
-            let kind = crate::errors::kind_word(one.kind);
-            let _ = writeln!(text, "{kind}: {} cannot be told: {}", untold.parameter, untold.why);
-        }
-    }
-    text
-}
-
 /// The whole calibration for a terminal.
 pub fn calibration(result: &Calibration) -> String {
     let report = &result.report;
@@ -177,10 +154,21 @@ pub fn calibration(result: &Calibration) -> String {
     text.push('\n');
     text.push_str(&stages(&report.stages, report.measurement));
     text.push('\n');
-    let fit = &result.identification.geometric;
-    let _ = writeln!(text, "noise left by the geometric stage: {:.4} mm per component", fit.noise.position * 1e3);
-    if fit.noise.orientation > 0.0 {
-        let _ = writeln!(text, "  and {:.4} mrad per component of orientation", fit.noise.orientation * 1e3);
+    if let Some(trace) = &result.trace {
+        text.push_str(&findings(trace));
+    }
+    let geometric = &result.identification.geometric;
+    let (noise, parameters, values) = match &result.trace {
+        Some(trace) => (trace.fit.noise, trace.fit.parameters_used[0], trace.fit.values[0]),
+        None => (geometric.noise, geometric.parameters_used[0], geometric.values[0]),
+    };
+    let _ = writeln!(text, "noise floor: {:.4} mm per component{}", noise.position * 1e3, of_norm(result, noise));
+    if noise.orientation > 0.0 {
+        let _ = writeln!(text, "  and {:.4} mrad per component of orientation", noise.orientation * 1e3);
+    }
+    if values > 0.0 {
+        let attainable = noise.position * components(result).sqrt() * (1.0 + parameters / values).sqrt();
+        let _ = writeln!(text, "attainable on rows held out: {:.4} mm rms", attainable * 1e3);
     }
     if let Some(rounding) = &result.rounding {
         let _ = writeln!(text, "{rounding}");
@@ -188,70 +176,24 @@ pub fn calibration(result: &Calibration) -> String {
     text
 }
 
-/// The D-H form of a chain: its numbers, how many are too many and where, and what it cannot say.
-pub fn dh_form(form: &DhForm, chain: &Chain) -> String {
-    let name = |index: usize| chain.joints()[index].name.as_str();
-    let mut text = format!(
-        "D-H form with full poses: {} numbers, rank {}; {} too many in the base, {} in the tool\n",
-        form.numbers, form.rank, form.redundant_in_base, form.redundant_in_tool
-    );
-    for &first in &form.parallel {
-        let _ = writeln!(
-            text,
-            "  \"{}\" and \"{}\" are parallel neighbours: their d cannot be told apart, and no small change of the row \
-             tilts one against the other in the second direction; use the POE form or Hayati's row",
-            name(first),
-            name(first + 1)
-        );
-    }
-    for &slide in &form.prismatic {
-        let _ =
-            writeln!(text, "  \"{}\" slides: its axis has no place, so two numbers beside it are free", name(slide));
-    }
-    text
+/// Measured numbers in one position or distance.
+fn components(result: &Calibration) -> f64 {
+    if result.report.measurement == MeasurementKind::Distance { 1.0 } else { 3.0 }
 }
 
-/// Commands as CSV: joint values (rad, m), then what each is expected to miss with and without compensation (m, rad).
-pub fn commands(chain: &Chain, commands: &[Command]) -> String {
-    let mut header: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
-    header.extend(["position_error_m", "orientation_error_rad", "uncompensated_m", "uncompensated_rad", "outside"]);
-    let mut text = format!("{}\n", header.join(","));
-    for command in commands {
-        let mut cells: Vec<String> = command.joints.iter().map(f64::to_string).collect();
-        let (moved, turned) = command.uncompensated;
-        let errors = [command.position_error, command.orientation_error, moved, turned];
-        cells.extend(errors.iter().map(|error| format!("{error:.3e}")));
-        cells.push(command.outside.join(" "));
-        let _ = writeln!(text, "{}", cells.join(","));
+fn of_norm(result: &Calibration, noise: Noise) -> String {
+    let components = components(result);
+    if components == 1.0 {
+        return String::new();
     }
-    text
+    format!(", {:.4} mm rms of the error's length", noise.position * components.sqrt() * 1e3)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::compensate::{Wanted, compensate};
-    use crate::dh_form::dh_form as analyse;
-    use denavit_model::examples;
-
-    #[test]
-    fn parallel_neighbours_are_named() {
-        let chain = examples::planar_arm();
-        let readings: Vec<Vec<f64>> = (0..20).map(|k| vec![0.3 * f64::from(k), 0.7 * f64::from(k)]).collect();
-        let text = dh_form(&analyse(&chain, &readings), &chain);
-        assert!(
-            text.starts_with("D-H form with full poses: 20 numbers, rank 13; 4 too many in the base, 2 in the tool\n")
-        );
-        assert!(text.contains("\"joint_1\" and \"joint_2\" are parallel neighbours"), "{text}");
-    }
-
-    #[test]
-    fn commands_have_a_header_and_a_line_each() {
-        let chain = examples::puma_like();
-        let wanted = Wanted::Joints(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
-        let command = compensate(&chain, &chain, &|q| chain.fk(q), &wanted, &[0.0; 6]);
-        let text = commands(&chain, &[command]);
-        assert_eq!(text.lines().count(), 2);
-        assert!(text.lines().last().is_some_and(|line| line.starts_with("0.1,0.2,0.3,0.4,0.5,0.6,")), "{text}");
-    }
+/// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
+pub fn report(result: &Calibration) -> String {
+    let axes = match &result.trace {
+        Some(trace) => axes(&trace.fit),
+        None => axes(&result.identification.geometric),
+    };
+    format!("{}\n{axes}", calibration(result))
 }

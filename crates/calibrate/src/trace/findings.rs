@@ -27,8 +27,12 @@ impl Tracer<'_> {
     }
 
     pub(crate) fn findings(&self, state: &State) -> Vec<Finding> {
+        if state.chosen.is_empty() {
+            return Vec::new();
+        }
         let linear = self.linear(state);
         let field = self.field(&linear);
+        let bare = self.linear(&self.refitted(Vec::new(), None));
         let mut column = state.fit.layout.effects.start;
         let mut findings = Vec::new();
         for (index, candidate) in state.chosen.iter().enumerate() {
@@ -42,6 +46,7 @@ impl Tracer<'_> {
                 p_value: self.corrected(own.p_value),
                 delta_bic: own.delta_bic,
                 ambiguous_with: self.rivals(&field, &rest.loose, &own),
+                portrait: self.portrait(&field, &bare, state, index),
             });
             column += count;
         }

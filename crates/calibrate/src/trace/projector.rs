@@ -1,9 +1,7 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
-#![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
-
+use crate::products::products;
 use denavit_model::nalgebra::{DMatrix, DVector};
-use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// A column of the model that is this nearly a sum of others adds nothing.
 const DEPENDENT: f64 = 1e-9;
@@ -126,75 +124,6 @@ fn gain(raw: &[f64], shares: &[f64], mut along: Vec<f64>, least: f64) -> Gain {
     gain
 }
 
-/// Products of columns of `rows` cells: one per column of `left`, for each column of `right`.
-fn products(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
-    if rows == 0 {
-        return Vec::new();
-    }
-    let mut result = vec![0.0; (left.len() / rows) * (right.len() / rows)];
-    dispatch!(Level::new(), simd => products_into(simd, left, right, rows, &mut result));
-    result
-}
-
-/// Columns of `left` and of `right` whose products are formed at once: as many sums as registers hold.
-const TILE: (usize, usize) = (4, 2);
-
-#[inline(always)]
-fn products_into<S: Simd>(simd: S, left: &[f64], right: &[f64], rows: usize, result: &mut [f64]) {
-    let (count, others) = (left.len() / rows, right.len() / rows);
-    let (whole, whole_others) = (count - count % TILE.0, others - others % TILE.1);
-    for r in (0..whole_others).step_by(TILE.1) {
-        for l in (0..whole).step_by(TILE.0) {
-            tile::<S, { TILE.0 }, { TILE.1 }>(simd, left, right, rows, (l, r), result);
-        }
-        for l in whole..count {
-            tile::<S, 1, { TILE.1 }>(simd, left, right, rows, (l, r), result);
-        }
-    }
-    for r in whole_others..others {
-        for l in (0..whole).step_by(TILE.0) {
-            tile::<S, { TILE.0 }, 1>(simd, left, right, rows, (l, r), result);
-        }
-        for l in whole..count {
-            tile::<S, 1, 1>(simd, left, right, rows, (l, r), result);
-        }
-    }
-}
-
-#[inline(always)]
-fn tile<S: Simd, const L: usize, const R: usize>(
-    simd: S,
-    left: &[f64],
-    right: &[f64],
-    rows: usize,
-    (l, r): (usize, usize),
-    result: &mut [f64],
-) {
-    let (count, lanes) = (left.len() / rows, S::f64s::LEN);
-    let lefts: [&[f64]; L] = std::array::from_fn(|k| &left[(l + k) * rows..(l + k + 1) * rows]);
-    let rights: [&[f64]; R] = std::array::from_fn(|k| &right[(r + k) * rows..(r + k + 1) * rows]);
-    let mut sums = [[S::f64s::splat(simd, 0.0); R]; L];
-    let whole = rows - rows % lanes;
-    for at in (0..whole).step_by(lanes) {
-        let mut b = [S::f64s::splat(simd, 0.0); R];
-        for k in 0..R {
-            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + lanes]);
-        }
-        for i in 0..L {
-            let a = S::f64s::from_slice(simd, &lefts[i][at..at + lanes]);
-            for k in 0..R {
-                sums[i][k] = a.mul_add(b[k], sums[i][k]);
-            }
-        }
-    }
-    for i in 0..L {
-        for k in 0..R {
-            let rest: f64 = lefts[i][whole..].iter().zip(&rights[k][whole..]).map(|(a, b)| a * b).sum();
-            result[(r + k) * count + l + i] = sums[i][k].as_slice().iter().sum::<f64>() + rest;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -212,22 +141,6 @@ mod tests {
         let projector = Projector::new(&[&model], &residual);
         let gain = projector.gain_of(&block);
         assert!((gain.drop - (rss(&model) - rss(&both))).abs() < 1e-10 && gain.rank == 2);
-    }
-
-    #[test]
-    fn products_are_sums_over_the_rows() {
-        let cell = |k: usize| (k as f64 * 0.7).sin();
-        for (rows, count, others) in [(1, 1, 1), (19, 5, 3), (32, 9, 4)] {
-            let (left, right): (Vec<f64>, Vec<f64>) =
-                ((0..rows * count).map(cell).collect(), (0..rows * others).map(|k| cell(k + 50)).collect());
-            let found = products(&left, &right, rows);
-            for r in 0..others {
-                for l in 0..count {
-                    let sum: f64 = (0..rows).map(|i| left[l * rows + i] * right[r * rows + i]).sum();
-                    assert!((found[r * count + l] - sum).abs() < 1e-13);
-                }
-            }
-        }
     }
 
     #[test]

@@ -6,8 +6,10 @@ use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::measurements::Measurements;
+use crate::trace::ScanCell;
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector, UNSEEN};
+use crate::trace::select::Tracer;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::sync::Mutex;
@@ -73,6 +75,15 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
             model.add_deviation(&conditions, &arm.joints, &mut Deviation::none(arm.joints.len()))
         })
         .collect()
+}
+
+impl Tracer<'_> {
+    /// Every candidate against geometry alone.
+    pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
+        let linear = self.linear(&self.refitted(Vec::new(), None));
+        let projector = Projector::new(&[&linear.geometry], &linear.residual);
+        self.scan(&self.field(&linear).score(&projector, &self.candidates))
+    }
 }
 
 impl Field<'_> {

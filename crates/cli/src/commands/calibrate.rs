@@ -2,87 +2,109 @@
 
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
+use crate::measured::{self, Robot};
 use crate::output::{self, Status};
-use crate::source::{self, Loaded};
+use crate::progress::Spinner;
+use crate::source::Loaded;
 use denavit_calibrate::IdentifyOptions;
-use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
+use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::measurements::{self, Measurements, Units};
-use denavit_calibrate::report::text;
+use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
-use denavit_export::{FORMATS, Sheet, urdf};
+use denavit_export::{FORMATS, Format, Sheet, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
-    let robot = &arguments.robot;
-    let loaded = source::load(&robot.robot, &robot.xacro)?;
-    let noted = loaded.chain(robot)?;
-    output::remark(&noted.notes);
-    let chain = noted.value;
-    let statics = match &loaded {
-        Loaded::Robot(tree) => Statics::of(tree, &chain),
-        _ => Statics::of_chain(&chain),
+    measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
+    let robot = measured::robot(&arguments.robot)?;
+    let options = options(arguments, &robot.chain)?;
+    let outputs = outputs(arguments, &robot.loaded)?;
+    let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
+    let data = read(&arguments.data)?;
+    let test = arguments.test.as_deref().map(read).transpose()?;
+    let spinner = Spinner::start("reading");
+    let result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
+        spinner.say(match progress {
+            Progress::Geometry => "fitting the geometry",
+            Progress::Effects => "searching for effects",
+            Progress::Judgement => "judging on rows held out",
+        });
+    })?;
+    drop(spinner);
+    let files = files(arguments, &outputs, &robot, &result)?;
+    output::write_files(&files)?;
+    output::print(&text::report(&result))?;
+    Ok(Status::Same)
+}
+
+/// What some outputs need.
+struct Outputs<'a> {
+    /// The tree that a calibrated URDF is made of.
+    urdf: Option<(&'a Path, &'a denavit_model::Robot)>,
+    /// The format of the table.
+    dh: Option<(&'a Path, &'static Format)>,
+}
+
+/// Refuses what cannot be made before any work is done.
+fn outputs<'a>(arguments: &'a CalibrateArguments, loaded: &'a Loaded) -> Result<Outputs<'a>, Failure> {
+    let urdf = match (&arguments.urdf, loaded) {
+        (None, _) => None,
+        (Some(path), Loaded::Robot(tree)) => Some((path.as_path(), tree.as_ref())),
+        _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
     };
-    let data = read(&arguments.data, &chain, &arguments.units)?;
-    let test = arguments.test.as_ref().map(|file| read(file, &chain, &arguments.units)).transpose()?;
-    let options = options(arguments, &chain)?;
-    let result = calibrate(&chain, &statics, data, test, &options)?;
+    let dh = arguments.dh.as_deref().map(|path| format_of(path).map(|format| (path, format))).transpose()?;
+    Ok(Outputs { urdf, dh })
+}
+
+/// Every file that was asked for: all are made before any is written.
+fn files<'a>(
+    arguments: &'a CalibrateArguments,
+    outputs: &Outputs<'a>,
+    robot: &Robot,
+    result: &Calibration,
+) -> Result<Vec<(&'a Path, String)>, Failure> {
     let calibrated = result.arm().chain();
-    // Every file is made before any is written.
     let mut files: Vec<(&Path, String)> = Vec::new();
     if let Some(path) = &arguments.json {
-        files.push((path, result.report.to_json()));
+        files.push((path, result.report.to_json() + "\n"));
     }
-    if let Some(path) = &arguments.urdf {
-        let Loaded::Robot(tree) = &loaded else {
-            return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into()));
-        };
-        let reading = if robot.exact { Reading::AsWritten } else { Reading::Intended };
+    if let Some(path) = &arguments.html {
+        files.push((path, html::page(result)?));
+    }
+    if let Some((path, tree)) = outputs.urdf {
+        let reading = if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended };
         let written = urdf::with_chain(tree, &calibrated, reading)?;
         output::remark(&written.notes);
         files.push((path, written.value));
     }
-    if let Some(path) = &arguments.dh {
-        files.push((path, dh_table(path, &calibrated, &robot.robot)?));
+    if let Some((path, format)) = outputs.dh {
+        files.push((path, dh_table(format, &calibrated, &arguments.robot.robot)?));
     }
-    for (path, text) in files {
-        output::write_file(path, text.as_bytes())?;
+    if let Some(path) = &arguments.effects_out {
+        files.push((path, result.effects(&robot.statics).to_json()));
     }
-    output::print(&text::calibration(&result))?;
-    Ok(Status::Same)
-}
-
-fn read(file: &str, chain: &Chain, units: &str) -> Result<Measurements, Failure> {
-    let units: Units = units.parse().map_err(|error| Failure::Argument(format!("--units: {error}")))?;
-    let (name, text) = source::read_text(file)?;
-    let loaded = measurements::read(&name, text.as_bytes(), chain, units)?;
-    for note in &loaded.notes {
-        output::mention(format!("{name}: {note}"));
-    }
-    Ok(loaded.data)
+    Ok(files)
 }
 
 fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOptions, Failure> {
-    let identify = IdentifyOptions::axes(chain);
+    let freedom = measured::freedom(chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
+    let identify = IdentifyOptions { freedom, ..IdentifyOptions::axes(chain) };
     let trace = match arguments.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["none"] => None,
         ["auto"] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, Failure>>()?),
     };
-    let trace = match trace {
-        None => None,
-        Some(kinds) => Some(TraceOptions {
-            kinds,
-            max_effects: arguments.max_effects,
-            gear_ratios: gear_ratios(&arguments.gear_ratio, chain)?,
-            ..TraceOptions::new(identify.clone())
-        }),
-    };
+    let gear_ratios = gear_ratios(&arguments.gear_ratio, chain)?;
+    let trace = trace.map(|kinds| TraceOptions {
+        kinds,
+        max_effects: arguments.max_effects,
+        gear_ratios,
+        ..TraceOptions::new(identify.clone())
+    });
     let hold_out = arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed });
     Ok(CalibrateOptions { identify, hold_out, trace })
 }
@@ -111,17 +133,20 @@ fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, Fa
     Ok(ratios)
 }
 
-/// The calibrated table: Hayati's rows where axes are nearly parallel, as the numbers then stay small.
-fn dh_table(path: &Path, calibrated: &Chain, source: &str) -> Result<String, Failure> {
+fn format_of(path: &Path) -> Result<&'static Format, Failure> {
     let extension = path.extension().map_or_else(String::new, |extension| extension.to_string_lossy().into_owned());
-    let format = FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
+    FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
         Failure::Argument(format!(
             "--dh {}: the extension chooses the format; take one of {}",
             path.display(),
             known.join(", ")
         ))
-    })?;
+    })
+}
+
+/// The calibrated table: Hayati's rows where axes are nearly parallel, as the numbers then stay small.
+fn dh_table(format: &Format, calibrated: &Chain, source: &str) -> Result<String, Failure> {
     let options = Options {
         parallelism: Parallelism::Exact,
         near_parallel: NearParallel::HayatiBelow(HAYATI_BELOW),

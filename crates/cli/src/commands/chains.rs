@@ -30,9 +30,9 @@ pub fn run(arguments: &ChainsArguments) -> Result<Status, Failure> {
         tip: None,
         exact: false,
         tolerance: 0.0,
-        xacro: arguments.xacro.clone(),
+        source: arguments.source.clone(),
     };
-    let loaded = source::load(&arguments.robot, &arguments.xacro)?;
+    let loaded = source::load(&arguments.robot, &arguments.source)?;
     let (name, chains, default) = if let Loaded::Robot(robot) = &loaded {
         (robot.name.clone(), robot.leaf_chains(), robot.default_chain())
     } else {

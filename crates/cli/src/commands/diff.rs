@@ -10,8 +10,8 @@ use denavit_compare::{Options, Range, Scope, Verdict, compare};
 /// Runs the command.
 pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
     let options = options(arguments)?;
-    let a = source::load(&arguments.a, &arguments.xacro)?;
-    let b = source::load(&arguments.b, &arguments.xacro)?;
+    let a = source::load(&arguments.a, &arguments.source)?;
+    let b = source::load(&arguments.b, &arguments.source)?;
     let comparison = compare(&a.subject(&arguments.a), &b.subject(&arguments.b), &options)?;
     let found = Report::Comparison(&comparison);
     let format = if arguments.json { "json" } else { &arguments.format };

@@ -1,6 +1,6 @@
 //! `denavit doc`: a page for each robot, and an index of several.
 
-use crate::args::{DocArguments, RobotArguments, XacroArguments};
+use crate::args::{DocArguments, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source::{self, Loaded};
@@ -62,15 +62,15 @@ fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
 }
 
 fn document(arguments: &DocArguments, name: &str, units: Units) -> Result<Document, Failure> {
-    let xacro = XacroArguments { package_path: arguments.package_path.clone(), ..XacroArguments::default() };
-    let loaded = source::load(name, &xacro)?;
+    let source = SourceArguments { package_path: arguments.package_path.clone(), ..SourceArguments::default() };
+    let loaded = source::load(name, &source)?;
     let robot = RobotArguments {
         robot: name.to_owned(),
         base: arguments.base.clone(),
         tip: arguments.tip.clone(),
         exact: arguments.exact,
         tolerance: 1e-6,
-        xacro,
+        source,
     };
     let main = part(arguments, name, loaded.chain(&robot)?)?;
     let reading = if arguments.exact { Reading::AsWritten } else { Reading::Intended };

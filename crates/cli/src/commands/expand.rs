@@ -8,7 +8,7 @@ use crate::source;
 /// Runs the command.
 pub fn run(arguments: &ExpandArguments) -> Result<Status, Failure> {
     let (file, text) = source::read_text(&arguments.file)?;
-    let urdf = source::expanded(&file, &text, &arguments.xacro)?;
+    let urdf = source::expanded(&file, &text, &arguments.source)?;
     super::deliver(arguments.output.as_deref(), &urdf)?;
     Ok(Status::Same)
 }

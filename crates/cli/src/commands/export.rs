@@ -11,7 +11,7 @@ use denavit_model::Reading;
 /// Runs the command.
 pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     let robot = &arguments.robot;
-    let loaded = source::load(&robot.robot, &robot.xacro)?;
+    let loaded = source::load(&robot.robot, &robot.source)?;
     let text = match &loaded {
         Loaded::Robot(tree) => {
             let exported = urdf::canonical(tree, &options(arguments))?;

@@ -8,7 +8,7 @@ use denavit_compare::fingerprint;
 
 /// Runs the command.
 pub fn run(arguments: &FingerprintArguments) -> Result<Status, Failure> {
-    let loaded = source::load(&arguments.robot, &arguments.xacro)?;
+    let loaded = source::load(&arguments.robot, &arguments.source)?;
     if !(arguments.tolerance > 0.0 && arguments.tolerance < 1.0) {
         return Err(Failure::Argument(format!("--tolerance {}: write a number between 0 and 1", arguments.tolerance)));
     }

@@ -1,15 +1,18 @@
 //! `denavit fk`: where the tip is.
 
-use crate::args::FkArguments;
+use crate::args::{FkArguments, GivenArguments};
 use crate::failure::Failure;
+use crate::measured;
 use crate::output::{self, Status};
 use crate::source;
+use denavit_calibrate::effects::driver::{Conditions, Statics};
+use denavit_calibrate::effects::recorded;
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
 use denavit_model::chain::{Chain, Quantity};
 use denavit_model::nalgebra::UnitQuaternion;
 use denavit_model::problems::nearest_name;
-use denavit_model::se3;
+use denavit_model::{Pose, se3};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -29,11 +32,17 @@ struct Answer<'a> {
 /// Runs the command.
 pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
-    let loaded = source::load(&arguments.robot.robot, &arguments.robot.xacro)?;
+    let loaded = source::load(&arguments.robot.robot, &arguments.robot.source)?;
     let noted = loaded.chain(&arguments.robot)?;
     let chain = &noted.value;
     let q = joint_values(chain, &arguments.q, arguments.degrees)?;
-    let pose = chain.fk(&q);
+    let pose = match &arguments.effects {
+        None if !arguments.given.given.is_empty() => {
+            return Err(Failure::Argument("--given is for what effects follow; give --effects, too".into()));
+        }
+        None => chain.fk(&q),
+        Some(file) => with_effects(file, &loaded.statics(chain), chain, &arguments.given, &q)?,
+    };
     let rpy = se3::rpy_from_rotation(&pose.rotation);
     let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
@@ -69,6 +78,22 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let _ = writeln!(text, "quaternion xyzw  {}", list(&quaternion));
     output::print(&text)?;
     Ok(Status::Same)
+}
+
+/// Where the tip is with the effects of a file.
+fn with_effects(
+    file: &str,
+    statics: &Statics,
+    chain: &Chain,
+    given: &GivenArguments,
+    q: &[f64],
+) -> Result<Pose, Failure> {
+    let model = measured::effects(Some(file), statics)?;
+    let given = measured::given(given)?;
+    let known = |name: &str| recorded::given(&given, name);
+    measured::all_known(file, &model, &|name| known(name).is_some())?;
+    measured::without_part_in_the_tip(file, &model);
+    Ok(model.fk(chain, &Conditions { reading: q, covariate: &known }))
 }
 
 /// Joint values from `0.1,0.2` or `name=0.1,other=0.2`, rad and m.

@@ -2,16 +2,37 @@
 
 use crate::args::IdentifyArguments;
 use crate::failure::Failure;
+use crate::measured;
 use crate::output::{self, Status};
-use crate::source;
-use denavit_calibrate::{Freedom, identifiability, report};
+use denavit_calibrate::dh_form::dh_form;
+use denavit_calibrate::report::told;
+use denavit_calibrate::{identifiability, simulate};
 
 /// Runs the command.
 pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
-    let robot = &arguments.robot;
-    let chain = source::load(&robot.robot, &robot.xacro)?.chain(robot)?.value;
-    let freedom = Freedom::axes(chain.joints().len());
-    let found = identifiability::of_chain(&chain, &freedom, arguments.targets, arguments.rows);
-    output::print(&report::text::identifiability(&found))?;
+    measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.data.as_deref()])?;
+    let chain = measured::robot(&arguments.robot)?.chain;
+    let freedom = measured::freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
+    let readings = match &arguments.data {
+        Some(file) => measured::joint_values(file, &chain, &arguments.units)?,
+        None => simulate::readings(&chain, arguments.rows.into(), 0),
+    };
+    let found = identifiability::at_readings(&chain, &freedom, arguments.targets.into(), &readings);
+    let form = dh_form(&chain, &readings);
+    if arguments.json {
+        output::print(&told::to_json(&chain, readings.len(), &found, &form))?;
+        return Ok(Status::Same);
+    }
+    let text = format!(
+        "{}: {} to {}, at {} joint readings\n\n{}{}\n{}",
+        chain.name(),
+        chain.base(),
+        chain.tip(),
+        readings.len(),
+        told::identifiability(&found),
+        told::never_told(&chain),
+        told::dh_form(&form, &chain)
+    );
+    output::print(&text)?;
     Ok(Status::Same)
 }

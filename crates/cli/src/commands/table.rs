@@ -16,7 +16,7 @@ use denavit_model::notes::{Note, Noted};
 pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
     let format = formats::named(&arguments.format).expect("the argument parser knows the formats");
-    let loaded = source::load(&arguments.robot.robot, &arguments.robot.xacro)?;
+    let loaded = source::load(&arguments.robot.robot, &arguments.robot.source)?;
     if let Some(vendor) = &arguments.r#match {
         return matched(arguments, &loaded, vendor);
     }

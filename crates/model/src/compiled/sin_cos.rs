@@ -81,6 +81,13 @@ fn turned_by_quarters<S: Simd>(sine: S::f64s, cosine: S::f64s, quarters: S::u64s
     (signed(turned_sine, sine_sign), signed(turned_cosine, cosine_sign))
 }
 
+/// Sine and cosine of an angle (rad) in each lane, as accurate as [`sines_and_cosines`]; for code that is compiled into a
+/// function that enables the vectors.
+#[inline(always)]
+pub fn sine_and_cosine<S: Simd>(simd: S, angle: S::f64s) -> (S::f64s, S::f64s) {
+    sin_cos(simd, angle, S::u64s::splat(simd, 0))
+}
+
 /// Sines and cosines of angles (rad), in the widest vectors that the processor has.
 ///
 /// # Accuracy

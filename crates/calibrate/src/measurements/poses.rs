@@ -1,0 +1,254 @@
+//! Reading a list of poses: joint readings to measure at, poses to reach, or both.
+
+use super::header::{naming, no_column};
+use super::problem::{DataError, Problem};
+use super::read::{Problems, header_row, line_of, number, rows_of, unreadable};
+use super::units::Units;
+use super::{Covariate, QUATERNION_TOLERANCE};
+use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use denavit_model::{Chain, Pose, Quantity, se3};
+use std::io::Read;
+
+/// Poses, row by row in the order in which the robot takes them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Poses {
+    /// Joint values per row in the chain's coordinate order, rad or m; empty where the file has no joint columns.
+    pub joints: Vec<Vec<f64>>,
+    /// base_from_tip per row; empty where the file has no pose columns.
+    pub poses: Vec<Pose>,
+    /// Other columns that hold numbers alone, in their own units.
+    pub covariates: Vec<Covariate>,
+    /// The line of each row, counted from 1.
+    pub lines: Vec<usize>,
+}
+
+const PLACE: [&str; 3] = ["x", "y", "z"];
+const TURN: [&str; 4] = ["qx", "qy", "qz", "qw"];
+const ANGLES: [&str; 3] = ["roll", "pitch", "yaw"];
+
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    Joint(usize),
+    Place(usize),
+    Turn(usize),
+    Angle(usize),
+    Other,
+}
+
+/// Reads a list of poses for a chain.
+///
+/// # Shape and units
+/// CSV with a header row; `#` lines are comments. One column per coordinate of the chain, by name; or `x,y,z` with
+/// `qx,qy,qz,qw` or `roll,pitch,yaw` (R = Rz(yaw) Ry(pitch) Rx(roll)), the tip in the base frame; or both. `units` are
+/// the file's; the result is in m and rad.
+///
+/// # Errors
+/// All problems found, each with file and line.
+pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Poses, DataError> {
+    let mut reader = rows_of(input);
+    let mut problems = Problems::new(source);
+    let mut record = csv::StringRecord::new();
+    let (names, header_line) = header_row(&mut reader, source)?;
+    let roles = match roles(&names, chain) {
+        Ok(roles) => roles,
+        Err(found) => {
+            for problem in found {
+                problems.add(header_line, problem);
+            }
+            return Err(problems.error());
+        }
+    };
+    let mut poses = Poses { joints: Vec::new(), poses: Vec::new(), covariates: Vec::new(), lines: Vec::new() };
+    let mut others: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); names.len()];
+    loop {
+        match reader.read_record(&mut record) {
+            Ok(true) => {
+                let line = reader.position().line() - 1;
+                if record.len() == names.len() {
+                    poses.row(&record, &names, &roles, (chain, units), line, &mut problems);
+                    for (other, cell) in others.iter_mut().zip(&record) {
+                        let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
+                        *other = other.take().zip(value).map(|(mut values, value)| {
+                            values.push(value);
+                            values
+                        });
+                    }
+                } else {
+                    problems.add(line, Problem::Ragged { found: record.len(), expected: names.len() });
+                }
+            }
+            Ok(false) => break,
+            Err(error) => {
+                problems.add(line_of(&error), unreadable(&error));
+                break;
+            }
+        }
+    }
+    if poses.lines.is_empty() && problems.found.is_empty() {
+        problems.add(0, Problem::NoRows);
+    }
+    if !problems.found.is_empty() {
+        return Err(problems.error());
+    }
+    let numeric = names.into_iter().zip(roles).zip(others).filter(|((_, role), _)| *role == Role::Other);
+    poses.covariates =
+        numeric.filter_map(|((name, _), values)| values.map(|values| Covariate { name, values })).collect();
+    Ok(poses)
+}
+
+fn roles(names: &[String], chain: &Chain) -> Result<Vec<Role>, Vec<Problem>> {
+    let mut problems = naming(names)?;
+    let coordinates = chain.coordinates();
+    let within = |list: &[&str], name: &String| list.iter().position(|known| known == name);
+    let role = |name: &String| {
+        let joint = coordinates.iter().position(|coordinate| coordinate.name == *name).map(Role::Joint);
+        joint
+            .or_else(|| within(&PLACE, name).map(Role::Place))
+            .or_else(|| within(&TURN, name).map(Role::Turn))
+            .or_else(|| within(&ANGLES, name).map(Role::Angle))
+            .unwrap_or(Role::Other)
+    };
+    let roles: Vec<Role> = names.iter().map(role).collect();
+    let has = |wanted: fn(&Role) -> bool| roles.iter().any(wanted);
+    let has_joints = has(|role| matches!(role, Role::Joint(_)));
+    let has_pose = has(|role| matches!(role, Role::Place(_) | Role::Turn(_)));
+    if !has_joints && !has_pose && problems.is_empty() {
+        let joints = coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
+        problems.push(Problem::NeitherJointsNorPose { joints });
+    }
+    if has_joints {
+        let free: Vec<&str> =
+            names.iter().zip(&roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str()).collect();
+        for (index, coordinate) in coordinates.iter().enumerate() {
+            if !roles.contains(&Role::Joint(index)) {
+                problems.push(no_column(coordinate, free.iter().copied(), coordinates));
+            }
+        }
+    }
+    if has_pose {
+        let by_angles = has(|role| matches!(role, Role::Angle(_))) && !has(|role| matches!(role, Role::Turn(_)));
+        let turn: &[&str] = if by_angles { &ANGLES } else { &TURN };
+        let group: Vec<&str> = PLACE.iter().chain(turn).copied().collect();
+        let present = group.iter().find(|name| names.iter().any(|known| known == *name));
+        for missing in group.iter().filter(|name| names.iter().all(|known| known != *name)) {
+            problems.push(Problem::Incomplete {
+                missing: (*missing).into(),
+                present: present.map_or_else(String::new, |name| (*name).into()),
+                group: group.join(", "),
+            });
+        }
+    }
+    if problems.is_empty() { Ok(roles) } else { Err(problems) }
+}
+
+impl Poses {
+    fn row(
+        &mut self,
+        record: &csv::StringRecord,
+        names: &[String],
+        roles: &[Role],
+        (chain, units): (&Chain, Units),
+        line: u64,
+        problems: &mut Problems<'_>,
+    ) {
+        let coordinates = chain.coordinates();
+        let mut joints = vec![0.0; coordinates.len()];
+        let (mut place, mut turn, mut angles) = ([0.0; 3], [0.0; 4], [0.0; 3]);
+        let mut good = true;
+        for ((cell, name), role) in record.iter().zip(names).zip(roles) {
+            if *role == Role::Other {
+                continue;
+            }
+            let value = number(name, cell).unwrap_or_else(|problem| {
+                problems.add(line, problem);
+                good = false;
+                0.0
+            });
+            match *role {
+                Role::Joint(index) if coordinates[index].quantity == Quantity::Length => {
+                    joints[index] = value * units.length;
+                }
+                Role::Joint(index) => joints[index] = value * units.angle,
+                Role::Place(index) => place[index] = value * units.length,
+                Role::Turn(index) => turn[index] = value,
+                Role::Angle(index) => angles[index] = value * units.angle,
+                Role::Other => {}
+            }
+        }
+        let has = |wanted: fn(&Role) -> bool| roles.iter().any(wanted);
+        if has(|role| matches!(role, Role::Joint(_))) {
+            self.joints.push(joints);
+        }
+        if has(|role| matches!(role, Role::Place(_))) {
+            let rotation = if has(|role| matches!(role, Role::Turn(_))) {
+                rotation(turn).unwrap_or_else(|length| {
+                    if good {
+                        problems.add(line, Problem::NotAUnitQuaternion { length });
+                    }
+                    Rotation3::identity()
+                })
+            } else {
+                se3::rotation_from_rpy(angles)
+            };
+            self.poses.push(se3::pose(rotation, Vector3::from(place)));
+        }
+        self.lines.push(usize::try_from(line).unwrap_or(usize::MAX));
+    }
+}
+
+/// The rotation of a quaternion x, y, z, w; its length where that is not 1.
+fn rotation([x, y, z, w]: [f64; 4]) -> Result<Rotation3<f64>, f64> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    let length = quaternion.norm();
+    if (length - 1.0).abs() > QUATERNION_TOLERANCE {
+        return Err(length);
+    }
+    Ok(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use denavit_model::examples;
+
+    fn read_text(text: &str) -> Result<Poses, String> {
+        let units = "mm,deg".parse().unwrap();
+        read("p.csv", text.as_bytes(), &examples::planar_arm(), units).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn joints_poses_and_what_comes_along_are_read_in_their_units() {
+        let poses = read_text("# made by hand\njoint_1,joint_2,payload,word\n90,-180,2.5,a\n").unwrap();
+        assert_eq!(poses.joints, [[90f64.to_radians(), -std::f64::consts::PI]]);
+        assert!(poses.poses.is_empty());
+        assert_eq!(poses.covariates, [Covariate { name: "payload".into(), values: vec![2.5] }]);
+        assert_eq!(poses.lines, [3]);
+        let by_quaternion = read_text("x,y,z,qx,qy,qz,qw\n1000,0,0,0,0,1,0\n").unwrap();
+        let by_angles = read_text("x,y,z,roll,pitch,yaw\n1000,0,0,0,0,180\n").unwrap();
+        let (turned, moved) = se3::difference(&by_quaternion.poses[0], &by_angles.poses[0]);
+        assert!(turned < 1e-15 && moved == 0.0 && by_angles.poses[0].translation.x == 1.0);
+    }
+
+    #[test]
+    fn problems_are_named_with_their_line() {
+        let failed = |text: &str| read_text(text).unwrap_err();
+        assert!(
+            failed("a,b\n1,2\n").starts_with("p.csv:1: no column is a joint's or a pose's; there must be one for each")
+        );
+        assert!(failed("joint_1,joint2\n1,2\n").contains("did you mean it by column \"joint2\"?"));
+        assert_eq!(
+            failed("x,y,qx,qy,qz,qw\n1,2,0,0,0,1\n"),
+            "p.csv:1: column \"z\" is missing beside \"x\"; x, y, z, qx, qy, qz, qw belong together"
+        );
+        assert_eq!(
+            failed("joint_1,joint_2\n1,nan\n1\n"),
+            "p.csv:2: column \"joint_2\": \"nan\" is not finite; correct the cell or remove the row\n\
+             p.csv:3: 1 cells, but the header names 2 columns; write an empty cell for what was not seen"
+        );
+        assert!(failed("x,y,z,qx,qy,qz,qw\n1,0,0,0,0,1,1\n").contains("the quaternion has length 1.414214, not 1"));
+        assert_eq!(
+            failed("joint_1,joint_2\n"),
+            "p.csv: there are no rows below the header; each row is one pose of the robot"
+        );
+    }
+}

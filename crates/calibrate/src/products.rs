@@ -1,0 +1,131 @@
+//! Products of columns of numbers, formed in vectors of the machine, several columns at a time.
+
+use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
+
+/// Columns on the left and on the right whose products are formed at once: as many sums as registers hold.
+pub(crate) const TILE: (usize, usize) = (4, 2);
+
+/// Products of columns of `rows` cells: one per column of `left`, for each column of `right`.
+pub(crate) fn products(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
+    if rows == 0 {
+        return Vec::new();
+    }
+    let mut result = vec![0.0; (left.len() / rows) * (right.len() / rows)];
+    dispatch!(Level::new(), simd => products_into(simd, left, right, rows, &mut result));
+    result
+}
+
+#[inline(always)]
+fn products_into<S: Simd>(simd: S, left: &[f64], right: &[f64], rows: usize, result: &mut [f64]) {
+    let (count, others) = (left.len() / rows, right.len() / rows);
+    let (whole, whole_others) = (count - count % TILE.0, others - others % TILE.1);
+    let sides = (Columns { cells: left, stride: rows }, Columns { cells: right, stride: rows });
+    for r in (0..whole_others).step_by(TILE.1) {
+        for l in (0..whole).step_by(TILE.0) {
+            add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, result);
+        }
+        for l in whole..count {
+            add_tile::<S, 1, { TILE.1 }>(simd, sides, rows, (l, r), count, result);
+        }
+    }
+    for r in whole_others..others {
+        for l in (0..whole).step_by(TILE.0) {
+            add_tile::<S, { TILE.0 }, 1>(simd, sides, rows, (l, r), count, result);
+        }
+        for l in whole..count {
+            add_tile::<S, 1, 1>(simd, sides, rows, (l, r), count, result);
+        }
+    }
+}
+
+/// Adds to `sums` the products of columns with those to their right and with themselves.
+///
+/// # Shape and units
+/// `cells`: columns of `stride` cells, of which the first `rows` count; as many columns as [`TILE`] goes into. `sums`:
+/// square, the product of columns l ≤ r at `r * count + l`; some others are touched, too.
+pub(crate) fn add_gram(cells: &[f64], stride: usize, rows: usize, sums: &mut [f64]) {
+    dispatch!(Level::new(), simd => add_gram_in(simd, cells, stride, rows, sums));
+}
+
+#[inline(always)]
+fn add_gram_in<S: Simd>(simd: S, cells: &[f64], stride: usize, rows: usize, sums: &mut [f64]) {
+    let count = cells.len() / stride;
+    let sides = (Columns { cells, stride }, Columns { cells, stride });
+    for r in (0..count).step_by(TILE.1) {
+        for l in (0..r + TILE.1).step_by(TILE.0) {
+            add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, sums);
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Columns<'a> {
+    cells: &'a [f64],
+    stride: usize,
+}
+
+impl<'a> Columns<'a> {
+    #[inline(always)]
+    fn some<const N: usize>(self, first: usize, rows: usize) -> [&'a [f64]; N] {
+        let mut columns = [&self.cells[..0]; N];
+        for (k, column) in columns.iter_mut().enumerate() {
+            *column = &self.cells[(first + k) * self.stride..(first + k) * self.stride + rows];
+        }
+        columns
+    }
+}
+
+/// Adds the products of `L` columns from `l` on with `R` from `r` on.
+#[inline(always)]
+fn add_tile<S: Simd, const L: usize, const R: usize>(
+    simd: S,
+    (left, right): (Columns, Columns),
+    rows: usize,
+    (l, r): (usize, usize),
+    count: usize,
+    result: &mut [f64],
+) {
+    let lanes = S::f64s::LEN;
+    let (lefts, rights): ([&[f64]; L], [&[f64]; R]) = (left.some(l, rows), right.some(r, rows));
+    let mut sums = [[S::f64s::splat(simd, 0.0); R]; L];
+    let whole = rows - rows % lanes;
+    for at in (0..whole).step_by(lanes) {
+        let mut b = [S::f64s::splat(simd, 0.0); R];
+        for k in 0..R {
+            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + lanes]);
+        }
+        for i in 0..L {
+            let a = S::f64s::from_slice(simd, &lefts[i][at..at + lanes]);
+            for k in 0..R {
+                sums[i][k] = a.mul_add(b[k], sums[i][k]);
+            }
+        }
+    }
+    for i in 0..L {
+        for k in 0..R {
+            let rest: f64 = lefts[i][whole..].iter().zip(&rights[k][whole..]).map(|(a, b)| a * b).sum();
+            result[(r + k) * count + l + i] += sums[i][k].as_slice().iter().sum::<f64>() + rest;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_sums_over_the_rows() {
+        let cell = |k: usize| (k as f64 * 0.7).sin();
+        for (rows, count, others) in [(1, 1, 1), (19, 5, 3), (32, 9, 4)] {
+            let (left, right): (Vec<f64>, Vec<f64>) =
+                ((0..rows * count).map(cell).collect(), (0..rows * others).map(|k| cell(k + 50)).collect());
+            let found = products(&left, &right, rows);
+            for r in 0..others {
+                for l in 0..count {
+                    let sum: f64 = (0..rows).map(|i| left[l * rows + i] * right[r * rows + i]).sum();
+                    assert!((found[r * count + l] - sum).abs() < 1e-13);
+                }
+            }
+        }
+    }
+}

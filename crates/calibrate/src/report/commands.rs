@@ -1,0 +1,145 @@
+//! Compensated joint commands as text, CSV and JSON.
+
+use crate::compensate::Command;
+use denavit_model::Chain;
+use serde_json::{Map, Value, json};
+use std::fmt::Write;
+
+/// Version of the JSON.
+pub const SCHEMA: &str = "denavit.commands/1";
+
+/// How far a command may miss and still count as one that reaches its pose: m and rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    /// m.
+    pub position: f64,
+    /// rad.
+    pub orientation: f64,
+}
+
+impl Allowed {
+    /// Whether the command reaches its pose and keeps the limits.
+    pub fn met_by(&self, command: &Command) -> bool {
+        self.reached_by(command) && command.outside.is_empty()
+    }
+
+    /// Whether the command reaches its pose.
+    pub fn reached_by(&self, command: &Command) -> bool {
+        command.position_error <= self.position && command.orientation_error <= self.orientation
+    }
+}
+
+/// What is expected of the commands that reach their poses, and the rows of `lines` that do not or that leave the limits.
+pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> String {
+    let reached: Vec<&Command> = commands.iter().filter(|command| allowed.reached_by(command)).collect();
+    let mut text = format!("{} of {} poses reached", reached.len(), commands.len());
+    if !reached.is_empty() {
+        let rms = |of: fn(&Command) -> f64| {
+            (reached.iter().map(|command| of(command).powi(2)).sum::<f64>() / reached.len() as f64).sqrt() * 1e3
+        };
+        let most = |of: fn(&Command) -> f64| reached.iter().map(|command| of(command)).fold(0.0, f64::max) * 1e3;
+        let (before, after) = (|command: &Command| command.uncompensated.0, |command: &Command| command.position_error);
+        let _ = write!(
+            text,
+            "; expected miss, mm: {:.4} rms, {:.4} at most by the nominal commands, {:.4} rms, {:.4} at most by these",
+            rms(before),
+            most(before),
+            rms(after),
+            most(after)
+        );
+    }
+    text.push('\n');
+    for (command, line) in commands.iter().zip(lines) {
+        if !allowed.reached_by(command) {
+            let _ = writeln!(
+                text,
+                "line {line}: out of reach; the nearest is {:.4} mm and {:.4} mrad away",
+                command.position_error * 1e3,
+                command.orientation_error * 1e3
+            );
+        }
+        if !command.outside.is_empty() {
+            let _ = writeln!(text, "line {line}: outside of the limits of {}", command.outside.join(", "));
+        }
+    }
+    text
+}
+
+/// Commands as CSV: `comments`, then joint values (rad, m) and what each is expected to miss with and without compensation
+/// (m, rad), to 1 nm and 1 nrad.
+pub fn to_csv(chain: &Chain, commands: &[Command], allowed: Allowed, comments: &str) -> String {
+    let mut text = String::new();
+    for line in comments.lines() {
+        let _ = writeln!(text, "# {line}");
+    }
+    let mut header: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
+    header.extend(["position_error_m", "orientation_error_rad", "uncompensated_m", "uncompensated_rad", "state"]);
+    let _ = writeln!(text, "{}", header.join(","));
+    for command in commands {
+        let mut cells: Vec<String> = command.joints.iter().map(|value| format!("{value:.9}")).collect();
+        let (moved, turned) = command.uncompensated;
+        let errors = [command.position_error, command.orientation_error, moved, turned];
+        cells.extend(errors.iter().map(|error| format!("{error:.9}")));
+        cells.push(state(command, allowed).into());
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
+
+fn state(command: &Command, allowed: Allowed) -> &'static str {
+    match (allowed.reached_by(command), command.outside.is_empty()) {
+        (true, true) => "reached",
+        (true, false) => "outside of limits",
+        (false, _) => "out of reach",
+    }
+}
+
+/// Commands as JSON; `lines`: those of the wanted poses in their file.
+pub fn to_json(chain: &Chain, commands: &[Command], lines: &[usize], allowed: Allowed) -> String {
+    let named = |values: &[f64]| -> Map<String, Value> {
+        chain.coordinates().iter().zip(values).map(|(joint, value)| (joint.name.clone(), json!(value))).collect()
+    };
+    let entry = |(command, line): (&Command, &usize)| {
+        json!({
+            "line": line,
+            "state": state(command, allowed),
+            "joints": named(&command.joints),
+            "nominal": named(&command.nominal),
+            "position_error_m": command.position_error,
+            "orientation_error_rad": command.orientation_error,
+            "uncompensated_m": command.uncompensated.0,
+            "uncompensated_rad": command.uncompensated.1,
+            "outside": command.outside,
+        })
+    };
+    let value = json!({
+        "schema": SCHEMA,
+        "robot": chain.name(),
+        "base": chain.base(),
+        "tip": chain.tip(),
+        "allowed": {"position_m": allowed.position, "orientation_rad": allowed.orientation},
+        "commands": commands.iter().zip(lines).map(entry).collect::<Vec<_>>(),
+    });
+    serde_json::to_string_pretty(&value).expect("names are texts and numbers are numbers") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensate::{Wanted, compensate};
+    use denavit_model::examples;
+
+    #[test]
+    fn commands_have_a_header_and_a_line_each() {
+        let chain = examples::puma_like();
+        let wanted = Wanted::Joints(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        let command = compensate(&chain, &chain, &|q| chain.fk(q), &wanted, &[0.0; 6]);
+        let text = to_csv(&chain, &[command], Allowed { position: 1e-6, orientation: 1e-6 }, "made here");
+        assert_eq!(text.lines().count(), 3);
+        let last = text.lines().last().unwrap_or_default();
+        assert!(
+            last.starts_with("0.100000000,0.200000000,0.300000000,0.400000000,") && last.ends_with(",reached"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,317 @@
+//! Arguments of the commands about measuring, calibrating and compensating.
+
+use super::RobotArguments;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// What an instrument measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MeasureName {
+    /// Position and orientation of a target: x,y,z,qx,qy,qz,qw
+    Poses,
+    /// Position of one or several targets: x,y,z or x1,y1,z1,x2,…
+    Positions,
+    /// Distance of a target from one fixed anchor, as a draw-wire sensor measures it
+    Distances,
+}
+
+/// What effects follow, where no file says it.
+#[derive(Debug, Args)]
+pub struct GivenArguments {
+    /// Value of a quantity that an effect follows: payload=2.5 (kg, else 0), temperature=31 (°C), time=3600 (s),
+    /// elbow_joint.approach=1
+    #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',', allow_hyphen_values = true)]
+    pub given: Vec<String>,
+}
+
+const CALIBRATE_EXAMPLES: &str = "\
+The data are CSV: a column per joint, named as in the URDF (rad, m), and x,y,z of a target on the tip (m), or \
+x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor. Where the instrument stands and \
+where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
+other numeric columns are what effects may follow.
+
+Examples:
+  denavit calibrate arm.urdf --data train.csv --test test.csv
+  denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
+  denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
+  denavit calibrate ur5e.urdf --data d.csv --dh ur_kinematics.yaml       for ur_description
+  some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
+
+See docs/calibration.md and docs/effects.md.";
+
+/// Arguments of `denavit calibrate`.
+#[derive(Debug, Args)]
+#[command(after_help = CALIBRATE_EXAMPLES)]
+pub struct CalibrateArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Measurements to fit, or - for standard input
+    #[arg(long, value_name = "FILE")]
+    pub data: String,
+    /// Measurements to judge by, never fitted
+    #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
+    pub test: Option<String>,
+    /// Without --test: share of the rows to keep for judging
+    #[arg(long, value_name = "SHARE")]
+    pub hold_out: Option<f64>,
+    /// Seed of the choice of rows held out
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// What is fitted beside the axes.
+    #[command(flatten)]
+    pub freedom: FreedomArguments,
+    /// Effects to look for behind the geometry: none, auto, or kinds such as backlash,joint_compliance
+    #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
+    pub effects: Vec<String>,
+    /// No more effects than this
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub max_effects: usize,
+    /// Motor turns per joint turn: NAME=RATIO
+    #[arg(long, value_name = "RATIO", value_delimiter = ',')]
+    pub gear_ratio: Vec<String>,
+    /// Write the result as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the result as a page with plots
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+    /// Write the calibrated URDF
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// Write the calibrated D-H table; the extension chooses the format (csv, json, md, tex, txt; yaml: the kinematics
+    /// file of a UR arm)
+    #[arg(long, value_name = "FILE")]
+    pub dh: Option<PathBuf>,
+    /// Write the effects as JSON, for fk, compensate and simulate
+    #[arg(long, value_name = "FILE")]
+    pub effects_out: Option<PathBuf>,
+}
+
+/// What is fitted beside the axes.
+#[derive(Debug, Args)]
+pub struct FreedomArguments {
+    /// Joints whose scale is fitted, too (the paper's normalisation factor): names, or all
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    pub scales: Vec<String>,
+    /// Revolute joints whose pitch is fitted, too (the paper's h): names, or all
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    pub pitches: Vec<String>,
+}
+
+const IDENTIFY_EXAMPLES: &str = "\
+Prints the count 5h + 4r + 2t + n + 6 of Wu, Crawford and Roberts (h screws, r revolute joints, t slides, n scales) \
+for poses, positions and distances, and beside it the rank of the identification Jacobian; names what cannot be told and \
+why; then the same for the D-H form.
+
+Examples:
+  denavit identify arm.urdf                     what any measurement could tell
+  denavit identify arm.urdf --data poses.csv    what measuring at these joint values can tell
+  denavit identify arm.urdf --scales all --json";
+
+/// Arguments of `denavit identify`.
+#[derive(Debug, Args)]
+#[command(after_help = IDENTIFY_EXAMPLES)]
+pub struct IdentifyArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Joint values to measure at: a measurement file or a plan, or - for standard input [default: spread over the joint
+    /// range]
+    #[arg(long, value_name = "FILE", conflicts_with = "rows")]
+    pub data: Option<String>,
+    /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// Targets on the tip that a position measurement sees
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub targets: u16,
+    /// Configurations spread over the joint range
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
+    pub rows: u16,
+    /// What is fitted beside the axes.
+    #[command(flatten)]
+    pub freedom: FreedomArguments,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const PLAN_EXAMPLES: &str = "\
+Chooses, among candidates within the joint limits, the poses that make the determinant of the information largest \
+(D-optimal), and prints the observability indices O1 to O5 beside those of random poses. Nothing is known of obstacles: \
+look at the poses before the robot takes them.
+
+Examples:
+  denavit plan arm.urdf --count 40 -o poses.csv
+  denavit plan arm.urdf --count 40 --measure distances --box 0.2,1,-0.5,0.5,0,1
+  denavit plan arm.urdf --count 25 --candidates safe_poses.csv --json";
+
+/// Arguments of `denavit plan`.
+#[derive(Debug, Args)]
+#[command(after_help = PLAN_EXAMPLES)]
+pub struct PlanArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Poses to choose
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub count: u16,
+    /// What will be measured
+    #[arg(long, value_enum, default_value_t = MeasureName::Positions)]
+    pub measure: MeasureName,
+    /// CSV of joint values to choose from [default: spread over the joint limits]
+    #[arg(long, value_name = "FILE")]
+    pub candidates: Option<String>,
+    /// How many to spread over the joint limits
+    #[arg(long, value_name = "N", default_value_t = 1000, conflicts_with = "candidates",
+        value_parser = clap::value_parser!(u16).range(1..))]
+    pub spread: u16,
+    /// Units of the candidates: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// Box in which the target must stay, base frame, m
+    #[arg(long, value_name = "X0,X1,Y0,Y1,Z0,Z1", value_delimiter = ',', allow_hyphen_values = true)]
+    pub r#box: Vec<f64>,
+    /// Where the target sits on the tip, m
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, default_value = "0.1,0,0.1")]
+    pub target: Vec<f64>,
+    /// Where the anchor of a distance instrument stands, base frame, m [default: the arm's size away]
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
+    pub anchor: Vec<f64>,
+    /// Seed of the spread candidates and of the random poses that the plan is compared with
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+An effect is KIND@PLACE=STRENGTH: one of the kinds of docs/effects.md; a joint's name or base, links, target, \
+anchor, instrument, \"wire zero\", \"all joints\"; what it moves the measured values by (0.3mm, root mean square) or its \
+coefficient in SI units. What a kind leaves open is set as KIND@PLACE:order=3=0.1mm (order; at and width; step; with).
+
+Examples:
+  denavit simulate arm.urdf -o data.csv --rows 120 --seed 7
+  denavit simulate arm.urdf -o train.csv --test test.csv --effect backlash@elbow_joint=0.1mm
+  denavit simulate arm.urdf -o d.csv --columns temperature --effect thermal@base=0.2mm
+  denavit simulate arm.urdf -o d.csv --poses plan.csv --effects effects.json --truth truth.json";
+
+/// Arguments of `denavit simulate`.
+#[derive(Debug, Args)]
+#[command(after_help = SIMULATE_EXAMPLES)]
+pub struct SimulateArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Write the measurements, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Rows to measure, at random joint values within the limits
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub rows: u32,
+    /// CSV of joint values to measure at, such as a plan, instead of random ones
+    #[arg(long, value_name = "FILE", conflicts_with = "rows")]
+    pub poses: Option<String>,
+    /// Same seed, same files
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// What is measured
+    #[arg(long, value_enum, default_value_t = MeasureName::Positions)]
+    pub measure: MeasureName,
+    /// Targets on the tip that a position measurement sees
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub targets: u16,
+    /// How far each axis is from its drawing, standard deviations: mm and mrad
+    #[arg(long, value_name = "MM,MRAD", value_delimiter = ',', allow_hyphen_values = true, default_value = "1,1")]
+    pub geometry_error: Vec<f64>,
+    /// Noise of each measured component, standard deviations: mm, and mrad for poses
+    #[arg(
+        long,
+        value_name = "MM,MRAD",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_value = "0.05,0.05"
+    )]
+    pub noise: Vec<f64>,
+    /// Share of rows with a gross error of 5 to 50 mm
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub outliers: f64,
+    /// Effect on the robot or its instrument: KIND@PLACE=STRENGTH; may be given several times
+    #[arg(long, value_name = "EFFECT", allow_hyphen_values = true)]
+    pub effect: Vec<String>,
+    /// Effects that `denavit calibrate --effects-out` wrote
+    #[arg(long, value_name = "FILE")]
+    pub effects: Option<String>,
+    /// What is recorded beside the measurements: time, temperature, payload, approach, velocity, or JOINT.temperature …
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub columns: Vec<String>,
+    /// Write rows for a test, too: the same robot, measured after the others
+    #[arg(long, value_name = "FILE")]
+    pub test: Option<PathBuf>,
+    /// Rows of the test
+    #[arg(long, value_name = "N", default_value_t = 40, requires = "test",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub test_rows: u32,
+    /// Write what the files were made of, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+}
+
+const COMPENSATE_EXAMPLES: &str = "\
+ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and \
+qx,qy,qz,qw or roll,pitch,yaw; or joint values, which stand for the pose that the nominal robot has there; with both, the \
+joint values are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of \
+approach are those of the row order unless given. The commands keep their poses' order. Rows that are out of reach or \
+outside of the limits are named, and the exit code is then 1. Fewer than six joints cannot correct every direction: place \
+goes first, and --allowed-miss says what direction may be off.
+
+Examples:
+  denavit compensate as_it_is.urdf --from arm.urdf --poses poses.csv -o commands.csv
+  denavit compensate as_it_is.urdf --effects effects.json --poses poses.csv --json";
+
+/// Arguments of `denavit compensate`.
+#[derive(Debug, Args)]
+#[command(after_help = COMPENSATE_EXAMPLES)]
+pub struct CompensateArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Poses to reach, or - for standard input
+    #[arg(long, value_name = "FILE")]
+    pub poses: String,
+    /// Units of the poses: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// The robot as drawn, that the controller believes in [default: the one kept in the file of effects, else ROBOT]
+    #[arg(long, value_name = "ROBOT")]
+    pub from: Option<String>,
+    /// Effects that act on the robot: what `denavit calibrate --effects-out` wrote
+    #[arg(long, value_name = "FILE")]
+    pub effects: Option<String>,
+    /// What the effects follow.
+    #[command(flatten)]
+    pub given: GivenArguments,
+    /// How far a command may miss its pose and still count as reaching it: mm and mrad
+    #[arg(
+        long,
+        value_name = "MM,MRAD",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_value = "0.001,0.001"
+    )]
+    pub allowed_miss: Vec<f64>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
