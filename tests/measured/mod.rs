@@ -98,6 +98,16 @@ fn plans_simulations_and_counts() {
 }
 
 #[test]
+fn a_measurement_file_is_asked_what_it_can_tell() {
+    let file = robot("universal_robots/ur5e_tracker.csv");
+    let found = json(&denavit(&["identify", &ur5e(), "--data", &file, "--json"]).succeeded());
+    assert_eq!(found["rows"], 120);
+    for (kind, rank) in found["poe"].as_array().unwrap().iter().zip([30, 27, 24]) {
+        assert_eq!((&kind["expected"], &kind["rank"]), (&rank.into(), &rank.into()));
+    }
+}
+
+#[test]
 fn a_joint_that_never_moves_is_named() {
     let folder = Folder::new();
     let rows = (0..30).map(|k| {

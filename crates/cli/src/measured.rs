@@ -66,15 +66,9 @@ pub fn pose_list(file: &str, chain: &Chain, written: &str) -> Result<Poses, Fail
 
 /// Reads joint values.
 pub fn joint_values(file: &str, chain: &Chain, written: &str) -> Result<Vec<Vec<f64>>, Failure> {
-    let poses = pose_list(file, chain, written)?;
-    if poses.joints.is_empty() {
-        let names: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
-        return Err(Failure::Argument(format!(
-            "{file}: joint values are needed here; give a column for each of {}",
-            names.join(", ")
-        )));
-    }
-    Ok(poses.joints)
+    let units = units(written)?;
+    let (name, text) = source::read_text(file)?;
+    Ok(poses::read_joints(&name, text.as_bytes(), chain, units)?)
 }
 
 /// Reads effects; without a file there are none.
@@ -96,10 +90,10 @@ pub fn given(arguments: &GivenArguments) -> Result<Vec<(String, f64)>, Failure> 
     arguments.given.iter().map(pair).collect()
 }
 
-/// Whether everything that the effects follow is known; `known` says so of a name.
+/// Whether everything is known that the effects with a part in where the tip is follow; `known` says so of a name.
 pub fn all_known(file: &str, model: &EffectModel, known: &dyn Fn(&str) -> bool) -> Result<(), Failure> {
     let chain = &model.statics.chain;
-    for effect in &model.effects {
+    for effect in model.effects.iter().filter(|effect| recorded::moves_the_tip(&effect.term)) {
         for name in recorded::needed(&effect.term, chain) {
             if !known(&name) {
                 let name = recorded::plain(&name);

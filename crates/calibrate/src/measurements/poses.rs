@@ -45,11 +45,23 @@ enum Role {
 /// # Errors
 /// All problems found, each with file and line.
 pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Poses, DataError> {
+    read_as(source, input, chain, units, true)
+}
+
+/// Reads joint values alone, from a list of poses, a plan or a measurement file: one value per coordinate and row, rad or m.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_joints(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Vec<Vec<f64>>, DataError> {
+    Ok(read_as(source, input, chain, units, false)?.joints)
+}
+
+fn read_as(source: &str, input: impl Read, chain: &Chain, units: Units, with_poses: bool) -> Result<Poses, DataError> {
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
     let (names, header_line) = header_row(&mut reader, source)?;
-    let roles = match roles(&names, chain) {
+    let roles = match roles(&names, chain, with_poses) {
         Ok(roles) => roles,
         Err(found) => {
             for problem in found {
@@ -96,27 +108,30 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
     Ok(poses)
 }
 
-fn roles(names: &[String], chain: &Chain) -> Result<Vec<Role>, Vec<Problem>> {
+fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>, Vec<Problem>> {
     let mut problems = naming(names)?;
     let coordinates = chain.coordinates();
     let within = |list: &[&str], name: &String| list.iter().position(|known| known == name);
     let role = |name: &String| {
         let joint = coordinates.iter().position(|coordinate| coordinate.name == *name).map(Role::Joint);
-        joint
-            .or_else(|| within(&PLACE, name).map(Role::Place))
-            .or_else(|| within(&TURN, name).map(Role::Turn))
-            .or_else(|| within(&ANGLES, name).map(Role::Angle))
-            .unwrap_or(Role::Other)
+        let of_pose = || {
+            let place = within(&PLACE, name).map(Role::Place);
+            place
+                .or_else(|| within(&TURN, name).map(Role::Turn))
+                .or_else(|| within(&ANGLES, name).map(Role::Angle))
+                .filter(|_| with_poses)
+        };
+        joint.or_else(of_pose).unwrap_or(Role::Other)
     };
     let roles: Vec<Role> = names.iter().map(role).collect();
     let has = |wanted: fn(&Role) -> bool| roles.iter().any(wanted);
     let has_joints = has(|role| matches!(role, Role::Joint(_)));
     let has_pose = has(|role| matches!(role, Role::Place(_) | Role::Turn(_)));
-    if !has_joints && !has_pose && problems.is_empty() {
+    if with_poses && !has_joints && !has_pose && problems.is_empty() {
         let joints = coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
         problems.push(Problem::NeitherJointsNorPose { joints });
     }
-    if has_joints {
+    if has_joints || !with_poses {
         let free: Vec<&str> =
             names.iter().zip(&roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str()).collect();
         for (index, coordinate) in coordinates.iter().enumerate() {
@@ -227,6 +242,15 @@ mod tests {
         let by_angles = read_text("x,y,z,roll,pitch,yaw\n1000,0,0,0,0,180\n").unwrap();
         let (turned, moved) = se3::difference(&by_quaternion.poses[0], &by_angles.poses[0]);
         assert!(turned < 1e-15 && moved == 0.0 && by_angles.poses[0].translation.x == 1.0);
+    }
+
+    #[test]
+    fn joints_are_read_from_a_measurement_file() {
+        let text = "joint_1,x,y,z,joint_2\n1,0,0,0,2\n";
+        let read = |text: &str| read_joints("d.csv", text.as_bytes(), &examples::planar_arm(), Units::default());
+        assert_eq!(read(text).unwrap(), [[1.0, 2.0]]);
+        let failed = read("x,y,z,joint_1\n1,0,0,0\n").unwrap_err().to_string();
+        assert!(failed.starts_with("d.csv:1: joint \"joint_2\" has no column"), "{failed}");
     }
 
     #[test]

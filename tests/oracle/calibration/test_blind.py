@@ -1,0 +1,93 @@
+"""A slice of the blind suite: files made by `generate.py`, given to `denavit calibrate` with its defaults, judged by the truth.
+
+The whole of it: suite.py makes the cases, `cargo run --release -p denavit-calibrate --example study_tracing` judges them.
+"""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from generate import make, parser
+
+TOP = Path(__file__).resolve().parents[3]
+DENAVIT = TOP / "target/release/denavit"
+# Five standard deviations of the rms over 100 test rows of three coordinates.
+CHANCE = 1 + 5 / np.sqrt(2 * 300)
+
+NAMED = [
+    ("joint_scale", "scara", "pose"),
+    ("helical_pitch", "six_axis", "position"),
+    ("transmission_error", "seven_axis", "position"),
+    ("joint_compliance", "six_axis", "position"),
+    ("backlash", "rail_six_axis", "position"),
+    ("joint_coupling", "seven_axis", "pose"),
+    ("axis_wobble", "scara", "pose"),
+    ("local_joint_error", "six_axis", "position"),
+    ("link_compliance", "rail_six_axis", "pose"),
+    ("base_compliance", "seven_axis", "pose"),
+    ("thermal", "rail_six_axis", "position"),
+    ("drift:shape=exponential", "six_axis", "position"),
+    ("latency", "scara", "pose"),
+    ("joint_compliance", "rail_six_axis", "distance"),
+    ("transmission_error:motor=1", "six_axis", "position"),
+]
+
+
+def calibrated(folder, *options):
+    """Truth and report of one case."""
+    truth = make(folder, parser().parse_args([str(folder), "--count", "200", "--test", "100", *options]))
+    command = [DENAVIT, "calibrate", folder / "nominal.urdf", "--data", folder / "train.csv", "--test", folder / "test.csv"]
+    command += ["--json", folder / "report.json"]
+    if truth["gear_ratio"]:
+        command += ["--gear-ratio", f"{truth['effects'][0]['places'][0]}={truth['gear_ratio']:g}"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    return truth, json.loads((folder / "report.json").read_text())
+
+
+def place(claim):
+    return claim.get("joint") or claim.get("where") or ""
+
+
+def of_distance(stage):
+    return stage.get("position_rms_m") or stage["distance_rms_m"]
+
+
+def attainable(truth, report):
+    numbers = report["identifiability"]["rank"] + sum(len(effect["parameters"]) for effect in report["effects"])
+    size = {"pose": 3, "position": 3, "distance": 1}[truth["measure"]]
+    per_row = 6 if truth["measure"] == "pose" else size
+    return truth["noise_m"] * np.sqrt(size) * np.sqrt(1 + numbers / (truth["count"] * per_row))
+
+
+@pytest.mark.parametrize(("effect", "arm", "measure"), NAMED)
+def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measure, tmp_path):
+    truth, report = calibrated(tmp_path / "case", "--effects", effect, "--arm", arm, "--measure", measure, "--seed", "7", "--payload")
+    hidden = truth["effects"][0]
+    where = hidden["places"][0].replace("all", "all joints") if hidden["kind"] == "latency" else hidden["places"][0]
+    for claim in report["effects"]:
+        rivals = [(rival["kind"], rival["joint"]) for rival in claim["ambiguous_with"]]
+        assert (hidden["kind"], where) in [(claim["kind"], place(claim)), *rivals], report["effects"]
+    assert report["effects"], report["unexplained"]
+    before, after = of_distance(report["stages"][1]["test"]), of_distance(report["stages"][-1]["test"])
+    print(f"{effect} on {arm}: {before * 1e3:.4f} -> {after * 1e3:.4f} mm, attainable {attainable(truth, report) * 1e3:.4f}")
+    assert after < attainable(truth, report) * (2.0 if measure == "distance" else CHANCE)
+
+
+@pytest.mark.parametrize("arm", ["six_axis", "seven_axis", "scara", "rail_six_axis"])
+def test_nothing_is_named_where_nothing_is(arm, tmp_path):
+    measure = "pose" if arm == "scara" else "position"
+    _, report = calibrated(tmp_path / "case", "--arm", arm, "--measure", measure, "--seed", "3", "--rich", "--payload")
+    assert report["effects"] == [] and not report["unexplained"]["structured"]
+
+
+@pytest.mark.parametrize("arm", ["six_axis", "rail_six_axis"])
+def test_what_no_entry_describes_is_said_to_remain_and_where(arm, tmp_path):
+    truth, report = calibrated(tmp_path / "case", "--effects", "two_joint_term", "--arm", arm, "--seed", "5")
+    places = truth["effects"][0]["places"]
+    assert report["unexplained"]["structured"]
+    assert report["unexplained"]["where"][0]["joint"] in places
+    assert {place(claim) for claim in report["effects"]} <= set(places)
