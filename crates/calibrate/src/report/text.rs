@@ -1,13 +1,15 @@
 //! A calibration as text for a terminal.
 
 use crate::calibration::Calibration;
+use crate::effects::driver::RUN_ORDER;
 use crate::errors::Errors;
-use crate::measurements::MeasurementKind;
+use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
 use crate::report::contract::Stage;
 use crate::report::findings::findings;
 use crate::solve::{Fit, Noise};
+use crate::trace::Trace;
 use std::fmt::Write;
 
 /// Prior and posterior spread are alike when their ratio is above this.
@@ -124,6 +126,27 @@ pub fn correlations<E>(fit: &Fit<E>, above: f64, most: usize) -> Vec<(String, St
     pairs
 }
 
+/// What an error on held-out rows says of an effect that follows the run: whether they lie between the fitted ones.
+fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
+    let follows = |name: &str| name == "time" || name == RUN_ORDER;
+    let Some(clock) = trace.findings.iter().find_map(|finding| finding.term.driver.covariate().filter(|n| follows(n)))
+    else {
+        return "";
+    };
+    let values = |data: &Measurements| data.covariate(clock).map(|column| column.values.clone()).unwrap_or_default();
+    let last = values(&result.train).into_iter().fold(f64::NEG_INFINITY, f64::max);
+    match result.test.as_ref().map(values) {
+        Some(test) if test.iter().all(|value| *value > last) => {
+            "the held-out rows come after the fitted ones: drift is taken to stay as it was at the end\n"
+        }
+        Some(test) if !test.is_empty() => {
+            "held-out rows lie between fitted ones in time: their error says how well the drift was followed, not how a \
+             later session will come out\n"
+        }
+        _ => "",
+    }
+}
+
 /// The whole calibration for a terminal.
 pub fn calibration(result: &Calibration) -> String {
     let report = &result.report;
@@ -156,6 +179,7 @@ pub fn calibration(result: &Calibration) -> String {
     text.push('\n');
     if let Some(trace) = &result.trace {
         text.push_str(&findings(trace));
+        text.push_str(held_out_in_time(result, trace));
     }
     let geometric = &result.identification.geometric;
     let (noise, parameters, values) = match &result.trace {

@@ -9,7 +9,7 @@ use crate::trace::select::{State, Tracer};
 use serde::Serialize;
 
 /// Rows that feel the direction less than this share of what the best row feels say too little to be drawn.
-const FEELS: f64 = 0.15;
+const FEELS: f64 = 0.3;
 
 /// What one row says of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -72,12 +72,13 @@ impl Tracer<'_> {
         let points = after.iter().enumerate().filter_map(of_row).collect();
         let place = candidate.term.carrier.place(&self.statics.chain);
         let unit = candidate.term.carrier.unit(&self.statics.chain, direction);
-        let (abscissa, ordinate) = match (candidate.term.coupling, driver) {
-            (Coupling::Each, Some((abscissa, _))) => {
-                let words = candidate.term.carrier.direction_name(direction).replace('_', " ");
-                (abscissa, format!("{place} {words}, {unit}").replace(" ,", ","))
-            }
-            _ => ("what the effect does, in units of the noise".into(), "residual, in units of the noise".into()),
+        let (abscissa, ordinate) = if candidate.term.coupling == Coupling::Paired {
+            ("what the effect does, in units of the noise".into(), "residual, in units of the noise".into())
+        } else {
+            let words = candidate.term.carrier.direction_name(direction).replace('_', " ");
+            let does = || format!("what the effect does, {unit}");
+            let ordinate = format!("{place} {words}, {unit}").replace(" ,", ",");
+            (driver.map_or_else(does, |(abscissa, _)| abscissa), ordinate)
         };
         Portrait { abscissa, ordinate, points }
     }
