@@ -96,7 +96,8 @@ def backlash(rng, arm, side=None):
     i = _pick(rng, arm, ("revolute", "prismatic"))
     side = side or str(rng.choice(["approach", "row order", "gravity"]))
     if side == "gravity":
-        i = int(rng.choice([1, 2, 3])) if arm.name != "scara" else i
+        # Joints that stand upright are not pushed by gravity.
+        i = int(rng.choice([2, 3] if arm.name == "rail_six_axis" else [1, 2, 3])) if arm.name != "scara" else i
         if arm.name == "scara":
             side = "approach"
     def act(size):

@@ -1,9 +1,11 @@
-"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|all] [--first-seed N] [--nulls N]
+"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|distances|motors|all] [--first-seed N] [--nulls N]
 
 singles  every kind on every arm that can show it, at strengths 1, 2, 5, 20 times the noise
 pairs    two and three kinds at once, strength 5
 nulls    no effect, every covariate in the file
 aliens   what no entry of the catalogue describes, strength 5
+distances    kinds that one distance to each pose can show, 400 rows, strengths 2 and 5
+motors   transmission errors of the motor side, the gear ratio given, at strengths 1, 2, 5, 20
 """
 
 import argparse
@@ -18,6 +20,7 @@ from effects import ALIENS, KINDS
 from generate import make, parser
 
 STRENGTHS = (1, 2, 5, 20)
+BY_DISTANCE = ("joint_scale", "transmission_error", "joint_compliance", "backlash", "local_joint_error", "thermal", "latency")
 # On a SCARA the weight never changes the tilt of an axis that stands upright, and only the payload moves the quill; a
 # scale of the instrument shows on slides alone, and is then the slide's own scale.
 CANNOT_SHOW = {("scara", "joint_compliance"), ("scara", "base_compliance"), ("six_axis", "instrument_scale"),
@@ -29,8 +32,9 @@ def case(out, arm, words, name, seed, rng):
     effects = words.get("effects", "none")
     arguments = [str(out / name), "--arm", arm, "--seed", str(seed), "--effects", effects, "--strength", str(words.get("strength", 5))]
     needs_angles = any(kind in effects for kind in ("joint_coupling", "axis_wobble", "link_compliance")) or arm == "scara"
-    measure = "pose" if needs_angles else str(rng.choice(["position", "position", "pose"]))
-    arguments += ["--measure", measure, "--count", str(int(rng.choice([200, 250, 400])))]
+    measure = words.get("measure") or ("pose" if needs_angles else str(rng.choice(["position", "position", "pose"])))
+    count = 400 if measure == "distance" else int(rng.choice([200, 250, 400]))
+    arguments += ["--measure", measure, "--count", str(count)]
     if measure == "position":
         arguments += ["--targets", str(int(rng.choice([1, 1, 3])))]
     if words.get("rich", rng.random() < 0.4):
@@ -65,6 +69,12 @@ def cases(out, part, first_seed, nulls):
         for alien, arm in product(ALIENS, ARMS):
             for _ in range(3):
                 add(arm, {"effects": alien, "strength": 5}, f"odd_{seed}")
+    if part in ("distances", "all"):
+        for kind, arm, strength in product(BY_DISTANCE, ("six_axis", "seven_axis", "rail_six_axis"), (2, 5)):
+            add(arm, {"effects": kind, "strength": strength, "measure": "distance"}, f"wire_{strength:02d}_{seed}")
+    if part in ("motors", "all"):
+        for arm, strength in product(ARMS, STRENGTHS):
+            add(arm, {"effects": "transmission_error:motor=1", "strength": strength}, f"motor_{strength:02d}_{seed}")
     return chosen
 
 
@@ -81,7 +91,7 @@ def made(options):
 if __name__ == "__main__":
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("out", type=Path)
-    p.add_argument("--part", choices=["singles", "pairs", "nulls", "aliens", "all"], default="all")
+    p.add_argument("--part", choices=["singles", "pairs", "nulls", "aliens", "distances", "motors", "all"], default="all")
     p.add_argument("--first-seed", type=int, default=1)
     p.add_argument("--nulls", type=int, default=40)
     p.add_argument("--workers", type=int, default=1)

@@ -9,6 +9,11 @@ use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, ChainJoint, Pose, se3};
 use serde::{Deserialize, Serialize};
 
+/// Passes after which an arm that bends under its weight is taken to stand.
+const MOST_PASSES: usize = 6;
+/// A change between two passes of this size (rad, m) moves no instrument.
+const STILL: f64 = 1e-7;
+
 /// How the values of a driver meet the directions of a carrier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -126,13 +131,21 @@ impl EffectModel {
 
     /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
     ///
-    /// Where gravity bends the arm, its moment is that of the arm as bent: the second of two passes.
+    /// Where gravity bends the arm, its moment is that of the arm as bent: passes follow until it stands still.
     pub fn add_deviation(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Deviation) -> Posture {
         let mut posture = self.statics.posture(conditions, None);
         if self.effects.iter().any(|effect| effect.term.driver.feels_gravity()) {
-            let mut first = Deviation::none(joints.len());
-            self.add_for(conditions, joints, &posture, &mut first);
-            posture = self.statics.posture(conditions, Some(&first));
+            let mut given = Deviation::none(joints.len());
+            for _ in 0..MOST_PASSES {
+                let mut next = Deviation::none(joints.len());
+                self.add_for(conditions, joints, &posture, &mut next);
+                let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
+                given = next;
+                if moved < STILL {
+                    break;
+                }
+                posture = self.statics.posture(conditions, Some(&given));
+            }
         }
         self.add_for(conditions, joints, &posture, out);
         posture

@@ -12,6 +12,8 @@ use std::ops::Range;
 const FITTED: usize = 3;
 /// An effect that explains less than this share of what the present one does is no contender.
 const CONTENDS: f64 = 0.7;
+/// Fits whose criteria differ by less than this are as good as each other: beside chance, the second order differs.
+const AS_GOOD: f64 = 20.0;
 /// What a rejected row costs: about the least χ² for which a row is rejected.
 const REJECTION: f64 = 40.0;
 
@@ -23,7 +25,8 @@ impl Tracer<'_> {
     pub(crate) fn contested(&self, state: &State, contested: Range<usize>) -> Option<State> {
         let had = self.criterion(state);
         let mut best: Option<(f64, State)> = None;
-        for chosen in self.contenders(state, contested) {
+        let others = self.contenders(state, contested).into_iter().chain(with_steps_elsewhere(&state.chosen));
+        for chosen in others {
             let next = self.refitted(chosen, Some(state));
             let found = self.criterion(&next);
             if found < had - SWAP_GAIN && best.as_ref().is_none_or(|(least, _)| found < *least) {
@@ -31,6 +34,16 @@ impl Tracer<'_> {
             }
         }
         best.map(|(_, next)| self.rescanned(next))
+    }
+
+    /// Kinds and places that fit as well as one effect of a state when they take its place.
+    pub(crate) fn as_good_when_fitted(&self, state: &State, index: usize) -> Vec<(Kind, String)> {
+        let had = self.criterion(state);
+        let sets = self.contenders(state, index..index + 1).into_iter().filter(|set| set.len() == state.chosen.len());
+        sets.map(|set| self.refitted(set, Some(state)))
+            .filter(|other| other.chosen.len() == state.chosen.len() && self.criterion(other) < had + AS_GOOD)
+            .map(|other| (other.chosen[index].term.kind, other.chosen[index].term.carrier.place(&self.statics.chain)))
+            .collect()
     }
 
     /// The sets of terms that are worth a fit.
@@ -58,7 +71,6 @@ impl Tracer<'_> {
                 }
             }
         }
-        sets.extend(with_steps_elsewhere(&state.chosen));
         sets
     }
 

@@ -1,5 +1,6 @@
 //! What the search says of each effect: its numbers, how sure it is, and what it cannot be told from.
 
+use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Kind;
 use crate::effects::driver::{Driver, unit_of};
 use crate::trace::projector::Projector;
@@ -45,7 +46,7 @@ impl Tracer<'_> {
                 values: self.values(state, index, column),
                 p_value: self.corrected(own.p_value),
                 delta_bic: own.delta_bic,
-                ambiguous_with: self.rivals(&field, &rest.loose, &own),
+                ambiguous_with: self.rivals(&field, &rest.loose, &own, self.as_good_when_fitted(state, index)),
                 portrait: self.portrait(&field, &bare, state, index),
             });
             column += count;
@@ -54,7 +55,15 @@ impl Tracer<'_> {
     }
 
     /// Kinds and places that do as well as an effect in its place.
-    fn rivals(&self, field: &Field<'_>, projector: &Projector, own: &Scored) -> Vec<(Kind, String)> {
+    ///
+    /// `fitted`: those that were fitted in its place and do as well.
+    fn rivals(
+        &self,
+        field: &Field<'_>,
+        projector: &Projector,
+        own: &Scored,
+        fitted: Vec<(Kind, String)>,
+    ) -> Vec<(Kind, String)> {
         let chain = &self.statics.chain;
         let key = |scored: &Scored| (scored.candidate.term.kind, scored.candidate.term.carrier.place(chain));
         let mut best: Vec<Scored> = Vec::new();
@@ -74,7 +83,19 @@ impl Tracer<'_> {
             .filter(|scored| scored.delta_bic > own.delta_bic - TOLD_APART)
             .collect();
         rivals.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-        rivals.iter().map(key).collect()
+        let mut rivals: Vec<(Kind, String)> = rivals.iter().map(key).collect();
+        rivals.extend(fitted);
+        // One distance sees the same whether the anchor moves or the base against it.
+        if own.candidate.term.carrier == Carrier::Anchor {
+            rivals.push((own.candidate.term.kind, Carrier::Base.place(chain)));
+        }
+        let mut listed = Vec::new();
+        rivals.retain(|rival| {
+            let new = *rival != key(own) && !listed.contains(rival);
+            listed.push(rival.clone());
+            new
+        });
+        rivals
     }
 
     fn values(&self, state: &State, index: usize, first: usize) -> Vec<Value> {
