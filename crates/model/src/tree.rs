@@ -1,14 +1,12 @@
 //! From the tree to a chain: which chains there are, and the screw axes of one of them.
 
-use crate::chain::{Chain, ChainJoint, Coordinate, Quantity};
-use crate::intended;
-use crate::notes::{Note, Noted, Place};
+mod assembly;
+
+use crate::chain::Chain;
+use crate::notes::{Noted, Place};
 use crate::problems::nearest_name;
-use crate::robot::{Joint, JointKind, Origin, Robot};
-use crate::screw::{AxisLine, Pitch, Screw};
-use crate::se3::{self, Pose};
-use nalgebra::{Point3, Unit, Vector3};
-use std::borrow::Cow;
+use crate::robot::{Joint, JointKind, Robot};
+use assembly::Assembly;
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
 
@@ -21,9 +19,6 @@ pub enum Reading {
     /// Every literal is the number that it is.
     AsWritten,
 }
-
-/// Neighbouring turn and slide axes closer to parallel than this (rad) make a screw; above it they are two joints.
-const SAME_AXIS: f64 = 1e-9;
 
 /// A chain from a base link to a leaf of the tree.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -95,6 +90,9 @@ pub enum TreeError {
         source: crate::chain::ChainError,
     },
 }
+
+/// What a planar joint's three parts are called, behind its name.
+const PLANAR_PARTS: [&str; 3] = ["_x", "_y", "_yaw"];
 
 /// A step along the way from base to tip: a joint, and whether it is walked from child to parent.
 #[derive(Clone, Copy)]
@@ -291,216 +289,13 @@ impl Robot {
     }
 }
 
-/// What a planar joint's three parts are called, behind its name.
-const PLANAR_PARTS: [&str; 3] = ["_x", "_y", "_yaw"];
-
-/// A literal read as intended: enough to say later how far it moves the tip.
-struct ReadLiteral {
-    place: Place,
-    written: String,
-    angle: intended::IntendedAngle,
-    /// Reach that lay behind us when it was met, m.
-    reach_before: f64,
-}
-
-/// A chain in the making.
-struct Assembly<'a> {
-    robot: &'a Robot,
-    reading: Reading,
-    base_from_here: Pose,
-    coordinates: Vec<Coordinate>,
-    drivers: HashMap<(usize, &'static str), usize>,
-    names: DriverNames<'a>,
-    joints: Vec<ChainJoint>,
-    /// Sum of the lengths walked and the slides passed, m.
-    reach: f64,
-    literals: Vec<ReadLiteral>,
-    notes: Vec<Note>,
-}
-
-impl<'a> Assembly<'a> {
-    fn new(robot: &'a Robot, reading: Reading) -> Self {
-        Self {
-            robot,
-            reading,
-            base_from_here: Pose::identity(),
-            coordinates: Vec::new(),
-            drivers: HashMap::new(),
-            names: DriverNames::of(robot),
-            joints: Vec::new(),
-            reach: 0.0,
-            literals: Vec::new(),
-            notes: Vec::new(),
-        }
-    }
-
-    fn walk(mut self, base: usize, tip: usize, steps: &[Step]) -> Result<Noted<Chain>, TreeError> {
-        for step in steps {
-            let joint = &self.robot.joints[step.joint];
-            let length = Vector3::from(joint.origin.xyz).norm();
-            if step.upwards {
-                self.moving(step.joint, true)?;
-                let origin = self.origin(step.joint, &joint.origin);
-                self.reach += length;
-                self.base_from_here *= origin.pose().inverse();
-            } else {
-                self.reach += length;
-                let origin = self.origin(step.joint, &joint.origin);
-                self.base_from_here *= origin.pose();
-                self.moving(step.joint, false)?;
-            }
-        }
-        let robot = self.robot;
-        self.join_screws();
-        let names = (robot.name.as_str(), robot.links[base].name.as_str(), robot.links[tip].name.as_str());
-        let chain = Chain::new(names, self.coordinates, self.joints, self.base_from_here)
-            .map_err(|source| TreeError::Chain { file: robot.source.file.clone(), source })?;
-        let mut notes = self.notes;
-        notes.extend(self.literals.into_iter().map(|literal| Note::IntendedAngle {
-            tip_moves: literal.angle.change.abs() * (self.reach - literal.reach_before),
-            place: literal.place,
-            written: literal.written,
-            read_as: literal.angle.read_as,
-            change: literal.angle.change,
-        }));
-        Ok(Noted { value: chain, notes })
-    }
-
-    /// The joint's origin, its angles as intended where that is asked for.
-    fn origin(&mut self, joint: usize, origin: &'a Origin) -> Cow<'a, Origin> {
-        let (Reading::Intended, Some(written)) = (self.reading, &origin.rpy_written) else {
-            return Cow::Borrowed(origin);
-        };
-        let mut read = Cow::Borrowed(origin);
-        for (index, literal) in written.iter().enumerate() {
-            if let Some(angle) = intended::read_as(literal) {
-                read.to_mut().rpy[index] = angle.angle;
-                let place = self.robot.joint_place(joint);
-                self.literals.push(ReadLiteral { place, written: literal.clone(), angle, reach_before: self.reach });
-            }
-        }
-        read
-    }
-
-    fn moving(&mut self, index: usize, upwards: bool) -> Result<(), TreeError> {
-        let joint = &self.robot.joints[index];
-        let line = AxisLine { direction: joint.axis, point: Point3::origin() };
-        let screw = match &joint.kind {
-            JointKind::Fixed => return Ok(()),
-            JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line),
-            JointKind::Prismatic => Screw::Prismatic(joint.axis),
-            JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch },
-            JointKind::Planar => {
-                self.planar(index, joint, upwards);
-                return Ok(());
-            }
-            JointKind::Floating | JointKind::Unknown(_) => {
-                let name = |link: usize| self.robot.links[link].name.clone();
-                let (below, above) = (name(joint.child), name(joint.parent));
-                let word = joint.kind.word().to_owned();
-                return Err(TreeError::Unsupported { place: self.robot.joint_place(index), word, below, above });
-            }
-        };
-        let drive = self.robot.drive(index, &self.names)?;
-        let sign = if upwards { -1.0 } else { 1.0 };
-        let Some(driver) = drive.driver else {
-            // It follows a joint that never moves: a fixed displacement.
-            self.base_from_here *= screw.motion(sign * drive.offset);
-            return Ok(());
-        };
-        let coordinate = self.coordinate(driver, "");
-        self.push(joint.name.clone(), screw, coordinate, sign * drive.scale, sign * drive.offset);
-        Ok(())
-    }
-
-    fn push(&mut self, name: String, screw: Screw, coordinate: usize, scale: f64, offset: f64) {
-        let screw = screw.moved(&self.base_from_here);
-        let joint = ChainJoint { name, screw, coordinate, scale, offset };
-        let (lower, upper) = self.coordinates[coordinate].range();
-        let value = |q: f64| (scale * q + offset).abs();
-        self.reach += screw.pitch().unwrap_or(1.0).abs() * value(lower).max(value(upper));
-        self.joints.push(joint);
-    }
-
-    fn planar(&mut self, index: usize, joint: &Joint, upwards: bool) {
-        let normal = joint.axis;
-        // The plane's own x and y: those of the frame when the normal is z, else turned with it.
-        let across = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-        let x = Unit::new_normalize(across - normal.as_ref() * normal.dot(&across));
-        let y = Unit::new_normalize(normal.cross(&x));
-        let line = AxisLine { direction: normal, point: Point3::origin() };
-        let mut parts = [Screw::Prismatic(x), Screw::Prismatic(y), Screw::Revolute(line)]
-            .into_iter()
-            .zip(PLANAR_PARTS)
-            .collect::<Vec<_>>();
-        let sign = if upwards { -1.0 } else { 1.0 };
-        if upwards {
-            parts.reverse();
-        }
-        for (screw, part) in parts {
-            let coordinate = self.coordinate(index, part);
-            self.push(format!("{}{part}", joint.name), screw, coordinate, sign, 0.0);
-        }
-        let place = self.robot.joint_place(index);
-        let what = format!("planar joint: stands as \"{0}_x\", \"{0}_y\" (m) and \"{0}_yaw\" (rad)", joint.name);
-        self.notes.push(Note::Split { place, what });
-    }
-
-    /// Index of the coordinate of a joint's (part's) own value.
-    fn coordinate(&mut self, driver: usize, part: &'static str) -> usize {
-        if let Some(found) = self.drivers.get(&(driver, part)) {
-            return *found;
-        }
-        let joint = &self.robot.joints[driver];
-        let slides = joint.kind == JointKind::Prismatic || ["_x", "_y"].contains(&part);
-        let quantity = if slides { Quantity::Length } else { Quantity::Angle };
-        let continuous = joint.kind == JointKind::Continuous;
-        let limits = if continuous || !part.is_empty() { None } else { joint.limits };
-        self.drivers.insert((driver, part), self.coordinates.len());
-        self.coordinates.push(Coordinate { name: format!("{}{part}", joint.name), quantity, limits, continuous });
-        self.coordinates.len() - 1
-    }
-
-    /// Makes one helical joint of each turn and slide that share coordinate and axis.
-    fn join_screws(&mut self) {
-        let mut index = 0;
-        while index + 1 < self.joints.len() {
-            if let Some((joined, behind)) = joined(&self.joints[index], &self.joints[index + 1]) {
-                self.joints[index] = joined;
-                self.joints.remove(index + 1);
-                for joint in &mut self.joints[index + 1..] {
-                    joint.screw = joint.screw.moved(&behind);
-                }
-                self.base_from_here = behind * self.base_from_here;
-            }
-            index += 1;
-        }
-    }
-}
-
-/// One helical joint for two neighbours, and the constant motion of what hangs behind them.
-fn joined(one: &ChainJoint, other: &ChainJoint) -> Option<(ChainJoint, Pose)> {
-    let (turn, line, slide) = match (one.screw, other.screw) {
-        (Screw::Revolute(line), Screw::Prismatic(_)) => (one, line, other),
-        (Screw::Prismatic(_), Screw::Revolute(line)) => (other, line, one),
-        _ => return None,
-    };
-    let along = slide.screw.direction();
-    let apart = line.direction.cross(&along).norm();
-    if one.coordinate != other.coordinate || apart > SAME_AXIS {
-        return None;
-    }
-    let sense = line.direction.dot(&along).signum();
-    let pitch = Pitch::from_metres_per_radian(sense * slide.scale / turn.scale)?;
-    let left_over = sense * slide.offset - pitch.metres_per_radian() * turn.offset;
-    let behind = se3::translation(line.direction.as_ref() * left_over);
-    Some((ChainJoint { screw: Screw::Helical { axis: line, pitch }, ..turn.clone() }, behind))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::notes::Note;
+    use crate::se3;
     use crate::urdf;
+    use nalgebra::Vector3;
 
     fn robot(body: &str) -> Robot {
         urdf::read("test.urdf", &format!("<robot name=\"test\">{body}</robot>")).unwrap()
