@@ -4,6 +4,7 @@ use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::driver::Posture;
 use crate::effects::model::{EffectModel, add_sensitivity};
+use crate::gauge;
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, Layout, Parameter, ParameterKind, Sensitivity};
 use crate::residual::{Problem, Scratch, width};
@@ -15,7 +16,8 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 /// sensible size cannot do.
 const RELAXED: f64 = 10.0;
 
-/// Residual and derivatives in units of the noise; rows of the relaxed prior come after those of the data.
+/// Residual and derivatives in units of the noise; rows of the relaxed prior and of the
+/// conditions on the common frame come after those of the data.
 #[derive(Debug, Clone)]
 pub struct Linear {
     /// Measured minus predicted.
@@ -119,7 +121,11 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let prior = layout.prior.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
     let priors = prior.nrows();
     let values = kept.len() * step;
-    let total = values + priors;
+    // The common frame is held as in a fit: to first order an effect does not move along with its axis, so what in truth
+    // changes no measured value would stand in for it.
+    let held =
+        if layout.joints.is_empty() { DMatrix::zeros(columns, 0) } else { gauge::conditions(&layout, reference) };
+    let total = values + priors + held.ncols();
     let (first, last) = (layout.effects.start + own, layout.effects.end);
     let geometry_columns: Vec<usize> = (0..layout.effects.start).chain(last..columns).collect();
     let mut result = Linear {
@@ -162,6 +168,17 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         let departure = DVector::from_vec(layout.departure(&fit.arm, reference)[layout.joints.clone()].to_vec());
         result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
+    }
+    let mut held = held.select_rows(&geometry_columns);
+    let norms: Vec<f64> = result.geometry.column_iter().map(|column| column.norm()).collect();
+    for (mut row, norm) in held.row_iter_mut().zip(&norms) {
+        row.scale_mut(if *norm > 0.0 { 1.0 / norm } else { 0.0 });
+    }
+    let frame = held.qr().q();
+    for (k, condition) in frame.column_iter().enumerate() {
+        for (column, (cell, norm)) in condition.iter().zip(&norms).enumerate() {
+            result.geometry[(values + priors + k, column)] = cell * norm;
+        }
     }
     result
 }
