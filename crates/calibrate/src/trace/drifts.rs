@@ -10,19 +10,20 @@ use denavit_model::nalgebra::DMatrix;
 
 /// Pieces of the slow course that are tried under steps; 0: steps alone.
 const PIECES: [usize; 4] = [0, 5, 10, 20];
-/// A curve of no more pieces than this hides no steps.
-const COARSE: usize = 5;
+/// While the search goes on, a curve of no more pieces than this is left as it is: it may still stand in for others.
+pub(crate) const COARSE: usize = 5;
 /// Steps at one place at most.
 const MOST_STEPS: usize = 8;
 /// Places that a pass looks at before the best is refined.
 const PLACES: usize = 150;
 
 impl Tracer<'_> {
-    /// The state with its finest drift written as steps and a coarser course, where that needs fewer numbers.
-    pub(crate) fn separated(&self, state: &State) -> Option<State> {
+    /// The state with its drift along a curve of more than `pieces` pieces written as steps and a coarser course, where
+    /// that needs fewer numbers.
+    pub(crate) fn separated(&self, state: &State, pieces: usize) -> Option<State> {
         let clock = self.survey.clock.as_ref()?;
         let fine = state.chosen.iter().position(|candidate| match &candidate.term.driver {
-            Driver::Smooth { knots, .. } => knots.len() > COARSE + 1,
+            Driver::Smooth { knots, .. } => knots.len() > pieces + 1,
             _ => false,
         })?;
         let carrier = state.chosen[fine].term.carrier;

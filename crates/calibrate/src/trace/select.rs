@@ -9,6 +9,7 @@ use crate::identify::fit_stage;
 use crate::measurements::Measurements;
 use crate::parameters::NoEffects;
 use crate::solve::{Fit, Noise};
+use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
@@ -124,7 +125,7 @@ impl<'a> Tracer<'a> {
             let before = state.clone();
             state = self.added(&state, &best.candidate);
             state = self.tidied(state);
-            if let Some(next) = self.separated(&state) {
+            if let Some(next) = self.separated(&state, COARSE) {
                 state = self.rescanned(next);
             }
             if state.chosen.len() <= before.chosen.len() && same_terms(&state.chosen, &before.chosen) {
@@ -134,6 +135,9 @@ impl<'a> Tracer<'a> {
             if passes > 3 * self.options.max_effects {
                 break;
             }
+        }
+        if let Some(next) = self.separated(&state, 0) {
+            state = self.rescanned(next);
         }
         let (mut state, mut leftover) = self.without_mimics(state);
         for _ in 0..MOST_CONTESTS {
