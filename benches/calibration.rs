@@ -53,7 +53,7 @@ pub fn tracing() {
     let options = TraceOptions::new(IdentifyOptions::axes(&chain));
     for (what, effects) in [("clean", Vec::new()), ("one effect", vec![soft])] {
         let model = EffectModel::new(statics.clone(), effects);
-        let data = with_run_order(simulate(&chain, &simulated, &model).data, 0);
+        let data = with_run_order(simulate(&chain, &simulated, &model).data);
         let geometric = identify(&chain, &data, &options.identify).geometric;
         let candidates = trace(&statics, &data, &geometric, &options).candidates;
         let who = format!("denavit, 400 poses, {what}: scan over {candidates} candidates");

@@ -87,7 +87,7 @@ fn main() {
                 .unwrap();
         let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
         let statics = Statics::of(&robot, &chain);
-        let train = with_run_order(load(&case.join("train.csv"), &chain), 0);
+        let train = with_run_order(load(&case.join("train.csv"), &chain));
         let rows = train.len();
         let test = with_run_order_after(load(&case.join("test.csv"), &chain), &train);
         let mut options = TraceOptions::new(IdentifyOptions::axes(&chain));

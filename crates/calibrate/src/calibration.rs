@@ -175,7 +175,7 @@ pub fn calibrate_and_tell(
     options: &CalibrateOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Calibration, CalibrateError> {
-    let data = with_run_order(data, 0);
+    let data = with_run_order(data);
     let (train, test) = match (test, options.hold_out) {
         (Some(test), _) => {
             let test = with_run_order_after(test, &data);

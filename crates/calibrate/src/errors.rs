@@ -215,9 +215,9 @@ fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, reading: &[f64]) ->
     };
     let rows: Vec<usize> = (0..fitted.len()).filter(alike).collect();
     let targets = fitted.targets.len();
-    let kept: Vec<Vector3<f64>> = residuals(&fit.arm, &fit.effects, fitted)
+    let kept: Vec<Vector3<f64>> = residuals(&fit.arm, &fit.effects, &fitted.subset(&rows))
         .into_iter()
-        .filter(|residual| rows.contains(&residual.row) && fit.weights[residual.row * targets + residual.target] > 0.0)
+        .filter(|residual| fit.weights[rows[residual.row] * targets + residual.target] > 0.0)
         .map(|residual| residual.position)
         .collect();
     kept.iter().sum::<Vector3<f64>>() / kept.len().max(1) as f64

@@ -88,6 +88,14 @@ fn held(layout: &Layout, reference: &Arm) -> (DMatrix<f64>, DMatrix<f64>) {
     (conditions * &held, held)
 }
 
+/// Conditions on numbers that are each `scale` times as large, as an orthonormal basis: one row per number.
+pub fn in_scaled(mut conditions: DMatrix<f64>, scale: &[f64]) -> DMatrix<f64> {
+    for (mut row, scale) in conditions.row_iter_mut().zip(scale) {
+        row.scale_mut(*scale);
+    }
+    conditions.qr().q()
+}
+
 /// The arm that measures exactly the same, moved so that the conditions hold: its axes are as near to nominal as the
 /// common frame allows.
 pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {

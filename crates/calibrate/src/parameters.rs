@@ -3,7 +3,7 @@
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
 use crate::measurements::MeasurementKind;
 use crate::prior;
-use denavit_model::nalgebra::{DMatrix, Rotation3, Vector3, Vector6};
+use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
 use std::ops::Range;
 
@@ -273,6 +273,13 @@ impl Layout {
             result.targets[0].rotation = se3::orthonormalised(&rotation);
         }
         result
+    }
+
+    /// What the prior charges for an arm: ηᵀ P η of the axes' departure from nominal; see [`Layout::departure`].
+    pub fn prior_cost(&self, arm: &Arm, reference: &Arm) -> f64 {
+        let departure = self.departure(arm, reference);
+        let joints = DVector::from_row_slice(&departure[self.joints.clone()]);
+        joints.dot(&(&self.prior * &joints))
     }
 
     /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the

@@ -236,11 +236,7 @@ impl Design {
                 before[(i, k)] += layout.prior[(i, k)] * unit[i] * unit[k];
             }
         }
-        let mut conditions = gauge::conditions(&layout, arm);
-        for (mut row, unit) in conditions.row_iter_mut().zip(&unit) {
-            row.scale_mut(*unit);
-        }
-        let held = conditions.qr().q();
+        let held = gauge::in_scaled(gauge::conditions(&layout, arm), &unit);
         before += &held * held.transpose();
         Self { candidates, rows, before, noise: options.noise }
     }

@@ -170,7 +170,7 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     }
     let seen = match &options.before {
         Some(before) => with_run_order_after(data.clone(), before),
-        None => with_run_order(data.clone(), 0),
+        None => with_run_order(data.clone()),
     };
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let mut outliers = Vec::new();

@@ -229,9 +229,7 @@ impl Solver<'_> {
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
         let sums = Problem { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
-        let departure = self.layout.departure(&arm, &self.reference);
-        let joints = DVector::from_row_slice(&departure[self.layout.joints.clone()]);
-        let prior = joints.dot(&(&self.layout.prior * &joints));
+        let prior = self.layout.prior_cost(&arm, &self.reference);
         State { arm, effects, sums, prior }
     }
 
@@ -269,13 +267,8 @@ impl Solver<'_> {
             }
         }
         gradient.component_mul_assign(&scale);
-        let gauge = (!self.layout.joints.is_empty()).then(|| {
-            let mut conditions = gauge::conditions(self.layout, &self.reference);
-            for (mut row, s) in conditions.row_iter_mut().zip(scale.iter()) {
-                row.scale_mut(*s);
-            }
-            conditions.qr().q()
-        });
+        let gauge = (!self.layout.joints.is_empty())
+            .then(|| gauge::in_scaled(gauge::conditions(self.layout, &self.reference), scale.as_slice()));
         System { matrix, gradient, scale, gauge }
     }
 

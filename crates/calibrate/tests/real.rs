@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
+mod measured;
+
 use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
@@ -9,16 +11,8 @@ use denavit_calibrate::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Limits, Quantity, Reading, Screw, se3};
+use measured::measured;
 use std::path::PathBuf;
-
-fn measured(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/measured").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped, because {} is not here", path.display());
-    None
-}
 
 fn load(name: &str, chain: &Chain) -> Option<Measurements> {
     let path = measured(name)?;

@@ -5,6 +5,8 @@
 #![allow(clippy::print_stdout, reason = "tests say what they skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
+mod measured;
+
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::measurements::{Units, read};
@@ -13,7 +15,8 @@ use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
 use denavit_model::Chain;
 use denavit_model::tree::Reading;
-use std::path::{Path, PathBuf};
+use measured::measured;
+use std::path::Path;
 
 fn robot(path: &str) -> (Chain, Statics) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(path);
@@ -78,15 +81,6 @@ fn pitch_and_coupling_are_separated() {
     kinds.sort();
     assert_eq!(kinds, [Kind::JointScale, Kind::HelicalPitch]);
     assert_eq!(found.stages.len(), 2);
-}
-
-fn measured(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/measured").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped, because {} is not here", path.display());
-    None
 }
 
 /// Wu, Yang, Chen, Ren 2015: 0.266 mm mean and 0.525 mm largest on the same 40 rows.

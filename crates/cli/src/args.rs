@@ -69,7 +69,7 @@ pub enum Command {
 }
 
 /// Which robot, and which chain of it.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct RobotArguments {
     /// URDF, xacro, D-H table or screw axes (CSV, JSON), UR kinematics file (yaml), - for standard input, or
     /// git:REVISION:PATH

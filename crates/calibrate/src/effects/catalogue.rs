@@ -420,7 +420,7 @@ mod tests {
             lines: (0..rows).map(|row| row + 2).collect(),
             joints,
         };
-        with_run_order(data, 0)
+        with_run_order(data)
     }
 
     #[test]

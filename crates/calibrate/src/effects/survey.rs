@@ -201,19 +201,18 @@ impl Clock {
 }
 
 /// Adds what the order of the rows tells: run order, and for each joint the side from which it came.
-///
-/// `first_row` is the run order of the first row.
-pub fn with_run_order(data: Measurements, first_row: usize) -> Measurements {
-    ordered(data, first_row, None)
+pub fn with_run_order(data: Measurements) -> Measurements {
+    ordered(data, None)
 }
 
 /// The same for rows that were measured after those of `before`, which has its run order: a test file's after the
 /// training file's.
 pub fn with_run_order_after(data: Measurements, before: &Measurements) -> Measurements {
-    ordered(data, before.len(), Some(before))
+    ordered(data, Some(before))
 }
 
-fn ordered(mut data: Measurements, first: usize, before: Option<&Measurements>) -> Measurements {
+fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurements {
+    let first = before.map_or(0, Measurements::len);
     let rows = data.len();
     let order = (0..rows).map(|row| (first + row) as f64).collect();
     data.covariates.push(Covariate { name: RUN_ORDER.into(), values: order });

@@ -180,7 +180,7 @@ impl Wish {
 /// # Errors
 /// A wish cannot be granted on this robot or with these columns.
 pub fn granted(wishes: &[Wish], statics: &Statics, run: &Simulation, seed: u64) -> Result<EffectModel, WishError> {
-    let data = with_run_order(run.data.clone(), 0);
+    let data = with_run_order(run.data.clone());
     let survey = Survey::of(statics, &data, Vec::new());
     let mut effects = Vec::new();
     for (index, wish) in wishes.iter().enumerate() {
@@ -275,7 +275,7 @@ mod tests {
     fn every_kind_moves_the_measured_values_by_what_was_asked_for() {
         for chain in examples::all() {
             let (statics, run) = (Statics::of_chain(&chain), run(&chain));
-            let data = with_run_order(run.data.clone(), 0);
+            let data = with_run_order(run.data.clone());
             let survey = Survey::of(&statics, &data, Vec::new());
             for entry in KINDS {
                 let Some(first) = (entry.terms)(&survey).into_iter().next() else { continue };

@@ -5,7 +5,6 @@ use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::Driver;
 use crate::trace::search::handicap;
 use crate::trace::select::{SWAP_GAIN, State, Tracer};
-use denavit_model::nalgebra::DVector;
 use std::ops::Range;
 
 /// So many others are fitted in the place of an effect.
@@ -39,8 +38,10 @@ impl Tracer<'_> {
     /// Kinds and places that fit as well as one effect of a state when they take its place.
     pub(crate) fn as_good_when_fitted(&self, state: &State, index: usize) -> Vec<(Kind, String)> {
         let had = self.criterion(state);
-        let sets = self.contenders(state, index..index + 1).into_iter().filter(|set| set.len() == state.chosen.len());
-        sets.map(|set| self.refitted(set, Some(state)))
+        self.contenders(state, index..index + 1)
+            .into_iter()
+            .map(|set| self.refitted(set, Some(state)))
+            // Steps that came to lie at one place are one effect.
             .filter(|other| other.chosen.len() == state.chosen.len() && self.criterion(other) < had + AS_GOOD)
             .map(|other| (other.chosen[index].term.kind, other.chosen[index].term.carrier.place(&self.statics.chain)))
             .collect()
@@ -77,9 +78,7 @@ impl Tracer<'_> {
     /// What a fit is judged by, less is better: n ln(RSS) of each channel, the prior, k ln n for the effects' numbers.
     pub(crate) fn criterion(&self, state: &State) -> f64 {
         let fit = &state.fit;
-        let departure = fit.layout.departure(&fit.arm, &self.geometric.arm);
-        let joints = DVector::from_row_slice(&departure[fit.layout.joints.clone()]);
-        let prior = joints.dot(&(&fit.layout.prior * &joints));
+        let prior = fit.layout.prior_cost(&fit.arm, &self.geometric.arm);
         let values: f64 = fit.values.iter().sum();
         let numbers: usize =
             state.chosen.iter().map(|candidate| candidate.scanned).sum::<usize>() + fit.layout.effects.len();

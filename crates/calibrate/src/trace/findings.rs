@@ -115,9 +115,8 @@ impl Tracer<'_> {
             |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
         match &effect.term.driver {
             Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
-            Driver::Bump { at, width, .. } => {
-                let unit = self.statics.chain.joints()[effect.term.carrier.joint().unwrap_or(0)].screw.pitch();
-                let unit = if unit.is_none() { "m" } else { "rad" };
+            Driver::Bump { joint, at, width, .. } => {
+                let unit = Driver::Reading(*joint).unit(&self.statics.chain);
                 values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
             }
             Driver::Decay { constant, covariate, .. } => {

@@ -169,12 +169,9 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
-    let mut held = held.select_rows(&geometry_columns);
     let norms: Vec<f64> = result.geometry.column_iter().map(|column| column.norm()).collect();
-    for (mut row, norm) in held.row_iter_mut().zip(&norms) {
-        row.scale_mut(if *norm > 0.0 { 1.0 / norm } else { 0.0 });
-    }
-    let frame = held.qr().q();
+    let scale: Vec<f64> = norms.iter().map(|norm| if *norm > 0.0 { 1.0 / norm } else { 0.0 }).collect();
+    let frame = gauge::in_scaled(held.select_rows(&geometry_columns), &scale);
     for (k, condition) in frame.column_iter().enumerate() {
         for (column, (cell, norm)) in condition.iter().zip(&norms).enumerate() {
             result.geometry[(values + priors + k, column)] = cell * norm;

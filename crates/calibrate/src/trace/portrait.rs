@@ -92,8 +92,7 @@ impl Tracer<'_> {
         let chain = &self.statics.chain;
         let driver = &candidate.term.driver;
         let of_joint = |joint: usize| {
-            let unit = if chain.joints()[joint].screw.line().is_none() { "m" } else { "rad" };
-            let name = format!("{}, {unit}", chain.joints()[joint].name);
+            let name = format!("{}, {}", chain.joints()[joint].name, Driver::Reading(joint).unit(chain));
             (name, rows.clone().map(|row| chain.joints()[joint].value(self.data.reading(row))).collect())
         };
         match driver {

@@ -61,14 +61,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
 /// The robot as drawn, which must have the joints of the calibrated one.
 fn drawn(from: &str, arguments: &RobotArguments, calibrated: &Chain) -> Result<Chain, Failure> {
     let loaded = crate::source::load(from, &arguments.source)?;
-    let own = RobotArguments {
-        robot: from.to_owned(),
-        base: arguments.base.clone(),
-        tip: arguments.tip.clone(),
-        exact: arguments.exact,
-        tolerance: arguments.tolerance,
-        source: arguments.source.clone(),
-    };
+    let own = RobotArguments { robot: from.to_owned(), ..arguments.clone() };
     let chain = loaded.chain(&own)?.value;
     let names = |chain: &Chain| chain.coordinates().iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
     if names(&chain) != names(calibrated) {

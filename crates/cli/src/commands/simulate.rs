@@ -59,7 +59,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
             rows,
             seed,
             readings: Some(commanded_readings(chain, rows, seed)),
-            before: Some(with_run_order(run.data.clone(), 0)),
+            before: Some(with_run_order(run.data.clone())),
             covariates: recorded_columns(arguments, chain, rows, options.rows, seed)?,
             ..options.clone()
         };
