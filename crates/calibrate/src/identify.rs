@@ -82,8 +82,7 @@ pub fn fit_stage<E: Effects>(
 ) -> Fit<E> {
     let layout = Layout::new(
         &start.nominal,
-        data.kind,
-        &data.targets,
+        &data.scene,
         &options.freedom,
         &options.tolerances,
         effects.parameters(),
