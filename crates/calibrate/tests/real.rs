@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-mod measured;
-
+use crate::measured::measured;
 use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
@@ -11,7 +10,6 @@ use denavit_calibrate::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Limits, Quantity, Reading, Screw, se3};
-use measured::measured;
 use std::path::PathBuf;
 
 fn load(name: &str, chain: &Chain) -> Option<Measurements> {
@@ -35,10 +33,9 @@ fn irb120() -> Chain {
         ([1., 0., 0.], [0.302, 0., 0.630]),
     ];
     let name = |k: usize| format!("joint_{}", k + 1);
-    let limits = Limits { lower: -3.5, upper: 3.5, velocity: None, effort: None };
-    let coordinates = (0..6)
-        .map(|k| Coordinate { limits: Some(limits), ..Coordinate::unlimited(name(k), Quantity::Angle) })
-        .collect();
+    let limits = Limits::between(-3.5, 3.5);
+    let coordinates =
+        (0..6).map(|k| Coordinate { limits, ..Coordinate::unlimited(name(k), Quantity::Angle) }).collect();
     let joints = axes
         .iter()
         .enumerate()

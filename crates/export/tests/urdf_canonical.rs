@@ -2,8 +2,7 @@
 
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what it did not expect")]
 
-mod urdf_corpus;
-
+use crate::urdf_corpus::{corpus, random};
 use denavit_export::urdf::{Frames, LinkFrames, Options, canonical};
 use denavit_model::nalgebra::{Matrix3, Point3};
 use denavit_model::robot::{Geometry, Joint, JointKind, Robot};
@@ -13,7 +12,6 @@ use denavit_model::tree::Reading;
 use denavit_model::{Note, intended, urdf};
 use roxmltree::{Document, Node, NodeType};
 use std::collections::BTreeMap;
-use urdf_corpus::{corpus, random};
 
 /// The origin's pose, its angles as intended where that is how the file is read.
 fn origin(joint: &Joint, reading: Reading) -> Pose {
@@ -52,7 +50,7 @@ fn poses(robot: &Robot, reading: Reading, values: &BTreeMap<String, f64>) -> BTr
 fn values(robot: &Robot, seed: u64) -> BTreeMap<String, f64> {
     let mut next = random(seed);
     let value = |joint: &Joint, share: f64| {
-        let (low, high) = joint.limits.map_or((-3.0, 3.0), |limits| (limits.lower, limits.upper));
+        let (low, high) = joint.limits.range.unwrap_or((-3.0, 3.0));
         (joint.name.clone(), (low + share * (high - low)).clamp(-6.3, 6.3))
     };
     robot.joints.iter().map(|joint| value(joint, next())).collect()
