@@ -146,11 +146,7 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
     let arm = &fit.arm;
     let (here, known) = (&data.scene, &fitted.scene);
     if !here.kinds().iter().all(|kind| known.kinds().contains(kind)) {
-        return Err(TestError::OtherKind {
-            file: data.source.clone(),
-            found: here.words(),
-            expected: known.words(),
-        });
+        return Err(TestError::OtherKind { file: data.source.clone(), found: here.words(), expected: known.words() });
     }
     let mut placed = Arm { targets: Vec::new(), instruments: Vec::new(), points: Vec::new(), ..arm.clone() };
     let fitted_place = |names: &[String], name: &String| names.iter().position(|other| other == name);
@@ -216,7 +212,9 @@ fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, reading: &[f64]) ->
         rows.iter().flat_map(|&row| fitted.of_row(row)).map(|observation| fit.weights[observation]).collect();
     let kept: Vec<Vector3<f64>> = residuals(&fit.arm, &fit.effects, &fitted.subset(&rows))
         .into_iter()
-        .filter(|residual| weights[residual.observation] > 0.0 && fitted.scene.series[residual.series].kind.place().height == 3)
+        .filter(|residual| {
+            weights[residual.observation] > 0.0 && fitted.scene.series[residual.series].kind.place().height == 3
+        })
         .map(|residual| residual.place)
         .collect();
     kept.iter().sum::<Vector3<f64>>() / kept.len().max(1) as f64

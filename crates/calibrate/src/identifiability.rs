@@ -110,7 +110,14 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     let triangle = triangle(&Problem { data: &predicted, layout: &layout, effects }, arm);
     let analysis = analyse(&triangle, &gauge::conditions(&layout, arm));
     let untold = name(&layout, data, arm, &analysis);
-    Identifiability { scene: data.scene.clone(), expected, formula, rank: analysis.rank, smallest: analysis.smallest, untold }
+    Identifiability {
+        scene: data.scene.clone(),
+        expected,
+        formula,
+        rank: analysis.rank,
+        smallest: analysis.smallest,
+        untold,
+    }
 }
 
 /// The data with what the arm predicts in place of what was measured.

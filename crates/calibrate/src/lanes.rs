@@ -16,8 +16,8 @@ use crate::parameters::{Layout, ParameterKind};
 use denavit_model::compiled::sine_and_cosine;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use denavit_model::{ChainJoint, Pose, Screw, se3};
-use std::ops::Range;
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _, SimdMask as _};
+use std::ops::Range;
 
 /// Below this sine of a residual's angle the series stand for arcsine and the inverse Jacobian of SO(3), to rounding.
 const SMALL: f64 = 0.03;
@@ -218,7 +218,9 @@ pub(crate) fn rows<S: Simd>(
                 let rate = place_rate(simd, geometry, layout.parameters[parameter].kind, &joints, predicted);
                 match (rate, layout.parameters[parameter].kind) {
                     (Some(rate), _) => each::<S>(|k| -rate[k]),
-                    (None, ParameterKind::Instrument { setup, component }) if setup == series.setup && component < 3 => {
+                    (None, ParameterKind::Instrument { setup, component })
+                        if setup == series.setup && component < 3 =>
+                    {
                         let mut e = [zero; 3];
                         e[component] = S::f64s::splat(simd, 1.0);
                         cross::<S>(measured, e)
@@ -384,9 +386,9 @@ fn turned<S: Simd>(simd: S, measured: [Triple<S>; 3], predicted: &Frame<S>) -> (
 #[cfg(test)]
 mod tests {
     use crate::measurements::Measurements;
+    use crate::observe::{POSE, POSITION};
     use crate::parameters::{Effects, Parameter, Sensitivity};
     use crate::simulate::{SimulationOptions, simulate};
-    use crate::observe::{POSE, POSITION};
     use crate::{Arm, Deviation, Freedom, Layout, NoEffects, Problem, Row, RowState, Tolerances};
     use denavit_model::{Pose, examples};
 
@@ -435,7 +437,9 @@ mod tests {
                 let mut weights: Vec<f64> = (0..data.observations()).map(|k| 1.0 - 0.01 * k as f64 / 77.0).collect();
                 weights[5] = 0.0;
                 // The true arm leaves noise alone; with the instrument as drawn, residuals are as large as they get.
-                for arm in [simulation.arm.clone(), Arm { instruments: vec![Pose::identity()], ..simulation.arm.clone() }] {
+                for arm in
+                    [simulation.arm.clone(), Arm { instruments: vec![Pose::identity()], ..simulation.arm.clone() }]
+                {
                     let lanes = Problem { data, layout: &layout, effects: &NoEffects }.sums(&arm, &weights);
                     let rows = Problem { data, layout: &layout, effects: &RowByRow }.sums(&arm, &weights);
                     for (one, other) in lanes.squares.iter().flatten().zip(rows.squares.iter().flatten()) {

@@ -203,9 +203,9 @@ impl Measurements {
             let point = series.point.map(|point| old.points[point].clone());
             let point = point.as_deref().and_then(|name| name.split_once(' ').map(|(_, own)| own));
             let target = &old.targets[series.target];
-            kept.push(keep[series.target].then(|| {
-                self.scene.add(series.kind, &old.setups[series.setup], target, point)
-            }));
+            kept.push(
+                keep[series.target].then(|| self.scene.add(series.kind, &old.setups[series.setup], target, point)),
+            );
         }
         self.observed = self.observed.subset(0..self.lines.len(), |series| kept[series]);
     }

@@ -233,8 +233,9 @@ impl Layout {
             self.instruments.push(first);
         }
         for (point, name) in scene.points.iter().enumerate() {
-            let mut add =
-                |component: usize| free(format!("{name}.{}", AXES[component]), ParameterKind::Point { point, component }, "m");
+            let mut add = |component: usize| {
+                free(format!("{name}.{}", AXES[component]), ParameterKind::Point { point, component }, "m")
+            };
             self.points.push(add(0));
             (1..3).for_each(|component| _ = add(component));
         }
@@ -351,8 +352,9 @@ impl Layout {
         let turn = |target: usize| {
             se3::rotation_vector(&(arm.targets[target].rotation * reference.targets[target].rotation.inverse()))
         };
-        let turns: Vec<Vector3<f64>> =
-            (0..self.turns.len()).map(|target| self.turns[target].map_or_else(Vector3::zeros, |_| turn(target))).collect();
+        let turns: Vec<Vector3<f64>> = (0..self.turns.len())
+            .map(|target| self.turns[target].map_or_else(Vector3::zeros, |_| turn(target)))
+            .collect();
         let of = |parameter: &Parameter| match parameter.kind {
             ParameterKind::Turn { joint, across } => changes[joint].turned[across],
             ParameterKind::Move { joint, across } => changes[joint].moved[across],

@@ -282,7 +282,8 @@ impl<E: Effects> Problem<'_, E> {
             self.derivatives(&seen, &found, scratch, jacobian);
         }
         if let Some(level) = self.data.observed.level(observation) {
-            let axes = if kind.unknowns().instrument { *seen.instrument().rotation.matrix() } else { Matrix3::identity() };
+            let axes =
+                if kind.unknowns().instrument { *seen.instrument().rotation.matrix() } else { Matrix3::identity() };
             let lines = height * self.layout.len();
             levelled(&(level * axes), &mut residual[..height], jacobian.map(|jacobian| &mut jacobian[..lines]));
         }

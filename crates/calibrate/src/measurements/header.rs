@@ -111,9 +111,8 @@ fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
         let unnamed = std::iter::once(String::new());
         for target in unnamed.chain(targets.iter().filter(|target| !target.is_empty()).cloned()) {
             let columns = kind.columns(&target);
-            let free = |column: &String| {
-                names.contains(column) && !groups.iter().any(|group| group.columns.contains(column))
-            };
+            let free =
+                |column: &String| names.contains(column) && !groups.iter().any(|group| group.columns.contains(column));
             if !columns.is_empty() && columns.iter().all(free) {
                 groups.push(Group { kind, target, columns });
             }

@@ -1,8 +1,8 @@
 //! Whether measured data can belong to the chain, and what a user must know of them.
 
+use super::Measurements;
 use super::problem::Problem;
 use super::read::DataNote;
-use super::Measurements;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Quantity};
 
@@ -31,8 +31,10 @@ pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
         });
         match (seen, twin) {
             (false, _) => notes.push(DataNote::NeverSeen { target: data.scene.targets[target].clone() }),
-            (true, Some(of)) => notes
-                .push(DataNote::DuplicateTarget { target: data.scene.targets[target].clone(), of: data.scene.targets[of].clone() }),
+            (true, Some(of)) => notes.push(DataNote::DuplicateTarget {
+                target: data.scene.targets[target].clone(),
+                of: data.scene.targets[of].clone(),
+            }),
             (true, None) => keep.push(target),
         }
     }

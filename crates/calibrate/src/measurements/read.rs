@@ -266,7 +266,8 @@ impl<'a> Table<'a> {
         }
         let row = self.data.lines.len();
         let mut reading = vec![0.0; self.data.joints.len()];
-        let mut cells: Vec<Vec<Option<f64>>> = self.header.groups.iter().map(|of| vec![None; of.columns.len()]).collect();
+        let mut cells: Vec<Vec<Option<f64>>> =
+            self.header.groups.iter().map(|of| vec![None; of.columns.len()]).collect();
         let mut unreadable = vec![false; cells.len()];
         let mut locate = false;
         let mut other = 0;

@@ -66,12 +66,12 @@ impl Scene {
         let setup = index_of(&mut self.setups, setup);
         let target = index_of(&mut self.targets, target);
         let point = kind.unknowns().point.map(|word| {
-            let name = point.filter(|name| !name.is_empty()).map_or_else(|| word.into(), |name| format!("{word} {name}"));
+            let name =
+                point.filter(|name| !name.is_empty()).map_or_else(|| word.into(), |name| format!("{word} {name}"));
             index_of(&mut self.points, &name)
         });
-        let same = |series: &Series| {
-            (series.kind, series.setup, series.target, series.point) == (kind, setup, target, point)
-        };
+        let same =
+            |series: &Series| (series.kind, series.setup, series.target, series.point) == (kind, setup, target, point);
         if let Some(known) = self.series.iter().position(same) {
             return known;
         }

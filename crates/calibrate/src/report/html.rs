@@ -142,7 +142,10 @@ fn on_robot(result: &Calibration, before: &StageResiduals, after: &StageResidual
         let twin = before.train.iter().find(|other| other.observation == residual.observation);
         let Some(twin) = twin else { continue };
         let tip = chain.fk(result.train.reading(residual.row));
-        places.push(tip.rotation * arm.targets[scene.series[residual.series].target].translation.vector + tip.translation.vector);
+        places.push(
+            tip.rotation * arm.targets[scene.series[residual.series].target].translation.vector
+                + tip.translation.vector,
+        );
         first.push(twin.place);
         last.push(residual.place);
     }

@@ -223,8 +223,7 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
     }
     let of = if several_lengths(scene) { format!(" of {}", part.word) } else { String::new() };
     let norm = level * (part.height as f64).sqrt() * 1e3;
-    let of_norm =
-        if part.height == 1 { String::new() } else { format!(", {norm:.4} mm rms of the error's length") };
+    let of_norm = if part.height == 1 { String::new() } else { format!(", {norm:.4} mm rms of the error's length") };
     let lead = if channel == 0 { "noise floor: " } else { "  and " };
     let _ = writeln!(text, "{lead}{:.4} mm per component{of}{of_norm}", level * 1e3);
 }

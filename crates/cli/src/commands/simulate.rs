@@ -44,11 +44,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let model = EffectModel::new(statics, effects.into_iter().chain(granted.effects).collect());
     let run = simulate(chain, &options, &model);
     let comments = |rows: usize, kind: ObservationKind| {
-        vec![format!(
-            "{}: {rows} simulated {}, m and rad; made by denavit simulate",
-            chain.name(),
-            kind.plural()
-        )]
+        vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]
     };
     let data = write(&as_displayed(&run.data, &options), &comments(options.rows, options.kind));
     let mut files: Vec<(&Path, String)> = Vec::new();
