@@ -21,9 +21,7 @@ from denavit.compare import (
 )
 from denavit.errors import (
     ArgumentError,
-    CalibrationError,
     ChainError,
-    DataError,
     DenavitError,
     ExportError,
     ReadError,
@@ -36,13 +34,11 @@ __version__ = _version("denavit")
 
 __all__ = [
     "ArgumentError",
-    "CalibrationError",
     "Chain",
     "ChainError",
     "ChainListing",
     "Check",
     "Coordinate",
-    "DataError",
     "DenavitError",
     "Diff",
     "ExportError",

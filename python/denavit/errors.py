@@ -74,11 +74,3 @@ class ChainError(DenavitError):
 
 class ExportError(DenavitError):
     """A robot or table that a format cannot hold."""
-
-
-class DataError(DenavitError):
-    """Measurements that cannot be read."""
-
-
-class CalibrationError(DenavitError):
-    """Measurements that cannot be fitted."""

@@ -55,6 +55,8 @@ class Robot:
     """
 
     __slots__ = ("_native", "_origin")
+    _native: _denavit.Robot
+    _origin: Origin
 
     def __init__(self, *_: object) -> None:
         raise TypeError("a robot is read, not made: use denavit.load")
@@ -62,9 +64,7 @@ class Robot:
     @classmethod
     def _of(cls, origin: Origin) -> Robot:
         file, text, arguments, package_path, allow_any_file, vendor_angles = origin
-        native = _denavit.Robot.from_text(
-            file, text, list(arguments.items()), list(package_path), allow_any_file, vendor_angles
-        )
+        native = _denavit.Robot.from_text(file, text, list(arguments.items()), list(package_path), allow_any_file, vendor_angles)
         if native.urdf is not None and native.file != file:
             # What a xacro file included is in the URDF: this is what is kept.
             origin = (native.file, native.urdf, {}, (), False, False)

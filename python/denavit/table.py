@@ -232,7 +232,7 @@ class Table:
             values = {name: getattr(row, name) for name in numbers}
             records.append({"row": row.row, "joint": joint.get("name", ""), "kind": joint.get("kind", ""), **values})
         frame = pd.DataFrame.from_records(records).set_index("row")
-        return frame.astype({name: "float64" for name in numbers}).dropna(axis="columns", how="all")
+        return frame.astype(dict.fromkeys(numbers, "float64")).dropna(axis="columns", how="all")
 
     def format(self, name: str = "text", units: str = "m,deg") -> str:
         """In a format of `denavit table`: text, md, csv, json, tex, rtb, matlab, …; `units` are those of text."""

@@ -163,7 +163,10 @@ def test_errors_say_where_and_what_to_do(
 
 def test_errors_of_xacro_have_a_column_and_options_are_keywords(ur5e: dn.Robot) -> None:
     with pytest.raises(dn.RobotError) as raised:
-        dn.load('<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">\n<link name="${nix}"/></robot>', file="a.xacro")
+        dn.load(
+            '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">\n<link name="${nix}"/></robot>',
+            file="a.xacro",
+        )
     assert (raised.value.line, raised.value.column is not None) == (2, True)
     with pytest.raises(dn.ChainError, match='did you mean "base"'):
         ur5e.chain("bas")

@@ -1,0 +1,37 @@
+"""Types: mypy --strict over the package and over a user's script, and the stub of the native module against the module."""
+
+from __future__ import annotations
+
+import os
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+
+
+def run(*words: str, folder: Path) -> None:
+    pytest.importorskip("mypy", reason="skipped, because mypy is not installed")
+    done = subprocess.run([sys.executable, "-m", *words], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_package_and_a_script_pass_mypy_strict(tmp_path: Path) -> None:
+    options = ["--strict", "--config-file", os.fspath(HERE.parent / "pyproject.toml"), "--cache-dir", os.fspath(tmp_path)]
+    run("mypy", *options, "-p", "denavit", folder=tmp_path)
+    run("mypy", *options, os.fspath(HERE / "user_script.py"), folder=tmp_path)
+
+
+def test_the_script_runs() -> None:
+    names = runpy.run_path(os.fspath(HERE / "user_script.py"))
+    assert names["same"]
+
+
+def test_the_stub_is_that_of_the_native_module(tmp_path: Path) -> None:
+    allowed = tmp_path / "allowed"
+    # Aliases of the stub, and what the interpreter adds to a module.
+    allowed.write_text("denavit\\._denavit\\._Array\ndenavit\\._denavit\\.__all__\n")
+    run("mypy.stubtest", "denavit._denavit", "--allowlist", os.fspath(allowed), "--ignore-unused-allowlist", folder=tmp_path)
