@@ -1,6 +1,8 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
+pub mod columns;
 mod header;
+mod near_miss;
 mod plausible;
 pub mod poses;
 mod problem;
@@ -8,6 +10,7 @@ mod read;
 mod units;
 mod write;
 
+pub use columns::ColumnUse;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read};
 pub use units::{Units, UnitsError};

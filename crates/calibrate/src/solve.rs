@@ -83,6 +83,11 @@ const PROMISE_NEAR_END: f64 = 1e3;
 const PROMISE_FOR_REJECTION: f64 = 1.0;
 /// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
 const PROMISE_AT_END: f64 = 1e-4;
+/// Measured values beyond the parameters that it takes to tell the noise.
+pub const DEGREES_FOR_NOISE: f64 = 6.0;
+/// Noise that is taken where the data have too few degrees of freedom to tell it: share of the robot's size (a tenth of a
+/// millimetre on a metre, what instruments and repeatability make together) and rad.
+pub const ASSUMED_NOISE: f64 = 1e-4;
 /// One clean file in a hundred may have a row that far out.
 const FALSE_REJECTIONS: f64 = 0.01;
 /// Gross means this many times further out than that: what the model lacks is no outlier.
@@ -220,11 +225,7 @@ impl Solver<'_> {
 
     /// Degrees of freedom of an observation by channel.
     fn degrees(&self) -> [f64; 2] {
-        match self.data.kind {
-            MeasurementKind::Pose => [3.0, 3.0],
-            MeasurementKind::Position => [3.0, 0.0],
-            MeasurementKind::Distance => [1.0, 0.0],
-        }
+        degrees_of(self.data.kind)
     }
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
@@ -337,7 +338,10 @@ impl Solver<'_> {
                     sum += weight * square[channel];
                     count += weight * degrees[channel];
                 }
-                sum / (count - used[channel]).max(1.0)
+                // Where few degrees of freedom are left, an assumed noise stands in for those that are missing.
+                let missing = missing_degrees(count, used[channel]);
+                let assumed = if channel == 0 { ASSUMED_NOISE * self.reference.nominal.size() } else { ASSUMED_NOISE };
+                (sum + missing * assumed * assumed) / (count - used[channel] + missing)
             };
             variance.sqrt().max(if channel == 0 { floor.position } else { floor.orientation })
         };
@@ -421,6 +425,36 @@ impl System {
 
     fn inverse(&self) -> Option<DMatrix<f64>> {
         Some(self.damped(LEAST_DAMPING).cholesky()?.inverse())
+    }
+}
+
+/// Degrees of freedom that must be assumed beside `count` values of which the parameters use `used`.
+pub(crate) fn missing_degrees(count: f64, used: f64) -> f64 {
+    if count == 0.0 { 0.0 } else { (DEGREES_FOR_NOISE - (count - used)).max(0.0) }
+}
+
+/// Indices of squared residuals (m² and rad²) that are gross outliers beside the median of all.
+pub(crate) fn outside(kind: MeasurementKind, squares: &[[f64; 2]]) -> Vec<usize> {
+    let degrees = degrees_of(kind);
+    let of = |channel: usize| {
+        if degrees[channel] == 0.0 {
+            return 0.0;
+        }
+        let mut values: Vec<f64> = squares.iter().map(|square| square[channel]).collect();
+        (median(&mut values) / median_of_chi_squared(degrees[channel])).sqrt().max(f64::MIN_POSITIVE.sqrt())
+    };
+    let noise = Noise { position: of(0), orientation: of(1) };
+    let count = squares.len().max(1) as f64;
+    let limit = GROSS * GROSS * quantile_of_chi_squared(degrees.iter().sum(), 1.0 - FALSE_REJECTIONS / count);
+    (0..squares.len()).filter(|&index| chi_squared(squares[index], noise) > limit).collect()
+}
+
+/// Degrees of freedom of an observation by channel.
+fn degrees_of(kind: MeasurementKind) -> [f64; 2] {
+    match kind {
+        MeasurementKind::Pose => [3.0, 3.0],
+        MeasurementKind::Position => [3.0, 0.0],
+        MeasurementKind::Distance => [1.0, 0.0],
     }
 }
 

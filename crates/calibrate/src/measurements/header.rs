@@ -1,6 +1,7 @@
 //! What each column of a measurement file is.
 
 use super::MeasurementKind;
+use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use super::problem::Problem;
 use denavit_model::{Coordinate, Quantity};
 
@@ -47,9 +48,10 @@ impl Header {
         let kind = kind(&names, &roles, &targets, &mut problems);
         for (name, role) in names.iter().zip(&roles) {
             if *role == Role::Other {
-                problems.extend(unknown_joint(name, coordinates));
+                problems.extend(unknown_joint(name, coordinates).or_else(|| near_miss(name, &names, coordinates)));
             }
         }
+        problems.extend(orientation_left_out(&names, &roles));
         if !problems.is_empty() {
             return Err(problems);
         }
@@ -187,7 +189,7 @@ pub(super) fn no_column<'a>(
 
 fn unknown_joint(column: &str, coordinates: &[Coordinate]) -> Option<Problem> {
     let (joint, quantity) = column.rsplit_once('.')?;
-    let known = ["velocity", "approach", "temperature"].contains(&quantity);
+    let known = OF_JOINTS.contains(&quantity);
     if !known || coordinates.iter().any(|coordinate| coordinate.name == joint) {
         return None;
     }

@@ -1,14 +1,16 @@
 //! A calibration as text for a terminal.
 
+use crate::adoption::Adopted;
 use crate::calibration::Calibration;
 use crate::effects::driver::RUN_ORDER;
 use crate::errors::Errors;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{MeasurementKind, Measurements, columns};
 use crate::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
-use crate::report::contract::Stage;
+use crate::report::contract::{Held, Stage};
 use crate::report::findings::findings;
-use crate::solve::{Fit, Noise};
+use crate::report::trust::{self, Floor};
+use crate::solve::{DEGREES_FOR_NOISE, Fit, Noise};
 use crate::trace::Trace;
 use std::fmt::Write;
 
@@ -168,27 +170,40 @@ pub fn calibration(result: &Calibration) -> String {
         result.identifiability.formula, report.identifiability.expected, report.identifiability.rank
     );
     for untold in &report.unidentifiable {
-        let _ = writeln!(text, "  {} left at nominal: {}", untold.parameter, untold.why);
+        let held = match untold.held {
+            Held::Nominal => "left at nominal",
+            Held::Prior => "held near nominal by the prior",
+        };
+        let _ = writeln!(text, "  {} {held}: {}", untold.parameter, untold.why);
     }
-    if !samples.rejected.is_empty() {
-        let lines: Vec<String> = samples.rejected.iter().map(usize::to_string).collect();
-        let _ = writeln!(text, "rejected as gross outliers, lines: {}", lines.join(", "));
+    text.push_str(&trust::redundancy(result));
+    if !report.columns.is_empty() {
+        let _ = writeln!(text, "columns: {}", columns::in_words(&report.columns));
     }
+    text.push_str(&trust::suspicious_rows(report));
+    text.push_str(&trust::differs(report));
     text.push('\n');
     text.push_str(&stages(&report.stages, report.measurement));
+    text.push_str(&trust::not_adopted(report));
     text.push('\n');
-    if let Some(trace) = &result.trace {
-        text.push_str(&findings(trace));
-        text.push_str(held_out_in_time(result, trace));
+    match &result.trace {
+        Some(trace) if report.adopted == Adopted::Effects || trace.findings.is_empty() => {
+            text.push_str(&findings(trace));
+            text.push_str(held_out_in_time(result, trace));
+        }
+        _ => {}
     }
-    let geometric = &result.identification.geometric;
-    let (noise, parameters, values) = match &result.trace {
-        Some(trace) => (trace.fit.noise, trace.fit.parameters_used[0], trace.fit.values[0]),
-        None => (geometric.noise, geometric.parameters_used[0], geometric.values[0]),
-    };
+    let Floor { noise, parameters, values, assumed } = trust::floor(result);
     let _ = writeln!(text, "noise floor: {:.4} mm per component{}", noise.position * 1e3, of_norm(result, noise));
     if noise.orientation > 0.0 {
         let _ = writeln!(text, "  and {:.4} mrad per component of orientation", noise.orientation * 1e3);
+    }
+    if assumed > 0.0 {
+        let _ = writeln!(
+            text,
+            "  mostly assumed, not measured: {assumed:.0} of the {DEGREES_FOR_NOISE} degrees of freedom that tell the noise \
+             are missing; measure more poses"
+        );
     }
     if values > 0.0 {
         let attainable = noise.position * components(result).sqrt() * (1.0 + parameters / values).sqrt();
@@ -215,9 +230,10 @@ fn of_norm(result: &Calibration, noise: Noise) -> String {
 
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
 pub fn report(result: &Calibration) -> String {
-    let axes = match &result.trace {
-        Some(trace) => axes(&trace.fit),
-        None => axes(&result.identification.geometric),
+    let axes = match (&result.trace, result.report.adopted) {
+        (_, Adopted::Nominal) => return calibration(result),
+        (Some(trace), Adopted::Effects) => axes(&trace.fit),
+        _ => axes(&result.identification.geometric),
     };
     format!("{}\n{axes}", calibration(result))
 }
