@@ -2,6 +2,7 @@
 
 use crate::adoption::{Adopted, worse};
 use crate::arm::Arm;
+use crate::diagnosis::{self, Diagnosis};
 use crate::drawing::{Departure, departures};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
@@ -13,6 +14,7 @@ use crate::identifiability::{Identifiability, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::measurements::{MeasurementKind, Measurements};
 use crate::parameters::{Effects, NoEffects};
+use crate::proportion::{OutOfProportion, within_proportion};
 use crate::redundancy::{Redundancy, different};
 use crate::report::contract::{
     CalibrationReport, Counts, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
@@ -21,7 +23,6 @@ use crate::report::contract::{
 use crate::solve::{Fit, outside};
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
-use denavit_model::nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
@@ -45,12 +46,14 @@ pub struct CalibrateOptions {
     pub hold_out: Option<HoldOut>,
     /// Search for effects; `None`: geometry alone.
     pub trace: Option<TraceOptions>,
+    /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
+    pub other_chains: Vec<Chain>,
 }
 
 impl CalibrateOptions {
     /// Geometry alone, every axis, nothing held out.
     pub fn geometry(chain: &Chain) -> Self {
-        Self { identify: IdentifyOptions::axes(chain), hold_out: None, trace: None }
+        Self { identify: IdentifyOptions::axes(chain), hold_out: None, trace: None, other_chains: Vec::new() }
     }
 }
 
@@ -76,20 +79,12 @@ pub enum CalibrateError {
         /// Numbers to find before any geometry.
         needed: usize,
     },
-    /// The nominal robot is metres away from what was measured.
-    #[error(
-        "{file}: the robot as drawn misses what was measured by {left:.3} m rms, wherever the instrument stands \
-         (its reach is {reach:.3} m); are the joints in the right columns, the readings in rad (else --units deg), the \
-         lengths in m (else --units mm), and --base and --tip right?"
-    )]
-    Misfit {
-        /// The file.
-        file: String,
-        /// Root mean square, m.
-        left: f64,
-        /// m.
-        reach: f64,
-    },
+    /// The data do not belong to this robot, or not as they are written.
+    #[error(transparent)]
+    Diagnosis(#[from] Diagnosis),
+    /// A robot larger than anything that is measured.
+    #[error(transparent)]
+    OutOfProportion(#[from] OutOfProportion),
     /// The geometric fit came to no end.
     #[error(
         "{file}: the fit of the geometry did not settle in {iterations} steps, so there is no result; are there too few \
@@ -179,9 +174,6 @@ pub enum Progress {
     Judgement,
 }
 
-/// Residual of the nominal robot beyond which something else is wrong than geometry, relative to its reach.
-const MISFIT: f64 = 0.15;
-
 /// Calibrate a chain.
 ///
 /// # Errors
@@ -225,8 +217,9 @@ pub fn calibrate_and_tell(
         }
     }
     progress(Progress::Geometry);
+    within_proportion(chain)?;
     let identification = identify(chain, &train, &options.identify);
-    fits(chain, &train, &identification)?;
+    diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
     let geometric = &identification.geometric;
     if !geometric.converged {
         return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations: geometric.iterations });
@@ -402,15 +395,6 @@ fn enough(data: &Measurements) -> Result<(), CalibrateError> {
     if values <= needed {
         let (file, rows) = (data.source.clone(), data.len());
         return Err(CalibrateError::TooFewRows { file, rows, postures, values, needed });
-    }
-    Ok(())
-}
-
-fn fits(chain: &Chain, data: &Measurements, found: &Identification) -> Result<(), CalibrateError> {
-    let reach = chain.reach_beyond(0, &Point3::origin());
-    let left = found.nominal.noise.position;
-    if left > MISFIT * reach {
-        return Err(CalibrateError::Misfit { file: data.source.clone(), left, reach });
     }
     Ok(())
 }

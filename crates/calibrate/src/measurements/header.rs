@@ -48,7 +48,11 @@ impl Header {
         let kind = kind(&names, &roles, &targets, &mut problems);
         for (name, role) in names.iter().zip(&roles) {
             if *role == Role::Other {
-                problems.extend(unknown_joint(name, coordinates).or_else(|| near_miss(name, &names, coordinates)));
+                let suggested = problems.iter().any(
+                    |problem| matches!(problem, Problem::NothingMeasured { suggestion: Some(other) } if other == name),
+                );
+                let near = || near_miss(name, &names, coordinates).filter(|_| !suggested);
+                problems.extend(unknown_joint(name, coordinates).or_else(near));
             }
         }
         problems.extend(orientation_left_out(&names, &roles));

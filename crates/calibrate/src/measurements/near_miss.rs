@@ -50,11 +50,8 @@ pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]
     if known.iter().any(|known| known == name) {
         return None;
     }
-    let near = |known: &String| {
-        let compared = plain(known);
-        own == compared || known.len() >= LONG && strsim::osa_distance(&own, &compared) <= 1
-    };
-    let known = known.into_iter().find(near)?;
+    let typed = |known: &&String| known.len() >= LONG && strsim::osa_distance(&own, &plain(known)) <= 1;
+    let known = known.iter().find(|known| own == plain(known)).or_else(|| known.iter().find(typed))?.clone();
     // Several targets are numbered: X beside x1 is no slip of the first of them.
     let numbered = known.len() == 1 && !names.contains(&known) && names.iter().any(|name| name == "x1");
     (!numbered).then(|| Problem::NearMiss { column: name.into(), known })

@@ -1,5 +1,6 @@
 //! What can be wrong with a measurement file: each message says where, what, and the mend.
 
+use super::read::FAULTS;
 use std::fmt;
 use thiserror::Error;
 
@@ -272,6 +273,8 @@ fn mend_for_joint(suggestion: Option<&str>, joints: &str) -> String {
 fn mend_for_text(text: &str) -> &'static str {
     if text.contains(',') {
         "write the decimal point as a dot"
+    } else if FAULTS.contains(&text) {
+        "the spreadsheet could not compute it: correct the cell or remove the row"
     } else if text.starts_with('#') {
         "comments stand on lines of their own"
     } else {

@@ -169,7 +169,7 @@ impl<R: Read> Read for LineFeeds<R> {
 }
 
 /// What spreadsheets write into a cell that they could not compute; German ones, too.
-const FAULTS: [&str; 12] = [
+pub(super) const FAULTS: [&str; 12] = [
     "#N/A", "#NV", "#REF!", "#VALUE!", "#DIV/0!", "#NAME?", "#NUM!", "#NULL!", "#WERT!", "#BEZUG!", "#ZAHL!", "#NAME!",
 ];
 
