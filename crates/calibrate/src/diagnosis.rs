@@ -29,7 +29,7 @@ const SUSPICIOUS: f64 = 2e-3;
 /// Above this share of the robot's size (or rad) no geometry within its tolerances is to blame.
 const BEYOND_GEOMETRY: f64 = 0.02;
 /// Rows on which mistakes are tried, and on which the best are confirmed.
-const ROWS_TO_TRY: usize = 30;
+const ROWS_TO_TRY: usize = 20;
 const ROWS_TO_CONFIRM: usize = 200;
 /// The best mistakes are confirmed, no more than these.
 const CONFIRMED: usize = 3;

@@ -4,8 +4,8 @@ use crate::solve::Fit;
 use denavit_model::nalgebra::DVector;
 use serde::Serialize;
 
-/// So many standard deviations of the prior are no tolerance any more.
-const MANY_TOLERANCES: f64 = 8.0;
+/// So many standard deviations of the prior are no tolerance any more; arms with hand-set wrists reach eleven.
+const MANY_TOLERANCES: f64 = 15.0;
 /// And so many of the fit's own, or it may be chance.
 const SURE: f64 = 5.0;
 

@@ -172,7 +172,11 @@ fn clean_runs_and_rough_robots_are_left_alone() {
     for path in robots {
         let chain = robot(path);
         for kind in [MeasurementKind::Position, MeasurementKind::Pose, MeasurementKind::Distance] {
-            for (turn, noise) in [(1e-3, 5e-5), (4e-3, 2e-3)] {
+            for (turn, noise) in [(1e-3, 5e-5), (4e-3, 3e-3)] {
+                // Every mistake is tried on a rough robot, which takes a while.
+                if turn > 1e-3 && (path != robots[0] || kind == MeasurementKind::Distance) {
+                    continue;
+                }
                 let options = SimulationOptions {
                     kind,
                     rows: 60,
@@ -241,5 +245,6 @@ fn real_robots_are_left_alone() {
             fit.iterations,
             result.report.differs_from_drawing
         );
+        assert!(result.report.differs_from_drawing.is_empty());
     }
 }
