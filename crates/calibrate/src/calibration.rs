@@ -221,7 +221,7 @@ pub fn calibrate_and_tell(
     let identification = identify(chain, &train, &options.identify);
     diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
     let geometric = &identification.geometric;
-    if !geometric.converged {
+    if !geometric.settled() {
         return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations: geometric.iterations });
     }
     let told = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
@@ -243,7 +243,7 @@ pub fn calibrate_and_tell(
             stages.add(name, fit)?;
         }
     }
-    let adopted = stages.adopt(found.as_ref().is_some_and(|found| found.fit.converged));
+    let adopted = stages.adopt(found.as_ref().is_some_and(|found| found.fit.settled()));
     let (stages, residuals) = (stages.done, stages.residuals);
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
     let (weights, (parameters, differs)) = match (adopted, &found) {
@@ -422,7 +422,7 @@ impl Stages<'_> {
             name: name.clone(),
             train: errors(&train, self.train.kind),
             test: test_errors,
-            converged: fit.converged,
+            converged: fit.settled(),
             adopted: false,
             worse_on_held_out: false,
         });

@@ -7,6 +7,8 @@ use crate::solve::{Fit, missing_degrees};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+/// Residuals below this share of the robot's size (and rad) are as good as none: a micrometre on a metre.
+const EXACT: f64 = 1e-6;
 /// A condition smaller than this share of the largest is rounding.
 const SAYS_NOTHING: f64 = 1e-9;
 
@@ -21,6 +23,13 @@ impl<E> Fit<E> {
     /// [`crate::solve::ASSUMED_NOISE`]). 0 with enough data.
     pub fn assumed_degrees(&self) -> f64 {
         (0..2).map(|channel| missing_degrees(self.values[channel], self.parameters_used[channel])).sum()
+    }
+
+    /// Whether the numbers are a result: the last step was too small to matter, or what is left is so small that nothing
+    /// could (data without noise).
+    pub fn settled(&self) -> bool {
+        let size = self.arm.nominal.size();
+        self.converged || self.noise.position <= EXACT * size && self.noise.orientation <= EXACT
     }
 
     /// Standard deviation of a parameter, in its unit.
