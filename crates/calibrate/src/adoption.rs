@@ -31,11 +31,11 @@ pub fn worse(before: &[Residual], after: &[Residual]) -> bool {
         return false;
     }
     let mean = |values: &dyn Fn(&Residual) -> f64| before.iter().map(values).sum::<f64>() / count as f64;
-    let moved = mean(&|residual| residual.position.norm_squared());
-    let turned = mean(&|residual| residual.orientation.norm_squared());
+    let moved = mean(&|residual| residual.place.norm_squared());
+    let turned = mean(&|residual| residual.turn.norm_squared());
     let size = |residual: &Residual| {
         let share = |square: f64, unit: f64| if unit > 0.0 { square / unit } else { 0.0 };
-        share(residual.position.norm_squared(), moved) + share(residual.orientation.norm_squared(), turned)
+        share(residual.place.norm_squared(), moved) + share(residual.turn.norm_squared(), turned)
     };
     let changes: Vec<f64> = before.iter().zip(after).map(|(before, after)| size(after) - size(before)).collect();
     let mean = changes.iter().sum::<f64>() / count as f64;

@@ -12,7 +12,7 @@ use crate::errors::{Errors, Residual, TestError, errors, placed, residuals};
 use crate::grid::{self, Rounding};
 use crate::identifiability::{Identifiability, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::Measurements;
 use crate::parameters::{Effects, NoEffects};
 use crate::proportion::{OutOfProportion, within_proportion};
 use crate::redundancy::{Redundancy, different};
@@ -257,7 +257,7 @@ pub fn calibrate_and_tell(
         robot: chain.name().into(),
         base: chain.base().into(),
         tip: chain.tip().into(),
-        measurement: train.kind,
+        measurement: train.scene.measured(),
         columns: Vec::new(),
         samples: Samples {
             train: train.len(),
@@ -324,12 +324,7 @@ fn held(parameters: &[Identified], name: &str) -> Held {
 
 /// Refuses to judge by the rows that were fitted.
 fn not_the_same(train: &Measurements, test: &Measurements) -> Result<(), TestError> {
-    let same = train.kind == test.kind
-        && train.targets == test.targets
-        && train.readings == test.readings
-        && train.positions == test.positions
-        && train.orientations == test.orientations
-        && train.distances == test.distances;
+    let same = train.scene == test.scene && train.readings == test.readings && train.observed == test.observed;
     if same { Err(TestError::SameRows { file: test.source.clone(), fitted: train.source.clone() }) } else { Ok(()) }
 }
 
@@ -358,10 +353,10 @@ fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str)
 
 /// Lines of held-out rows that are off by far more than the others.
 fn far_off(data: &Measurements, residuals: &[Residual]) -> Vec<usize> {
-    let squares: Vec<[f64; 2]> =
-        residuals.iter().map(|r| [r.position.norm_squared(), r.orientation.norm_squared()]).collect();
+    let squares: Vec<(usize, [f64; 2])> =
+        residuals.iter().map(|r| (r.series, [r.place.norm_squared(), r.turn.norm_squared()])).collect();
     let mut lines: Vec<usize> =
-        outside(data.kind, &squares).into_iter().map(|index| data.lines[residuals[index].row]).collect();
+        outside(&data.scene, &squares).into_iter().map(|index| data.lines[residuals[index].row]).collect();
     lines.dedup();
     lines
 }
@@ -386,11 +381,10 @@ fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option
 }
 
 fn enough(data: &Measurements) -> Result<(), CalibrateError> {
-    let needed = match data.kind {
-        MeasurementKind::Pose => 12,
-        MeasurementKind::Position => 6 + 3 * data.targets.len(),
-        MeasurementKind::Distance => 6,
-    };
+    let scene = &data.scene;
+    let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
+    let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
+    let needed = 6 * instruments + 3 * (scene.points.len() + scene.targets.len() + turns);
     let (postures, values) = different(data);
     if values <= needed {
         let (file, rows) = (data.source.clone(), data.len());
@@ -408,19 +402,18 @@ struct Stages<'a> {
 
 impl Stages<'_> {
     fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
-        let targets = self.train.targets.len();
         let mut train = residuals(&fit.arm, &fit.effects, self.train);
-        train.retain(|residual| fit.weights[residual.row * targets + residual.target] > 0.0);
+        train.retain(|residual| fit.weights[residual.observation] > 0.0);
         let mut held_out = Vec::new();
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
             let arm = placed(fit, self.train, test)?;
             held_out = residuals(&arm, &fit.effects, test);
-            test_errors = Some(errors(&held_out, test.kind));
+            test_errors = Some(errors(&held_out, &test.scene));
         }
         self.done.push(Stage {
             name: name.clone(),
-            train: errors(&train, self.train.kind),
+            train: errors(&train, &self.train.scene),
             test: test_errors,
             converged: fit.settled(),
             adopted: false,
@@ -452,12 +445,8 @@ impl Stages<'_> {
 
 /// Lines of the rows with a rejected value.
 fn rejected(data: &Measurements, weights: &[f64]) -> Vec<usize> {
-    let targets = data.targets.len();
-    let out = |row: usize, target: usize| {
-        let seen = data.kind != MeasurementKind::Position || data.position(row, target).is_some();
-        seen && weights[row * targets + target] == 0.0
-    };
-    (0..data.len()).filter(|&row| (0..targets).any(|target| out(row, target))).map(|row| data.lines[row]).collect()
+    let out = |row: &usize| data.of_row(*row).any(|observation| weights[observation] == 0.0);
+    (0..data.len()).filter(out).map(|row| data.lines[row]).collect()
 }
 
 /// Stages of the tracer by what each added; the last one is what it settled on.

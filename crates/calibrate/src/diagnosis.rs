@@ -124,8 +124,12 @@ fn listed(lines: &[usize]) -> String {
 }
 
 /// Misfit per component, m and rad, of the rows as they are: gross ones are not left out here.
-fn misfit(fit: &Fit<NoEffects>) -> [f64; 2] {
-    [fit.noise.position, fit.noise.orientation]
+fn misfit(fit: &Fit<NoEffects>, data: &Measurements) -> [f64; 2] {
+    let most = |unit: &str| {
+        let channels = data.scene.channels.iter().zip(&fit.noise.levels).filter(|(part, _)| part.unit == unit);
+        channels.map(|(_, level)| *level).fold(0.0, f64::max)
+    };
+    [most("m"), most("rad")]
 }
 
 /// One number for both: a share of the robot's size, and rad.
@@ -160,7 +164,7 @@ fn undone(
 /// How far the robot as drawn is from these rows.
 fn nominal_misfit(chain: &Chain, data: &Measurements) -> [f64; 2] {
     let options = FitOptions { robust: true, most_iterations: 40 };
-    misfit(&nominal_fit(chain, data, &vec![1.0; data.observations()], &options))
+    misfit(&nominal_fit(chain, data, &vec![1.0; data.observations()], &options), data)
 }
 
 /// Whether the data can belong to the robot: what the geometric fit leaves is small, or no mistake explains it.
@@ -174,7 +178,7 @@ pub fn judge(
     options: &IdentifyOptions,
     other_chains: &[Chain],
 ) -> Result<(), Diagnosis> {
-    let as_written = misfit(&found.geometric);
+    let as_written = misfit(&found.geometric, data);
     let left = size_of(as_written, chain);
     // Written so that what is not a number is looked into.
     if left < SUSPICIOUS {
@@ -197,7 +201,7 @@ pub fn judge(
         let Some((other, altered)) = undone(&mistake, chain, data, &many, ROWS_TO_CONFIRM) else { continue };
         let own =
             IdentifyOptions { freedom: crate::parameters::Freedom::axes(other.joints().len()), ..options.clone() };
-        let after = misfit(&identify(&other, &altered, &own).geometric);
+        let after = misfit(&identify(&other, &altered, &own).geometric, &altered);
         if size_of(after, &other) * ORDER < left {
             return Err(Diagnosis::Mistaken { file: data.source.clone(), mistake, before: as_written, after });
         }
@@ -209,7 +213,7 @@ pub fn judge(
         let strangers = strangers.into_iter().map(|row| data.lines[row]).collect();
         return Err(Diagnosis::Mixed { file: data.source.clone(), rows: data.len(), strangers, after });
     }
-    let [nominal, orientation] = misfit(&found.nominal);
+    let [nominal, orientation] = misfit(&found.nominal, data);
     Err(Diagnosis::Refused { file: data.source.clone(), nominal, orientation, size: chain.size() })
 }
 

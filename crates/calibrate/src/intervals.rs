@@ -22,14 +22,14 @@ impl<E> Fit<E> {
     /// Degrees of freedom of the noise that the data do not have: an assumed noise stands in for them (see
     /// [`crate::solve::ASSUMED_NOISE`]). 0 with enough data.
     pub fn assumed_degrees(&self) -> f64 {
-        (0..2).map(|channel| missing_degrees(self.values[channel], self.parameters_used[channel])).sum()
+        self.values.iter().zip(&self.parameters_used).map(|(count, used)| missing_degrees(*count, *used)).sum()
     }
 
     /// Whether the numbers are a result: the last step was too small to matter, or what is left is so small that nothing
     /// could (data without noise).
     pub fn settled(&self) -> bool {
-        let size = self.arm.nominal.size();
-        self.converged || self.noise.position <= EXACT * size && self.noise.orientation <= EXACT
+        let least = EXACT * self.arm.nominal.size();
+        self.converged || self.noise.levels.iter().all(|level| *level <= least)
     }
 
     /// Standard deviation of a parameter, in its unit.

@@ -1,7 +1,8 @@
 //! How many numbers were measured beyond those that are to be found: without any to spare nothing can be judged.
 
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::Measurements;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Readings nearer than this are one posture, rad or m.
 const SAME_POSTURE: f64 = 1e-6;
@@ -51,14 +52,12 @@ pub fn different(data: &Measurements) -> (usize, usize) {
     let (mut postures, mut values) = (0, 0);
     for alike in rows.chunk_by(|a, b| a.0 == b.0) {
         postures += 1;
-        values += match data.kind {
-            MeasurementKind::Pose => 6,
-            MeasurementKind::Distance => 1,
-            MeasurementKind::Position => {
-                let seen = |target: usize| alike.iter().any(|(_, row)| data.position(*row, target).is_some());
-                3 * (0..data.targets.len()).filter(|target| seen(*target)).count()
-            }
-        };
+        let seen: BTreeSet<usize> = alike
+            .iter()
+            .flat_map(|(_, row)| data.of_row(*row))
+            .map(|observation| data.observed.series(observation))
+            .collect();
+        values += seen.into_iter().map(|series| data.scene.series[series].kind.height()).sum::<usize>();
     }
     (postures, values)
 }

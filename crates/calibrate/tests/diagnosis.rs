@@ -7,12 +7,13 @@ use super::real::{irb120, tiago};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::measurements::{Units, read};
+use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::report::text;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{MeasurementKind, Measurements, NoEffects};
+use denavit_calibrate::{Measurements, NoEffects, ObservationKind};
 use denavit_export::sources::{self, Source};
 use denavit_model::Chain;
-use denavit_model::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::tree::Reading;
 use std::path::Path;
 
@@ -26,12 +27,12 @@ fn ur5e() -> Chain {
     robot("universal_robots/ur5e.urdf")
 }
 
-fn data(chain: &Chain, kind: MeasurementKind, seed: u64) -> Measurements {
+fn data(chain: &Chain, kind: ObservationKind, seed: u64) -> Measurements {
     simulate(chain, &SimulationOptions { kind, rows: 60, seed, ..SimulationOptions::default() }, &NoEffects).data
 }
 
 fn positions() -> Measurements {
-    data(&ur5e(), MeasurementKind::Position, 2)
+    data(&ur5e(), POSITION, 2)
 }
 
 fn refused(chain: &Chain, data: Measurements) -> String {
@@ -93,20 +94,21 @@ fn a_joint_counted_from_the_ground_is_named() {
 
 #[test]
 fn quaternions_in_another_order_are_named() {
-    let poses = || data(&ur5e(), MeasurementKind::Pose, 4);
-    let mut first = poses();
-    for orientation in &mut first.orientations {
-        let q = UnitQuaternion::from_rotation_matrix(orientation);
-        // Written w, x, y, z and read as x, y, z, w.
-        let read = Quaternion::new(q.k, q.w, q.i, q.j);
-        *orientation = UnitQuaternion::new_normalize(read).to_rotation_matrix();
-    }
+    let poses = || data(&ur5e(), POSE, 4);
+    let turned = |change: fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>| {
+        let mut data = poses();
+        for observation in 0..data.observations() {
+            let values = &mut data.observed.values_mut(observation)[3..12];
+            let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(values));
+            let changed = change(UnitQuaternion::from_rotation_matrix(&rotation)).to_rotation_matrix();
+            values.copy_from_slice(changed.matrix().as_slice());
+        }
+        data
+    };
+    // Written w, x, y, z and read as x, y, z, w.
+    let first = turned(|q| UnitQuaternion::new_normalize(Quaternion::new(q.k, q.w, q.i, q.j)));
     check(first, "the quaternion were written w first", "order the header row's names");
-    let mut inverse = poses();
-    for orientation in &mut inverse.orientations {
-        *orientation = orientation.inverse();
-    }
-    check(inverse, "the quaternion were the inverse", "in the instrument's frame");
+    check(turned(|q| q.inverse()), "the quaternion were the inverse", "in the instrument's frame");
 }
 
 #[test]
@@ -131,10 +133,13 @@ fn another_robot_is_refused() {
 
 #[test]
 fn rows_of_two_robots_are_named() {
-    let (mut both, other) = (positions(), data(&ur5e(), MeasurementKind::Position, 77));
-    both.readings.extend(&other.readings);
-    both.positions.extend(&other.positions);
-    both.locate.extend(&other.locate);
+    let (mut both, other) = (positions(), data(&ur5e(), POSITION, 77));
+    for row in 0..other.len() {
+        for observation in other.of_row(row) {
+            both.observed.push(other.observed.series(observation), other.observed.values(observation));
+        }
+        both.end_row(other.reading(row), 0, false);
+    }
     both.lines = (2..122).collect();
     let said = refused(&ur5e(), both);
     assert!(said.contains("60 of 120 rows fit this robot together"), "{said}");
@@ -171,10 +176,10 @@ fn clean_runs_and_rough_robots_are_left_alone() {
     let robots = ["universal_robots/ur5e.urdf", "kuka/iiwa14.urdf", "adept/cobra600.urdf", "abb/irb120.urdf"];
     for path in robots {
         let chain = robot(path);
-        for kind in [MeasurementKind::Position, MeasurementKind::Pose, MeasurementKind::Distance] {
+        for kind in [POSITION, POSE, DISTANCE] {
             for (turn, noise) in [(1e-3, 5e-5), (4e-3, 3e-3)] {
                 // Every mistake is tried on a rough robot, which takes a while.
-                if turn > 1e-3 && (path != robots[0] || kind == MeasurementKind::Distance) {
+                if turn > 1e-3 && (path != robots[0] || kind == DISTANCE) {
                     continue;
                 }
                 let options = SimulationOptions {
@@ -240,8 +245,8 @@ fn real_robots_are_left_alone() {
         let fit = &result.identification.geometric;
         println!(
             "{name}: leaves {:.3} of the size per mille, {:.3} mrad, settled in {}; {:?}",
-            1e3 * fit.noise.position / chain.size(),
-            1e3 * fit.noise.orientation,
+            1e3 * fit.noise.first() / chain.size(),
+            1e3 * fit.noise.levels.get(1).copied().unwrap_or(0.0),
             fit.iterations,
             result.report.differs_from_drawing
         );

@@ -40,7 +40,7 @@ fn calibrated(rows: usize, seed: u64, effects: bool, test: bool) -> Calibration 
 }
 
 fn test_rms(result: &Calibration, stage: usize) -> f64 {
-    result.report.stages[stage].test.unwrap().position_rms_m.unwrap()
+    result.report.stages[stage].test.as_ref().unwrap().of("position").unwrap().rms
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_stage_that_makes_held_out_rows_worse_is_not_adopted() {
     let options = SimulationOptions { rows: 30, seed: 5, turn: 2e-3, shift: 3e-3, ..SimulationOptions::default() };
     let run = simulate(&chain, &options, &NoEffects);
     let mut drawn = run.arm.clone();
-    drawn.joints = Arm::new(&chain, 1).joints;
+    drawn.joints = Arm::new(&chain, &run.data.scene).joints;
     let test =
         simulate_arm(&drawn, &SimulationOptions { rows: 40, seed: 9, ..SimulationOptions::default() }, &NoEffects).data;
     let result = calibrate(&chain, &statics, run.data, Some(test), &CalibrateOptions::geometry(&chain)).unwrap();

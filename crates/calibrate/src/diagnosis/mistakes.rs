@@ -1,7 +1,8 @@
 //! What people get wrong when they write a measurement file, and how each is undone.
 
-use crate::measurements::{MeasurementKind, Measurements};
-use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion};
+use crate::measurements::Measurements;
+use crate::observe::POSE;
+use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use denavit_model::{Chain, Quantity};
 use std::f64::consts::PI;
 use std::fmt;
@@ -128,8 +129,14 @@ impl Mistake {
                 each_row(&mut altered, n, |row| row[of] -= sign * row[by]);
             }
             Self::Quaternion(slip) => {
-                for orientation in &mut altered.orientations {
-                    *orientation = slip.undone(orientation);
+                for observation in 0..altered.observations() {
+                    if altered.series_of(observation).kind != POSE {
+                        continue;
+                    }
+                    // x, y, z and the rotation matrix column by column.
+                    let values = &mut altered.observed.values_mut(observation)[3..12];
+                    let read = Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(values));
+                    values.copy_from_slice(slip.undone(&read).matrix().as_slice());
                 }
             }
             Self::OutOfStep(by) => {
@@ -196,7 +203,7 @@ pub(super) fn likely(chain: &Chain, data: &Measurements, other_chains: &[Chain])
             all.extend([true, false].map(|plus| Mistake::Coupled { of: name(of), by: name(by), plus }));
         }
     }
-    if data.kind == MeasurementKind::Pose {
+    if data.scene.series.iter().any(|series| series.kind == POSE) {
         use QuaternionSlip::{Inverse, ScalarFirst, ScalarFirstInverse};
         all.extend([ScalarFirst, Inverse, ScalarFirstInverse].map(Mistake::Quaternion));
     }

@@ -57,7 +57,8 @@ pub(super) fn strangers(
     if share < LEAST_SHARE || best.len() == rows.len() {
         return None;
     }
-    let after = misfit(&identify(chain, &data.subset(&best), options).geometric);
+    let together = data.subset(&best);
+    let after = misfit(&identify(chain, &together, options).geometric, &together);
     let others = rows.into_iter().filter(|row| !best.contains(row)).collect();
     (size_of(after, chain) * super::ORDER < left).then_some((others, after))
 }
@@ -67,8 +68,7 @@ fn near(chain: &Chain, data: &Measurements, rows: &[usize], placing: &[usize]) -
     let some = data.subset(placing);
     let options = FitOptions { robust: false, most_iterations: 20 };
     let fit = nominal_fit(chain, &some, &vec![1.0; some.observations()], &options);
-    let off =
-        |residual: &crate::errors::Residual| residual.position.norm() / chain.size() + residual.orientation.norm();
+    let off = |residual: &crate::errors::Residual| residual.place.norm() / chain.size() + residual.turn.norm();
     let mut far = vec![false; data.len()];
     for residual in residuals(&fit.arm, &NoEffects, data) {
         far[residual.row] |= !(off(&residual) < NEAR);

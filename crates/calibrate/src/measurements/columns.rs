@@ -33,12 +33,20 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
         column: name.clone(),
         taken_for: match role {
             Role::Joint(_) => "joint reading".into(),
-            Role::Position(target, _) => match header.targets[*target].as_str() {
-                "" => "position of the target".into(),
-                target => format!("position of target {target}"),
-            },
-            Role::Quaternion(_) => "orientation of the target (quaternion)".into(),
-            Role::Distance => "distance from the anchor".into(),
+            Role::Value(group, column) => {
+                let group = &header.groups[*group];
+                let target = match group.target.as_str() {
+                    "" => "the target".into(),
+                    target => format!("target {target}"),
+                };
+                if *column >= group.kind.lengths() {
+                    format!("orientation of {target} (quaternion)")
+                } else if group.kind.unknowns().instrument {
+                    format!("position of {target}")
+                } else {
+                    format!("{} of {target}", group.kind.name())
+                }
+            }
             Role::Locate => "rows that place a target".into(),
             Role::Other => other(name),
         },

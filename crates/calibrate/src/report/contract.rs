@@ -3,7 +3,7 @@
 use crate::adoption::Adopted;
 use crate::drawing::Departure;
 use crate::errors::Errors;
-use crate::measurements::{ColumnUse, MeasurementKind};
+use crate::measurements::ColumnUse;
 use crate::redundancy::Redundancy;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -22,8 +22,8 @@ pub struct CalibrationReport {
     pub base: String,
     /// Name of the tip link.
     pub tip: String,
-    /// What was measured.
-    pub measurement: MeasurementKind,
+    /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
+    pub measurement: String,
     /// What every column of the data was taken for; empty where the rows came from no file.
     pub columns: Vec<ColumnUse>,
     /// Rows used.

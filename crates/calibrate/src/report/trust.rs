@@ -1,36 +1,14 @@
 //! How far a calibration is to be trusted, as text: redundancy, suspicious rows, what is not the drawing's, what was not
 //! adopted.
 
-use crate::adoption::Adopted;
 use crate::calibration::Calibration;
 use crate::report::contract::CalibrationReport;
-use crate::solve::{Fit, Noise};
 use std::fmt::Write;
 
 /// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
 const FEW: f64 = 10.0;
 /// No more lines are listed.
 const LISTED: usize = 30;
-
-/// The noise of the adopted stage and what it was told from.
-pub(super) struct Floor {
-    pub noise: Noise,
-    pub parameters: f64,
-    pub values: f64,
-    /// Degrees of freedom that were assumed.
-    pub assumed: f64,
-}
-
-pub(super) fn floor(result: &Calibration) -> Floor {
-    fn of<E>(fit: &Fit<E>) -> Floor {
-        let (noise, parameters, values) = (fit.noise, fit.parameters_used[0], fit.values[0]);
-        Floor { noise, parameters, values, assumed: fit.assumed_degrees() }
-    }
-    match (&result.trace, result.report.adopted) {
-        (Some(trace), Adopted::Effects) => of(&trace.fit),
-        _ => of(&result.identification.geometric),
-    }
-}
 
 /// Numbers measured beside numbers found, and what few of them mean.
 pub(super) fn redundancy(result: &Calibration) -> String {
