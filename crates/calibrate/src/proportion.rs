@@ -33,13 +33,13 @@ pub fn within_proportion(chain: &Chain) -> Result<(), OutOfProportion> {
             Screw::Prismatic(_) => Point3::origin(),
         };
         let away = point.coords.amax();
-        if !(away <= LARGEST) {
+        if away.is_nan() || away > LARGEST {
             return Err(OutOfProportion { robot: chain.name().into(), joint: joint.name.clone(), away });
         }
     }
     let away = chain.home().translation.vector.amax();
     match chain.joints().last() {
-        Some(last) if !(away <= LARGEST) => {
+        Some(last) if away.is_nan() || away > LARGEST => {
             Err(OutOfProportion { robot: chain.name().into(), joint: last.name.clone(), away })
         }
         _ => Ok(()),

@@ -86,7 +86,8 @@ fn columns_that_are_nearly_known_are_not_lost() {
     let left_out = |columns: &str| {
         let found = error(&format!("joint_1,joint_2,x,y,z,{columns}\n0,0,1,0,0,0,0,0\n"));
         let names = columns.replace(',', ", ");
-        let expected = format!("m.csv:1: columns {names} look like an orientation and would be left out; say ");
+        let expected =
+            format!("m.csv:1: columns {names} look like an orientation and would be left out; write the orientation ");
         assert!(found.starts_with(&expected), "{found}");
         assert!(found.ends_with(", or rename them if they are something else"), "{found}");
     };

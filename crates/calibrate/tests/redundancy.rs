@@ -67,7 +67,7 @@ fn fewer_numbers_than_parameters_are_no_perfect_fit() {
 
 #[test]
 fn intervals_hold_what_they_say_with_few_rows() {
-    let (mut inside, mut all) = (0, 0);
+    let (mut inside, mut all) = (0u32, 0u32);
     for seed in 0..20 {
         let (chain, _) = ur5e();
         let options = SimulationOptions { rows: 10, seed, ..SimulationOptions::default() };
@@ -77,10 +77,10 @@ fn intervals_hold_what_they_say_with_few_rows() {
         let truth = fit.layout.departure(&denavit_calibrate::gauge::centred(&fit.layout, &run.arm, &fit.arm), &fit.arm);
         for (index, parameter) in result.report.parameters.iter().enumerate() {
             all += 1;
-            inside += usize::from((parameter.change - truth[index]).abs() < parameter.half_interval_95);
+            inside += u32::from((parameter.change - truth[index]).abs() < parameter.half_interval_95);
         }
     }
-    let share = f64::from(inside as u32) / f64::from(all as u32);
+    let share = f64::from(inside) / f64::from(all);
     println!("{inside} of {all} inside 95 %");
     assert!(share > 0.9, "{share}");
 }

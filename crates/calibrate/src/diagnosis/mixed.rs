@@ -71,7 +71,8 @@ fn near(chain: &Chain, data: &Measurements, rows: &[usize], placing: &[usize]) -
     let off = |residual: &crate::errors::Residual| residual.place.norm() / chain.size() + residual.turn.norm();
     let mut far = vec![false; data.len()];
     for residual in residuals(&fit.arm, &NoEffects, data) {
-        far[residual.row] |= !(off(&residual) < NEAR);
+        let off = off(&residual);
+        far[residual.row] |= off.is_nan() || off >= NEAR;
     }
     rows.iter().copied().filter(|row| !far[*row]).collect()
 }

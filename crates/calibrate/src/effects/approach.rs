@@ -43,7 +43,7 @@ mod tests {
         let readings: Vec<f64> = (0..60).map(|k| 0.4 * ((k / 5) % 3) as f64 + jitter(k)).collect();
         let still_below = still(&readings);
         assert!(still_below > 5e-5 && still_below < 0.4, "{still_below}");
-        let clean: Vec<f64> = (0..60).map(|k| 0.4 * ((k / 5) % 3) as f64).collect();
+        let clean: Vec<f64> = (0..60).map(|k| 0.4 * f64::from((k / 5) % 3)).collect();
         let sides = |readings: &[f64]| {
             let below = still(readings);
             let mut side = 0.0;

@@ -13,16 +13,13 @@ const KNOWN_VALUES: [&str; 9] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distanc
 /// Names of that many letters may have one letter wrong.
 const LONG: usize = 6;
 
-const EULER: &str = "say how the angles turn: --euler XYZ (turned axes) or --euler xyz (fixed axes)";
-const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, or map them: --columns map.toml";
+const EULER: &str = "write the orientation as a quaternion, in columns qx, qy, qz, qw";
+const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, by what they mean and not by their place";
 
 /// Names that programs give to three or four numbers of an orientation, and what to do with them.
 const ORIENTATIONS: [(&[&str], &str); 12] = [
     (&["roll", "pitch", "yaw"], EULER),
-    (
-        &["rx", "ry", "rz"],
-        "say what they are: --euler XYZ (angles) or --rotation-vector, or map them: --columns map.toml",
-    ),
+    (&["rx", "ry", "rz"], EULER),
     (&["a", "b", "c"], EULER),
     (&["w", "p", "r"], EULER),
     (&["rotx", "roty", "rotz"], EULER),

@@ -191,11 +191,11 @@ impl<R: Read> Read for FaultyCells<R> {
             self.line.clear();
             self.at = 0;
             self.lines.read_until(b'\n', &mut self.line)?;
-            let fault = |fault: &&str| {
+            let fault = |fault: &str| {
                 let rest = self.line.strip_prefix(fault.as_bytes());
                 rest.is_some_and(|rest| rest.first().is_none_or(|next| b",;\t\n ".contains(next)))
             };
-            if FAULTS.iter().any(|known| fault(&known)) {
+            if FAULTS.iter().any(|known| fault(known)) {
                 self.line.insert(0, b' ');
             }
         }
