@@ -72,7 +72,7 @@ fn document(arguments: &DocArguments, name: &str, units: Units) -> Result<Docume
         tolerance: 1e-6,
         source,
     };
-    let main = part(arguments, name, loaded.chain(&robot)?)?;
+    let main = part(arguments, name, loaded.chain(&robot.selection())?)?;
     let reading = if arguments.exact { Reading::AsWritten } else { Reading::Intended };
     let mut others = Vec::new();
     if let Loaded::Robot(tree) = &loaded {
