@@ -51,6 +51,12 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
     }
     text.push('\n');
     for (command, line) in commands.iter().zip(lines) {
+        if allowed.reached_by(command) && !command.keeps_configuration {
+            let _ = writeln!(
+                text,
+                "line {line}: the arm takes another configuration than before; none that keeps it was found for this pose"
+            );
+        }
         if !allowed.reached_by(command) {
             let _ = writeln!(
                 text,
@@ -125,6 +131,7 @@ pub fn to_json(chain: &Chain, commands: &[Command], lines: &[usize], allowed: Al
             "uncompensated_m": command.uncompensated.0,
             "uncompensated_rad": command.uncompensated.1,
             "outside": command.outside,
+            "keeps_configuration": command.keeps_configuration,
         })
     };
     let value = json!({

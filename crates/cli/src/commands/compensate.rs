@@ -110,7 +110,9 @@ fn commands(
             };
             model.fk(calibrated, &Conditions { reading: q, covariate: &recorded })
         };
-        let command = compensate(nominal, calibrated, &actual, &wanted, start);
+        let mut command = compensate(nominal, calibrated, &actual, &wanted, start);
+        // The first pose has nothing to keep.
+        command.keeps_configuration |= before.is_none() && poses.joints.is_empty();
         if allowed.reached_by(&command) {
             near.clone_from(&command.nominal);
         }

@@ -91,7 +91,7 @@ fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
     let coordinates = || chain.coordinates().iter().zip(q);
     let inside = |coordinate: &Coordinate, value: f64| {
         let (lower, upper) = coordinate.range();
-        coordinate.limits.is_none() || (lower..=upper).contains(&value)
+        coordinate.limits.range.is_none() || (lower..=upper).contains(&value)
     };
     let outside = coordinates().filter(|(coordinate, value)| !inside(coordinate, **value));
     let outside: Vec<&str> = outside.map(|(coordinate, _)| coordinate.name.as_str()).collect();
