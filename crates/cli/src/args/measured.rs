@@ -83,7 +83,7 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "FILE")]
     pub urdf: Option<PathBuf>,
     /// Write the calibrated D-H table; the extension chooses the format (csv, json, md, tex, txt; yaml: the kinematics
-    /// file of a UR arm)
+    /// file of a UR arm; -: text)
     #[arg(long, value_name = "FILE")]
     pub dh: Option<PathBuf>,
     /// Write the effects as JSON, for fk, compensate and simulate

@@ -13,7 +13,7 @@ use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
-use denavit_export::{FORMATS, Format, RenderError, Sheet, urdf};
+use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
 
@@ -194,6 +194,9 @@ fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, Fa
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, Failure> {
+    if path == Path::new("-") {
+        return Ok(&formats::text::FORMAT);
+    }
     let extension = path.extension().map_or_else(String::new, |extension| extension.to_string_lossy().into_owned());
     FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
