@@ -14,10 +14,16 @@ fn rows(text: &str) -> Vec<Vec<f64>> {
 fn units_are_those_of_what_comes_out_too() {
     let trial = Trial::new().with("poses.csv", &format!("{POSES}400,200,500,180,0,0\n"));
     let degrees = trial.run("compensate arm.urdf --poses poses.csv --units mm,deg").succeeded();
-    assert!(degrees.contains("# units: mm,deg\n") && degrees.contains("position_error_mm,orientation_error_deg"), "{degrees}");
+    assert!(
+        degrees.contains("# units: mm,deg\n") && degrees.contains("position_error_mm,orientation_error_deg"),
+        "{degrees}"
+    );
     let metres = trial.with("poses.csv", &format!("{POSES}0.4,0.2,0.5,{},0,0\n", std::f64::consts::PI));
     let radians = metres.run("compensate arm.urdf --poses poses.csv").succeeded();
-    assert!(radians.contains("# units: m,rad\n") && radians.contains("position_error_m,orientation_error_rad"), "{radians}");
+    assert!(
+        radians.contains("# units: m,rad\n") && radians.contains("position_error_m,orientation_error_rad"),
+        "{radians}"
+    );
     for (degree, radian) in rows(&degrees)[0].iter().zip(&rows(&radians)[0]) {
         assert!((degree.to_radians() - radian).abs() < 1e-6, "{degree}° {radian}");
     }
@@ -26,8 +32,8 @@ fn units_are_those_of_what_comes_out_too() {
     for (degrees, radians) in rows(&plan("deg")).iter().zip(rows(&plan("rad"))) {
         assert!(degrees.iter().zip(radians).all(|(degree, radian)| (degree.to_radians() - radian).abs() < 1e-8));
     }
-    let trial = metres.with("plan.csv", &plan("deg"));
-    let measured = trial.run("simulate arm.urdf --poses plan.csv --units deg").succeeded();
+    std::fs::write(metres.path("plan.csv"), plan("deg")).unwrap();
+    let measured = metres.run("simulate arm.urdf --poses plan.csv --units deg").succeeded();
     let first: f64 = rows(&measured)[0][0];
     assert!((first - rows(&plan("rad"))[0][0]).abs() < 1e-6, "{first}");
 }
@@ -45,12 +51,19 @@ fn commands_keep_the_configuration_or_say_that_it_changes() {
         assert!(most < 30.0, "40 mm take {most}° of a joint: {pair:?}");
     }
     // A shoulder that may not turn far cannot go to the other side but by folding over.
-    let narrow = trial.text("arm.urdf").replacen("lower=\"-6.283185307179586\" upper=\"6.283185307179586\"", "lower=\"-1.2\" upper=\"1.2\"", 1);
+    let narrow = trial.text("arm.urdf").replacen(
+        "lower=\"-6.283185307179586\" upper=\"6.283185307179586\"",
+        "lower=\"-1.2\" upper=\"1.2\"",
+        1,
+    );
     assert_ne!(narrow, trial.text("arm.urdf"), "a limit to narrow");
-    let trial = trial.with("narrow.urdf", &narrow).with("sides.csv", &format!("{POSES}500,0,400,180,0,0\n-500,0,400,180,0,0\n"));
+    let trial = trial
+        .with("narrow.urdf", &narrow)
+        .with("sides.csv", &format!("{POSES}500,0,400,180,0,0\n-500,0,400,180,0,0\n"));
     let run = trial.run("compensate narrow.urdf --poses sides.csv --units mm,deg");
     let json: serde_json::Value =
-        serde_json::from_str(&trial.run("compensate narrow.urdf --poses sides.csv --units mm,deg --json").stdout).unwrap();
+        serde_json::from_str(&trial.run("compensate narrow.urdf --poses sides.csv --units mm,deg --json").stdout)
+            .unwrap();
     assert_eq!(json["commands"][0]["keeps_configuration"], true);
     let second = &json["commands"][1];
     if second["state"] == "reached" {

@@ -7,7 +7,8 @@ fn repository() -> Option<Trial> {
     let trial = Trial::new().with("precious.txt", "precious");
     let script = "git init -q . && git config user.name t && git config user.email t@example.org && git add . && \
                   git commit -qm all";
-    let made = Command::new("sh").args(["-c", script]).current_dir(trial.folder()).env("GIT_CONFIG_GLOBAL", "/dev/null");
+    let mut made = Command::new("sh");
+    made.args(["-c", script]).current_dir(trial.folder()).env("GIT_CONFIG_GLOBAL", "/dev/null");
     if made.status().is_ok_and(|status| status.success()) {
         return Some(trial);
     }
@@ -21,7 +22,9 @@ fn nothing_in_a_name_reaches_git_as_an_option() {
     let table = trial.run("table arm.urdf").succeeded();
     assert_eq!(trial.run("table git:HEAD:arm.urdf").succeeded(), table);
     assert_eq!(trial.run("table git:HEAD:./arm.urdf").succeeded(), table);
-    for name in ["git:--output=precious.txt", "git:--output=precious.txt:arm.urdf", "git:-p", "git:HEAD:--output=precious.txt"] {
+    for name in
+        ["git:--output=precious.txt", "git:--output=precious.txt:arm.urdf", "git:-p", "git:HEAD:--output=precious.txt"]
+    {
         trial.refuses(&format!("table {name}"), "cannot be read");
         trial.refuses(&format!("diff {name} arm.urdf"), "cannot be read");
     }

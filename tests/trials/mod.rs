@@ -3,7 +3,9 @@
 mod commands;
 mod git;
 mod json;
+mod library;
 mod numbers;
+#[cfg(unix)]
 mod outputs;
 mod program;
 mod sources;

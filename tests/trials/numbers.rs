@@ -97,7 +97,12 @@ fn no_note_says_that_nothing_moves() {
     let mut said = BTreeSet::new();
     for path in crate::support::files(&crate::support::top().join("robots"), "urdf") {
         let run = crate::support::denavit(&["table", path.to_str().unwrap()]);
-        said.extend(format!("{}{}", run.stdout, run.stderr).lines().filter(|line| line.contains("at most 0 m")).map(str::to_owned));
+        said.extend(
+            format!("{}{}", run.stdout, run.stderr)
+                .lines()
+                .filter(|line| line.contains("at most 0 m"))
+                .map(str::to_owned),
+        );
     }
     assert!(said.is_empty(), "{said:?}");
 }

@@ -66,7 +66,10 @@ fn owner_and_mode_stay() {
 fn a_read_only_file_is_refused_with_the_mend() {
     let trial = Trial::new().with("table.txt", "old");
     std::fs::set_permissions(trial.path("table.txt"), std::fs::Permissions::from_mode(0o444)).unwrap();
-    trial.refuses("table arm.urdf -o table.txt", "table.txt: cannot be written: it is read-only; make it writable (chmod u+w)");
+    trial.refuses(
+        "table arm.urdf -o table.txt",
+        "table.txt: cannot be written: it is read-only; make it writable (chmod u+w)",
+    );
     trial.refuses("simulate missing.urdf -o table.txt", "read-only");
 }
 
@@ -74,6 +77,7 @@ fn a_read_only_file_is_refused_with_the_mend() {
 fn a_dash_is_standard_output_for_every_option() {
     let trial = Trial::new().with_robot("arm.xacro", "universal_robots/ur5e.urdf");
     trial.run("simulate arm.urdf --rows 40 -o data.csv").succeeded();
+    trial.run("plan arm.urdf --count 5 --spread 50 -o plan.csv").succeeded();
     let calibrate = "calibrate arm.urdf --data data.csv --effects none";
     for (line, begins) in [
         ("table arm.urdf -o -", "ur5e "),
@@ -88,7 +92,7 @@ fn a_dash_is_standard_output_for_every_option() {
         ("simulate arm.urdf --rows 2 -o -", "# ur5e"),
         ("simulate arm.urdf --rows 2 -o other.csv --test -", "# ur5e"),
         ("simulate arm.urdf --rows 2 -o other.csv --truth -", "{"),
-        ("compensate arm.urdf --poses data.csv -o -", "# "),
+        ("compensate arm.urdf --poses plan.csv -o -", "# "),
         ("man -o -", ".ie"),
         ("completions bash -o -", "_denavit"),
         (&format!("{calibrate} --json -"), "{"),
@@ -98,10 +102,15 @@ fn a_dash_is_standard_output_for_every_option() {
         (&format!("{calibrate} --effects-out -"), "{"),
     ] {
         let run = trial.run(line);
-        assert!(run.code < 2 && run.stdout.starts_with(begins), "{line}: {}{}", run.stderr, &run.stdout[..80.min(run.stdout.len())]);
+        assert!(
+            run.code < 2 && run.stdout.starts_with(begins),
+            "{line}: {}{}",
+            run.stderr,
+            &run.stdout[..80.min(run.stdout.len())]
+        );
         assert!(!run.stdout.contains("strongest correlations"), "{line}: one output at a time");
     }
-    assert_eq!(trial.names(), ["arm.urdf", "arm.xacro", "data.csv", "other.csv"]);
+    assert_eq!(trial.names(), ["arm.urdf", "arm.xacro", "data.csv", "other.csv", "plan.csv"]);
 }
 
 #[test]
@@ -111,7 +120,14 @@ fn an_output_is_never_an_input() {
     std::fs::hard_link(trial.path("data.csv"), trial.path("hard.html")).unwrap();
     symlink("data.csv", trial.path("soft.html")).unwrap();
     let calibrate = "calibrate arm.urdf --data data.csv --test test.csv --effects none";
-    for output in ["--json=data.csv", "--html ./data.csv", "--html hard.html", "--html soft.html", "--dh test.csv", "--urdf arm.urdf"] {
+    for output in [
+        "--json=data.csv",
+        "--html ./data.csv",
+        "--html hard.html",
+        "--html soft.html",
+        "--dh test.csv",
+        "--urdf arm.urdf",
+    ] {
         trial.refuses(&format!("{calibrate} {output}"), "the run reads this file");
     }
     trial.refuses("table arm.urdf -o arm.urdf", "--output arm.urdf: the run reads this file (as arm.urdf)");
@@ -156,9 +172,9 @@ fn an_interrupted_run_leaves_nothing_behind() {
     let start = Instant::now();
     let staged = |trial: &Trial| {
         let names = trial.names();
-        names.iter().any(|name| {
-            name.starts_with(".denavit-") && trial.path(name).metadata().is_ok_and(|found| found.len() > 0)
-        })
+        names
+            .iter()
+            .any(|name| name.starts_with(".denavit-") && trial.path(name).metadata().is_ok_and(|found| found.len() > 0))
     };
     while !staged(&trial) {
         assert!(start.elapsed() < Duration::from_secs(60), "no file was staged");
@@ -177,9 +193,13 @@ fn what_cannot_be_made_is_refused_before_the_work() {
     let calibrate = "calibrate arm.urdf --data missing.csv";
     for freedom in ["--scales all", "--pitches elbow_joint"] {
         trial.refuses(&format!("{calibrate} {freedom} --urdf as_it_is.urdf"), "take --dh FILE.csv or FILE.json");
-        trial.refuses(&format!("{calibrate} {freedom} --dh t.yaml"), "has no place for what --scales and --pitches fit");
+        trial
+            .refuses(&format!("{calibrate} {freedom} --dh t.yaml"), "has no place for what --scales and --pitches fit");
     }
-    trial.refuses(&format!("{calibrate} --dh t.py"), "--dh t.py: rtb has no place for Hayati's beta, which the calibrated");
+    trial.refuses(
+        &format!("{calibrate} --dh t.py"),
+        "--dh t.py: rtb has no place for Hayati's beta, which the calibrated",
+    );
     trial.refuses(&format!("{calibrate} --dh t.m"), "take a file that ends in one of txt, md, csv, json, tex");
     trial.refuses(&format!("{calibrate} --html nowhere/page.html"), "there is no folder nowhere");
     trial.refuses(&format!("{calibrate} --html ."), "it is a folder");

@@ -36,9 +36,9 @@ fn every_command_takes_every_source() {
             format!("fingerprint {source}"),
             format!("check {source}"),
             format!("identify {source} --rows 10"),
-            format!("plan {source} --count 8 --spread 60"),
+            format!("plan {source} --count 8 --spread 60 -o poses_{data}"),
             format!("simulate {source} --rows 30 -o {data}"),
-            format!("compensate {source} --poses {data}"),
+            format!("compensate {source} --poses poses_{data}"),
             format!("calibrate {source} --data {data} --effects none"),
         ] {
             let run = trial.run(&line);
@@ -55,7 +55,7 @@ fn arguments_of_xacro_reach_every_command() {
     let page = |line: &str| trial.run(line).succeeded();
     assert_ne!(page("doc bent.xacro -o -"), page("doc bent.xacro length:=1.5 -o -"));
     assert!(trial.run("check bent.xacro length:=1.5").code < 2);
-    trial.refuses("check bent.xacro length:=nonsense", "nonsense");
+    assert!(trial.run("check bent.xacro length:=nonsense").stdout.contains("\"nonsense\" is no finite number"));
     trial.refuses("doc length:=1.5 -o pages", "no robot is named");
     trial.refuses("table arm.urdf 1.5", "arguments of a xacro file, NAME:=VALUE");
 }
@@ -89,13 +89,13 @@ fn a_folder_stands_for_the_robots_in_it() {
         .with_robot("robots/two.urdf", "abb/irb120.urdf");
     let checked = trial.run("check robots --json");
     let report: serde_json::Value = serde_json::from_str(&checked.stdout).unwrap();
-    assert_eq!(
-        report["files"],
-        serde_json::json!(["robots/bent.xacro", "robots/parts/table.csv", "robots/two.urdf"])
-    );
+    assert_eq!(report["files"], serde_json::json!(["robots/bent.xacro", "robots/parts/table.csv", "robots/two.urdf"]));
     assert!(checked.stderr.contains("robots/parts/macros.xacro: left out"), "{}", checked.stderr);
     let written = trial.run("doc robots -o pages").succeeded();
-    assert_eq!(written.lines().collect::<Vec<_>>(), ["pages/bent.html", "pages/table.html", "pages/two.html", "pages/index.html"]);
+    assert_eq!(
+        written.lines().collect::<Vec<_>>(),
+        ["pages/bent.html", "pages/table.html", "pages/two.html", "pages/index.html"]
+    );
     std::fs::create_dir(trial.path("empty")).unwrap();
     trial.refuses("check empty", "there is no robot in this folder");
 }
@@ -104,7 +104,11 @@ fn a_folder_stands_for_the_robots_in_it() {
 fn an_arm_with_a_hand_ends_at_its_tool() {
     let trial = Trial::new().with_robot("panda.urdf", "franka/panda.urdf");
     let run = trial.run("fk panda.urdf");
-    assert!(run.stderr.contains("the chain ends at \"panda_hand_tcp\"") && run.stderr.contains("--tip"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("the chain ends at \"panda_hand_tcp\"") && run.stderr.contains("--tip"),
+        "{}",
+        run.stderr
+    );
     assert!(run.succeeded().starts_with("panda_link0 → panda_hand_tcp"));
     assert!(trial.run("chains panda.urdf").succeeded().contains("* panda_link0 → panda_hand_tcp"));
     assert!(!trial.run("fk panda.urdf --tip panda_leftfinger").stderr.contains("--tip"));

@@ -149,16 +149,19 @@ fn followed(chain: &Chain, pose: &Pose, near: &[f64], lever: f64) -> Option<Vec<
 }
 
 /// Points on the way between two sets of joint values at which a singularity is looked for.
-const POINTS_BETWEEN: u32 = 64;
-/// Smallest over largest singular value of the Jacobian at a singularity, where there is no sign to look at.
+const POINTS_BETWEEN: u32 = 256;
+/// Smallest over largest singular value of the Jacobian at a singularity.
 const SINGULAR: f64 = 1e-2;
+/// The determinant, as a share of its largest on the way, below which two singularities may be passed at once: a product of
+/// two that go through zero together keeps its sign.
+const TWICE_SINGULAR: f64 = 1e-3;
 
 /// Whether the straight way between two sets of joint values passes no singularity: with six coordinates the Jacobian's
-/// determinant keeps its sign, with others its smallest singular value stays away from zero.
+/// determinant keeps its sign and stays away from zero, with others its smallest singular value does.
 fn regular_between(chain: &Chain, from: &[f64], to: &[f64], lever: f64) -> bool {
     let n = chain.coordinates().len();
     let mut columns = vec![Vector6::zeros(); n];
-    let mut sign = 0.0;
+    let (mut sign, mut least, mut most) = (0.0, f64::INFINITY, 0.0f64);
     for point in 0..=POINTS_BETWEEN {
         let share = f64::from(point) / f64::from(POINTS_BETWEEN);
         let q: Vec<f64> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
@@ -171,6 +174,7 @@ fn regular_between(chain: &Chain, from: &[f64], to: &[f64], lever: f64) -> bool 
             if now != 0.0 {
                 sign = now.signum();
             }
+            (least, most) = (least.min(now.abs()), most.max(now.abs()));
         } else {
             let values = jacobian.singular_values();
             if values.min() < SINGULAR * values.max() {
@@ -178,7 +182,7 @@ fn regular_between(chain: &Chain, from: &[f64], to: &[f64], lever: f64) -> bool 
             }
         }
     }
-    true
+    n != 6 || least > TWICE_SINGULAR * most
 }
 
 /// The tip's Jacobian, m and rad times lever.

@@ -113,7 +113,7 @@ impl Measurements {
     /// Measured position of a target in a row, m in the instrument's frame.
     #[inline]
     pub fn position(&self, row: usize, target: usize) -> Option<Vector3<f64>> {
-        self.positions[row * self.targets.len() + target]
+        self.positions.get(row * self.targets.len() + target).copied().flatten()
     }
 
     /// The numeric column of this name.
