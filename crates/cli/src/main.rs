@@ -3,6 +3,7 @@
 mod args;
 mod commands;
 mod failure;
+mod gather;
 mod measured;
 mod output;
 mod progress;

@@ -1,6 +1,6 @@
 //! The JSON of `calibrate`: names and order are a contract.
 
-use crate::errors::Errors;
+use crate::errors::{Errors, LengthFound};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -75,6 +75,12 @@ pub struct Stage {
     /// On the held-out rows; absent without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub test: Option<Errors>,
+    /// Known distances between points as the fitted rows alone say them; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub train_lengths: Vec<LengthFound>,
+    /// The same of the held-out rows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub test_lengths: Vec<LengthFound>,
 }
 
 /// An effect that the data ask for.

@@ -2,6 +2,7 @@
 
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
+use crate::gather;
 use crate::measured::{self, Robot};
 use crate::output::{self, Status};
 use crate::progress::Spinner;
@@ -19,13 +20,14 @@ use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
-    measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
+    let measured_files = arguments.data.iter().map(|file| Some(file.as_str()));
+    let all: Vec<Option<&str>> =
+        measured_files.chain([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]).collect();
+    measured::one_standard_input(&all)?;
     let robot = measured::robot(&arguments.robot)?;
     let options = options(arguments, &robot.chain)?;
     let outputs = outputs(arguments, &robot.loaded)?;
-    let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
-    let data = read(&arguments.data)?;
-    let test = arguments.test.as_deref().map(read).transpose()?;
+    let (data, test) = gather::rows(arguments, &robot.chain)?;
     let spinner = Spinner::start("reading");
     let result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
