@@ -56,7 +56,7 @@ pub struct CalibrateArguments {
     pub socket: Vec<String>,
     /// A known distance between two sockets: front/0,front/1=50mm, or '*/0,*/1=50mm' for every placement; how sure it is may
     /// follow as +-0.1mm (else 0.05 mm)
-    #[arg(long, value_name = "LABEL,LABEL=LENGTH")]
+    #[arg(long, value_name = "PAIR=LENGTH")]
     pub distance: Vec<String>,
     /// Measurements to judge by, never fitted; sockets in it are new places
     #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
