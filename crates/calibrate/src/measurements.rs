@@ -1,7 +1,9 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
+pub mod columns;
 mod header;
 mod join;
+mod near_miss;
 mod observations;
 mod plausible;
 pub mod poses;
@@ -11,6 +13,7 @@ mod scene;
 mod units;
 mod write;
 
+pub use columns::ColumnUse;
 pub use join::read_socket;
 pub use observations::Observations;
 pub use problem::{DataError, DataProblem, Problem};

@@ -3,19 +3,33 @@
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
 use crate::measured;
-use denavit_calibrate::measurements::{Measurements, label_of, read_socket};
+use denavit_calibrate::measurements::{ColumnUse, Measurements, label_of, read_socket};
 use denavit_model::Chain;
 use std::path::Path;
 
 /// How sure a known distance is when nothing is said, m.
 const USUAL_DEVIATION: f64 = 5e-5;
 
-/// The rows to fit, and those to judge by, where they are said by name.
-pub fn rows(arguments: &CalibrateArguments, chain: &Chain) -> Result<(Measurements, Option<Measurements>), Failure> {
+/// The rows of a calibration.
+pub struct Rows {
+    /// To fit.
+    pub data: Measurements,
+    /// To judge by, where they are said by name.
+    pub test: Option<Measurements>,
+    /// What the columns of the first file were taken for.
+    pub columns: Vec<ColumnUse>,
+}
+
+/// Reads the rows to fit and those to judge by.
+pub fn rows(arguments: &CalibrateArguments, chain: &Chain) -> Result<Rows, Failure> {
     let several = arguments.data.len() > 1;
+    let mut columns = Vec::new();
     let mut parts = Vec::new();
     for file in &arguments.data {
-        let data = measured::measurements(file, chain, &arguments.units)?;
+        let (data, used) = measured::measurements(file, chain, &arguments.units)?;
+        if columns.is_empty() {
+            columns = used;
+        }
         let stem = Path::new(file).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         parts.push(if several { data.of_setup(&stem) } else { data });
     }
@@ -42,7 +56,7 @@ pub fn rows(arguments: &CalibrateArguments, chain: &Chain) -> Result<(Measuremen
         }
     }
     if arguments.hold_out_setups.is_empty() {
-        return Ok((data, test.map(Measurements::placed_anew)));
+        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns });
     }
     let (train, held) = data.apart(&arguments.hold_out_setups).map_err(|name| {
         Failure::Argument(format!(
@@ -52,7 +66,7 @@ pub fn rows(arguments: &CalibrateArguments, chain: &Chain) -> Result<(Measuremen
     if train.is_empty() {
         return Err(Failure::Argument("--hold-out-setups: nothing is left to fit; name fewer setups".into()));
     }
-    Ok((train, Some(held)))
+    Ok(Rows { data: train, test: Some(held), columns })
 }
 
 /// `LABEL=FILE`.

@@ -25,11 +25,12 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         measured_files.chain([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]).collect();
     measured::one_standard_input(&all)?;
     let robot = measured::robot(&arguments.robot)?;
-    let options = options(arguments, &robot.chain)?;
+    let mut options = options(arguments, &robot.chain)?;
     let outputs = outputs(arguments, &robot.loaded)?;
-    let (data, test) = gather::rows(arguments, &robot.chain)?;
+    let gather::Rows { data, test, columns } = gather::rows(arguments, &robot.chain)?;
+    options.other_chains = measured::other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
-    let result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
+    let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
             Progress::Geometry => "fitting the geometry",
             Progress::Effects => "searching for effects",
@@ -37,6 +38,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         });
     })?;
     drop(spinner);
+    result.report.columns = columns;
     let files = files(arguments, &outputs, &robot, &result)?;
     output::write_files(&files)?;
     output::print(&text::report(&result))?;
@@ -108,7 +110,7 @@ fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOpt
         ..TraceOptions::new(identify.clone())
     });
     let hold_out = arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed });
-    Ok(CalibrateOptions { identify, hold_out, trace })
+    Ok(CalibrateOptions { identify, hold_out, trace, other_chains: Vec::new() })
 }
 
 fn kind(word: &str) -> Result<Kind, Failure> {
