@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod chains;
 pub mod check;
 pub mod compensate;
+pub mod describe;
 pub mod diff;
 pub mod doc;
 pub mod expand;

@@ -31,7 +31,7 @@ pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
             arguments.robot
         )));
     }
-    let statics = loaded.statics(&chain);
+    let statics = loaded.statics(&chain, arguments.selection().reading);
     Ok(Robot { loaded, chain, statics })
 }
 

@@ -13,6 +13,9 @@ pub fn run(arguments: &FingerprintArguments) -> Result<Status, Failure> {
         return Err(Failure::Argument(format!("--tolerance {}: write a number between 0 and 1", arguments.tolerance)));
     }
     let found = fingerprint(&loaded.subject(&arguments.robot), arguments.tolerance);
+    if let Some(written) = &arguments.expect {
+        found.comparable(written).map_err(|error| Failure::Argument(format!("--expect: {error}")))?;
+    }
     let text = if arguments.json {
         serde_json::to_string_pretty(&found).expect("hashes are text") + "\n"
     } else {
