@@ -51,6 +51,8 @@ pub enum Command {
     Poe(PoeArguments),
     /// Say how two robots differ: per joint, and at the tips
     Diff(DiffArguments),
+    /// Print a robot line by line, everything that `diff` compares: for `git diff`
+    Describe(DescribeArguments),
     /// Expand a xacro file to URDF, without ROS
     Expand(ExpandArguments),
     /// Write the canonical URDF, whose link frames are the D-H frames; or a URDF from a D-H table
@@ -303,12 +305,27 @@ pub struct ExpandArguments {
 /// What `--only` restricts a comparison to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum OnlyName {
-    /// How and how far it moves: no inertials, shapes, speeds and efforts
+    /// How and how far it moves: no inertials, shapes, speeds, efforts, transmissions and settings
     Kinematics,
+}
+
+/// Arguments of `denavit describe`.
+#[derive(Debug, Args)]
+#[command(after_long_help = denavit_compare::compared::listed())]
+pub struct DescribeArguments {
+    /// Any source
+    pub robot: String,
+    /// What some sources need.
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// Arguments of `denavit diff`.
 #[derive(Debug, Args)]
+#[command(after_long_help = denavit_compare::compared::listed())]
 pub struct DiffArguments {
     /// The robot as it was: any source
     pub a: String,
@@ -425,6 +442,7 @@ pub struct DocArguments {
 
 /// Arguments of `denavit fingerprint`.
 #[derive(Debug, Args)]
+#[command(after_long_help = denavit_compare::compared::listed())]
 pub struct FingerprintArguments {
     /// Any source
     pub robot: String,
@@ -438,7 +456,7 @@ pub struct FingerprintArguments {
     /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
     #[arg(long, value_name = "FINGERPRINT")]
     pub expect: Option<String>,
-    /// With --expect: masses and shapes may differ
+    /// With --expect: what is not motion may differ: masses, shapes, speeds, transmissions, settings
     #[arg(long, requires = "expect")]
     pub only_motion: bool,
     /// JSON.

@@ -33,7 +33,7 @@ pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
         )));
     }
     within_proportion(&chain)?;
-    let statics = loaded.statics(&chain);
+    let statics = loaded.statics(&chain, arguments.selection().reading);
     Ok(Robot { loaded, chain, statics })
 }
 

@@ -10,7 +10,7 @@
 //! URDF that then reads them takes them as R = Rz(yaw) Ry(pitch) Rx(roll). For a real arm the two differ by up to tens
 //! of micrometres at the tip. So each reading says which is meant: [`AngleOrder`].
 
-use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3, Vector6};
+use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3};
 use denavit_model::{AxisLine, Chain, ChainError, ChainJoint, Coordinate, Pose, Quantity, Screw, se3};
 use saphyr_parser::{Event, Parser};
 use std::fmt::Write;
@@ -288,12 +288,6 @@ fn foot(line: &AxisLine, other: &AxisLine) -> Option<Point3<f64>> {
 
 /// The least rotation from one direction to another; about `fallback` where they are opposite.
 fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>, fallback: &Vector3<f64>) -> Rotation3<f64> {
-    let cross = from.cross(to);
-    let (sine, cosine) = (cross.norm(), from.dot(to));
-    if sine == 0.0 {
-        let angle = if cosine > 0.0 { 0.0 } else { std::f64::consts::PI };
-        return se3::rotation_about(fallback, angle);
-    }
-    let vector = cross * (sine.atan2(cosine) / sine);
-    se3::exp(&Vector6::new(vector.x, vector.y, vector.z, 0.0, 0.0, 0.0)).rotation
+    let opposite = from.cross(to).norm() == 0.0 && from.dot(to) < 0.0;
+    if opposite { se3::rotation_about(fallback, std::f64::consts::PI) } else { se3::least_rotation(from, to) }
 }

@@ -35,7 +35,7 @@ impl Source {
     /// As [`Chain::new`].
     pub fn chain(&self) -> Result<Chain, ChainError> {
         match self {
-            Self::Table { table, .. } => table.chain(),
+            Self::Table { table, .. } => table.chain()?.within_reach(),
             Self::Poe(chain) => Ok(chain.clone()),
         }
     }

@@ -10,7 +10,7 @@ use denavit_dh::{Options, Parallelism};
 use denavit_export::Units;
 use denavit_export::page::{self, Card, ChainPart, Document};
 use denavit_model::notes::Noted;
-use denavit_model::{Chain, Reading};
+use denavit_model::{Chain, PlacedRobot, Reading};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -89,8 +89,9 @@ fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, unit
         let others_of = |listing: &denavit_model::tree::ChainListing| {
             listing.tip != main.chain.tip() && !listing.coordinates.is_empty()
         };
+        let placed = PlacedRobot::new(tree, reading);
         for listing in tree.leaf_chains().iter().filter(|listing| others_of(listing)) {
-            if let Ok(noted) = tree.chain(Some(&listing.base), Some(&listing.tip), reading) {
+            if let Ok(noted) = placed.chain(Some(&listing.base), Some(&listing.tip)) {
                 others.push(part(arguments, name, noted)?);
             }
         }

@@ -41,7 +41,9 @@ pub(super) fn of_rows(rows: &Rows) -> Result<Chain, SourceError> {
     }
     let name = rows.comment("robot").map_or_else(|| stem(rows.file), str::to_owned);
     let home = home.unwrap_or_else(Pose::identity);
-    Chain::new((name, "base", "tool"), coordinates, joints, home).map_err(|error| rows.error(error.into()))
+    Chain::new((name, "base", "tool"), coordinates, joints, home)
+        .and_then(Chain::within_reach)
+        .map_err(|error| rows.error(error.into()))
 }
 
 fn quantity(screw: &Screw) -> Quantity {
@@ -79,5 +81,6 @@ pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceErro
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|row, column| m[row][column]));
     let home = se3::pose(rotation, Vector3::new(m[0][3], m[1][3], m[2][3]));
     Chain::new((&*content.robot, &*content.base, &*content.tip), coordinates, joints, home)
+        .and_then(Chain::within_reach)
         .map_err(|kind| error("chain".into(), kind.into()))
 }
