@@ -43,3 +43,27 @@ fn the_architecture_names_every_crate() {
         assert!(text.contains(&format!("crates/{name}")), "ARCHITECTURE.md says nothing of crates/{name}");
     }
 }
+
+/// A crate whose tests are one binary runs only the modules that its `tests/main.rs` names.
+#[test]
+fn every_test_file_is_a_module_of_its_binary() {
+    let mut seen = 0;
+    for entry in std::fs::read_dir(top().join("crates")).unwrap() {
+        let folder = entry.unwrap().path().join("tests");
+        let Ok(main) = std::fs::read_to_string(folder.join("main.rs")) else { continue };
+        for file in std::fs::read_dir(&folder).unwrap() {
+            let path = file.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let is_module = path.extension().is_some_and(|extension| extension == "rs") || path.join("mod.rs").exists();
+            if name != "main" && is_module {
+                assert!(
+                    main.contains(&format!("mod {name};")),
+                    "{} never runs: tests/main.rs does not name it",
+                    path.display()
+                );
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 0, "no crate has its tests in one binary");
+}

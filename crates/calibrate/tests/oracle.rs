@@ -3,11 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-mod runs;
-
+use crate::runs::{self, Run, Score};
 use denavit_calibrate::identifiability::identifiability;
 use denavit_calibrate::{Freedom, IdentifyOptions, MeasurementKind, NoEffects, grid};
-use runs::{Run, Score};
 use std::collections::BTreeMap;
 
 /// The runs whose case holds this word.

@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-mod measured;
-
+use crate::measured::measured;
 use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
@@ -11,7 +10,6 @@ use denavit_calibrate::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Limits, Quantity, Reading, Screw, se3};
-use measured::measured;
 use std::path::PathBuf;
 
 fn load(name: &str, chain: &Chain) -> Option<Measurements> {

@@ -5,8 +5,7 @@
 #![allow(clippy::print_stdout, reason = "tests say what they skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
-mod measured;
-
+use crate::measured::measured;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::measurements::{Units, read};
@@ -15,7 +14,6 @@ use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
 use denavit_model::Chain;
 use denavit_model::tree::Reading;
-use measured::measured;
 use std::path::Path;
 
 fn robot(path: &str) -> (Chain, Statics) {

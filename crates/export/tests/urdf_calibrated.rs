@@ -2,14 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
 
-mod urdf_corpus;
-
+use crate::urdf_corpus::{corpus, random};
 use denavit_export::urdf::with_chain;
 use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::screw::{Pitch, Screw};
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, se3, urdf};
-use urdf_corpus::{corpus, random};
 
 fn disturbed(chain: &Chain, next: &mut impl FnMut() -> f64, with_pitch: bool) -> Chain {
     let mut small = |size: f64| se3::exp(&(Vector6::from_fn(|_, _| next() - 0.5) * size));

@@ -2,8 +2,7 @@
 
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what it did not expect")]
 
-mod urdf_corpus;
-
+use crate::urdf_corpus::{corpus, random};
 use denavit_export::urdf::{Frames, LinkFrames, Options, canonical};
 use denavit_model::nalgebra::{Matrix3, Point3};
 use denavit_model::robot::{Geometry, Joint, JointKind, Robot};
@@ -13,7 +12,6 @@ use denavit_model::tree::Reading;
 use denavit_model::{Note, intended, urdf};
 use roxmltree::{Document, Node, NodeType};
 use std::collections::BTreeMap;
-use urdf_corpus::{corpus, random};
 
 /// The origin's pose, its angles as intended where that is how the file is read.
 fn origin(joint: &Joint, reading: Reading) -> Pose {

@@ -2,8 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
 
-mod urdf_corpus;
-
 use denavit_export::urdf::{Frames, LinkFrames, Options, canonical};
 use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
@@ -258,7 +256,7 @@ fn an_entity_that_stands_for_two_elements_is_refused() {
 
 #[test]
 fn odd_files_are_exported_or_refused_with_a_reason() {
-    let folder = urdf_corpus::workspace().join("../shared/vendor/quirky");
+    let folder = crate::urdf_corpus::workspace().join("../shared/vendor/quirky");
     let Ok(entries) = std::fs::read_dir(&folder) else {
         println!("skipped, because {} is missing", folder.display());
         return;

@@ -2,15 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
 
-mod urdf_corpus;
-
+use crate::urdf_corpus::{corpus, random};
 use denavit_dh::table::{DhRow, Row, Table};
 use denavit_dh::{Convention, Gauge, Parallelism, convert};
 use denavit_export::urdf::{Options, canonical, from_table, read_off};
 use denavit_model::chain::Quantity;
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, examples, se3, urdf};
-use urdf_corpus::{corpus, random};
 
 fn same_motion(one: &Chain, other: &Chain) -> f64 {
     let mut next = random(7);

@@ -1,0 +1,16 @@
+//! What the crate must do, seen from outside: one binary, a module for each subject.
+
+mod bad_input;
+mod factory;
+mod identifiability;
+mod jacobian;
+mod measured;
+mod oracle;
+mod page;
+mod placing;
+mod plan_and_compensate;
+mod real;
+mod recovery;
+mod runs;
+mod statistics;
+mod tracing;
