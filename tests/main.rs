@@ -14,3 +14,4 @@ mod oracle;
 mod quirky;
 mod readme;
 mod support;
+mod tables;

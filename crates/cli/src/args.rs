@@ -71,7 +71,7 @@ pub enum Command {
 /// Which robot, and which chain of it.
 #[derive(Debug, Clone, Args)]
 pub struct RobotArguments {
-    /// URDF, xacro, D-H table or screw axes (CSV, JSON), UR kinematics file (yaml), - for standard input, or
+    /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), UR kinematics file (yaml), - for standard input, or
     /// git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
@@ -109,6 +109,13 @@ pub struct SourceArguments {
     /// reads them, so as a robot that ROS drives moves]
     #[arg(long)]
     pub vendor_angles: bool,
+    /// How a D-H table's file groups its rows, where it does not say so itself [default: distal]
+    #[arg(long, value_name = "CONVENTION", value_enum)]
+    pub table_convention: Option<ConventionName>,
+    /// Units of a D-H table's numbers, where the file does not say so itself: m or mm, deg or rad [default: what the
+    /// numbers can be]
+    #[arg(long, value_name = "UNITS")]
+    pub table_units: Option<String>,
 }
 
 /// Units of what is printed for people.
@@ -132,6 +139,18 @@ pub enum ConventionName {
     Paper,
     /// Distal, with Rz(θ) Tx(a) Rx(α) Ry(β) for near-parallel neighbours
     Hayati,
+}
+
+impl ConventionName {
+    /// The convention of this name.
+    pub fn convention(self) -> denavit_dh::Convention {
+        match self {
+            Self::Distal => denavit_dh::Convention::Distal,
+            Self::Proximal => denavit_dh::Convention::Proximal,
+            Self::Paper => denavit_dh::Convention::Paper,
+            Self::Hayati => denavit_dh::Convention::Hayati,
+        }
+    }
 }
 
 /// Names of gauges on the command line.
@@ -158,9 +177,10 @@ pub struct TableArguments {
     /// How to choose what the geometry leaves free
     #[arg(long, value_enum)]
     pub gauge: Option<GaugeName>,
-    /// Compare with a vendor's table (CSV or JSON): find the senses, zeros, base and tool frames in which the robot
-    /// equals it, print it in the vendor's form, say where they differ; exit code 1 unless exact or rounded
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["convention", "gauge"])]
+    /// Compare with a vendor's table (CSV, Markdown or JSON, as manuals print it): find the senses, zeros, base and tool
+    /// frames in which the robot equals it, print it in the vendor's form, say where they differ; exit code 1 unless
+    /// exact or rounded. --convention and --table-units say how the table is to be read; what nobody says is tried
+    #[arg(long, value_name = "TABLE", conflicts_with = "gauge")]
     pub r#match: Option<String>,
     /// Units of text.
     #[command(flatten)]

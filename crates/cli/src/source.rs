@@ -1,14 +1,14 @@
-//! Any source to a robot: URDF, xacro, D-H table or screw axes in CSV or JSON, UR kinematics file, standard input, a
+//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown or JSON, screw axes in CSV or JSON, UR kinematics file, standard input, a
 //! revision in git.
 
-use crate::args::{RobotArguments, SourceArguments};
+use crate::args::{ConventionName, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
 use denavit_export::kinematics_yaml::{self, AngleOrder};
-use denavit_export::sources::{self, Source};
+use denavit_export::sources::{self, Source, Stated};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::{Chain, Reading, Robot};
 use denavit_xacro::{Environment, FileAccess, Options, PackagePath, Source as Document};
@@ -39,12 +39,14 @@ pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> 
         let order = if arguments.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
         return Ok(Loaded::Poe(kinematics_yaml::read(&file, &text)?.chain(&stem(&file), order)?));
     }
-    let is_table = [".csv", ".json"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
+    let is_table = [".csv", ".json", ".tsv"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
         || start.starts_with('{')
-        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'));
+        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'))
+        || (!start.starts_with('<') && sources::holds_table(start));
     if is_table {
-        return Ok(match sources::read(&file, &text)? {
-            Source::Table { table, convention } => {
+        return Ok(match sources::read(&file, &text, stated(arguments)?)? {
+            Source::Table { table, convention, assumed } => {
+                assumed.iter().for_each(output::mention);
                 let chain = table.chain().map_err(|source| Failure::Chain { file: file.clone(), source })?;
                 Loaded::Table { table, convention, chain }
             }
@@ -63,6 +65,15 @@ pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> 
     }
     let urdf = expanded(&file, &text, arguments)?;
     Ok(Loaded::Robot(Box::new(denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?)))
+}
+
+/// What the options say of how a table's file is to be read.
+pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
+    let convention = arguments.table_convention.map(ConventionName::convention);
+    let stated = Stated { convention, ..Stated::default() };
+    stated.with_units(arguments.table_units.as_deref().unwrap_or_default()).map_err(|word| {
+        Failure::Argument(format!("--table-units: \"{word}\" is no unit; write m or mm, and deg or rad"))
+    })
 }
 
 /// By its name, or by what it starts with where it has none.

@@ -100,7 +100,9 @@ pub enum SourceErrorKind {
         found: String,
     },
     /// A column that books use for two things.
-    #[error("\"{0}\" is the link length in some books and the link offset in others (Khalil); name the columns a and d")]
+    #[error(
+        "\"{0}\" is the link length in some books and the link offset in others (Khalil); name the columns a and d"
+    )]
     Ambiguous(String),
     /// Two columns of one meaning.
     #[error("\"{first}\" and \"{second}\" name the same column; rename or remove one")]
@@ -147,6 +149,14 @@ pub enum SourceErrorKind {
     /// An unknown convention.
     #[error("convention is \"{0}\"; write distal (standard), proximal (modified, craig), paper or hayati")]
     Convention(String),
+    /// File and user say different things.
+    #[error("the file says {file} and the options say {user}; leave the option out, or correct the file")]
+    Contradiction {
+        /// What the file says.
+        file: String,
+        /// What the user says.
+        user: String,
+    },
     /// Units that this file cannot have.
     #[error("units are {0}; files are in m and rad")]
     Units(String),
@@ -247,7 +257,12 @@ pub struct VendorReading {
 pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<VendorReading>, SourceError> {
     let alone = |table, convention| {
         let units = Units { length: LengthUnit::Metre, angle: AngleUnit::Radian };
-        vec![VendorReading { table, read_as: ReadAs { convention, units }, tried: false, against_what_is_stated: false }]
+        vec![VendorReading {
+            table,
+            read_as: ReadAs { convention, units },
+            tried: false,
+            against_what_is_stated: false,
+        }]
     };
     match content(file, text)? {
         Content::Whole(Source::Table { table, convention, .. }) => {
@@ -265,7 +280,8 @@ pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<Ve
 fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, SourceError> {
     let stated = table::stated(rows, given)?;
     let (first, _) = table::assumed(rows, stated)?;
-    let heads = |names: &[&str]| names.iter().all(|name| rows.heading(name).is_none_or(|heading| heading.unit.is_some()));
+    let heads =
+        |names: &[&str]| names.iter().all(|name| rows.heading(name).is_none_or(|heading| heading.unit.is_some()));
     let angles_in_headings = heads(&["theta", "offset", "alpha", "beta"]);
     let lengths_in_headings = heads(&["d", "a"]);
     let mut found: Vec<VendorReading> = Vec::new();

@@ -1,7 +1,7 @@
 //! What a document says, as text ready for the templates.
 
 use super::outline::outline_svg;
-use super::workspace::{POSTURES, SEED, Workspace};
+use super::workspace::{SEED, Workspace};
 use super::{ChainPart, Document};
 use crate::drawing::{Detail, View, far_from_scale, skeleton};
 use crate::numbers::{AngleUnit, LengthUnit, Units, decimal};
@@ -144,7 +144,7 @@ impl Chapter {
             far: far_from_scale(&part.table),
             figures: figures.collect(),
             tables: conventions.iter().map(|convention| grid(&sheet(part, document, *convention))).collect(),
-            gauge: document.gauge.clone(),
+            gauge: part.gauge.clone(),
             screws: screws(&part.chain, &form, units),
             home: home(&form, units),
             home_words: format!("x {x}, y {y}, z {z}; roll {roll}, pitch {pitch}, yaw {yaw}"),
@@ -165,7 +165,7 @@ fn sheet<'a>(part: &'a ChainPart, document: &'a Document, convention: Convention
         units: document.units,
         notes: &part.notes,
         source: &document.source,
-        gauge: &document.gauge,
+        gauge: &part.gauge,
     }
 }
 
@@ -353,8 +353,9 @@ fn envelope(workspace: &Workspace, units: Units) -> Envelope {
         beside: outline_svg(&workspace.beside(), across, "z", units),
         above: outline_svg(&workspace.above(), "x", "y", units),
         words: format!(
-            "Outline of the tip's places at {POSTURES} postures (low-discrepancy sequence, seed {SEED}), some of them moved on to the border: {}. \
+            "Outline of the tip's places at {} postures (low-discrepancy sequence, seed {SEED}), some of them moved on to the border: {}. \
              Farthest from the base's origin: {}.",
+            workspace.postures,
             bounds.join(", "),
             reach_words(workspace.reach, units)
         ),

@@ -129,8 +129,10 @@ impl Reader<'_> {
                 // A star behind marks what moves.
                 self.take('*');
                 if product.variable.is_none() {
-                    return (product.constant == 0.0)
-                        .then(|| Sum { variable: Some(Variable { name: String::new(), factor: 1.0 }), ..Sum::default() });
+                    return (product.constant == 0.0).then(|| Sum {
+                        variable: Some(Variable { name: String::new(), factor: 1.0 }),
+                        ..Sum::default()
+                    });
                 }
                 return Some(product);
             }
@@ -150,7 +152,9 @@ impl Reader<'_> {
             let by = self.factor()?;
             product = match (product.variable, by.variable) {
                 (Some(_), Some(_)) => return None,
-                (Some(v), None) => Sum { variable: Some(Variable { factor: v.factor * by.constant, ..v }), ..Sum::default() },
+                (Some(v), None) => {
+                    Sum { variable: Some(Variable { factor: v.factor * by.constant, ..v }), ..Sum::default() }
+                }
                 (None, Some(v)) => {
                     Sum { variable: Some(Variable { factor: v.factor * product.constant, ..v }), ..Sum::default() }
                 }
@@ -281,7 +285,9 @@ mod tests {
 
     #[test]
     fn what_is_no_number() {
-        for text in ["", "about 3", "1,000.5", "q1 + q2", "90° + 1 rad", "1/0", "nan", "inf", "1e999", "0.1.2", "π°x", "+"] {
+        for text in
+            ["", "about 3", "1,000.5", "q1 + q2", "90° + 1 rad", "1/0", "nan", "inf", "1e999", "0.1.2", "π°x", "+"]
+        {
             assert_eq!(Cell::of(text), None, "{text}");
         }
     }

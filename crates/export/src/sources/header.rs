@@ -43,10 +43,11 @@ impl Heading {
         };
         let words = words.trim();
         let squeezed: String = words.chars().filter(|c| !" _.,".contains(*c)).collect();
-        let (stem, of_link_before) = match ["i-1", "j-1", "n-1", "k-1"].iter().find_map(|end| squeezed.strip_suffix(end)) {
-            Some(stem) if !stem.is_empty() => (stem.to_owned(), true),
-            _ => (squeezed, false),
-        };
+        let (stem, of_link_before) =
+            match ["i-1", "j-1", "n-1", "k-1"].iter().find_map(|end| squeezed.strip_suffix(end)) {
+                Some(stem) if !stem.is_empty() => (stem.to_owned(), true),
+                _ => (squeezed, false),
+            };
         let name = meaning(&stem)
             .or_else(|| meaning(stem.strip_suffix(['i', 'j', 'n', 'k']).unwrap_or_default()))
             .map_or_else(|| words.to_owned(), str::to_owned);

@@ -36,7 +36,8 @@ impl<'a> Rows<'a> {
         let lines: Vec<&str> = text.lines().collect();
         let is_words = |line: &str| line.trim().is_empty() || line.trim_start().starts_with('#');
         let found = lines.iter().enumerate().find_map(|(index, line)| {
-            let mark = MARKS.into_iter().find(|mark| is_header(&cut(line, *mark)) && !line.trim_start().starts_with('#'))?;
+            let mark =
+                MARKS.into_iter().find(|mark| is_header(&cut(line, *mark)) && !line.trim_start().starts_with('#'))?;
             Some((index, mark))
         });
         let (header, mark) = found.unwrap_or_else(|| {
@@ -139,9 +140,8 @@ fn is_header(cells: &[(usize, String)]) -> bool {
 
 /// Whether a text holds the header of a table of ours, whatever its file is called.
 pub(super) fn holds_header(text: &str) -> bool {
-    text.lines().any(|line| {
-        !line.trim_start().starts_with('#') && MARKS.into_iter().any(|mark| is_header(&cut(line, mark)))
-    })
+    text.lines()
+        .any(|line| !line.trim_start().starts_with('#') && MARKS.into_iter().any(|mark| is_header(&cut(line, mark))))
 }
 
 /// A line's cells, each with the column where it begins, counted from 1.

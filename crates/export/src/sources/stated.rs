@@ -78,7 +78,9 @@ impl Said {
             let line = line.trim().trim_start_matches('#').trim();
             let pair = line.split_once(':').map(|(key, value)| (key.trim().to_lowercase(), value.trim().to_owned()));
             match pair {
-                Some((key, value)) if ["convention", "units", "robot"].contains(&key.as_str()) => pairs.push((key, value)),
+                Some((key, value)) if ["convention", "units", "robot"].contains(&key.as_str()) => {
+                    pairs.push((key, value))
+                }
                 // Who is quoted says nothing of how it is written here.
                 Some((key, _)) if ["source", "author", "title", "note"].contains(&key.as_str()) => {}
                 _ => {
@@ -110,7 +112,9 @@ impl Said {
             (_, false, true) => Some(Convention::Hayati),
             (true, false, false) => Some(Convention::Distal),
             (false, true, false) => Some(Convention::Proximal),
-            (false, false, false) if headings.iter().any(|heading| heading.of_link_before) => Some(Convention::Proximal),
+            (false, false, false) if headings.iter().any(|heading| heading.of_link_before) => {
+                Some(Convention::Proximal)
+            }
             _ => None,
         };
         let stated = of_pair.or(Stated { convention, length, angle });

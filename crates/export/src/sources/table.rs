@@ -59,9 +59,25 @@ fn convention_of(rows: &Rows) -> Result<Option<Convention>, SourceError> {
     }
 }
 
-/// What the file and the user state of it; the file's own words come first.
+/// What the file and the user state of it.
 pub(super) fn stated(rows: &Rows, given: Stated) -> Result<Stated, SourceError> {
-    Ok(Stated { convention: convention_of(rows)?, ..rows.stated() }.or(given))
+    let own = Stated { convention: convention_of(rows)?, ..rows.stated() };
+    let differ = |file: Option<&str>, user: Option<&str>| match (file, user) {
+        (Some(file), Some(user)) if file != user => {
+            Err(rows.error(SourceErrorKind::Contradiction { file: file.to_owned(), user: user.to_owned() }))
+        }
+        _ => Ok(()),
+    };
+    differ(own.convention.map(Convention::word), given.convention.map(Convention::word))?;
+    let words = |stated: Stated| {
+        let angle = |angle| if angle == AngleUnit::Degree { "deg" } else { "rad" };
+        let length = |length| Units { length, ..Units::default() }.length_word();
+        (stated.angle.map(angle), stated.length.map(length))
+    };
+    let ((angle, length), (given_angle, given_length)) = (words(own), words(given));
+    differ(angle, given_angle)?;
+    differ(length, given_length)?;
+    Ok(own.or(given))
 }
 
 /// How to read a file, and a sentence for each thing that nobody states.
@@ -240,12 +256,7 @@ struct Coordinates {
     symbols: Vec<(String, usize)>,
 }
 
-fn joint_of(
-    numbers: &Numbers,
-    row: &RowOf,
-    index: usize,
-    known: &mut Coordinates,
-) -> Result<TableJoint, SourceError> {
+fn joint_of(numbers: &Numbers, row: &RowOf, index: usize, known: &mut Coordinates) -> Result<TableJoint, SourceError> {
     let number_of = |name| Ok::<_, SourceError>(numbers.number(row, name)?.and_then(|(_, variable)| variable));
     let (turns, slides) = (number_of("theta")?, number_of("d")?);
     let name = match row.text("joint") {
