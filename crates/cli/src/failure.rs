@@ -68,6 +68,9 @@ pub enum Failure {
     /// A UR kinematics file that is none.
     #[error(transparent)]
     Kinematics(#[from] denavit_calibrate::kinematics_yaml::KinematicsFileError),
+    /// A calibration that a maker's form cannot hold.
+    #[error(transparent)]
+    Maker(#[from] denavit_export::makers::MakerError),
     /// Parts that make no chain.
     #[error("{file}: {source}")]
     Chain {

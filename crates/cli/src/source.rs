@@ -1,4 +1,4 @@
-//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown or JSON, screw axes in CSV or JSON, UR kinematics file, standard input, a
+//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown or JSON, screw axes in CSV or JSON, a maker's kinematics file, standard input, a
 //! revision in git.
 
 use crate::args::{ConventionName, RobotArguments, SourceArguments};
@@ -7,7 +7,8 @@ use crate::output;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
-use denavit_export::kinematics_yaml::{self, AngleOrder};
+use denavit_export::kinematics_yaml::AngleOrder;
+use denavit_export::makers;
 use denavit_export::sources::{self, Source, Stated};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::{Chain, Reading, Robot};
@@ -37,7 +38,7 @@ pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> 
     let start = text.trim_start_matches('\u{feff}').trim_start();
     if is_kinematics_file(&file, start) {
         let order = if arguments.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
-        return Ok(Loaded::Poe(kinematics_yaml::read(&file, &text)?.chain(&stem(&file), order)?));
+        return Ok(Loaded::Poe(makers::read(&file, &stem(&file), &text, order)?));
     }
     let is_table = [".csv", ".json", ".tsv"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
         || start.starts_with('{')
@@ -80,7 +81,8 @@ pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
 fn is_kinematics_file(file: &str, start: &str) -> bool {
     let name = file.to_ascii_lowercase();
     let first = || start.lines().map(str::trim_end).find(|line| !line.is_empty() && !line.starts_with(['#', '-']));
-    [".yaml", ".yml"].iter().any(|end| name.ends_with(end)) || first().is_some_and(|line| line == "kinematics:")
+    [".yaml", ".yml"].iter().any(|end| name.ends_with(end))
+        || first().is_some_and(|line| ["kinematics:", "joint1:"].contains(&line))
 }
 
 /// The name of a file without folders and extension.

@@ -13,6 +13,7 @@ use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
+use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::{FORMATS, Format, Sheet, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
@@ -47,6 +48,8 @@ struct Outputs<'a> {
     urdf: Option<(&'a Path, &'a denavit_model::Robot)>,
     /// The format of the table.
     dh: Option<(&'a Path, &'static Format)>,
+    /// Makers' forms.
+    makers: Vec<(&'a Path, &'static Maker)>,
 }
 
 /// Refuses what cannot be made before any work is done.
@@ -57,7 +60,10 @@ fn outputs<'a>(arguments: &'a CalibrateArguments, loaded: &'a Loaded) -> Result<
         _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
     };
     let dh = arguments.dh.as_deref().map(|path| format_of(path).map(|format| (path, format))).transpose()?;
-    Ok(Outputs { urdf, dh })
+    let pairs = arguments.out_for.chunks_exact(2);
+    let makers = pairs.map(|pair| Ok((Path::new(&pair[1]), makers::named(&pair[0])?)));
+    let makers = makers.collect::<Result<Vec<_>, Failure>>()?;
+    Ok(Outputs { urdf, dh, makers })
 }
 
 /// Every file that was asked for: all are made before any is written.
@@ -83,6 +89,14 @@ fn files<'a>(
     }
     if let Some((path, format)) = outputs.dh {
         files.push((path, dh_table(format, &calibrated, &arguments.robot.robot)?));
+    }
+    let found: Vec<String> = result.report.effects.iter().map(|effect| effect.kind.clone()).collect();
+    for (path, maker) in &outputs.makers {
+        let reading = if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended };
+        let drawn = if let Loaded::Robot(tree) = &robot.loaded { Some((tree.as_ref(), reading)) } else { None };
+        let written = (maker.render)(&Calibrated { chain: &calibrated, drawn, effects: &found })?;
+        written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
+        files.push((path, written.text));
     }
     if let Some(path) = &arguments.effects_out {
         files.push((path, result.effects(&robot.statics).to_json()));
