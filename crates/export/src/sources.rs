@@ -235,6 +235,22 @@ fn content<'a>(file: &'a str, text: &str) -> Result<Content<'a>, SourceError> {
     wrong(SourceErrorKind::Columns { found: rows.columns().join(", ") })
 }
 
+/// The same, in the units that the headings of alpha and a state.
+fn as_headed(rows: &rows::Rows, read_as: ReadAs) -> ReadAs {
+    let unit = |name| rows.heading(name).and_then(|heading| heading.unit);
+    let angle = match unit("alpha") {
+        Some(units::Unit::Degree) => AngleUnit::Degree,
+        Some(units::Unit::Radian) => AngleUnit::Radian,
+        _ => read_as.units.angle,
+    };
+    let length = match unit("a") {
+        Some(units::Unit::Metre) => LengthUnit::Metre,
+        Some(units::Unit::Millimetre) => LengthUnit::Millimetre,
+        _ => read_as.units.length,
+    };
+    ReadAs { units: Units { length, angle }, ..read_as }
+}
+
 /// A table to match a robot against, read in one of the ways that it can be read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VendorReading {
@@ -302,7 +318,7 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
                     found.retain(|other| other.table != table);
                     found.push(VendorReading {
                         table,
-                        read_as,
+                        read_as: as_headed(rows, read_as),
                         tried: read_as != first,
                         against_what_is_stated: contradicts,
                     });

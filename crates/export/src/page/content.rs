@@ -12,6 +12,7 @@ use denavit_model::forms::BaseForm;
 use denavit_model::robot::Robot;
 use denavit_model::se3::rpy_from_rotation;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Everything that a page shows but its 3-D view.
 #[derive(Serialize)]
@@ -39,6 +40,8 @@ pub(super) struct Chapter {
     pub slug: String,
     pub freedom: usize,
     pub far: bool,
+    /// Too many joints to name in a figure.
+    pub many: bool,
     pub figures: Vec<Named>,
     pub tables: Vec<Grid>,
     pub gauge: String,
@@ -120,15 +123,20 @@ impl Content {
     }
 }
 
+/// A figure of more joints than this has no room for their names.
+const NAMED: usize = 60;
+
 impl Chapter {
     fn of(part: &ChainPart, document: &Document, index: usize) -> Self {
         let units = document.units;
         let views: &[View] = if index == 0 { &View::ALL } else { &[View::Isometric] };
         let slug = if index == 0 { String::new() } else { format!("chain-{index}-") };
+        let many = part.table.joints.len() > NAMED;
+        let detail = if many { Detail::Plain } else { Detail::Dimensioned };
         let figures = views.iter().map(|view| Named {
             view: view.word(),
             name: format!("{slug}{}", view.word()),
-            svg: skeleton(&part.table, *view, Detail::Dimensioned, units),
+            svg: skeleton(&part.table, *view, detail, units),
         });
         let hayati = part.table.rows.iter().any(|row| row.beta().is_some());
         let conventions: &[Convention] =
@@ -142,6 +150,7 @@ impl Chapter {
             title: part.title(),
             freedom: part.chain.coordinates().len(),
             far: far_from_scale(&part.table),
+            many,
             figures: figures.collect(),
             tables: conventions.iter().map(|convention| grid(&sheet(part, document, *convention))).collect(),
             gauge: part.gauge.clone(),
@@ -253,11 +262,9 @@ fn limits(document: &Document) -> Vec<Vec<String>> {
     };
     let mut listed: Vec<&Coordinate> = document.main.chain.coordinates().iter().collect();
     let own = listed.len();
-    for coordinate in document.others.iter().flat_map(|part| part.chain.coordinates()) {
-        if !listed.iter().any(|known| known.name == coordinate.name) {
-            listed.push(coordinate);
-        }
-    }
+    let mut known: BTreeSet<&str> = listed.iter().map(|coordinate| coordinate.name.as_str()).collect();
+    let others = document.others.iter().flat_map(|part| part.chain.coordinates());
+    listed.extend(others.filter(|coordinate| known.insert(&coordinate.name)));
     let symbol = |k: usize| if k < own { variable(k + 1) } else { String::new() };
     listed.iter().enumerate().map(|(k, coordinate)| row(symbol(k), coordinate)).collect()
 }
