@@ -279,3 +279,90 @@ fn latex_tables_fit_two_columns() {
     let overfull: Vec<&str> = log.lines().filter(|line| line.starts_with("Overfull \\hbox")).collect();
     assert!(overfull.is_empty(), "{overfull:#?}");
 }
+
+/// A serial arm of so many joints about the axes given, in turn.
+fn long_arm(joints: usize, axes: &[&str]) -> String {
+    let mut text = "<robot name='long'><link name='l0'/>".to_owned();
+    for k in 1..=joints {
+        let axis = axes[k % axes.len()];
+        text += &format!(
+            "<link name='l{k}'/><joint name='j{k}' type='revolute'><origin xyz='0.05 0 0.1'/><axis xyz='{axis}'/>\
+             <parent link='l{}'/><child link='l{k}'/><limit lower='-2' upper='2' effort='1' velocity='1'/></joint>",
+            k - 1
+        );
+    }
+    text + "</robot>"
+}
+
+#[test]
+fn pages_of_long_arms_take_no_longer_than_they_are_long() {
+    let folder = Folder::new();
+    let pages = folder.0.path().join("pages");
+    for (name, axes) in [("mixed.urdf", &["0 0 1", "0 1 0", "1 0 0"][..]), ("planar.urdf", &["0 0 1"][..])] {
+        let time = |joints: usize| {
+            let file = folder.file(name, &long_arm(joints, axes));
+            let start = std::time::Instant::now();
+            denavit(&["doc", &file, "-o", pages.to_str().unwrap()]).succeeded();
+            start.elapsed().as_secs_f64()
+        };
+        // When every sample and every word looked at all joints 50 of them took 25 s, and 400 would have taken half an hour.
+        let (short, long) = (time(50), time(400));
+        println!("{name}: 50 joints {short:.2} s, 400 joints {long:.2} s");
+        assert!(long < 40.0, "{name}: {short} s, {long} s");
+    }
+}
+
+#[test]
+fn pages_of_revisions_are_linked() {
+    let folder = Folder::new();
+    let here = folder.0.path();
+    let git = |arguments: &[&str]| {
+        let own = ["-c", "user.name=someone", "-c", "user.email=someone@example.org", "-c", "init.defaultBranch=main"];
+        let run = std::process::Command::new("git").args(own).args(arguments).current_dir(here).output().unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    };
+    std::fs::copy(robot("universal_robots/ur5e.urdf"), here.join("ur5e.urdf")).unwrap();
+    std::fs::copy(robot("abb/irb120.urdf"), here.join("my arm #1.urdf")).unwrap();
+    git(&["init", "-q"]);
+    git(&["add", "."]);
+    git(&["commit", "-q", "-m", "robots"]);
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_denavit"))
+        .args(["doc", "git:HEAD:ur5e.urdf", "ur5e.urdf", "git:HEAD:my arm #1.urdf", "-o", "pages"])
+        .current_dir(here)
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let index = std::fs::read_to_string(here.join("pages/index.html")).unwrap();
+    let links: Vec<&str> =
+        index.split("<a href=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert_eq!(links, ["ur5e.html", "ur5e-2.html", "my%20arm%20%231.html"], "{index}");
+    for name in ["ur5e.html", "ur5e-2.html", "my arm #1.html"] {
+        assert!(here.join("pages").join(name).is_file(), "{name}");
+    }
+    assert!(index.contains("git:HEAD:ur5e.urdf"), "the revision is named");
+}
+
+#[test]
+fn a_calibration_goes_to_its_makers_form_and_comes_back() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.0.path().join(name).to_str().unwrap().to_owned();
+    let xarm = robot("ufactory/xarm7.urdf");
+    let data = folder.file("data.csv", &denavit(&["simulate", &xarm, "--rows", "60"]).succeeded());
+    let (yaml, urdf, offsets) = (path("xarm7_kinematics_lab.yaml"), path("as_it_is.urdf"), path("offsets.yaml"));
+    let base = ["calibrate", &xarm, "--data", &data, "--effects", "none"];
+    let run = denavit(
+        &[&base[..], &["--urdf", &urdf, "--out-for", "xarm", &yaml, "--out-for", "robot-calibration", &offsets]].concat(),
+    );
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let compared = denavit(&["diff", &urdf, &yaml, "--only", "kinematics", "--q-range=-2,2"]);
+    let drawn = denavit(&["diff", &xarm, &yaml, "--only", "kinematics", "--q-range=-2,2"]);
+    assert_ne!(drawn.code, 0, "{}", drawn.stdout);
+    let shift = |text: &str| text.lines().filter(|line| line.contains("joint")).count();
+    assert!(shift(&compared.stdout) < shift(&drawn.stdout), "{}\n{}", compared.stdout, drawn.stdout);
+    assert!(std::fs::read_to_string(&offsets).unwrap().contains("joint2_x: "));
+    let refused = denavit(&[&base[..], &["--out-for", "pal", &path("pal.yaml")]].concat()).failed();
+    assert!(refused.contains("is not published"), "{refused}");
+    let other = denavit(&[&base[..], &["--out-for", "ur", &path("ur.yaml")]].concat()).failed();
+    assert!(other.contains("six revolute joints"), "{other}");
+    assert!(!folder.0.path().join("pal.yaml").exists() && !folder.0.path().join("ur.yaml").exists());
+}
