@@ -11,6 +11,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-export", &["denavit-model", "denavit-dh"]),
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
     ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export"]),
+    (
+        "denavit-load",
+        &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-xacro"],
+    ),
 ];
 
 #[test]

@@ -333,8 +333,7 @@ fn pages_of_revisions_are_linked() {
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let index = std::fs::read_to_string(here.join("pages/index.html")).unwrap();
-    let links: Vec<&str> =
-        index.split("<a href=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let links: Vec<&str> = index.split("<a href=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     assert_eq!(links, ["ur5e.html", "ur5e-2.html", "my%20arm%20%231.html"], "{index}");
     for name in ["ur5e.html", "ur5e-2.html", "my arm #1.html"] {
         assert!(here.join("pages").join(name).is_file(), "{name}");
@@ -351,7 +350,8 @@ fn a_calibration_goes_to_its_makers_form_and_comes_back() {
     let (yaml, urdf, offsets) = (path("xarm7_kinematics_lab.yaml"), path("as_it_is.urdf"), path("offsets.yaml"));
     let base = ["calibrate", &xarm, "--data", &data, "--effects", "none"];
     let run = denavit(
-        &[&base[..], &["--urdf", &urdf, "--out-for", "xarm", &yaml, "--out-for", "robot-calibration", &offsets]].concat(),
+        &[&base[..], &["--urdf", &urdf, "--out-for", "xarm", &yaml, "--out-for", "robot-calibration", &offsets]]
+            .concat(),
     );
     assert_eq!(run.code, 0, "{}", run.stderr);
     let compared = denavit(&["diff", &urdf, &yaml, "--only", "kinematics", "--q-range=-2,2"]);

@@ -107,7 +107,7 @@ fn unwound(chain: &Chain, mut q: Vec<f64>, near: &[f64]) -> Vec<f64> {
         }
         let nearest = q[index] - TAU * ((q[index] - near[index]) / TAU).round();
         let (lower, upper) = coordinate.range();
-        let within = |value: &f64| coordinate.limits.is_none() || (lower..=upper).contains(value);
+        let within = |value: &f64| coordinate.limits.range.is_none() || (lower..=upper).contains(value);
         let others = (1..=4).flat_map(|turns| [nearest + TAU * f64::from(turns), nearest - TAU * f64::from(turns)]);
         q[index] = std::iter::once(nearest).chain(others).find(within).unwrap_or(nearest);
     }
@@ -118,7 +118,7 @@ fn unwound(chain: &Chain, mut q: Vec<f64>, near: &[f64]) -> Vec<f64> {
 pub fn beyond_limits(chain: &Chain, q: &[f64]) -> Vec<String> {
     let beyond = |(coordinate, value): (&denavit_model::Coordinate, &f64)| {
         let (lower, upper) = coordinate.range();
-        (coordinate.limits.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
+        (coordinate.limits.range.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
     };
     chain.coordinates().iter().zip(q).filter_map(beyond).collect()
 }

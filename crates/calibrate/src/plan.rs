@@ -195,7 +195,7 @@ fn candidates(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, Pla
 fn allowed(chain: &Chain, arm: &Arm, q: &[f64], options: &PlanOptions) -> bool {
     let within = chain.coordinates().iter().zip(q).all(|(coordinate, value)| {
         let (lower, upper) = coordinate.range();
-        coordinate.limits.is_none() || (*value >= lower && *value <= upper)
+        coordinate.limits.range.is_none() || (*value >= lower && *value <= upper)
     });
     let target = chain.fk(q) * Point3::from(arm.targets[0].translation.vector);
     within

@@ -89,10 +89,22 @@ pub fn simulate_arm<E: Effects>(arm: &Arm, options: &SimulationOptions, effects:
 
 /// Random joint readings within the limits: `rows` times one value per coordinate, rad or m.
 pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
+    let n = chain.coordinates().len();
+    let mut flat = vec![0.0; rows * n];
+    readings_into(chain, seed, &mut flat);
+    (0..rows).map(|row| flat[row * n..(row + 1) * n].to_vec()).collect()
+}
+
+/// The same into a slice, row by row.
+pub fn readings_into(chain: &Chain, seed: u64, readings: &mut [f64]) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     // Not the numbers that the arm and the noise are drawn from.
     random.set_stream(1 << 33);
-    (0..rows).map(|_| reading(chain.coordinates(), &mut random)).collect()
+    for row in readings.chunks_exact_mut(chain.coordinates().len().max(1)) {
+        for (value, coordinate) in row.iter_mut().zip(chain.coordinates()) {
+            *value = drawn(coordinate, &mut random);
+        }
+    }
 }
 
 /// The same as a controller is told them: rounded to 1 µrad and 1 µm, where the robot then is.
@@ -120,12 +132,9 @@ pub fn as_displayed(data: &Measurements, options: &SimulationOptions) -> Measure
     data
 }
 
-fn reading(coordinates: &[Coordinate], random: &mut ChaCha8Rng) -> Vec<f64> {
-    let value = |coordinate: &Coordinate| {
-        let (lower, upper) = coordinate.range();
-        lower + (upper - lower) * random.random::<f64>()
-    };
-    coordinates.iter().map(value).collect()
+fn drawn(coordinate: &Coordinate, random: &mut ChaCha8Rng) -> f64 {
+    let (lower, upper) = coordinate.range();
+    lower + (upper - lower) * random.random::<f64>()
 }
 
 fn normal(random: &mut ChaCha8Rng, deviation: f64) -> f64 {
@@ -166,7 +175,8 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     let mut data = empty(arm, options);
     match &options.readings {
         Some(readings) => data.readings = readings.concat(),
-        None => (0..options.rows).for_each(|_| data.readings.extend(reading(coordinates, random))),
+        None => (0..options.rows)
+            .for_each(|_| data.readings.extend(coordinates.iter().map(|coordinate| drawn(coordinate, random)))),
     }
     let seen = match &options.before {
         Some(before) => with_run_order_after(data.clone(), before),

@@ -33,10 +33,9 @@ fn irb120() -> Chain {
         ([1., 0., 0.], [0.302, 0., 0.630]),
     ];
     let name = |k: usize| format!("joint_{}", k + 1);
-    let limits = Limits { lower: -3.5, upper: 3.5, velocity: None, effort: None };
-    let coordinates = (0..6)
-        .map(|k| Coordinate { limits: Some(limits), ..Coordinate::unlimited(name(k), Quantity::Angle) })
-        .collect();
+    let limits = Limits::between(-3.5, 3.5);
+    let coordinates =
+        (0..6).map(|k| Coordinate { limits, ..Coordinate::unlimited(name(k), Quantity::Angle) }).collect();
     let joints = axes
         .iter()
         .enumerate()

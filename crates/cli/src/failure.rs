@@ -5,14 +5,6 @@ use thiserror::Error;
 /// Why a command could not do its work.
 #[derive(Debug, Error)]
 pub enum Failure {
-    /// A file could not be read.
-    #[error("{file}: cannot be read: {reason}")]
-    Read {
-        /// As given.
-        file: String,
-        /// The system's words.
-        reason: String,
-    },
     /// A file could not be written.
     #[error("{file}: cannot be written: {reason}; nothing was changed")]
     Write {
@@ -21,29 +13,18 @@ pub enum Failure {
         /// The system's words.
         reason: String,
     },
-    /// Bytes that are no text.
-    #[error("{file}:{line}: not UTF-8 text; save the file as UTF-8")]
-    NotText {
-        /// As given.
-        file: String,
-        /// Counted from 1.
-        line: usize,
-    },
     /// An argument that cannot be.
     #[error("{0}")]
     Argument(String),
-    /// A URDF that is none.
+    /// A source that is no robot, or has no such chain.
     #[error(transparent)]
-    Urdf(#[from] denavit_model::UrdfError),
-    /// A chain that is not there.
+    Load(#[from] denavit_load::LoadError),
+    /// A comparison whose chain is not there.
     #[error(transparent)]
     Tree(#[from] denavit_model::TreeError),
     /// A table's file that is none.
     #[error(transparent)]
     Source(#[from] denavit_export::sources::SourceError),
-    /// A xacro file that does not expand.
-    #[error(transparent)]
-    Xacro(#[from] denavit_xacro::XacroError),
     /// A robot that cannot be exported.
     #[error(transparent)]
     Export(#[from] denavit_export::urdf::ExportError),
@@ -65,9 +46,6 @@ pub enum Failure {
     /// Poses that cannot be chosen.
     #[error(transparent)]
     Plan(#[from] denavit_calibrate::plan::PlanError),
-    /// A UR kinematics file that is none.
-    #[error(transparent)]
-    Kinematics(#[from] denavit_calibrate::kinematics_yaml::KinematicsFileError),
     /// A calibration that a maker's form cannot hold.
     #[error(transparent)]
     Maker(#[from] denavit_export::makers::MakerError),

@@ -20,7 +20,7 @@ pub struct Robot {
 /// Reads the robot that the arguments choose.
 pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
     let loaded = source::load(&arguments.robot, &arguments.source)?;
-    let noted = loaded.chain(arguments)?;
+    let noted = loaded.chain(&arguments.selection())?;
     output::remark(&noted.notes);
     let chain = noted.value;
     if chain.joints().is_empty() {

@@ -4,6 +4,7 @@
 
 use crate::failure::Failure;
 use denavit_compare::report::Colour;
+use denavit_load::LoadError;
 use denavit_model::notes::Note;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
@@ -33,7 +34,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Says what went wrong.
 pub fn complain(failure: &Failure) {
     let text = failure.to_string();
-    let each_line = matches!(failure, Failure::Urdf(_));
+    let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_)));
     for (index, line) in text.lines().enumerate() {
         // A URDF's problems stand a line each; other messages go on in their own lines.
         let mark = if each_line || index == 0 { "error: " } else { "" };

@@ -60,8 +60,8 @@ pub struct MovingJoint {
     pub child: String,
     /// value = scale · q\[coordinate\] + offset; `None` where it is held at 0 (planar, floating, broken mimic).
     pub drive: Option<Drive>,
-    /// As the source states them.
-    pub limits: Option<Limits>,
+    /// As the source states them; no range where the joint turns without end.
+    pub limits: Limits,
     /// As the source states it: joint, multiplier, offset.
     pub mimic: Option<(String, f64, f64)>,
 }
@@ -309,7 +309,7 @@ impl Mechanism {
             parent: body.checked_sub(1),
             child: robot.links[joint.child].name.clone(),
             drive: None,
-            limits: joint.limits,
+            limits: joint.limits_in_force(),
             mimic: joint.mimic.as_ref().map(|mimic| (mimic.joint.clone(), mimic.multiplier, mimic.offset)),
         });
         self.bodies.push(Body::default());
@@ -344,7 +344,7 @@ impl Mechanism {
     pub fn of_chain(chain: &Chain) -> Self {
         let coordinates = chain.coordinates().iter().map(|coordinate| {
             let (lower, upper) = coordinate.range();
-            Interval { name: coordinate.name.clone(), lower, upper, limited: coordinate.limits.is_some() }
+            Interval { name: coordinate.name.clone(), lower, upper, limited: coordinate.limits.range.is_some() }
         });
         let mut joints: Vec<MovingJoint> = Vec::new();
         let mut bodies = vec![Body::default()];
@@ -372,7 +372,7 @@ impl Mechanism {
                 parent: index.checked_sub(1),
                 child: String::new(),
                 drive: Some(Drive { coordinate: joint.coordinate, scale, offset }),
-                limits: if own { coordinate.limits } else { None },
+                limits: if own { coordinate.limits } else { Limits::default() },
                 mimic: (!own).then(|| (coordinate.name.clone(), joint.scale, joint.offset)),
             });
             bodies.push(Body::default());
@@ -428,13 +428,9 @@ pub(crate) fn reversed(screw: &Screw) -> Screw {
 
 fn interval_of(joint: &Joint) -> Interval {
     let slides = joint.kind == JointKind::Prismatic;
-    let limits = joint.limits.filter(|_| joint.kind != JointKind::Continuous);
-    let (lower, upper) = match limits {
-        Some(limits) => (limits.lower.min(limits.upper), limits.lower.max(limits.upper)),
-        None if slides => (-1.0, 1.0),
-        None => (-PI, PI),
-    };
-    Interval { name: joint.name.clone(), lower, upper, limited: limits.is_some() }
+    let range = joint.limits_in_force().interval();
+    let (lower, upper) = range.unwrap_or(if slides { (-1.0, 1.0) } else { (-PI, PI) });
+    Interval { name: joint.name.clone(), lower, upper, limited: range.is_some() }
 }
 
 /// Where two poses differ: angle (rad) and distance of origins (m).

@@ -28,8 +28,14 @@ impl Target {
     /// Base z, the joint axes, the tool's z: n + 2 of them.
     pub fn all(chain: &Chain) -> Vec<Self> {
         let mut passed = denavit_model::nalgebra::Point3::origin();
-        let mut targets =
-            vec![Self { direction: Vector3::z(), point: Vector3::zeros(), place_is_free: false, tool_x: None, turns_after: 0, placed_after: 0 }];
+        let mut targets = vec![Self {
+            direction: Vector3::z(),
+            point: Vector3::zeros(),
+            place_is_free: false,
+            tool_x: None,
+            turns_after: 0,
+            placed_after: 0,
+        }];
         for joint in chain.joints() {
             passed = place_of(&joint.screw, passed);
             targets.push(Self {

@@ -169,10 +169,10 @@ impl Sheet<'_> {
             Quantity::Length => format!(" {}", self.units.length_word()),
         };
         let unit = if unit == "rad" { " rad".to_owned() } else { unit };
-        match &coordinate.limits {
-            Some(limits) => {
+        match coordinate.limits.range {
+            Some((lower, upper)) => {
                 let show = |value: f64| self.units.value(value, coordinate.quantity);
-                format!("{} … {}{unit}", show(limits.lower), show(limits.upper))
+                format!("{} … {}{unit}", show(lower), show(upper))
             }
             None if coordinate.continuous => "endless".to_owned(),
             None => "none stated".to_owned(),

@@ -50,7 +50,7 @@ fn poses(robot: &Robot, reading: Reading, values: &BTreeMap<String, f64>) -> BTr
 fn values(robot: &Robot, seed: u64) -> BTreeMap<String, f64> {
     let mut next = random(seed);
     let value = |joint: &Joint, share: f64| {
-        let (low, high) = joint.limits.map_or((-3.0, 3.0), |limits| (limits.lower, limits.upper));
+        let (low, high) = joint.limits.range.unwrap_or((-3.0, 3.0));
         (joint.name.clone(), (low + share * (high - low)).clamp(-6.3, 6.3))
     };
     robot.joints.iter().map(|joint| value(joint, next())).collect()

@@ -76,7 +76,7 @@ fn senses_mimics_and_missing_limits_come_back() {
     table.joints[4].scale = 0.5;
     table.coordinates.remove(4);
     table.joints[5].coordinate = 4;
-    table.coordinates[0].limits = None;
+    table.coordinates[0].limits = denavit_model::Limits::default();
     table.coordinates[0].continuous = true;
     let read = back(&table);
     assert_eq!(read.rows, table.rows);

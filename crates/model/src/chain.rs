@@ -16,17 +16,27 @@ pub enum Quantity {
     Length,
 }
 
-/// What a joint may do: positions in rad or m, velocity per second, effort in N·m or N.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What a joint may do: positions in rad or m, velocity per second, effort in N·m or N; each where it is stated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
-    /// Lowest position.
-    pub lower: f64,
-    /// Highest position.
-    pub upper: f64,
+    /// Lower and upper position, in the order of the source.
+    pub range: Option<(f64, f64)>,
     /// Highest speed, where stated.
     pub velocity: Option<f64>,
     /// Highest torque or force, where stated.
     pub effort: Option<f64>,
+}
+
+impl Limits {
+    /// Limits of position alone.
+    pub fn between(lower: f64, upper: f64) -> Self {
+        Self { range: Some((lower, upper)), ..Self::default() }
+    }
+
+    /// The lowest and the highest position, whichever the source names first.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        self.range.map(|(lower, upper)| (lower.min(upper), lower.max(upper)))
+    }
 }
 
 /// One number that moves the chain: the value of a joint that is not a mimic.
@@ -36,8 +46,8 @@ pub struct Coordinate {
     pub name: String,
     /// Angle or length.
     pub quantity: Quantity,
-    /// Limits; `None` where the source states none or the joint turns without end.
-    pub limits: Option<Limits>,
+    /// Limits as far as they are stated; no range where the joint turns without end.
+    pub limits: Limits,
     /// Turns without end (URDF's `continuous`).
     pub continuous: bool,
 }
@@ -45,16 +55,15 @@ pub struct Coordinate {
 impl Coordinate {
     /// An unlimited coordinate.
     pub fn unlimited(name: impl Into<String>, quantity: Quantity) -> Self {
-        Self { name: name.into(), quantity, limits: None, continuous: false }
+        Self { name: name.into(), quantity, limits: Limits::default(), continuous: false }
     }
 
     /// The interval to sample: the limits in order, or \[-π, π\] rad, or \[-1, 1\] m.
     pub fn range(&self) -> (f64, f64) {
-        match (&self.limits, self.quantity) {
-            (Some(limits), _) => (limits.lower.min(limits.upper), limits.lower.max(limits.upper)),
-            (None, Quantity::Angle) => (-PI, PI),
-            (None, Quantity::Length) => (-1.0, 1.0),
-        }
+        self.limits.interval().unwrap_or(match self.quantity {
+            Quantity::Angle => (-PI, PI),
+            Quantity::Length => (-1.0, 1.0),
+        })
     }
 }
 
@@ -231,7 +240,7 @@ impl Chain {
         let arm: f64 = self.skeleton().windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
         let limited = |joint: &&ChainJoint| {
             let coordinate = &self.coordinates[joint.coordinate];
-            coordinate.limits.is_some() || coordinate.quantity == Quantity::Angle
+            coordinate.limits.range.is_some() || coordinate.quantity == Quantity::Angle
         };
         let travel: f64 = self.joints.iter().filter(limited).map(|joint| self.greatest_slide(joint)).sum();
         let size = arm + travel;

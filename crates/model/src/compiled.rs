@@ -21,9 +21,20 @@ use crate::se3::Pose;
 use blocks::Block;
 use fearless_simd::{Level, Simd, dispatch};
 use frames::Frames;
-use nalgebra::{Point3, Vector6};
+use nalgebra::{Vector3, Vector6};
 pub use sin_cos::{sine_and_cosine, sines_and_cosines};
 use std::num::NonZeroUsize;
+
+/// What a Jacobian's columns say of the tip, all as `[angular; linear]` per unit of a coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JacobianFrame {
+    /// Its twist in the base frame (space Jacobian).
+    Space,
+    /// Its twist in its own frame (body Jacobian).
+    Body,
+    /// Its angular velocity and the velocity of its origin, along the base frame's axes (geometric Jacobian).
+    Tip,
+}
 
 /// A chain compiled to straight-line work.
 ///
@@ -138,7 +149,7 @@ impl CompiledChain {
     /// assert_eq!(tips[0], Point3::new(1.5, 0.0, 0.0));
     /// assert!((tips[1] - Point3::new(0.0, 1.5, 0.0)).norm() < 1e-15);
     /// ```
-    pub fn tips_into(&self, q: &[f64], tips: &mut [Point3<f64>]) {
+    pub fn tips_into<T: From<[f64; 3]>>(&self, q: &[f64], tips: &mut [T]) {
         assert_eq!(q.len(), self.coordinates * tips.len(), "one value for each coordinate of each configuration");
         dispatch!(self.level, simd => batch::tips(simd, self, q, tips));
     }
@@ -148,26 +159,92 @@ impl CompiledChain {
     /// # Panics
     /// As [`CompiledChain::poses_into`].
     pub fn poses_into_by_threads(&self, threads: NonZeroUsize, q: &[f64], poses: &mut [Pose]) {
-        self.share(threads, q, poses, |q, poses| self.poses_into(q, poses));
+        self.share(threads, q, poses, 1, |q, poses| self.poses_into(q, poses));
     }
 
     /// [`CompiledChain::tips_into`] shared among threads: for work of many milliseconds, since starting one has a price.
     ///
     /// # Panics
     /// As [`CompiledChain::poses_into`].
-    pub fn tips_into_by_threads(&self, threads: NonZeroUsize, q: &[f64], tips: &mut [Point3<f64>]) {
-        self.share(threads, q, tips, |q, tips| self.tips_into(q, tips));
+    pub fn tips_into_by_threads<T: From<[f64; 3]> + Send>(&self, threads: NonZeroUsize, q: &[f64], tips: &mut [T]) {
+        self.share(threads, q, tips, 1, |q, tips| self.tips_into(q, tips));
     }
 
+    /// base_from_tip at many configurations as homogeneous matrices: the sixteen numbers of each row by row.
+    ///
+    /// # Panics
+    /// As [`CompiledChain::poses_into`].
+    pub fn matrices_into(&self, q: &[f64], matrices: &mut [[f64; 16]]) {
+        assert_eq!(q.len(), self.coordinates * matrices.len(), "one value for each coordinate of each configuration");
+        dispatch!(self.level, simd => batch::matrices(simd, self, q, matrices));
+    }
+
+    /// [`CompiledChain::matrices_into`] shared among threads.
+    ///
+    /// # Panics
+    /// As [`CompiledChain::poses_into`].
+    pub fn matrices_into_by_threads(&self, threads: NonZeroUsize, q: &[f64], matrices: &mut [[f64; 16]]) {
+        self.share(threads, q, matrices, 1, |q, matrices| self.matrices_into(q, matrices));
+    }
+
+    /// Jacobians at many configurations: `jacobians` takes 6 × [`CompiledChain::coordinates`] numbers for each, row by
+    /// row, the angular rows first.
+    ///
+    /// # Panics
+    /// The lengths of `q` and `jacobians` do not go together.
+    pub fn jacobians_into(&self, frame: JacobianFrame, q: &[f64], jacobians: &mut [f64]) {
+        assert_eq!(6 * q.len(), jacobians.len(), "six numbers for each coordinate of each configuration");
+        let n = self.coordinates;
+        let mut columns = vec![Vector6::zeros(); n];
+        for (q, jacobian) in q.chunks_exact(n.max(1)).zip(jacobians.chunks_exact_mut(6 * n.max(1))) {
+            let pose = match frame {
+                JacobianFrame::Space => self.space_jacobian_into(q, &mut columns),
+                JacobianFrame::Body | JacobianFrame::Tip => self.tip_jacobian_into(q, &mut columns),
+            };
+            if frame == JacobianFrame::Body {
+                let own = pose.rotation.transpose();
+                for column in &mut columns {
+                    let angular = own * Vector3::new(column[0], column[1], column[2]);
+                    let linear = own * Vector3::new(column[3], column[4], column[5]);
+                    column.fixed_rows_mut::<3>(0).copy_from(&angular);
+                    column.fixed_rows_mut::<3>(3).copy_from(&linear);
+                }
+            }
+            for (k, column) in columns.iter().enumerate() {
+                for row in 0..6 {
+                    jacobian[row * n + k] = column[row];
+                }
+            }
+        }
+    }
+
+    /// [`CompiledChain::jacobians_into`] shared among threads.
+    ///
+    /// # Panics
+    /// As [`CompiledChain::jacobians_into`].
+    pub fn jacobians_into_by_threads(
+        &self,
+        threads: NonZeroUsize,
+        frame: JacobianFrame,
+        q: &[f64],
+        jacobians: &mut [f64],
+    ) {
+        let width = 6 * self.coordinates.max(1);
+        self.share(threads, q, jacobians, width, |q, jacobians| self.jacobians_into(frame, q, jacobians));
+    }
+
+    /// `width` results belong to each configuration.
     fn share<T: Send>(
         &self,
         threads: NonZeroUsize,
         q: &[f64],
         results: &mut [T],
+        width: usize,
         work: impl Fn(&[f64], &mut [T]) + Sync,
     ) {
-        assert_eq!(q.len(), self.coordinates * results.len(), "one value for each coordinate of each configuration");
-        let each = results.len().div_ceil(threads.get());
+        let count = results.len() / width;
+        assert_eq!(q.len(), self.coordinates * count, "one value for each coordinate of each configuration");
+        let each = count.div_ceil(threads.get()) * width;
         if each == results.len() || each == 0 {
             return work(q, results);
         }
@@ -176,7 +253,7 @@ impl CompiledChain {
             let mut rest = q;
             for part in results.chunks_mut(each) {
                 let mine;
-                (mine, rest) = rest.split_at(self.coordinates * part.len());
+                (mine, rest) = rest.split_at(self.coordinates * (part.len() / width));
                 scope.spawn(move || work(mine, part));
             }
         });

@@ -21,8 +21,8 @@ fn chain(name: &str, screws: &[Screw], tip: [f64; 3], rpy: [f64; 3]) -> Chain {
     let coordinates = screws.iter().enumerate().map(|(k, screw)| {
         let slides = matches!(screw, Screw::Prismatic(_));
         let (quantity, bound) = if slides { (Quantity::Length, 0.5) } else { (Quantity::Angle, 2.9) };
-        let limits = Limits { lower: -bound, upper: bound, velocity: Some(1.0), effort: Some(10.0) };
-        Coordinate { limits: Some(limits), ..Coordinate::unlimited(format!("joint_{}", k + 1), quantity) }
+        let limits = Limits { velocity: Some(1.0), effort: Some(10.0), ..Limits::between(-bound, bound) };
+        Coordinate { limits, ..Coordinate::unlimited(format!("joint_{}", k + 1), quantity) }
     });
     let joints = screws.iter().enumerate().map(|(k, screw)| ChainJoint {
         name: format!("joint_{}", k + 1),

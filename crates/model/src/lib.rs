@@ -21,7 +21,7 @@ pub mod urdf;
 mod well_formed;
 
 pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity};
-pub use compiled::CompiledChain;
+pub use compiled::{CompiledChain, JacobianFrame};
 pub use nalgebra;
 pub use notes::{Note, Noted, Place};
 pub use problems::{Problem, ProblemKind, UrdfError};

@@ -168,12 +168,22 @@ pub struct Joint {
     pub axis: Unit<Vector3<f64>>,
     /// The axis as the file gives it, before it is made of unit length; `None` where it gives none (URDF: 1 0 0).
     pub axis_written: Option<[f64; 3]>,
-    /// Limits, where given.
-    pub limits: Option<Limits>,
+    /// Limits, as far as they are given; [`Joint::limits_in_force`] leaves out what the joint's kind does not have.
+    pub limits: Limits,
     /// Which joint it follows, where it is a mimic joint.
     pub mimic: Option<Mimic>,
     /// Byte offset of its element in the source text.
     pub at: usize,
+}
+
+impl Joint {
+    /// The limits that hold: a joint that turns without end has no range, whatever its element states.
+    pub fn limits_in_force(&self) -> Limits {
+        match self.kind {
+            JointKind::Continuous => Limits { range: None, ..self.limits },
+            _ => self.limits,
+        }
+    }
 }
 
 /// A joint's kind.

@@ -337,7 +337,8 @@ impl Reader<'_> {
                 Vector3::x_axis()
             }),
         };
-        let limits = self.only_child(node, "limit", &owner).and_then(|limit| self.limits(limit, &owner));
+        let limits =
+            self.only_child(node, "limit", &owner).map_or_else(Limits::default, |limit| self.limits(limit, &owner));
         let mimic = self.only_child(node, "mimic", &owner).and_then(|mimic| {
             let joint = mimic.attribute("joint").unwrap_or_default().to_owned();
             let multiplier = self.number(mimic, "multiplier", &owner).unwrap_or(1.0);
@@ -391,17 +392,16 @@ impl Reader<'_> {
         }
     }
 
-    /// Limits where an interval or a speed is stated; a `<limit>` with neither bound states no interval.
-    fn limits(&mut self, limit: Node, owner: &str) -> Option<Limits> {
+    /// What is stated and finite; a `<limit>` with neither bound states no range.
+    fn limits(&mut self, limit: Node, owner: &str) -> Limits {
         let lower = self.number_or_infinite(limit, "lower", owner);
         let upper = self.number_or_infinite(limit, "upper", owner);
         let velocity = self.number_or_infinite(limit, "velocity", owner).filter(|value| value.is_finite());
         let effort = self.number_or_infinite(limit, "effort", owner).filter(|value| value.is_finite());
-        let (lower, upper) = match (lower, upper) {
-            (None, None) => return None,
-            (lower, upper) => (lower.unwrap_or(0.0), upper.unwrap_or(0.0)),
-        };
-        (lower.is_finite() && upper.is_finite()).then_some(Limits { lower, upper, velocity, effort })
+        let stated = lower.is_some() || upper.is_some();
+        let range = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
+        let finite = range.0.is_finite() && range.1.is_finite();
+        Limits { range: (stated && finite).then_some(range), velocity, effort }
     }
 
     fn origin(&mut self, node: Node, owner: &str) -> Origin {

@@ -2,7 +2,7 @@
 
 use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
 use denavit_model::{
-    AxisLine, Chain, ChainJoint, CompiledChain, Coordinate, Pitch, Pose, Quantity, Screw, examples, se3,
+    AxisLine, Chain, ChainJoint, CompiledChain, Coordinate, JacobianFrame, Pitch, Pose, Quantity, Screw, examples, se3,
 };
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -128,6 +128,47 @@ proptest! {
             assert_agree(&chain, &q, &compiled.tip_jacobian_into(&q, &mut found), "tip Jacobian");
             for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 prop_assert!((found - expected).norm() <= bound, "tip column {}: {} {}", k, found, expected);
+            }
+        }
+    }
+}
+
+#[test]
+fn matrices_and_jacobians_of_many_configurations_are_those_of_each() {
+    for chain in examples::all() {
+        let (n, count) = (chain.coordinates().len(), 21);
+        let q: Vec<f64> = (0..n * count).map(|index| (index as f64 * 0.37).sin()).collect();
+        let compiled = CompiledChain::new(&chain);
+        for threads in [1, 2, 5].map(|threads| NonZeroUsize::new(threads).unwrap()) {
+            let mut matrices = vec![[f64::NAN; 16]; count];
+            compiled.matrices_into_by_threads(threads, &q, &mut matrices);
+            let frames = [JacobianFrame::Space, JacobianFrame::Body, JacobianFrame::Tip];
+            let jacobians = frames.map(|frame| {
+                let mut jacobians = vec![f64::NAN; 6 * n * count];
+                compiled.jacobians_into_by_threads(threads, frame, &q, &mut jacobians);
+                jacobians
+            });
+            for (index, q) in q.chunks(n).enumerate() {
+                let (mut space, mut tip) = (vec![Vector6::zeros(); n], vec![Vector6::zeros(); n]);
+                let pose = chain.space_jacobian_into(q, &mut space);
+                chain.tip_jacobian_into(q, &mut tip);
+                let (home, away) = (pose.to_homogeneous(), se3::adjoint(&pose.inverse()));
+                for row in 0..4 {
+                    for column in 0..4 {
+                        assert!((matrices[index][4 * row + column] - home[(row, column)]).abs() < 1e-13);
+                    }
+                }
+                for k in 0..n {
+                    let expected = [space[k], away * space[k], tip[k]];
+                    for (found, expected) in jacobians.iter().zip(expected) {
+                        let found = &found[6 * n * index..6 * n * (index + 1)];
+                        assert!(
+                            (0..6).all(|row| (found[row * n + k] - expected[row]).abs() < 1e-12),
+                            "{}",
+                            chain.name()
+                        );
+                    }
+                }
             }
         }
     }

@@ -64,7 +64,7 @@ fn readings_in_other_units(data: &Measurements, chain: &Chain) -> Vec<(u64, Prob
         let bound = lower.abs().max(upper.abs());
         let slides = coordinate.quantity == Quantity::Length;
         // Angles may wind up where nothing limits them; slides without limits may be of any length.
-        let unlimited = coordinate.limits.is_none();
+        let unlimited = coordinate.limits.range.is_none();
         if unlimited && slides {
             continue;
         }
@@ -107,9 +107,8 @@ pub(super) fn notes(data: &Measurements, chain: &Chain) -> Vec<DataNote> {
         if data.never_moves(index) {
             notes.push(DataNote::NeverMoves { joint: coordinate.name.clone(), at: low });
         }
-        if let Some(limits) = coordinate.limits {
-            let slack = 1e-6 + 1e-3 * (limits.upper - limits.lower).abs();
-            let (lower, upper) = coordinate.range();
+        if let Some((lower, upper)) = coordinate.limits.interval() {
+            let slack = 1e-6 + 1e-3 * (upper - lower);
             let rows = values().filter(|value| *value < lower - slack || *value > upper + slack).count();
             if rows > 0 {
                 notes.push(DataNote::OutsideLimits { joint: coordinate.name.clone(), rows });

@@ -1,9 +1,10 @@
 //! `denavit chains`: every chain from a base link to a leaf.
 
-use crate::args::{ChainsArguments, RobotArguments};
+use crate::args::ChainsArguments;
 use crate::failure::Failure;
 use crate::output::{self, Status};
-use crate::source::{self, Loaded};
+use crate::source;
+use denavit_load::Listing as Chains;
 use denavit_model::tree::ChainListing;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -24,28 +25,8 @@ struct Entry<'a> {
 
 /// Runs the command.
 pub fn run(arguments: &ChainsArguments) -> Result<Status, Failure> {
-    let robot = RobotArguments {
-        robot: arguments.robot.clone(),
-        base: None,
-        tip: None,
-        exact: false,
-        tolerance: 0.0,
-        source: arguments.source.clone(),
-    };
     let loaded = source::load(&arguments.robot, &arguments.source)?;
-    let (name, chains, default) = if let Loaded::Robot(robot) = &loaded {
-        (robot.name.clone(), robot.leaf_chains(), robot.default_chain())
-    } else {
-        let chain = loaded.chain(&robot)?.value;
-        let coordinates = chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
-        let listing = ChainListing {
-            base: chain.base().to_owned(),
-            tip: chain.tip().to_owned(),
-            coordinates,
-            links: chain.joints().len() + 1,
-        };
-        (chain.name().to_owned(), vec![listing.clone()], listing)
-    };
+    let Chains { robot: name, chains, default } = loaded.chains();
     let text = if arguments.json { json(&name, &chains, &default) } else { text(&name, &chains, &default) };
     output::print(&text)?;
     Ok(Status::Same)

@@ -62,7 +62,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
 fn drawn(from: &str, arguments: &RobotArguments, calibrated: &Chain) -> Result<Chain, Failure> {
     let loaded = crate::source::load(from, &arguments.source)?;
     let own = RobotArguments { robot: from.to_owned(), ..arguments.clone() };
-    let chain = loaded.chain(&own)?.value;
+    let chain = loaded.chain(&own.selection())?.value;
     let names = |chain: &Chain| chain.coordinates().iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
     if names(&chain) != names(calibrated) {
         return Err(Failure::Argument(format!(

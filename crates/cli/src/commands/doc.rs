@@ -1,6 +1,5 @@
 //! `denavit doc`: a page for each robot, and an index of several.
 
-use super::table::{Asked, Made, made};
 use crate::args::{DocArguments, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output::{self, Status};
@@ -8,6 +7,7 @@ use crate::source::{self, Loaded};
 use denavit_compare::fingerprint;
 use denavit_export::Units;
 use denavit_export::page::{self, Card, ChainPart, Document};
+use denavit_load::TableOptions;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -104,12 +104,14 @@ fn document(arguments: &DocArguments, name: &str, units: Units) -> Result<Docume
 }
 
 fn part(robot: &RobotArguments, loaded: &Loaded) -> Result<ChainPart, Failure> {
-    let chain = loaded.chain(robot)?.value;
-    let Made { table, notes, gauge, .. } = made(robot, loaded, &Asked::default())?;
-    let gauge = if gauge == "file" {
+    let selection = robot.selection();
+    let chain = loaded.chain(&selection)?.value;
+    let options = TableOptions { convention: None, gauge: None, tolerance: robot.tolerance };
+    let made = loaded.table(&selection, &options)?;
+    let gauge = if made.gauge == "file" {
         "As the file has them: its joint origins, or its rows, are Denavit-Hartenberg numbers."
     } else {
         "The fewest numbers that are not zero, quarter turns before other angles."
     };
-    Ok(ChainPart { chain, table, notes, gauge: gauge.into() })
+    Ok(ChainPart { chain, table: made.table.value, notes: made.table.notes, gauge: gauge.into() })
 }

@@ -33,7 +33,7 @@ struct Answer<'a> {
 pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
     let loaded = source::load(&arguments.robot.robot, &arguments.robot.source)?;
-    let noted = loaded.chain(&arguments.robot)?;
+    let noted = loaded.chain(&arguments.robot.selection())?;
     let chain = &noted.value;
     let q = joint_values(chain, &arguments.q, arguments.degrees)?;
     let pose = match &arguments.effects {

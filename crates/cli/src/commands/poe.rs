@@ -9,7 +9,8 @@ use denavit_export::poe;
 /// Runs the command.
 pub fn run(arguments: &PoeArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
-    let noted = source::load(&arguments.robot.robot, &arguments.robot.source)?.chain(&arguments.robot)?;
+    let loaded = source::load(&arguments.robot.robot, &arguments.robot.source)?;
+    let noted = loaded.chain(&arguments.robot.selection())?;
     let text = match arguments.format {
         PoeFormat::Text => poe::text(&noted.value, &noted.notes, units),
         PoeFormat::Json => poe::json(&noted.value, &noted.notes),

@@ -1,17 +1,16 @@
 //! `denavit table`: the Denavit-Hartenberg table of a chain.
 
-use crate::args::{ConventionName, GaugeName, RobotArguments, TableArguments};
+use crate::args::{ConventionName, GaugeName, TableArguments};
 use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source::{self, Loaded};
-use denavit_dh::convert::{HAYATI_BELOW, table};
+use denavit_dh::Gauge;
 use denavit_dh::matching::{self, Match, Verdict};
-use denavit_dh::{Convention, Gauge, NearParallel, Options, Parallelism, Table};
 use denavit_export::sources::{Stated, VendorReading};
-use denavit_export::urdf::read_off;
 use denavit_export::{Sheet, formats, matched, sources};
-use denavit_model::notes::{Note, Noted};
-use denavit_model::{Chain, Reading};
+use denavit_load::TableOptions;
+use denavit_model::Chain;
+use denavit_model::notes::Noted;
 
 /// Runs the command.
 pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
@@ -21,9 +20,10 @@ pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
     if let Some(vendor) = &arguments.r#match {
         return matched(arguments, &loaded, vendor);
     }
-    let asked = Asked { convention: arguments.convention.map(ConventionName::convention), gauge: arguments.gauge };
-    let Made { table, notes, convention, gauge } = made(&arguments.robot, &loaded, &asked)?;
-    let sheet = Sheet { table: &table, convention, units, notes: &notes, source: &arguments.robot.robot, gauge };
+    let made = loaded.table(&arguments.robot.selection(), &options(arguments))?;
+    let Noted { value: table, notes } = made.table;
+    let source = &arguments.robot.robot;
+    let sheet = Sheet { table: &table, convention: made.convention, units, notes: &notes, source, gauge: made.gauge };
     let text = (format.render)(&sheet)?;
     if format.name == "csv" {
         output::remark(&notes);
@@ -37,8 +37,8 @@ fn matched(arguments: &TableArguments, loaded: &Loaded, vendor: &str) -> Result<
     let (file, text) = source::read_text(vendor)?;
     let convention = arguments.convention.map(ConventionName::convention);
     let given = Stated { convention, ..Stated::default() }.or(source::stated(&arguments.robot.source)?);
-    let readings = sources::read_vendor_table(&file, &text, given)?;
-    let Noted { value: chain, notes } = loaded.chain(&arguments.robot)?;
+    let readings = sources::read_vendor_table(&file, &text, given).map_err(denavit_load::LoadError::from)?;
+    let Noted { value: chain, notes } = loaded.chain(&arguments.robot.selection())?;
     let found = best(&chain, &readings).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
     let text = match arguments.format.as_str() {
         "text" => matched::text(&chain, &file, &found, units),
@@ -74,66 +74,13 @@ fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<matched::Fou
     Ok(matched::Found { found, reading, otherwise: otherwise.map(|(other, reading)| (other.verdict, reading.read_as)) })
 }
 
-/// What is asked of a table; what is not named is as the source has it.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Asked {
-    /// How to group the rows.
-    pub convention: Option<Convention>,
-    /// How to choose what the geometry leaves free.
-    pub gauge: Option<GaugeName>,
-}
-
-/// A table and what must be said of it.
-pub struct Made {
-    /// The numbers.
-    pub table: Table,
-    /// What was read otherwise than written, and other findings.
-    pub notes: Vec<Note>,
-    /// How its rows are grouped.
-    pub convention: Convention,
-    /// How the gauge was chosen: `file`, `simple` or `paper`.
-    pub gauge: &'static str,
-}
-
-/// The table of a chain, the same for every command: a file's own numbers regrouped, or new ones from the chain.
-pub fn made(robot: &RobotArguments, loaded: &Loaded, asked: &Asked) -> Result<Made, Failure> {
-    let convention = match (asked.convention, loaded) {
-        (Some(asked), _) => asked,
-        (None, Loaded::Table { convention, .. }) => *convention,
-        (None, _) => Convention::Distal,
-    };
-    let hayati = convention == Convention::Hayati;
-    // Hayati's rows are given to those who ask for them, or ask for nothing.
-    let as_asked =
-        |table: &Table| asked.convention.is_none() || table.rows.iter().any(|row| row.beta().is_some()) == hayati;
-    if let (Loaded::Table { table, .. }, None) = (loaded, asked.gauge)
-        && as_asked(table)
-    {
-        return Ok(Made { table: table.clone(), notes: Vec::new(), convention, gauge: "file" });
-    }
-    let Noted { value: chain, mut notes } = loaded.chain(robot)?;
-    if let (Loaded::Robot(tree), None, false) = (loaded, asked.gauge, hayati) {
-        // A file whose joint origins are D-H rows has chosen its gauge.
-        let reading = if robot.exact { Reading::AsWritten } else { Reading::Intended };
-        let own = read_off(tree, robot.base.as_deref(), robot.tip.as_deref(), reading);
-        if let Some(table) = own.filter(as_asked) {
-            return Ok(Made { table, notes, convention, gauge: "file" });
-        }
-    }
-    let made = table(&chain, &options(robot, asked.gauge, convention))
-        .map_err(|source| Failure::Chain { file: robot.robot.clone(), source })?;
-    notes.extend(made.notes.into_iter().filter(|note| !(hayati && matches!(note, Note::FarNumber { .. }))));
-    let gauge = if asked.gauge == Some(GaugeName::Paper) { "paper" } else { "simple" };
-    Ok(Made { table: made.value, notes, convention, gauge })
-}
-
-fn options(robot: &RobotArguments, gauge: Option<GaugeName>, convention: Convention) -> Options {
-    let hayati = convention == Convention::Hayati;
-    // Hayati's numbers need no axes made parallel.
-    let exact = robot.exact || hayati || robot.tolerance <= 0.0;
-    Options {
-        parallelism: if exact { Parallelism::Exact } else { Parallelism::Within { angle: robot.tolerance } },
-        gauge: if gauge == Some(GaugeName::Paper) { Gauge::Paper } else { Gauge::Simple },
-        near_parallel: if hayati { NearParallel::HayatiBelow(HAYATI_BELOW) } else { NearParallel::Dh },
+fn options(arguments: &TableArguments) -> TableOptions {
+    TableOptions {
+        convention: arguments.convention.map(ConventionName::convention),
+        gauge: arguments.gauge.map(|name| match name {
+            GaugeName::Simple => Gauge::Simple,
+            GaugeName::Paper => Gauge::Paper,
+        }),
+        tolerance: arguments.robot.tolerance,
     }
 }

@@ -16,6 +16,14 @@ pub(crate) struct Reparametrised {
     pub shift: f64,
 }
 
+impl Reparametrised {
+    /// A range of b's joint values in those of a.
+    fn range_in_a(self, (lower, upper): (f64, f64)) -> (f64, f64) {
+        let (x, y) = ((lower - self.shift) * self.sense, (upper - self.shift) * self.sense);
+        if self.sense < 0.0 { (y, x) } else { (x, y) }
+    }
+}
+
 /// Everything that changed between joint `index` of a and its like in b.
 pub(crate) fn changes(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, options: &Options) -> Vec<Change> {
     let Some(other) = at.joint_b[index] else {
@@ -165,7 +173,7 @@ fn shift(result: &mut GeometryFound, by: f64, unit: &'static str, tolerance: f64
 /// A table does not tell a joint that turns without end from one without limits.
 fn kind(a: &Mechanism, b: &Mechanism, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
     let endless =
-        |joint: &MovingJoint| joint.kind == "continuous" || (joint.kind == "revolute" && joint.limits.is_none());
+        |joint: &MovingJoint| joint.kind == "continuous" || (joint.kind == "revolute" && joint.limits.range.is_none());
     let unsaid = (a.bare || b.bare) && endless(one) && endless(two);
     (one.kind != two.kind && !unsaid).then(|| JointChange::KindChanged { from: one.kind.clone(), to: two.kind.clone() })
 }
@@ -202,17 +210,15 @@ fn limits(
     run: Reparametrised,
     options: &Options,
 ) -> Vec<Change> {
-    if (a.bare && one.limits.is_none()) || (b.bare && two.limits.is_none()) {
+    // A table may be silent about limits altogether.
+    let silent = |mechanism: &Mechanism, joint: &MovingJoint| mechanism.bare && joint.limits.range.is_none();
+    if silent(a, one) || silent(b, two) {
         return Vec::new();
     }
     let slides = matches!(one.screw, Some(Screw::Prismatic(_)));
     let tolerance = if slides { options.tolerance_m } else { options.tolerance_rad };
-    let stated = |joint: &MovingJoint| joint.limits.filter(|_| joint.kind != "continuous");
-    let from = stated(one).map(|limits| (limits.lower, limits.upper));
-    let to = stated(two).map(|limits| {
-        let (x, y) = ((limits.lower - run.shift) * run.sense, (limits.upper - run.shift) * run.sense);
-        if run.sense < 0.0 { (y, x) } else { (x, y) }
-    });
+    let from = one.limits.range;
+    let to = two.limits.range.map(|range| run.range_in_a(range));
     let mut found = Vec::new();
     let mut compare = |limit, from: Option<f64>, to: Option<f64>, tolerance: f64, counts| {
         let same = match (from, to) {
@@ -227,9 +233,8 @@ fn limits(
     compare("lower", from.map(|range| range.0), to.map(|range| range.0), tolerance, true);
     compare("upper", from.map(|range| range.1), to.map(|range| range.1), tolerance, true);
     if options.scope == Scope::Everything {
-        let speed = |joint: &MovingJoint| joint.limits.and_then(|limits| limits.velocity);
-        let effort = |joint: &MovingJoint| joint.limits.and_then(|limits| limits.effort);
-        for (limit, x, y) in [("velocity", speed(one), speed(two)), ("effort", effort(one), effort(two))] {
+        let (x, y) = (one.limits, two.limits);
+        for (limit, x, y) in [("velocity", x.velocity, y.velocity), ("effort", x.effort, y.effort)] {
             compare(limit, x, y, options.tolerance_mass * x.unwrap_or(0.0).abs(), true);
         }
     }

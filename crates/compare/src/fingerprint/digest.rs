@@ -82,7 +82,7 @@ pub(super) fn motion(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
 /// Masses, shapes, speeds, efforts.
 pub(super) fn matter(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
     tree(mechanism, cells, None, &|words, mechanism, cells, body| {
-        if let Some(limits) = body.checked_sub(1).and_then(|joint| mechanism.joints[joint].limits) {
+        if let Some(limits) = body.checked_sub(1).map(|joint| mechanism.joints[joint].limits) {
             for bound in [limits.velocity, limits.effort] {
                 words.cells(bound.map_or([0, 1], |bound| cells.relative(bound)));
             }
@@ -110,10 +110,9 @@ fn tree(mechanism: &Mechanism, cells: &mut Cells, joint: Option<usize>, contents
 fn joint_motion(words: &mut Words, mechanism: &Mechanism, cells: &mut Cells, joint: &MovingJoint) {
     words.text(&joint.kind);
     axis(words, cells, joint);
-    let limits = joint.limits.filter(|_| joint.kind != "continuous");
-    words.text(if limits.is_some() { "limits" } else { "unlimited" });
-    if let Some(limits) = limits {
-        words.cells([cells.of(limits.lower), cells.of(limits.upper)]);
+    words.text(if joint.limits.range.is_some() { "limits" } else { "unlimited" });
+    if let Some((lower, upper)) = joint.limits.range {
+        words.cells([cells.of(lower), cells.of(upper)]);
     }
     if let Some((driver, factor, offset)) = &joint.mimic {
         words.text("mimic");

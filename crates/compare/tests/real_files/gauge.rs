@@ -61,9 +61,9 @@ fn counted_otherwise(robot: &mut Robot, chance: &mut Chance) {
         joint.origin = origin_of(&(joint.origin.pose() * turn));
         let sense = if chance.below(2) == 0 { 1.0 } else { -1.0 };
         joint.axis_written = Some((axis * sense).into());
-        if let Some(limits) = &mut joint.limits {
-            let (x, y) = ((limits.lower - shift) * sense, (limits.upper - shift) * sense);
-            (limits.lower, limits.upper) = (x.min(y), x.max(y));
+        if let Some((lower, upper)) = &mut joint.limits.range {
+            let (x, y) = ((*lower - shift) * sense, (*upper - shift) * sense);
+            (*lower, *upper) = (x.min(y), x.max(y));
         }
     }
 }

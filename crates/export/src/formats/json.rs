@@ -182,17 +182,13 @@ impl From<&Note> for NoteEntry {
 impl From<&Coordinate> for CoordinateEntry {
     fn from(coordinate: &Coordinate) -> Self {
         let quantity = if coordinate.quantity == Quantity::Angle { "angle" } else { "length" };
-        let entry = |limits: &Limits| LimitsEntry {
-            lower: limits.lower,
-            upper: limits.upper,
-            velocity: limits.velocity,
-            effort: limits.effort,
-        };
+        let limits = coordinate.limits;
+        let entry = |(lower, upper)| LimitsEntry { lower, upper, velocity: limits.velocity, effort: limits.effort };
         Self {
             name: coordinate.name.clone(),
             quantity: quantity.to_owned(),
             continuous: coordinate.continuous,
-            limits: coordinate.limits.as_ref().map(entry),
+            limits: limits.range.map(entry),
         }
     }
 }
@@ -201,9 +197,8 @@ impl CoordinateEntry {
     /// The coordinate that the entry stands for; an unknown quantity counts as an angle.
     pub fn coordinate(&self) -> Coordinate {
         let quantity = if self.quantity == "length" { Quantity::Length } else { Quantity::Angle };
-        let limits = self.limits.as_ref().map(|entry| Limits {
-            lower: entry.lower,
-            upper: entry.upper,
+        let limits = self.limits.as_ref().map_or_else(Limits::default, |entry| Limits {
+            range: Some((entry.lower, entry.upper)),
             velocity: entry.velocity,
             effort: entry.effort,
         });

@@ -31,8 +31,8 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
         let body = quoted(&format!("{}_link", joint.name));
         let _ = writeln!(out, "\njoint = rigidBodyJoint({}, '{kind}');", quoted(&joint.name));
         let _ = writeln!(out, "setFixedTransform(joint, {});", call(&rows[index]));
-        if let Some(limits) = &table.coordinates[joint.coordinate].limits {
-            let _ = writeln!(out, "joint.PositionLimits = [{}, {}];", exact(limits.lower), exact(limits.upper));
+        if let Some((lower, upper)) = table.coordinates[joint.coordinate].limits.range {
+            let _ = writeln!(out, "joint.PositionLimits = [{}, {}];", exact(lower), exact(upper));
         }
         let _ = writeln!(out, "body = rigidBody({body});\nbody.Joint = joint;\naddBody(robot, body, {parent});");
         parent = body;

@@ -26,9 +26,9 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
         let RowLabel::Joint(index) = row.label else { continue };
         let joint = &table.joints[index];
         let number = |value: Option<f64>| exact(value.unwrap_or(0.0));
-        let limits = table.coordinates[joint.coordinate].limits.as_ref();
-        let limits = limits
-            .map_or_else(String::new, |limits| format!(", qlim=[{}, {}]", exact(limits.lower), exact(limits.upper)));
+        let limits = table.coordinates[joint.coordinate].limits.range;
+        let limits =
+            limits.map_or_else(String::new, |(lower, upper)| format!(", qlim=[{}, {}]", exact(lower), exact(upper)));
         let (a, alpha) = (number(row.a), number(row.alpha));
         let (theta, d) = (number(row.theta), number(row.d));
         let _ = match joint.motion {

@@ -244,7 +244,7 @@ fn limits(document: &Document) -> Vec<Vec<String>> {
         };
         let value = |value: f64| with_unit(&rounded(value, coordinate.quantity, units), unit);
         let none = || "–".to_owned();
-        let limits = coordinate.limits.as_ref();
+        let limits = coordinate.limits;
         let bound = |bound: Option<f64>| match bound {
             Some(bound) => value(bound),
             None if coordinate.continuous => "endless".to_owned(),
@@ -254,10 +254,10 @@ fn limits(document: &Document) -> Vec<Vec<String>> {
         vec![
             symbol,
             coordinate.name.clone(),
-            bound(limits.map(|limits| limits.lower)),
-            bound(limits.map(|limits| limits.upper)),
-            limits.and_then(|limits| limits.velocity).map_or_else(none, |v| format!("{}/s", value(v))),
-            limits.and_then(|limits| limits.effort).map_or_else(none, |e| format!("{} {effort_unit}", decimal(e, 4))),
+            bound(limits.range.map(|range| range.0)),
+            bound(limits.range.map(|range| range.1)),
+            limits.velocity.map_or_else(none, |v| format!("{}/s", value(v))),
+            limits.effort.map_or_else(none, |e| format!("{} {effort_unit}", decimal(e, 4))),
         ]
     };
     let mut listed: Vec<&Coordinate> = document.main.chain.coordinates().iter().collect();

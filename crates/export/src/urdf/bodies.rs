@@ -74,8 +74,8 @@ fn reach_below(robot: &Robot, order: &[usize], to_parent: &[Option<usize>]) -> V
     for link in order.iter().rev() {
         let Some(index) = to_parent[*link] else { continue };
         let joint = &robot.joints[index];
-        let slide = match (&joint.kind, &joint.limits) {
-            (JointKind::Prismatic, Some(limits)) => limits.lower.abs().max(limits.upper.abs()),
+        let slide = match (&joint.kind, joint.limits.range) {
+            (JointKind::Prismatic, Some((lower, upper))) => lower.abs().max(upper.abs()),
             _ => 0.0,
         };
         let length: f64 = Vector3::from(joint.origin.xyz).norm() + slide + reach[*link];

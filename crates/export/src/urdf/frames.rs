@@ -288,7 +288,7 @@ fn chain(robot: &Robot, names: (String, String, String), steps: &[Step], home: P
         Coordinate {
             name: joint.name.clone(),
             quantity: if slides { Quantity::Length } else { Quantity::Angle },
-            limits: if continuous { None } else { joint.limits },
+            limits: joint.limits_in_force(),
             continuous,
         }
     });

@@ -5,7 +5,7 @@ use super::edit::escaped;
 use super::written::{Numbers, three, word};
 use denavit_dh::conventions::Convention;
 use denavit_dh::table::{DhRow, Motion, Row, Table, TableJoint};
-use denavit_model::chain::{Coordinate, Limits, Quantity};
+use denavit_model::chain::{Coordinate, Limits};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::se3;
 use std::f64::consts::FRAC_PI_2;
@@ -146,7 +146,7 @@ impl<'a> Writer<'a> {
             format!("<mimic joint=\"{}\" multiplier=\"{}\"/>", escaped(joint), word(multiplier))
         };
         let child = self.free(&format!("link_{}", index + 1));
-        let endless = coordinate.continuous || coordinate.limits.is_none();
+        let endless = coordinate.continuous || coordinate.limits.range.is_none();
         let kind = match of.motion {
             Motion::Prismatic => "prismatic",
             _ if endless => "continuous",
@@ -238,16 +238,13 @@ fn cylinder(radius: f64, length: f64) -> String {
 
 /// The limits of a joint whose value is `multiplier` times the coordinate.
 fn limit(coordinate: &Coordinate, multiplier: f64) -> String {
-    let (lower, upper) = match (&coordinate.limits, coordinate.quantity) {
-        (Some(Limits { lower, upper, .. }), _) => (*lower, *upper),
-        (None, Quantity::Angle | Quantity::Length) => coordinate.range(),
-    };
+    let Limits { range, velocity, effort } = coordinate.limits;
+    let (lower, upper) = range.unwrap_or_else(|| coordinate.range());
     let (lower, upper) = if multiplier < 0.0 {
         (upper * multiplier, lower * multiplier)
     } else {
         (lower * multiplier, upper * multiplier)
     };
-    let (velocity, effort) = coordinate.limits.map_or((None, None), |limits| (limits.velocity, limits.effort));
     format!(
         "<limit lower=\"{}\" upper=\"{}\" effort=\"{}\" velocity=\"{}\"/>",
         word(lower),

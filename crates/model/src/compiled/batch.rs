@@ -6,7 +6,7 @@ use super::frames::Twist;
 use super::sin_cos;
 use crate::se3::{self, Pose};
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _};
-use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// A vector in each lane.
 type Vectors<S> = [<S as Simd>::f64s; 3];
@@ -134,12 +134,28 @@ pub(super) fn poses<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], poses: &
 }
 
 #[inline(always)]
-pub(super) fn tips<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], tips: &mut [Point3<f64>]) {
+pub(super) fn matrices<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], matrices: &mut [[f64; 16]]) {
+    let width = S::f64s::LEN;
+    for (chunk, matrices) in matrices.chunks_mut(width).enumerate() {
+        let Frames { x, y, z, origin } = reached(simd, chain, q, chunk * width, matrices.len());
+        for (lane, matrix) in matrices.iter_mut().enumerate() {
+            for row in 0..3 {
+                for (column, vectors) in [&x, &y, &z, &origin].into_iter().enumerate() {
+                    matrix[4 * row + column] = vectors[row].as_slice()[lane];
+                }
+            }
+            [matrix[12], matrix[13], matrix[14], matrix[15]] = [0.0, 0.0, 0.0, 1.0];
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn tips<S: Simd, T: From<[f64; 3]>>(simd: S, chain: &CompiledChain, q: &[f64], tips: &mut [T]) {
     let width = S::f64s::LEN;
     for (chunk, tips) in tips.chunks_mut(width).enumerate() {
         let Frames { origin, .. } = reached(simd, chain, q, chunk * width, tips.len());
         for (lane, tip) in tips.iter_mut().enumerate() {
-            *tip = Point3::new(origin[0].as_slice()[lane], origin[1].as_slice()[lane], origin[2].as_slice()[lane]);
+            *tip = std::array::from_fn(|row| origin[row].as_slice()[lane]).into();
         }
     }
 }

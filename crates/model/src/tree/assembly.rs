@@ -1,7 +1,7 @@
 //! A chain put together, joint by joint, along the way from base to tip.
 
 use super::{DriverNames, PLANAR_PARTS, Reading, Step, TreeError};
-use crate::chain::{Chain, ChainJoint, Coordinate, Quantity};
+use crate::chain::{Chain, ChainJoint, Coordinate, Limits, Quantity};
 use crate::intended;
 use crate::notes::{Note, Noted, Place};
 use crate::robot::{Joint, JointKind, Origin, Robot};
@@ -175,7 +175,7 @@ impl<'a> Assembly<'a> {
         let slides = joint.kind == JointKind::Prismatic || ["_x", "_y"].contains(&part);
         let quantity = if slides { Quantity::Length } else { Quantity::Angle };
         let continuous = joint.kind == JointKind::Continuous;
-        let limits = if continuous || !part.is_empty() { None } else { joint.limits };
+        let limits = if part.is_empty() { joint.limits_in_force() } else { Limits::default() };
         self.drivers.insert((driver, part), self.coordinates.len());
         self.coordinates.push(Coordinate { name: format!("{}{part}", joint.name), quantity, limits, continuous });
         self.coordinates.len() - 1

@@ -21,9 +21,9 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
     for joint in sheet.joints().iter().filter(|joint| matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic))
     {
-        let Some(limits) = joint.limits.filter(|limits| limits.lower == limits.upper) else { continue };
+        let Some((lower, _)) = joint.limits.range.filter(|(lower, upper)| lower == upper) else { continue };
         let at = sheet.below(joint.at, &["limit"]);
-        let what = format!("both limits are {}, so it cannot move; give its range, or type=\"fixed\"", limits.lower);
+        let what = format!("both limits are {lower}, so it cannot move; give its range, or type=\"fixed\"");
         found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
     }
     found

@@ -22,7 +22,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
     for joint in sheet.joints() {
         let limited = matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic);
-        if !limited || joint.limits.is_some() {
+        if !limited || joint.limits.range.is_some() {
             continue;
         }
         let at = sheet.below(joint.at, &["limit"]);

@@ -21,9 +21,9 @@ pub(super) const RULE: Rule = Rule {
 fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
     for joint in sheet.joints().iter().filter(|joint| !matches!(joint.kind, JointKind::Fixed | JointKind::Continuous)) {
-        let Some(limits) = joint.limits.filter(|limits| limits.lower > limits.upper) else { continue };
+        let Some((lower, upper)) = joint.limits.range.filter(|(lower, upper)| lower > upper) else { continue };
         let at = sheet.below(joint.at, &["limit"]);
-        let what = format!("lower {} is above upper {}; swap them", limits.lower, limits.upper);
+        let what = format!("lower {lower} is above upper {upper}; swap them");
         found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
     }
     found

@@ -23,11 +23,11 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
     for joint in sheet.joints().iter().filter(|joint| matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic))
     {
-        let Some(limits) = joint.limits else { continue };
-        let outside = limits.lower < limits.upper && (limits.lower > 0.0 || limits.upper < 0.0);
+        let Some((lower, upper)) = joint.limits.range else { continue };
+        let outside = lower < upper && (lower > 0.0 || upper < 0.0);
         if outside && joint.mimic.is_none() {
             let at = sheet.below(joint.at, &["limit"]);
-            let what = format!("0 is outside {} … {}; start it elsewhere", limits.lower, limits.upper);
+            let what = format!("0 is outside {lower} … {upper}; start it elsewhere");
             found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
         }
     }

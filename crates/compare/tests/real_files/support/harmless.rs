@@ -154,7 +154,7 @@ fn split(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
         origin: origin_of(&part),
         child: between,
         axis_written: None,
-        limits: None,
+        limits: denavit_model::Limits::default(),
         mimic: None,
         ..joint.clone()
     };

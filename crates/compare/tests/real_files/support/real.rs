@@ -56,7 +56,7 @@ pub fn edit(robot: &mut Robot, what: What, chance: &mut Chance) -> Option<Edit> 
     let before = robot.clone();
     let fits = |joint: &&mut Joint| match what {
         What::ZeroShifted | What::OriginTurned => one_value(joint) && !round_about_axis(&before, joint),
-        What::Limit => one_value(joint) && joint.kind != JointKind::Continuous && joint.limits.is_some(),
+        What::Limit => one_value(joint) && joint.kind != JointKind::Continuous && joint.limits.range.is_some(),
         What::Kind => matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic),
         _ => one_value(joint),
     };
@@ -132,11 +132,11 @@ fn change(joint: &mut Joint, what: What, chance: &mut Chance) -> f64 {
         }
         What::Limit => {
             let by = chance.magnitude(-5.0, -1.0);
-            let limits = joint.limits.as_mut().unwrap();
+            let (lower, upper) = joint.limits.range.as_mut().unwrap();
             if chance.below(2) == 0 {
-                limits.lower -= by;
+                *lower -= by;
             } else {
-                limits.upper += by;
+                *upper += by;
             }
             by
         }

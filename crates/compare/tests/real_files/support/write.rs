@@ -2,7 +2,7 @@
 
 use super::chance::Chance;
 use denavit_model::robot::{Geometry, Inertial, Joint, Link, Origin, Shape};
-use denavit_model::{JointKind, Robot, urdf};
+use denavit_model::{JointKind, Limits, Robot, urdf};
 use std::fmt::Write;
 
 /// How numbers are written; each reads back as the same number.
@@ -113,16 +113,18 @@ fn joint_text(robot: &Robot, joint: &Joint, style: &Style) -> String {
         format!("<child link=\"{}\"/>", escaped(&robot.links[joint.child].name)),
     ];
     children.extend(joint.axis_written.map(|axis| format!("<axis xyz=\"{}\"/>", style.numbers(&axis))));
-    children.extend(joint.limits.map(|limits| {
-        let mut text =
-            format!("<limit lower=\"{}\" upper=\"{}\"", style.number(limits.lower), style.number(limits.upper));
-        for (name, value) in [("velocity", limits.velocity), ("effort", limits.effort)] {
-            if let Some(value) = value {
-                write!(text, " {name}=\"{}\"", style.number(value)).unwrap();
-            }
-        }
-        text + "/>"
-    }));
+    let Limits { range, velocity, effort } = joint.limits;
+    let stated = [
+        ("lower", range.map(|range| range.0)),
+        ("upper", range.map(|range| range.1)),
+        ("velocity", velocity),
+        ("effort", effort),
+    ];
+    let stated = stated.iter().filter_map(|(name, value)| Some(format!(" {name}=\"{}\"", style.number((*value)?))));
+    let stated: String = stated.collect();
+    if !stated.is_empty() {
+        children.push(format!("<limit{stated}/>"));
+    }
     children.extend(joint.mimic.as_ref().map(|mimic| {
         let (factor, offset) = (style.number(mimic.multiplier), style.number(mimic.offset));
         format!("<mimic joint=\"{}\" multiplier=\"{factor}\" offset=\"{offset}\"/>", escaped(&mimic.joint))

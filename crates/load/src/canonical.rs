@@ -1,0 +1,23 @@
+//! The canonical URDF of any source.
+
+use crate::{LoadError, Loaded};
+use denavit_dh::Convention;
+use denavit_export::urdf::{self, Options};
+use denavit_model::notes::Noted;
+
+/// A tree's text with its link frames moved onto the D-H frames; a URDF made of a table or of screw axes.
+///
+/// # Errors
+/// The robot cannot be written so; `file` is what messages call it.
+pub fn canonical(robot: &Loaded, file: &str, options: &Options) -> Result<Noted<String>, LoadError> {
+    let own = |value| Noted { value, notes: Vec::new() };
+    Ok(match robot {
+        Loaded::Robot(tree) => urdf::canonical(tree, options)?,
+        Loaded::Table { table, convention, .. } => own(urdf::from_table(table, *convention)?),
+        Loaded::Poe(chain) => {
+            let failed = |source| LoadError::Chain { file: file.to_owned(), source };
+            let made = denavit_dh::convert::table(chain, &denavit_dh::Options::default()).map_err(failed)?;
+            Noted { value: urdf::from_table(&made.value, Convention::Distal)?, notes: made.notes }
+        }
+    })
+}

@@ -1,0 +1,61 @@
+//! Why a source is no robot.
+
+use thiserror::Error;
+
+/// Why a source is no robot, or has no such chain or table.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// A file could not be read.
+    #[error("{file}: cannot be read: {reason}")]
+    Read {
+        /// As given.
+        file: String,
+        /// The system's words.
+        reason: String,
+    },
+    /// Bytes that are no text.
+    #[error("{file}:{line}: not UTF-8 text; save the file as UTF-8")]
+    NotText {
+        /// As given.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+    },
+    /// A URDF that is none.
+    #[error(transparent)]
+    Urdf(#[from] denavit_model::UrdfError),
+    /// A chain that is not there.
+    #[error(transparent)]
+    Tree(#[from] denavit_model::TreeError),
+    /// A table's file that is none.
+    #[error(transparent)]
+    Source(#[from] denavit_export::sources::SourceError),
+    /// A xacro file that does not expand.
+    #[error(transparent)]
+    Xacro(#[from] denavit_xacro::XacroError),
+    /// A UR kinematics file that is none.
+    #[error(transparent)]
+    Kinematics(#[from] denavit_export::kinematics_yaml::KinematicsFileError),
+    /// Parts that make no chain.
+    #[error("{file}: {source}")]
+    Chain {
+        /// As given.
+        file: String,
+        /// Why.
+        source: denavit_model::ChainError,
+    },
+    /// A robot that cannot be exported.
+    #[error(transparent)]
+    Export(#[from] denavit_export::urdf::ExportError),
+    /// A base or tip where the file has one chain only.
+    #[error("{file}: {option} chooses a link of a URDF; this file has one chain, ending at \"{tip}\"")]
+    OneChain {
+        /// As given.
+        file: String,
+        /// `--base` or `--tip`.
+        option: &'static str,
+        /// Where the chain ends.
+        tip: String,
+    },
+}

@@ -1,0 +1,47 @@
+//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown or JSON, screw axes in CSV or JSON, a maker's kinematics
+//! file, a revision in git.
+//!
+//! ```text
+//! name ──► text ──► what is it? ──► Loaded ──► chain · table · canonical URDF · subject of a comparison
+//! ```
+//! The command line and the Python package read robots through this crate. It opens the files that it is given and what a
+//! xacro file includes; it writes nothing and prints nothing.
+
+mod canonical;
+mod error;
+mod read;
+mod robot;
+mod table;
+
+pub use canonical::canonical;
+pub use error::LoadError;
+pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_text};
+pub use robot::{Listing, Loaded, Selection};
+pub use table::{Made, TableOptions};
+
+use denavit_export::sources::Stated;
+use std::path::PathBuf;
+
+/// What some sources need; a URDF needs none of it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Arguments of a xacro file, name and value.
+    pub arguments: Vec<(String, String)>,
+    /// Folders with ROS packages, or packages.
+    pub package_path: Vec<PathBuf>,
+    /// Whether xacro may read files outside its package and the package path.
+    pub allow_any_file: bool,
+    /// Whether the angles of a UR kinematics file are read as the vendor's tool means them, Rx Ry Rz.
+    pub vendor_angles: bool,
+    /// Convention and units of a D-H table whose file does not state them.
+    pub stated: Stated,
+}
+
+/// A robot, and what must be said of how it was read.
+#[derive(Debug, Clone)]
+pub struct Opened {
+    /// The robot.
+    pub robot: Loaded,
+    /// What the expansion of a xacro file has to say, and what nobody states of a table.
+    pub notes: Vec<String>,
+}

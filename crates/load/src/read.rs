@@ -1,0 +1,119 @@
+//! From a name to text, and from text to what it is.
+
+use crate::{LoadError, Loaded, Opened, Options};
+use denavit_export::kinematics_yaml::AngleOrder;
+use denavit_export::makers;
+use denavit_export::sources::{self, Source};
+use denavit_xacro::{Environment, FileAccess, PackagePath, Source as Document};
+use std::io::Read as _;
+use std::path::Path;
+
+pub use denavit_xacro::Expanded;
+
+/// What messages call standard input.
+pub const STANDARD_INPUT: &str = "<stdin>";
+
+/// Reads a robot by its name: a path, `-` for standard input, or `git:REVISION:PATH`.
+///
+/// # Errors
+/// The source cannot be read, or is no robot.
+pub fn load(name: &str, options: &Options) -> Result<Opened, LoadError> {
+    let (file, text) = read_text(name)?;
+    from_text(&file, &text, options)
+}
+
+/// Reads a robot from text; `file` is what messages call it, and its ending tells some formats apart.
+///
+/// # Errors
+/// The text is no robot.
+pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, LoadError> {
+    let plain = |robot| Ok(Opened { robot, notes: Vec::new() });
+    let start = text.trim_start_matches('\u{feff}').trim_start();
+    if is_kinematics_file(file, start) {
+        let order = if options.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
+        return plain(Loaded::Poe(makers::read(file, &stem(file), text, order)?));
+    }
+    let is_table = [".csv", ".json", ".tsv"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
+        || start.starts_with('{')
+        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'))
+        || (!start.starts_with('<') && sources::holds_table(start));
+    if is_table {
+        return match sources::read(file, text, options.stated)? {
+            Source::Table { table, convention, assumed } => {
+                let chain = table.chain().map_err(|source| LoadError::Chain { file: file.to_owned(), source })?;
+                Ok(Opened { robot: Loaded::Table { table, convention, chain }, notes: assumed })
+            }
+            Source::Poe(chain) => plain(Loaded::Poe(chain)),
+        };
+    }
+    let is_xacro = denavit_xacro::is_xacro(text);
+    let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !options.arguments.is_empty());
+    if !is_meant {
+        match denavit_model::urdf::read(file, text) {
+            // By another name it may hold xacro that a URDF reader cannot do without: plain URDFs often keep a stray
+            // property or namespace.
+            Err(_) if is_xacro => {}
+            read => return plain(Loaded::Robot(Box::new(read?))),
+        }
+    }
+    let Expanded { urdf, notes, .. } = expanded(file, text, options)?;
+    let robot = denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?;
+    let notes = notes.iter().map(ToString::to_string).collect();
+    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes })
+}
+
+/// By its name, or by what it starts with where it has none.
+fn is_kinematics_file(file: &str, start: &str) -> bool {
+    let name = file.to_ascii_lowercase();
+    let first = || start.lines().map(str::trim_end).find(|line| !line.is_empty() && !line.starts_with(['#', '-']));
+    [".yaml", ".yml"].iter().any(|end| name.ends_with(end))
+        || first().is_some_and(|line| ["kinematics:", "joint1:"].contains(&line))
+}
+
+/// The name of a file without folders and extension.
+fn stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The URDF that a xacro document stands for.
+///
+/// # Errors
+/// The document does not expand.
+pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, LoadError> {
+    let environment: Environment = std::env::vars().collect();
+    let settings = denavit_xacro::Options {
+        packages: PackagePath::new(&options.package_path, &environment),
+        environment,
+        access: if options.allow_any_file { FileAccess::Any } else { FileAccess::default() },
+        ..denavit_xacro::Options::default()
+    };
+    let source = if Path::new(file).is_file() { Document::path(file) } else { Document::text(file, text) };
+    Ok(denavit_xacro::expand(&source, &options.arguments, &settings)?)
+}
+
+/// The text of a file, of standard input (`-`), or of a file in git (`git:REVISION:PATH`), and what to call it.
+///
+/// # Errors
+/// The file cannot be read, or is no UTF-8 text.
+pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
+    let failed = |reason: String| LoadError::Read { file: name.to_owned(), reason };
+    let (file, bytes) = if name == "-" {
+        let mut bytes = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut bytes).map_err(|error| failed(error.to_string()))?;
+        (STANDARD_INPUT.to_owned(), bytes)
+    } else if let Some(object) = name.strip_prefix("git:") {
+        let shown = std::process::Command::new("git").args(["show", object]).output();
+        let shown = shown.map_err(|error| failed(format!("git could not be run: {error}")))?;
+        if !shown.status.success() {
+            return Err(failed(String::from_utf8_lossy(&shown.stderr).trim().to_owned()));
+        }
+        (name.to_owned(), shown.stdout)
+    } else {
+        (name.to_owned(), std::fs::read(name).map_err(|error| failed(error.to_string()))?)
+    };
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        LoadError::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
+    })?;
+    Ok((file, text))
+}
