@@ -136,6 +136,11 @@ fn a_mismatch_says_what_the_table_looks_like() {
         "{}",
         run.stdout
     );
+    // Another arm's table, in degrees that are stated to be rad: what it looks like is said, if nothing matches.
+    let other = denavit(&["table", &robot("abb/irb120.urdf"), "--match", &folder.file("slip.csv", &slip)]);
+    assert_eq!(other.code, 1, "{}", other.stderr);
+    assert!(other.stdout.contains("angles up to 90 rad look like degrees"), "{}", other.stdout);
+    assert!(other.stdout.contains("lengths up to 425 m look like millimetres"), "{}", other.stdout);
     let clash = denavit(&["table", &ur5e, "--match", &folder.file("a.csv", UR5E[0].1), "--convention", "proximal"]);
     assert!(clash.failed().contains("the file says distal and the options say proximal"));
 }

@@ -4,7 +4,7 @@ use crate::numbers::{AngleUnit, Units, decimal};
 use crate::sources::{ReadAs, VendorReading};
 use comfy_table::{CellAlignment, Table as Grid, presets};
 use denavit_dh::RowLabel;
-use denavit_dh::matching::{Difference, Match, Nature, Placement, RowMatch, Sense, Verdict};
+use denavit_dh::matching::{DhNumber, Difference, Match, Nature, Placement, RowMatch, Sense, Verdict};
 use denavit_model::Pose;
 use denavit_model::chain::{Chain, Quantity};
 use denavit_model::se3::rpy_from_rotation;
@@ -70,8 +70,36 @@ impl Found<'_> {
                 verdict.word()
             ));
         }
+        if self.found.verdict == Verdict::Mismatch {
+            return self.looks_like();
+        }
         let read_as = self.reading.read_as.words();
         self.reading.tried.then(|| format!("read as {read_as}, which fits best of what the file leaves open"))
+    }
+}
+
+/// Angles beyond a full turn (rad) and links beyond this (m) are no arm's.
+const FULL_TURN: f64 = 6.3;
+const LONG_LINK: f64 = 20.0;
+
+impl Found<'_> {
+    /// What the numbers of a table that does not match look like, where they are no arm's.
+    fn looks_like(&self) -> Option<String> {
+        let table = &self.reading.table;
+        let largest = |lengths: bool| {
+            let numbers = table.rows().flat_map(|(_, row)| DhNumber::ALL.map(|number| (number, row.number(number))));
+            let numbers = numbers.filter(|(number, _)| number.is_length() == lengths);
+            numbers.filter_map(|(_, number)| Some(number?.value.abs())).fold(0.0, f64::max)
+        };
+        let (angle, length) = (largest(false), largest(true));
+        let mut looks = Vec::new();
+        if angle > FULL_TURN {
+            looks.push(format!("angles up to {} rad look like degrees (--table-units deg)", decimal(angle, 3)));
+        }
+        if length > LONG_LINK {
+            looks.push(format!("lengths up to {} m look like millimetres (--table-units mm)", decimal(length, 3)));
+        }
+        (!looks.is_empty()).then(|| looks.join("; "))
     }
 }
 

@@ -149,8 +149,10 @@ fn what_a_form_cannot_hold_is_said() {
     let effects = ["joint_compliance".to_owned()];
     let of =
         |maker: &str, drawn| (named(maker).unwrap().render)(&Calibrated { chain: &chain, drawn, effects: &effects });
-    let xarm = of("xarm", drawn).unwrap();
+    let xarm = of("xarm", None).unwrap();
     assert!(xarm.left_out[0].contains("not in it: joint_compliance"), "{:?}", xarm.left_out);
+    // Its second axis is -z of its link: the form has joints about z alone.
+    assert!(matches!(of("xarm", drawn), Err(MakerError::NotAboutZ { joint, .. }) if joint == "joint_a2"));
     let rail = robot("kuka/kr16_2_on_rail.urdf");
     let on_rail = rail.chain(None, None, Reading::Intended).unwrap().value;
     let seven = (named("franka").unwrap().render)(&Calibrated { chain: &on_rail, drawn: None, effects: &[] });
