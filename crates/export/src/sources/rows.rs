@@ -148,7 +148,12 @@ pub(super) fn holds_header(text: &str) -> bool {
 fn cut(line: &str, mark: char) -> Vec<(usize, String)> {
     let line = if mark == '|' { line.trim_end().strip_suffix('|').unwrap_or(line) } else { line };
     let mut reader = csv::ReaderBuilder::new();
-    reader.has_headers(false).flexible(true).trim(csv::Trim::All).delimiter(mark as u8).quoting(mark != '|');
+    reader
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .delimiter(u8::try_from(mark).unwrap_or(b','))
+        .quoting(mark != '|');
     let mut record = csv::StringRecord::new();
     let mut reader = reader.from_reader(line.as_bytes());
     if !reader.read_record(&mut record).unwrap_or(false) {
