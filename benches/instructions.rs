@@ -3,8 +3,9 @@
 //! `instructions WHAT TIMES`, WHAT one of [`WORK`].
 
 use denavit_benches::{BATCH, ROBOTS, chain, configurations, moved_axes, robot_text};
+use denavit_calibrate::observe::POSE;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_compare::{Options, Subject, compare};
 use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::{CompiledChain, Pose, Reading, urdf};
@@ -65,7 +66,7 @@ fn load(times: usize) {
 fn identification(times: usize) {
     let (_, file, tip) = ROBOTS[0];
     let chain = chain(file, tip);
-    let options = SimulationOptions { kind: MeasurementKind::Pose, rows: 10_000, ..Default::default() };
+    let options = SimulationOptions { kind: POSE, rows: 10_000, ..Default::default() };
     let data = simulate(&chain, &options, &NoEffects).data;
     for _ in 0..times {
         black_box(identify(black_box(&chain), black_box(&data), &IdentifyOptions::axes(&chain)));

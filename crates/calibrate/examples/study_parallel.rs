@@ -5,8 +5,9 @@
 
 #![allow(clippy::print_stdout)] // A study prints its table.
 
+use denavit_calibrate::observe::POSE;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{IdentifyOptions, MeasurementKind, Measurements, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Pose, Quantity, Screw, examples, se3};
 
@@ -126,14 +127,19 @@ impl DhArm {
         let mut all = Vec::with_capacity(6 * data.len());
         for row in 0..data.len() {
             let reached = self.fk(chain, data.reading(row));
-            let measured = data.position(row, 0).unwrap_or_default();
-            all.extend_from_slice((measured - reached.translation.vector).as_slice());
-            all.extend_from_slice(
-                se3::rotation_vector(&(data.orientations[row] * reached.rotation.inverse())).as_slice(),
-            );
+            let measured = pose_read(data, row);
+            all.extend_from_slice((measured.translation.vector - reached.translation.vector).as_slice());
+            all.extend_from_slice(se3::rotation_vector(&(measured.rotation * reached.rotation.inverse())).as_slice());
         }
         DVector::from_vec(all)
     }
+}
+
+/// The pose that was measured in a row.
+fn pose_read(data: &Measurements, row: usize) -> Pose {
+    let values = data.observed.values(row);
+    let rotation = POSE.orientation(values).unwrap_or_default();
+    se3::pose(rotation, POSE.position(values).unwrap_or_default())
 }
 
 fn position_rms(residual: &DVector<f64>) -> f64 {
@@ -188,7 +194,7 @@ fn main() {
     let Some(ur5) = ur5() else { return };
     for chain in [ur5, examples::scara_helical(), examples::puma_like()] {
         let options = SimulationOptions {
-            kind: MeasurementKind::Pose,
+            kind: POSE,
             rows: 40,
             turn: 2e-3,
             shift: 2e-3,
@@ -198,12 +204,13 @@ fn main() {
         };
         let mut run = simulate(&chain, &options, &NoEffects);
         // Both forms start from the same placing of instrument and target: the true one.
-        let (instrument, target) = (run.arm.instrument, run.arm.targets[0]);
+        let (instrument, target) = (run.arm.instruments[0], run.arm.targets[0]);
         for row in 0..run.data.len() {
-            let measured = se3::pose(run.data.orientations[row], run.data.position(row, 0).unwrap_or_default());
+            let measured = pose_read(&run.data, row);
             let in_base = instrument.inverse() * measured * target.inverse();
-            run.data.positions[row] = Some(in_base.translation.vector);
-            run.data.orientations[row] = in_base.rotation;
+            let values = run.data.observed.values_mut(row);
+            values[..3].copy_from_slice(in_base.translation.vector.as_slice());
+            values[3..].copy_from_slice(in_base.rotation.matrix().as_slice());
         }
         let (dh, arm) = fit_dh(&chain, &run.data, DhArm::of(&chain), 100);
         println!("{}: position rms by iteration, mm", chain.name());

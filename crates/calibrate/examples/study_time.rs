@@ -4,8 +4,9 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // A study prints its figures, and stops at the first trouble.
 
 use denavit_calibrate::measurements::{Units, read, write};
+use denavit_calibrate::observe::POSE;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_model::{Reading, urdf};
 use std::path::Path;
 use std::time::Instant;
@@ -15,7 +16,7 @@ fn main() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/universal_robots/ur5e.urdf");
     let robot = urdf::read("ur5e.urdf", &std::fs::read_to_string(file).unwrap()).unwrap();
     let chain = &robot.chain(None, None, Reading::Intended).unwrap().value;
-    let options = SimulationOptions { kind: MeasurementKind::Pose, rows, ..Default::default() };
+    let options = SimulationOptions { kind: POSE, rows, ..Default::default() };
     let text = write(&simulate(chain, &options, &NoEffects).data, &[]);
     if let Some(path) = std::env::args().nth(2) {
         std::fs::write(path, &text).unwrap();
@@ -30,7 +31,7 @@ fn main() {
             "fitting {:.1} ms, {} iterations, noise {:.2} um",
             start.elapsed().as_secs_f64() * 1e3,
             found.geometric.iterations,
-            found.geometric.noise.position * 1e6
+            found.geometric.noise.first() * 1e6
         );
     }
 }

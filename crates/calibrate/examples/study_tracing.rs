@@ -9,7 +9,7 @@
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
-use denavit_calibrate::measurements::{MeasurementKind, Measurements, Units, read};
+use denavit_calibrate::measurements::{Measurements, Units, read};
 use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};
 use denavit_model::{Chain, tree::Reading};
@@ -104,7 +104,7 @@ fn main() {
             rms(&test, &identification.nominal.layout, &identification.nominal.arm, &identification.nominal.effects);
         let before = rms(&test, &geometric.layout, &geometric.arm, &geometric.effects);
         let after = rms(&test, &result.fit.layout, &result.fit.arm, &result.fit.effects);
-        let dimension: f64 = if train.kind == MeasurementKind::Distance { 1.0 } else { 3.0 };
+        let dimension = train.scene.channels[0].height as f64;
         let floor = truth["noise_m"].as_f64().unwrap() * 1e3 * dimension.sqrt();
         let used: f64 = result.fit.parameters_used[0];
         let attainable = floor * (1.0 + used / result.fit.values[0]).sqrt();
@@ -204,7 +204,7 @@ fn main() {
         }
         println!(
             "   test rms geometry {before:.4} -> {after:.4} mm (attainable {attainable:.4}); noise {:.4} mm; left p {:.1e} {:?}; rejected {}",
-            result.fit.noise.position * 1e3,
+            result.fit.noise.first() * 1e3,
             result.leftover.p_value,
             result
                 .leftover

@@ -1,6 +1,6 @@
 //! The robot as it is: chain, instrument and targets, and where everything stands in one row.
 
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{Measurements, Scene};
 use denavit_model::compiled::sines_and_cosines;
 use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, se3};
@@ -17,11 +17,11 @@ pub struct Arm {
     pub nominal: Chain,
     /// Moving joints with their actual axes and scales; coordinates and order as in `nominal`.
     pub joints: Vec<ChainJoint>,
-    /// instrument_from_base; identity for distances.
-    pub instrument: Pose,
-    /// Place of the anchor in the base frame, m; used by distances alone.
-    pub anchor: Vector3<f64>,
-    /// tip_from_target for each target; the rotation is used by poses alone.
+    /// instrument_from_base for each setup; identity where no instrument's frame is seen.
+    pub instruments: Vec<Pose>,
+    /// Places of the points in the base frame, m.
+    pub points: Vec<Vector3<f64>>,
+    /// tip_from_target for each target; the rotation is used where it is seen.
     pub targets: Vec<Pose>,
 }
 
@@ -82,14 +82,14 @@ pub struct AxisChange {
 }
 
 impl Arm {
-    /// The nominal robot with instrument, anchor and targets at identity and zero.
-    pub fn new(nominal: &Chain, targets: usize) -> Self {
+    /// The nominal robot with instruments, points and targets at identity and zero.
+    pub fn new(nominal: &Chain, scene: &Scene) -> Self {
         Self {
             nominal: nominal.clone(),
             joints: nominal.joints().to_vec(),
-            instrument: Pose::identity(),
-            anchor: Vector3::zeros(),
-            targets: vec![Pose::identity(); targets],
+            instruments: vec![Pose::identity(); scene.setups.len()],
+            points: vec![Vector3::zeros(); scene.points.len()],
+            targets: vec![Pose::identity(); scene.targets.len()],
         }
     }
 
@@ -266,10 +266,5 @@ impl<'a> Row<'a> {
     /// Value of the numeric column of this name; `None` where there is no such column.
     pub fn covariate_named(&self, name: &str) -> Option<f64> {
         self.data.covariate(name).map(|column| column.values[self.index])
-    }
-
-    /// What kind of value is measured.
-    pub fn kind(&self) -> MeasurementKind {
-        self.data.kind
     }
 }

@@ -8,7 +8,7 @@ use crate::errors::{Errors, Residual, TestError, errors, placed, residuals};
 use crate::grid::{self, Rounding};
 use crate::identifiability::{Identifiability, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::Measurements;
 use crate::parameters::{Effects, NoEffects};
 use crate::report::contract::{
     CalibrationReport, Counts, EffectEntry, Rival, SCHEMA, Samples, Stage, Unexplained, Unidentifiable,
@@ -209,7 +209,7 @@ pub fn calibrate_and_tell(
         robot: chain.name().into(),
         base: chain.base().into(),
         tip: chain.tip().into(),
-        measurement: train.kind,
+        measurement: train.scene.measured(),
         samples: Samples {
             train: train.len(),
             test: test.as_ref().map_or(0, |test| test.locate.iter().filter(|locate| !**locate).count()),
@@ -260,11 +260,10 @@ fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option
 }
 
 fn enough(data: &Measurements) -> Result<(), CalibrateError> {
-    let needed = match data.kind {
-        MeasurementKind::Pose => 12,
-        MeasurementKind::Position => 6 + 3 * data.targets.len(),
-        MeasurementKind::Distance => 6,
-    };
+    let scene = &data.scene;
+    let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
+    let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
+    let needed = 6 * instruments + 3 * (scene.points.len() + scene.targets.len() + turns);
     let values = data.values();
     if values <= needed {
         return Err(CalibrateError::TooFewRows { file: data.source.clone(), rows: data.len(), values, needed });
@@ -274,7 +273,7 @@ fn enough(data: &Measurements) -> Result<(), CalibrateError> {
 
 fn fits(chain: &Chain, data: &Measurements, found: &Identification) -> Result<(), CalibrateError> {
     let reach = chain.reach_beyond(0, &Point3::origin());
-    let left = found.nominal.noise.position;
+    let left = found.nominal.noise.first();
     if left > MISFIT * reach {
         return Err(CalibrateError::Misfit { file: data.source.clone(), left, reach });
     }
@@ -290,17 +289,16 @@ struct Stages<'a> {
 
 impl Stages<'_> {
     fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
-        let targets = self.train.targets.len();
         let mut train = residuals(&fit.arm, &fit.effects, self.train);
-        train.retain(|residual| fit.weights[residual.row * targets + residual.target] > 0.0);
+        train.retain(|residual| fit.weights[residual.observation] > 0.0);
         let mut held_out = Vec::new();
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
             let arm = placed(fit, self.train, test)?;
             held_out = residuals(&arm, &fit.effects, test);
-            test_errors = Some(errors(&held_out, test.kind));
+            test_errors = Some(errors(&held_out, &test.scene));
         }
-        self.done.push(Stage { name: name.clone(), train: errors(&train, self.train.kind), test: test_errors });
+        self.done.push(Stage { name: name.clone(), train: errors(&train, &self.train.scene), test: test_errors });
         self.residuals.push(StageResiduals { name, train, test: held_out });
         Ok(())
     }
@@ -308,12 +306,8 @@ impl Stages<'_> {
 
 /// Lines of the rows with a rejected value.
 fn rejected(data: &Measurements, weights: &[f64]) -> Vec<usize> {
-    let targets = data.targets.len();
-    let out = |row: usize, target: usize| {
-        let seen = data.kind != MeasurementKind::Position || data.position(row, target).is_some();
-        seen && weights[row * targets + target] == 0.0
-    };
-    (0..data.len()).filter(|&row| (0..targets).any(|target| out(row, target))).map(|row| data.lines[row]).collect()
+    let out = |row: &usize| data.of_row(*row).any(|observation| weights[observation] == 0.0);
+    (0..data.len()).filter(out).map(|row| data.lines[row]).collect()
 }
 
 /// Stages of the tracer by what each added; the last one is what it settled on.

@@ -1,44 +1,51 @@
 //! How far predictions are from measured values, on the rows of a fit and on rows that it never saw.
 
 use crate::arm::{Arm, Deviation, Row, RowState};
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{Measurements, Scene};
+use crate::observe::{Discrepancy, Part, Seen};
 use crate::parameters::Effects;
 use crate::solve::Fit;
-use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
-use denavit_model::se3;
-use serde::{Deserialize, Serialize};
+use denavit_model::nalgebra::{Point3, Vector3};
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
 use thiserror::Error;
 
-/// Norms of the residuals: of positions in three dimensions, of orientations as angles, of distances as they are.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Errors {
-    /// Root mean square of the position error, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub position_rms_m: Option<f64>,
-    /// Mean position error, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub position_mean_m: Option<f64>,
-    /// Largest position error, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub position_max_m: Option<f64>,
-    /// Root mean square of the orientation error, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub orientation_rms_rad: Option<f64>,
-    /// Mean orientation error, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub orientation_mean_rad: Option<f64>,
-    /// Largest orientation error, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub orientation_max_rad: Option<f64>,
-    /// Root mean square of the distance error, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub distance_rms_m: Option<f64>,
-    /// Mean distance error, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub distance_mean_m: Option<f64>,
-    /// Largest distance error, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub distance_max_m: Option<f64>,
+/// Root mean square, mean and largest of the errors of one sort, m or rad: norms of what has three components.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Error {
+    /// What it is of.
+    pub part: Part,
+    /// Root mean square.
+    pub rms: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Errors of every sort that was measured, as JSON `position_rms_m`, `position_mean_m`, `position_max_m`,
+/// `orientation_rms_rad` and so on.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Errors(pub Vec<Error>);
+
+impl Errors {
+    /// The errors of this word, such as `position`.
+    pub fn of(&self, word: &str) -> Option<&Error> {
+        self.0.iter().find(|error| error.part.word == word)
+    }
+}
+
+impl Serialize for Errors {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3 * self.0.len()))?;
+        for error in &self.0 {
+            let Part { word, unit, .. } = error.part;
+            for (what, value) in [("rms", error.rms), ("mean", error.mean), ("max", error.max)] {
+                map.serialize_entry(&format!("{word}_{what}_{unit}"), &value)?;
+            }
+        }
+        map.end()
+    }
 }
 
 /// Why a test file cannot be predicted.
@@ -51,9 +58,9 @@ pub enum TestError {
         /// The test file.
         file: String,
         /// What it holds.
-        found: &'static str,
+        found: String,
         /// What was fitted.
-        expected: &'static str,
+        expected: String,
     },
     /// A target that the fit does not know and no row places.
     #[error(
@@ -73,61 +80,42 @@ pub enum TestError {
 /// Readings nearer than this are the same configuration, rad or m: a micrometre on a metre.
 const SAME_READING: f64 = 1e-6;
 
-/// The word for a kind of measurement.
-pub fn kind_word(kind: MeasurementKind) -> &'static str {
-    match kind {
-        MeasurementKind::Pose => "poses",
-        MeasurementKind::Position => "positions",
-        MeasurementKind::Distance => "distances",
-    }
-}
-
 /// One residual: measured minus predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
     /// Index of the row.
     pub row: usize,
-    /// Index of the target.
-    pub target: usize,
-    /// Of the position, base frame, m; for distances along x.
-    pub position: Vector3<f64>,
-    /// Rotation vector, base frame, rad; 0 unless poses are measured.
-    pub orientation: Vector3<f64>,
+    /// Index of the observation.
+    pub observation: usize,
+    /// Index of the series that it belongs to.
+    pub series: usize,
+    /// Of the lengths, base frame, m; what is one number stands in x.
+    pub place: Vector3<f64>,
+    /// Of the orientation, a rotation vector in the base frame, rad; 0 where none is measured.
+    pub turn: Vector3<f64>,
 }
 
 impl Residual {
-    /// Norm of the position (or distance) error, m.
+    /// Norm of the error of the lengths, m.
     pub fn distance(&self) -> f64 {
-        self.position.norm()
+        self.place.norm()
     }
 }
 
-/// Residuals of all observations of `data` that were seen and do not only place targets.
+/// Residuals of all observations of `data` that do not only place targets.
 ///
 /// # Shape and units
-/// The arm's targets are those of `data`: see [`placed`].
+/// The arm's targets, instruments and points are those of `data`: see [`placed`].
 pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
-    let mut found = Vec::new();
+    let mut found = Vec::with_capacity(data.observations());
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     for row in (0..data.len()).filter(|&row| !data.locate[row]) {
         stand(arm, effects, data, row, &mut state, &mut deviation);
-        for (target, on_tip) in arm.targets.iter().enumerate() {
-            let predicted =
-                state.tip.rotation * (on_tip.translation.vector + deviation.target) + state.tip.translation.vector;
-            if data.kind == MeasurementKind::Distance {
-                let distance = (predicted - arm.anchor - deviation.anchor).norm() * (1.0 + deviation.scale);
-                let error = data.distances[row] - distance - deviation.reading;
-                let position = Vector3::new(error, 0.0, 0.0);
-                found.push(Residual { row, target, position, orientation: Vector3::zeros() });
-                continue;
-            }
-            let Some(measured) = data.position(row, target) else { continue };
-            let position = in_base(arm, measured, deviation.scale) - predicted;
-            let orientation = data.orientations.get(row).map_or_else(Vector3::zeros, |measured: &Rotation3<f64>| {
-                let predicted = state.tip.rotation * on_tip.rotation;
-                se3::rotation_vector(&(arm.instrument.rotation.inverse() * measured * predicted.inverse()))
-            });
-            found.push(Residual { row, target, position, orientation });
+        for observation in data.of_row(row) {
+            let (series, values) = (data.series_of(observation), data.observed.values(observation));
+            let seen = Seen::new(arm, &state.tip, &deviation, series, values, false);
+            let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
+            found.push(Residual { row, observation, series: data.observed.series(observation), place, turn });
         }
     }
     found
@@ -146,10 +134,6 @@ fn stand<E: Effects>(
     arm.state_into(data.reading(row), deviates.then_some(deviation), state);
 }
 
-fn in_base(arm: &Arm, measured: Vector3<f64>, scale: f64) -> Vector3<f64> {
-    arm.instrument.rotation.inverse() * (measured / (1.0 + scale) - arm.instrument.translation.vector)
-}
-
 /// The arm with the targets of other data: fitted ones by name, others where the `locate` rows put them.
 ///
 /// What the model leaves unexplained where a `locate` row stands is no part of the target's place. Where a fitted row has
@@ -160,19 +144,24 @@ fn in_base(arm: &Arm, measured: Vector3<f64>, scale: f64) -> Vector3<f64> {
 /// Another kind of value, or a target that nothing places.
 pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements) -> Result<Arm, TestError> {
     let arm = &fit.arm;
-    if data.kind != fitted.kind {
-        return Err(TestError::OtherKind {
-            file: data.source.clone(),
-            found: kind_word(data.kind),
-            expected: kind_word(fitted.kind),
-        });
+    let (here, known) = (&data.scene, &fitted.scene);
+    if !here.kinds().iter().all(|kind| known.kinds().contains(kind)) {
+        return Err(TestError::OtherKind { file: data.source.clone(), found: here.words(), expected: known.words() });
     }
-    let mut placed = arm.clone();
-    placed.targets.clear();
-    for (target, name) in data.targets.iter().enumerate() {
+    let mut placed = Arm { targets: Vec::new(), instruments: Vec::new(), points: Vec::new(), ..arm.clone() };
+    let fitted_place = |names: &[String], name: &String| names.iter().position(|other| other == name);
+    for name in &here.setups {
+        let setup = fitted_place(&known.setups, name).map(|setup| arm.instruments[setup]);
+        placed.instruments.push(setup.unwrap_or_else(denavit_model::Pose::identity));
+    }
+    for name in &here.points {
+        let point = fitted_place(&known.points, name).map(|point| arm.points[point]);
+        placed.points.push(point.unwrap_or_else(Vector3::zeros));
+    }
+    for (target, name) in here.targets.iter().enumerate() {
         let located = locate(fit, fitted, data, target);
-        let known = fitted.targets.iter().position(|other| other == name).map(|index| arm.targets[index]);
-        let pose = match (located, known) {
+        let own = fitted_place(&known.targets, name).map(|index| arm.targets[index]);
+        let pose = match (located, own) {
             (Some(place), orientation) => {
                 let mut pose = orientation.unwrap_or_default();
                 pose.translation.vector = place;
@@ -183,7 +172,7 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
                 return Err(TestError::UnplacedTarget {
                     file: data.source.clone(),
                     target: name.clone(),
-                    known: fitted.targets.join(", "),
+                    known: known.targets.join(", "),
                 });
             }
         };
@@ -197,13 +186,18 @@ fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, 
     let arm = &fit.arm;
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let (mut sum, mut count) = (Vector3::zeros(), 0.0);
-    for row in (0..data.len()).filter(|&row| data.locate[row] && data.kind != MeasurementKind::Distance) {
-        let Some(measured) = data.position(row, target) else { continue };
-        stand(arm, &fit.effects, data, row, &mut state, &mut deviation);
-        let seen = in_base(arm, measured, deviation.scale) - leftover(fit, fitted, data.reading(row));
-        let on_tip = state.tip.inverse() * Point3::from(seen);
-        sum += on_tip.coords - deviation.target;
-        count += 1.0;
+    for row in (0..data.len()).filter(|&row| data.locate[row]) {
+        for observation in data.of_row(row) {
+            let (series, values) = (data.series_of(observation), data.observed.values(observation));
+            let Some(measured) = series.kind.position(values).filter(|_| series.target == target) else { continue };
+            stand(arm, &fit.effects, data, row, &mut state, &mut deviation);
+            let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
+            let in_base =
+                instrument.rotation.inverse() * (measured / (1.0 + deviation.scale) - instrument.translation.vector);
+            let on_tip = state.tip.inverse() * Point3::from(in_base - leftover(fit, fitted, data.reading(row)));
+            sum += on_tip.coords - deviation.target;
+            count += 1.0;
+        }
     }
     (count > 0.0).then(|| sum / count)
 }
@@ -214,44 +208,41 @@ fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, reading: &[f64]) ->
         fitted.reading(*row).iter().zip(reading).all(|(fitted, reading)| (fitted - reading).abs() <= SAME_READING)
     };
     let rows: Vec<usize> = (0..fitted.len()).filter(alike).collect();
-    let targets = fitted.targets.len();
+    let weights: Vec<f64> =
+        rows.iter().flat_map(|&row| fitted.of_row(row)).map(|observation| fit.weights[observation]).collect();
     let kept: Vec<Vector3<f64>> = residuals(&fit.arm, &fit.effects, &fitted.subset(&rows))
         .into_iter()
-        .filter(|residual| fit.weights[rows[residual.row] * targets + residual.target] > 0.0)
-        .map(|residual| residual.position)
+        .filter(|residual| {
+            weights[residual.observation] > 0.0 && fitted.scene.series[residual.series].kind.place().height == 3
+        })
+        .map(|residual| residual.place)
         .collect();
     kept.iter().sum::<Vector3<f64>>() / kept.len().max(1) as f64
 }
 
-/// Root mean square, mean and largest of each kind of value.
-pub fn errors(residuals: &[Residual], kind: MeasurementKind) -> Errors {
-    if residuals.is_empty() {
-        return Errors::default();
-    }
-    let summary = |values: Vec<f64>| {
-        let count = values.len() as f64;
-        let rms = (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt();
-        (Some(rms), Some(values.iter().sum::<f64>() / count), Some(values.iter().fold(0.0f64, |a, b| a.max(*b))))
+fn instrument_of(arm: &Arm, fitted: &Measurements, setup: &String) -> denavit_model::Pose {
+    let index = fitted.scene.setups.iter().position(|name| name == setup);
+    index.map_or_else(denavit_model::Pose::identity, |index| arm.instruments[index])
+}
+
+/// Root mean square, mean and largest of each sort of error.
+pub fn errors(residuals: &[Residual], scene: &Scene) -> Errors {
+    let of = |(channel, part): (usize, &Part)| {
+        let norms: Vec<f64> = residuals
+            .iter()
+            .filter_map(|residual| {
+                let channels = scene.series[residual.series].channels;
+                let which = channels.iter().position(|own| *own == Some(channel))?;
+                Some(if which == 0 { residual.place.norm() } else { residual.turn.norm() })
+            })
+            .collect();
+        let count = norms.len() as f64;
+        (count > 0.0).then(|| Error {
+            part: *part,
+            rms: (norms.iter().map(|v| v * v).sum::<f64>() / count).sqrt(),
+            mean: norms.iter().sum::<f64>() / count,
+            max: norms.iter().fold(0.0f64, |a, b| a.max(*b)),
+        })
     };
-    let (rms, mean, max) = summary(residuals.iter().map(Residual::distance).collect());
-    match kind {
-        MeasurementKind::Distance => {
-            Errors { distance_rms_m: rms, distance_mean_m: mean, distance_max_m: max, ..Errors::default() }
-        }
-        MeasurementKind::Position => {
-            Errors { position_rms_m: rms, position_mean_m: mean, position_max_m: max, ..Errors::default() }
-        }
-        MeasurementKind::Pose => {
-            let (o_rms, o_mean, o_max) = summary(residuals.iter().map(|r| r.orientation.norm()).collect());
-            Errors {
-                position_rms_m: rms,
-                position_mean_m: mean,
-                position_max_m: max,
-                orientation_rms_rad: o_rms,
-                orientation_mean_rad: o_mean,
-                orientation_max_rad: o_max,
-                ..Errors::default()
-            }
-        }
-    }
+    Errors(scene.channels.iter().enumerate().filter_map(of).collect())
 }

@@ -19,7 +19,7 @@ const MOVES_NOTHING: f64 = 1e-11;
 
 /// Change of each parameter by a common motion of axes and targets: 6 columns, twists `[omega; v]` in the base frame.
 ///
-/// Columns of the instrument and the anchor are their own countermove.
+/// Columns of the instruments are their own countermove; points move along.
 pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     let mut motions = DMatrix::zeros(layout.len(), 6);
     let home = arm.nominal.home();
@@ -39,14 +39,14 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
                     let at_centre = v + omega.cross(&basis.centre.coords);
                     at_centre.dot(if across == 0 { &basis.a } else { &basis.b })
                 }
-                ParameterKind::Instrument { component } => -f64::from(u8::from(component == column)),
-                ParameterKind::Anchor { component } => (v + omega.cross(&arm.anchor))[component],
+                ParameterKind::Instrument { component, .. } => -f64::from(u8::from(component == column)),
+                ParameterKind::Point { point, component } => (v + omega.cross(&arm.points[point]))[component],
                 ParameterKind::Target { target, component } => {
                     let point = home.rotation * arm.targets[target].translation.vector + home.translation.vector;
                     let moved = v + omega.cross(&point);
                     (home.rotation.inverse() * moved)[component]
                 }
-                ParameterKind::TargetTurn { component } => (home.rotation.inverse() * omega)[component],
+                ParameterKind::TargetTurn { component, .. } => (home.rotation.inverse() * omega)[component],
                 ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Effect { .. } => 0.0,
             };
         }
@@ -129,15 +129,19 @@ fn missing(
     (twist != Vector6::zeros() && twist.iter().all(|x| x.is_finite())).then_some(twist)
 }
 
-/// Move axes, anchor and targets, and the instrument's frame against them.
+/// Move axes, points and targets, and the instruments' frames against them.
 fn move_all(layout: &Layout, arm: &mut Arm, twist: &Vector6<f64>) {
     let motion = se3::exp(twist);
     for (index, joint) in arm.joints.iter_mut().enumerate() {
         joint.screw = joint.screw.moved(&motion).about(&layout.across[index].centre);
     }
-    let instrument = arm.instrument * motion.inverse();
-    arm.instrument = se3::pose(se3::orthonormalised(&instrument.rotation), instrument.translation.vector);
-    arm.anchor = (motion * Point3::from(arm.anchor)).coords;
+    for instrument in &mut arm.instruments {
+        let moved = *instrument * motion.inverse();
+        *instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+    }
+    for point in &mut arm.points {
+        *point = (motion * Point3::from(*point)).coords;
+    }
     let home = arm.nominal.home();
     for target in &mut arm.targets {
         *target = home.inverse() * motion * home * *target;

@@ -1,7 +1,8 @@
 //! Joint readings that were rounded: to tenths of a degree, to encoder counts. The rounding is an error of its own.
 
-use crate::arm::{Arm, Row, RowState};
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::arm::{Arm, Deviation, Row, RowState};
+use crate::measurements::Measurements;
+use crate::observe::{Follows, Seen};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Quantity, se3};
 use std::collections::BTreeSet;
@@ -103,12 +104,14 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
     if grids.is_empty() || data.is_empty() {
         return None;
     }
-    let mut state = RowState::default();
+    let (mut state, deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
     let (mut sum, mut count) = (0.0, 0.0);
     for row in 0..data.len() {
         arm.state_into(Row::new(data, row).reading(), None, &mut state);
-        for target in &arm.targets {
-            let point = state.tip.rotation * target.translation.vector + state.tip.translation.vector;
+        for observation in data.of_row(row) {
+            let (series, values) = (data.series_of(observation), data.observed.values(observation));
+            let seen = Seen::new(arm, &state.tip, &deviation, series, values, false);
+            let (point, follows) = (seen.predicted, series.kind.follows(&seen));
             count += 1.0;
             for grid in &grids {
                 let mut rate = Vector3::zeros();
@@ -119,11 +122,9 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
                     rate += Vector3::new(twist[0], twist[1], twist[2]).cross(&point)
                         + Vector3::new(twist[3], twist[4], twist[5]);
                 }
-                let seen = if data.kind == MeasurementKind::Distance {
-                    let along = (point - arm.anchor).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-                    along.dot(&rate).powi(2)
-                } else {
-                    rate.norm_squared()
+                let seen = match follows {
+                    Follows::Whole => rate.norm_squared(),
+                    Follows::Line(line) => line.dot(&rate).powi(2),
                 };
                 sum += seen * grid.step * grid.step / 12.0;
             }

@@ -2,9 +2,10 @@
 
 use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::gauge;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{Measurements, Scene};
+use crate::observe::{KINDS, Seen};
 use crate::parameters::{Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind};
-use crate::residual::{Problem, Scratch, width};
+use crate::residual::{Problem, Scratch};
 use crate::simulate::{SimulationOptions, simulate};
 use denavit_model::nalgebra::DMatrix;
 use denavit_model::{Chain, Screw};
@@ -22,9 +23,9 @@ const CHUNK: usize = 1024;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identifiability {
     /// What is measured.
-    pub kind: MeasurementKind,
-    /// The count for enough poses in general position: 5h + 4r + 2t + n and 6 for poses, 3 per target for positions,
-    /// none for distances.
+    pub scene: Scene,
+    /// The count for enough poses in general position: 5h + 4r + 2t + n and what is unknown beside the arm, less 6 for the
+    /// frame that nobody sees: 6 for poses, 3 per target for positions, none for distances from one anchor.
     pub expected: usize,
     /// The count as a sum, such as `4·6 + 6`.
     pub formula: String,
@@ -52,7 +53,7 @@ pub struct Untold {
 /// # Source
 /// Wu, Crawford, Roberts 2019, eq. (23), for poses. A target's place is all that remains of the tool where positions
 /// are measured; with distances the target's and the anchor's six numbers make up for the frame that nobody sees.
-pub fn expected(chain: &Chain, kind: MeasurementKind, targets: usize, freedom: &Freedom) -> (usize, String) {
+pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, String) {
     let count = |wanted: fn(&Screw) -> bool| chain.joints().iter().filter(|joint| wanted(&joint.screw)).count();
     let helical = count(|screw| matches!(screw, Screw::Helical { .. }));
     let revolute = count(|screw| matches!(screw, Screw::Revolute(_)));
@@ -64,10 +65,19 @@ pub fn expected(chain: &Chain, kind: MeasurementKind, targets: usize, freedom: &
         .zip(&freedom.pitches)
         .filter(|(joint, free)| **free && matches!(joint.screw, Screw::Revolute(_)))
         .count();
-    let (rest, word) = match kind {
-        MeasurementKind::Pose => (6, "6".into()),
-        MeasurementKind::Position => (3 * targets, format!("3·{targets}")),
-        MeasurementKind::Distance => (0, String::new()),
+    let placed = Layout::new(
+        chain,
+        scene,
+        &Freedom::placement(chain.joints().len()),
+        &crate::parameters::Tolerances::default(),
+        Vec::new(),
+    );
+    let rest = placed.len().saturating_sub(6);
+    let targets = scene.targets.len();
+    let word = if rest == 3 * targets && !(0..targets).any(|target| scene.turns(target)) {
+        format!("3·{targets}")
+    } else {
+        rest.to_string()
     };
     let mut terms = Vec::new();
     for (factor, number) in [(5, helical), (4, revolute), (2, prismatic)] {
@@ -88,44 +98,42 @@ pub fn expected(chain: &Chain, kind: MeasurementKind, targets: usize, freedom: &
 pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, freedom: &Freedom) -> Identifiability {
     let layout = Layout::new(
         &arm.nominal,
-        data.kind,
-        &data.targets,
+        &data.scene,
         freedom,
         &crate::parameters::Tolerances::default(),
         effects.parameters(),
     );
-    let (expected, formula) = expected(&arm.nominal, data.kind, data.targets.len(), freedom);
+    let (expected, formula) = expected(&arm.nominal, &data.scene, freedom);
     let expected = expected + layout.effects.len();
     // With residuals of 0 the common frame is exactly free; with measured ones it would be told by them.
     let predicted = predicted(data, arm, effects);
     let triangle = triangle(&Problem { data: &predicted, layout: &layout, effects }, arm);
     let analysis = analyse(&triangle, &gauge::conditions(&layout, arm));
     let untold = name(&layout, data, arm, &analysis);
-    Identifiability { kind: data.kind, expected, formula, rank: analysis.rank, smallest: analysis.smallest, untold }
+    Identifiability {
+        scene: data.scene.clone(),
+        expected,
+        formula,
+        rank: analysis.rank,
+        smallest: analysis.smallest,
+        untold,
+    }
 }
 
 /// The data with what the arm predicts in place of what was measured.
 fn predicted<E: Effects>(data: &Measurements, arm: &Arm, effects: &E) -> Measurements {
     let mut predicted = data.clone();
-    if data.kind == MeasurementKind::Distance {
-        return predicted;
-    }
     let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
-    let targets = data.targets.len();
+    let mut values = Vec::new();
     for row in 0..data.len() {
         deviation.clear();
         effects.deviate(Row::new(data, row), arm, &mut deviation);
         arm.state_into(data.reading(row), Some(&deviation), &mut state);
-        for (target, on_tip) in arm.targets.iter().enumerate() {
-            let in_base =
-                state.tip.rotation * (on_tip.translation.vector + deviation.target) + state.tip.translation.vector;
-            if let Some(position) = &mut predicted.positions[row * targets + target] {
-                let seen = arm.instrument.rotation * in_base + arm.instrument.translation.vector;
-                *position = seen * (1.0 + deviation.scale);
-            }
-            if let Some(orientation) = predicted.orientations.get_mut(row) {
-                *orientation = arm.instrument.rotation * state.tip.rotation * on_tip.rotation;
-            }
+        for observation in data.of_row(row) {
+            let (series, measured) = (data.series_of(observation), data.observed.values(observation));
+            values.clear();
+            series.kind.predict(&Seen::new(arm, &state.tip, &deviation, series, measured, false), &mut values);
+            predicted.observed.values_mut(observation).copy_from_slice(&values);
         }
     }
     predicted
@@ -134,14 +142,14 @@ fn predicted<E: Effects>(data: &Measurements, arm: &Arm, effects: &E) -> Measure
 /// Upper triangle R of the stacked Jacobian, J = Q R, reduced chunk by chunk.
 fn triangle<E: Effects>(problem: &Problem<'_, E>, arm: &Arm) -> DMatrix<f64> {
     let (data, columns) = (problem.data, problem.layout.len());
-    let height = data.targets.len() * width(data.kind);
+    let height = data.tallest_row();
     let mut scratch = Scratch::new(problem.layout, arm);
     let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
     let mut pending: Vec<f64> = Vec::new();
     let mut triangle = DMatrix::<f64>::zeros(0, columns);
     for row in 0..data.len() {
         problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
-        pending.extend_from_slice(&jacobian);
+        pending.extend_from_slice(&jacobian[..problem.height_of(row) * columns]);
         if pending.len() >= CHUNK * columns || row + 1 == data.len() {
             let chunk = DMatrix::from_row_slice(pending.len() / columns, columns, &pending);
             pending.clear();
@@ -259,8 +267,7 @@ fn drawn() -> SimulationOptions {
 }
 
 fn measured(chain: &Chain, freedom: &Freedom, options: &SimulationOptions) -> Vec<Identifiability> {
-    let kinds = [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance];
-    let found = kinds.into_iter().map(|kind| {
+    let found = KINDS.into_iter().map(|kind| {
         let run = simulate(chain, &SimulationOptions { kind, ..options.clone() }, &NoEffects);
         identifiability(&run.data, &run.arm, &NoEffects, freedom)
     });

@@ -80,13 +80,6 @@ pub fn fit_stage<E: Effects>(
     weights: &[f64],
     options: &IdentifyOptions,
 ) -> Fit<E> {
-    let layout = Layout::new(
-        &start.nominal,
-        data.kind,
-        &data.targets,
-        &options.freedom,
-        &options.tolerances,
-        effects.parameters(),
-    );
+    let layout = Layout::new(&start.nominal, &data.scene, &options.freedom, &options.tolerances, effects.parameters());
     fit(data, &layout, start, effects, weights, &options.fit)
 }

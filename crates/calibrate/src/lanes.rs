@@ -10,13 +10,14 @@
 //! ```
 
 use crate::arm::{Across, Arm};
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::Measurements;
 use crate::panel::{Panel, Triple};
 use crate::parameters::{Layout, ParameterKind};
 use denavit_model::compiled::sine_and_cosine;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use denavit_model::{ChainJoint, Pose, Screw, se3};
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _, SimdMask as _};
+use std::ops::Range;
 
 /// Below this sine of a residual's angle the series stand for arcsine and the inverse Jacobian of SO(3), to rounding.
 const SMALL: f64 = 0.03;
@@ -42,9 +43,10 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// `None` for an arm without joints, and for distances.
-    pub(crate) fn of(arm: &Arm, across: &[Across], kind: MeasurementKind) -> Option<Self> {
-        if arm.joints.is_empty() || kind == MeasurementKind::Distance {
+    /// `None` for an arm without joints, for kinds that lanes do not know, and where some values are surer than others.
+    pub(crate) fn of(arm: &Arm, across: &[Across], data: &Measurements) -> Option<Self> {
+        let unknown = data.scene.series.iter().any(|series| !series.kind.in_lanes());
+        if arm.joints.is_empty() || unknown || data.observed.has_levels() {
             return None;
         }
         let mut before = Pose::identity();
@@ -160,18 +162,17 @@ impl<S: Simd> Frame<S> {
     }
 }
 
-/// Computes the rows from `first` on, as many as `squares` has: their squared residuals into `squares`, the rest into the
-/// panels (place, and for poses turn).
+/// Computes these rows: squared residuals of their observations into `squares`, the rest into the panels of the channels.
 #[inline(always)]
 pub(crate) fn rows<S: Simd>(
     simd: S,
     (geometry, arm, layout, data): (&Geometry, &Arm, &Layout, &Measurements),
     weights: &[f64],
-    first: usize,
+    rows: Range<usize>,
     squares: &mut [[f64; 2]],
     panels: &mut [Panel],
 ) {
-    let (targets, lanes) = (data.targets.len(), S::f64s::LEN);
+    let (lanes, observed) = (S::f64s::LEN, &data.observed);
     let zero = S::f64s::splat(simd, 0.0);
     let none = Moved::<S> {
         less: [[zero; 3]; 2],
@@ -183,42 +184,53 @@ pub(crate) fn rows<S: Simd>(
         reading: zero,
     };
     let mut joints = vec![none; geometry.links.len()];
-    let instrument = arm.instrument.inverse();
-    for (group, squares) in squares.chunks_mut(lanes * targets).enumerate() {
-        let (start, count) = (first + group * lanes, squares.len() / targets);
+    let instruments: Vec<Pose> = arm.instruments.iter().map(Pose::inverse).collect();
+    let first = observed.of_row(rows.start).start;
+    for start in rows.clone().step_by(lanes) {
+        let count = lanes.min(rows.end - start);
         let row = |lane: usize| start + lane.min(count - 1);
         let tip = walk(simd, geometry, data, row, &mut joints);
-        for target in 0..targets {
-            let weight = S::f64s::from_fn(simd, |lane| {
-                let seen = data.kind == MeasurementKind::Pose || data.position(row(lane), target).is_some();
-                if lane < count && seen { weights[row(lane) * targets + target] } else { 0.0 }
-            });
-            let measured = each::<S>(|k| {
-                S::f64s::from_fn(simd, |lane| data.position(row(lane), target).map_or(0.0, |position| position[k]))
-            });
-            let in_base = Frame::<S>::of(simd, &instrument);
+        for (index, series) in data.scene.series.iter().enumerate() {
+            // The observation of this series in each lane.
+            let mut at = [None::<usize>; 8];
+            for lane in 0..count {
+                at[lane] = observed.of_row(start + lane).find(|&observation| observed.series(observation) == index);
+            }
+            if at.iter().all(Option::is_none) {
+                continue;
+            }
+            let weight = S::f64s::from_fn(simd, |lane| at[lane].map_or(0.0, |observation| weights[observation]));
+            let number = |k: usize| {
+                S::f64s::from_fn(simd, |lane| at[lane].map_or(0.0, |observation| observed.values(observation)[k]))
+            };
+            let measured = each::<S>(number);
+            let in_base = Frame::<S>::of(simd, &instruments[series.setup]);
             let measured = each::<S>(|k| {
                 let turned = in_base.y[k].mul_add(measured[1], in_base.x[k].mul_add(measured[0], in_base.origin[k]));
                 in_base.z[k].mul_add(measured[2], turned)
             });
-            let predicted = tip.point(arm.targets[target].translation.vector.into());
+            let target = &arm.targets[series.target];
+            let predicted = tip.point(target.translation.vector.into());
             let residual = less::<S>(measured, predicted);
             let factor = weight.sqrt();
-            panels[0].take_lanes::<S>(residual, factor, |parameter| {
+            let Some(place_panel) = series.channels[0].and_then(|channel| panels.get_mut(channel)) else { continue };
+            place_panel.take_lanes::<S>(residual, factor, |parameter| {
                 let rate = place_rate(simd, geometry, layout.parameters[parameter].kind, &joints, predicted);
                 match (rate, layout.parameters[parameter].kind) {
                     (Some(rate), _) => each::<S>(|k| -rate[k]),
-                    (None, ParameterKind::Instrument { component }) if component < 3 => {
+                    (None, ParameterKind::Instrument { setup, component })
+                        if setup == series.setup && component < 3 =>
+                    {
                         let mut e = [zero; 3];
                         e[component] = S::f64s::splat(simd, 1.0);
                         cross::<S>(measured, e)
                     }
-                    (None, ParameterKind::Instrument { component }) => {
+                    (None, ParameterKind::Instrument { setup, component }) if setup == series.setup => {
                         let mut e = [zero; 3];
                         e[component - 3] = S::f64s::splat(simd, -1.0);
                         e
                     }
-                    (None, ParameterKind::Target { target: of, component }) if of == target => {
+                    (None, ParameterKind::Target { target: of, component }) if of == series.target => {
                         each::<S>(|k| -[tip.x, tip.y, tip.z][component][k])
                     }
                     (None, _) => [zero; 3],
@@ -226,13 +238,10 @@ pub(crate) fn rows<S: Simd>(
             });
             let place = dot::<S>(residual, residual);
             let mut turn = zero;
-            if let Some(panel) = panels.get_mut(1) {
-                let attitude = tip.behind(&se3::pose(arm.targets[target].rotation, Vector3::zeros()));
-                let seen = |k: usize, column: usize| {
-                    S::f64s::from_fn(simd, |lane| data.orientations[row(lane)].matrix()[(k, column)])
-                };
+            if let Some(panel) = series.channels[1].and_then(|channel| panels.get_mut(channel)) {
+                let attitude = tip.behind(&se3::pose(target.rotation, Vector3::zeros()));
                 let measured: [Triple<S>; 3] = std::array::from_fn(|column| {
-                    let axis = each::<S>(|k| seen(k, column));
+                    let axis = each::<S>(|k| number(3 + 3 * column + k));
                     each::<S>(|k| in_base.z[k].mul_add(axis[2], in_base.y[k].mul_add(axis[1], in_base.x[k] * axis[0])))
                 });
                 let (residual, right) = turned(simd, measured, &attitude);
@@ -246,17 +255,18 @@ pub(crate) fn rows<S: Simd>(
                             each::<S>(|k| turn[k] * moved.reading)
                         }
                         // The left inverse Jacobian is the right one transposed.
-                        ParameterKind::Instrument { component } => right[component],
-                        ParameterKind::TargetTurn { component } => times::<S>(right, [tip.x, tip.y, tip.z][component]),
+                        ParameterKind::Instrument { setup, component } if setup == series.setup => right[component],
+                        ParameterKind::TargetTurn { target, component } if target == series.target => {
+                            times::<S>(right, [tip.x, tip.y, tip.z][component])
+                        }
                         _ => [zero; 3],
                     };
                     each::<S>(|k| -rate[k])
                 });
             }
             let (place, turn) = (place.as_slice(), turn.as_slice());
-            for (lane, squares) in squares.chunks_exact_mut(targets).enumerate() {
-                let seen = data.kind == MeasurementKind::Pose || data.position(row(lane), target).is_some();
-                squares[target] = if seen { [place[lane], turn[lane]] } else { [0.0; 2] };
+            for (lane, observation) in at.iter().enumerate().filter_map(|(lane, at)| Some((lane, (*at)?))) {
+                squares[observation - first] = [place[lane], turn[lane]];
             }
         }
     }
@@ -375,9 +385,11 @@ fn turned<S: Simd>(simd: S, measured: [Triple<S>; 3], predicted: &Frame<S>) -> (
 
 #[cfg(test)]
 mod tests {
+    use crate::measurements::Measurements;
+    use crate::observe::{POSE, POSITION};
     use crate::parameters::{Effects, Parameter, Sensitivity};
     use crate::simulate::{SimulationOptions, simulate};
-    use crate::{Arm, Deviation, Freedom, Layout, MeasurementKind, NoEffects, Problem, Row, RowState, Tolerances};
+    use crate::{Arm, Deviation, Freedom, Layout, NoEffects, Problem, Row, RowState, Tolerances};
     use denavit_model::{Pose, examples};
 
     /// Nothing, but asked row by row.
@@ -400,22 +412,34 @@ mod tests {
     #[test]
     fn lanes_sum_up_to_what_the_rows_do_one_by_one() {
         for chain in examples::all() {
-            for (kind, targets) in [(MeasurementKind::Pose, 1), (MeasurementKind::Position, 3)] {
+            for (kind, targets) in [(POSE, 1), (POSITION, 3)] {
                 let options = SimulationOptions { kind, rows: 77, targets, turn: 0.02, ..Default::default() };
                 let mut simulation = simulate(&chain, &options, &NoEffects);
-                if kind == MeasurementKind::Position {
-                    simulation.data.positions[10] = None;
+                if targets > 1 {
+                    // One target is not seen in one row.
+                    let data = &simulation.data;
+                    let hidden = data.observed.of_row(3).start + 1;
+                    let mut fewer = Measurements::empty("", data.joints.clone(), data.scene.clone());
+                    for row in 0..data.len() {
+                        for at in data.of_row(row).filter(|at| *at != hidden) {
+                            fewer.observed.push(data.observed.series(at), data.observed.values(at));
+                        }
+                        fewer.end_row(data.reading(row), row, false);
+                    }
+                    simulation.data = fewer;
                 }
                 let data = &simulation.data;
                 let joints = chain.joints().len();
                 let freedom =
                     Freedom { axes: vec![true; joints], scales: vec![true; joints], pitches: vec![true; joints] };
                 let tolerances = Tolerances::default();
-                let layout = Layout::new(&chain, kind, &data.targets, &freedom, &tolerances, Vec::new());
+                let layout = Layout::new(&chain, &data.scene, &freedom, &tolerances, Vec::new());
                 let mut weights: Vec<f64> = (0..data.observations()).map(|k| 1.0 - 0.01 * k as f64 / 77.0).collect();
                 weights[5] = 0.0;
                 // The true arm leaves noise alone; with the instrument as drawn, residuals are as large as they get.
-                for arm in [simulation.arm.clone(), Arm { instrument: Pose::identity(), ..simulation.arm.clone() }] {
+                for arm in
+                    [simulation.arm.clone(), Arm { instruments: vec![Pose::identity()], ..simulation.arm.clone() }]
+                {
                     let lanes = Problem { data, layout: &layout, effects: &NoEffects }.sums(&arm, &weights);
                     let rows = Problem { data, layout: &layout, effects: &RowByRow }.sums(&arm, &weights);
                     for (one, other) in lanes.squares.iter().flatten().zip(rows.squares.iter().flatten()) {

@@ -1,32 +1,24 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
 mod header;
+mod observations;
 mod plausible;
 pub mod poses;
 mod problem;
 mod read;
+mod scene;
 mod units;
 mod write;
 
+pub use observations::Observations;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read};
+pub use scene::{Scene, Series};
 pub use units::{Units, UnitsError};
 pub use write::write;
 
-use denavit_model::nalgebra::{Rotation3, Vector3};
-use serde::{Deserialize, Serialize};
-
-/// What the instrument measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MeasurementKind {
-    /// Position and orientation of one target: six numbers per row.
-    Pose,
-    /// Position of one or several targets: three numbers each.
-    Position,
-    /// Distance of one target from one fixed anchor: one number.
-    Distance,
-}
+use denavit_model::nalgebra::Vector3;
+use std::ops::Range;
 
 /// A numeric column that is neither a joint reading nor a measured value.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,27 +41,20 @@ pub struct Label {
 /// A measurement file's content in SI units; row order is run order.
 ///
 /// # Shape and units
-/// With n coordinates, t targets and N rows: `readings` has N·n values (rad, m), row by row in the order of `joints`;
-/// `positions` has N·t entries (m, instrument frame), `None` where a target was not seen; `orientations` N rotations
-/// for poses, else none; `distances` N values (m) for distances, else none.
+/// With n coordinates and N rows `readings` has N·n values (rad, m), row by row in the order of `joints`. Each row has any
+/// number of observations; what they are of is said by the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurements {
     /// The file's name, for messages.
     pub source: String,
-    /// What was measured.
-    pub kind: MeasurementKind,
     /// Names of the coordinates, in the chain's order.
     pub joints: Vec<String>,
     /// Joint readings, row by row.
     pub readings: Vec<f64>,
-    /// Names of the targets: `""` for `x,y,z`, `"1"` for `x1,y1,z1`; one empty name for distances.
-    pub targets: Vec<String>,
-    /// Positions of the targets, row by row.
-    pub positions: Vec<Option<Vector3<f64>>>,
-    /// instrument_from_target rotations.
-    pub orientations: Vec<Rotation3<f64>>,
-    /// Distances from the anchor, m.
-    pub distances: Vec<f64>,
+    /// What was measured, of what and with what.
+    pub scene: Scene,
+    /// What was measured in each row.
+    pub observed: Observations,
     /// Other numeric columns.
     pub covariates: Vec<Covariate>,
     /// Text columns.
@@ -81,11 +66,37 @@ pub struct Measurements {
 }
 
 /// A quaternion whose length is further from 1 than this was not meant as one.
-const QUATERNION_TOLERANCE: f64 = 1e-3;
+pub(crate) const QUATERNION_TOLERANCE: f64 = 1e-3;
 /// Joint readings closer than this are one reading, rad or m.
 const SAME_READING: f64 = 1e-9;
 
 impl Measurements {
+    /// No rows yet.
+    pub fn empty(source: &str, joints: Vec<String>, scene: Scene) -> Self {
+        Self {
+            source: source.into(),
+            joints,
+            readings: Vec::new(),
+            scene,
+            observed: Observations::default(),
+            covariates: Vec::new(),
+            labels: Vec::new(),
+            locate: Vec::new(),
+            lines: Vec::new(),
+        }
+    }
+
+    /// Appends a row whose observations have been pushed already.
+    ///
+    /// # Shape and units
+    /// `reading`: one value per coordinate, rad or m; `line` counts from 1.
+    pub fn end_row(&mut self, reading: &[f64], line: usize, locate: bool) {
+        self.readings.extend_from_slice(reading);
+        self.observed.end_row();
+        self.locate.push(locate);
+        self.lines.push(line);
+    }
+
     /// Whether a coordinate has one reading in all rows.
     pub fn never_moves(&self, coordinate: usize) -> bool {
         let values = || (0..self.len()).map(|row| self.reading(row)[coordinate]);
@@ -110,10 +121,30 @@ impl Measurements {
         &self.readings[row * n..(row + 1) * n]
     }
 
-    /// Measured position of a target in a row, m in the instrument's frame.
+    /// What an observation belongs to.
     #[inline]
+    pub fn series_of(&self, observation: usize) -> &Series {
+        &self.scene.series[self.observed.series(observation)]
+    }
+
+    /// Indices of a row's observations.
+    #[inline]
+    pub fn of_row(&self, row: usize) -> Range<usize> {
+        self.observed.of_row(row)
+    }
+
+    /// Index of the first observation of a target in a row.
+    pub fn of_target(&self, row: usize, target: usize) -> Option<usize> {
+        self.of_row(row).find(|&observation| self.series_of(observation).target == target)
+    }
+
+    /// Measured position of a target in a row, m in the instrument's frame.
     pub fn position(&self, row: usize, target: usize) -> Option<Vector3<f64>> {
-        self.positions[row * self.targets.len() + target]
+        self.of_row(row).find_map(|observation| {
+            let series = self.series_of(observation);
+            let here = series.target == target;
+            here.then(|| series.kind.position(self.observed.values(observation))).flatten()
+        })
     }
 
     /// The numeric column of this name.
@@ -121,44 +152,31 @@ impl Measurements {
         self.covariates.iter().find(|covariate| covariate.name == name)
     }
 
-    /// Observations (row, target) in rows: one per target and row, seen or not.
+    /// Number of observations.
     pub fn observations(&self) -> usize {
-        self.len() * self.targets.len()
+        self.observed.len()
     }
 
-    /// Numbers measured: 6 per pose, 3 per position seen, 1 per distance.
+    /// No row has more residual values than this: no series is observed twice in a row.
+    pub fn tallest_row(&self) -> usize {
+        self.scene.series.iter().map(|series| series.kind.height()).sum()
+    }
+
+    /// Numbers measured: 6 per pose, 3 per position, 1 per distance.
     pub fn values(&self) -> usize {
-        match self.kind {
-            MeasurementKind::Pose => 6 * self.len(),
-            MeasurementKind::Position => 3 * self.positions.iter().flatten().count(),
-            MeasurementKind::Distance => self.len(),
-        }
+        (0..self.observations()).map(|observation| self.series_of(observation).kind.height()).sum()
     }
 
     /// The rows of these indices, in that order.
     #[must_use]
     pub fn subset(&self, rows: &[usize]) -> Self {
-        let targets = self.targets.len();
         let pick = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
         Self {
             source: self.source.clone(),
-            kind: self.kind,
             joints: self.joints.clone(),
             readings: rows.iter().flat_map(|&row| self.reading(row).iter().copied()).collect(),
-            targets: self.targets.clone(),
-            positions: if self.positions.is_empty() {
-                Vec::new()
-            } else {
-                rows.iter()
-                    .flat_map(|&row| self.positions[row * targets..(row + 1) * targets].iter().copied())
-                    .collect()
-            },
-            orientations: if self.orientations.is_empty() {
-                Vec::new()
-            } else {
-                rows.iter().map(|&row| self.orientations[row]).collect()
-            },
-            distances: if self.distances.is_empty() { Vec::new() } else { pick(&self.distances) },
+            scene: self.scene.clone(),
+            observed: self.observed.subset(rows.iter().copied(), Some),
             covariates: self
                 .covariates
                 .iter()
@@ -175,5 +193,20 @@ impl Measurements {
             locate: rows.iter().map(|&row| self.locate[row]).collect(),
             lines: rows.iter().map(|&row| self.lines[row]).collect(),
         }
+    }
+
+    /// Leaves out the targets for which `keep` is false, and what was observed of them.
+    pub fn keep_targets(&mut self, keep: &[bool]) {
+        let old = std::mem::take(&mut self.scene);
+        let mut kept = Vec::new();
+        for series in &old.series {
+            let point = series.point.map(|point| old.points[point].clone());
+            let point = point.as_deref().and_then(|name| name.split_once(' ').map(|(_, own)| own));
+            let target = &old.targets[series.target];
+            kept.push(
+                keep[series.target].then(|| self.scene.add(series.kind, &old.setups[series.setup], target, point)),
+            );
+        }
+        self.observed = self.observed.subset(0..self.lines.len(), |series| kept[series]);
     }
 }

@@ -2,11 +2,11 @@
 
 use crate::arm::Arm;
 use crate::lanes;
-use crate::measurements::MeasurementKind;
-use crate::panel::{Panel, Part};
+use crate::panel::Panel;
 use crate::parameters::Effects;
-use crate::residual::{Problem, Scratch, width};
+use crate::residual::{Problem, Scratch};
 use fearless_simd::{Level, dispatch};
+use std::ops::Range;
 use std::sync::Mutex;
 
 /// Jᵀ W J, Jᵀ W r and rᵀ W r of one kind of value.
@@ -42,9 +42,9 @@ impl Channel {
 /// Sums over all rows, and the squared residual of each observation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sums {
-    /// Positions or distances (0), orientations (1; absent unless poses are measured).
+    /// One per noise channel of the scene.
     pub channels: Vec<Channel>,
-    /// For each observation (row by row, target by target) the squared residual norm by channel, unweighted; m², rad².
+    /// For each observation the squared residual norm of its lengths and of its angles, unweighted; m², rad².
     pub squares: Vec<[f64; 2]>,
 }
 
@@ -59,13 +59,20 @@ impl<E: Effects> Problem<'_, E> {
     /// Residuals and normal equations at this state of the arm.
     ///
     /// # Shape and units
-    /// `weights`: one per observation (row by row, target by target); 0 leaves it out.
+    /// `weights`: one per observation; 0 leaves it out.
     pub fn sums(&self, arm: &Arm, weights: &[f64]) -> Sums {
         let rows = self.data.len();
-        let targets = self.data.targets.len();
         let block_rows = rows.div_ceil(BLOCKS).max(LEAST_ROWS);
-        let mut squares = vec![[0.0; 2]; rows * targets];
-        let blocks: Vec<(usize, &mut [[f64; 2]])> = squares.chunks_mut(block_rows * targets).enumerate().collect();
+        let mut squares = vec![[0.0; 2]; self.data.observations()];
+        let mut blocks: Vec<(Range<usize>, &mut [[f64; 2]])> = Vec::new();
+        let mut rest = squares.as_mut_slice();
+        for first in (0..rows).step_by(block_rows) {
+            let of = first..rows.min(first + block_rows);
+            let count = self.data.of_row(of.end - 1).end - self.data.of_row(first).start;
+            let (own, others) = rest.split_at_mut(count);
+            blocks.push((of, own));
+            rest = others;
+        }
         let threads = if rows < ROWS_FOR_THREADS {
             1
         } else {
@@ -78,8 +85,8 @@ impl<E: Effects> Problem<'_, E> {
             let mut done = Vec::new();
             loop {
                 let next = queue.lock().expect("taking a block does not panic").next();
-                let Some((index, squares)) = next else { return done };
-                done.push((index, self.block(arm, weights, index * block_rows, squares, &mut scratch)));
+                let Some((rows, squares)) = next else { return done };
+                done.push((rows.start, self.block(arm, weights, rows, squares, &mut scratch)));
             }
         };
         std::thread::scope(|scope| {
@@ -89,8 +96,8 @@ impl<E: Effects> Problem<'_, E> {
                 done.extend(other.join().expect("a block's computation does not panic"));
             }
         });
-        done.sort_by_key(|(index, _)| *index);
-        let mut channels = vec![Channel::zeros(self.layout.len()); self.parts().len()];
+        done.sort_by_key(|(first, _)| *first);
+        let mut channels = vec![Channel::zeros(self.layout.len()); self.data.scene.channels.len()];
         for (_, block) in &done {
             for (sum, part) in channels.iter_mut().zip(block) {
                 sum.add(part);
@@ -99,63 +106,62 @@ impl<E: Effects> Problem<'_, E> {
         Sums { channels, squares }
     }
 
-    fn parts(&self) -> &'static [Part] {
-        if self.data.kind == MeasurementKind::Pose { &[Part::Place, Part::Turn] } else { &[Part::Place] }
-    }
-
     fn block(
         &self,
         arm: &Arm,
         weights: &[f64],
-        first: usize,
+        rows: Range<usize>,
         squares: &mut [[f64; 2]],
         scratch: &mut Scratch,
     ) -> Vec<Channel> {
-        let (targets, step, columns) = (self.data.targets.len(), width(self.data.kind), self.layout.len());
-        let mut panels: Vec<Panel> = self.parts().iter().map(|part| Panel::new(self.layout, *part)).collect();
+        let columns = self.layout.len();
+        let mut panels: Vec<Panel> =
+            self.data.scene.channels.iter().map(|part| Panel::new(self.layout, part)).collect();
         if self.effects.are_none()
-            && let Some(geometry) = scratch.geometry(arm, self.data.kind)
+            && let Some(geometry) = scratch.geometry(arm, self.data)
         {
             let of = (&geometry, arm, self.layout, self.data);
-            dispatch!(Level::new(), simd => lanes::rows(simd, of, weights, first, squares, &mut panels));
+            dispatch!(Level::new(), simd => lanes::rows(simd, of, weights, rows.clone(), squares, &mut panels));
             return panels.into_iter().map(Panel::finish).collect();
         }
-        let mut residual = vec![0.0; targets * step];
-        let mut jacobian = vec![0.0; targets * step * columns];
-        for (offset, squares) in squares.chunks_exact_mut(targets).enumerate() {
-            let row = first + offset;
+        let height = self.data.tallest_row();
+        let mut residual = vec![0.0; height];
+        let mut jacobian = vec![0.0; height * columns];
+        let first = self.data.of_row(rows.start).start;
+        for row in rows {
             self.row_into(arm, row, scratch, &mut residual, Some(&mut jacobian));
-            for (target, square) in squares.iter_mut().enumerate() {
-                let r = &residual[target * step..(target + 1) * step];
-                let split = step.min(3);
-                square[0] = r[..split].iter().map(|x| x * x).sum();
-                square[1] = r[split..].iter().map(|x| x * x).sum();
-                let weight = weights[row * targets + target];
-                let seen = self.data.kind != MeasurementKind::Position || self.data.position(row, target).is_some();
-                if weight == 0.0 || !seen {
-                    continue;
-                }
-                let j = &jacobian[target * step * columns..(target + 1) * step * columns];
-                panels[0].take(&r[..split], &j[..split * columns], weight);
-                if let Some(orientations) = panels.get_mut(1) {
-                    orientations.take(&r[split..], &j[split * columns..], weight);
+            let mut at = 0;
+            for observation in self.data.of_row(row) {
+                let series = self.data.series_of(observation);
+                let heights = [series.kind.place().height, series.kind.turn().map_or(0, |turn| turn.height)];
+                for (part, height) in heights.into_iter().enumerate() {
+                    let r = &residual[at..at + height];
+                    squares[observation - first][part] = r.iter().map(|x| x * x).sum();
+                    let panel = series.channels[part].map(|channel| &mut panels[channel]);
+                    if let Some(panel) = panel.filter(|_| weights[observation] != 0.0) {
+                        panel.take(r, &jacobian[at * columns..(at + height) * columns], weights[observation]);
+                    }
+                    at += height;
                 }
             }
         }
         panels.into_iter().map(Panel::finish).collect()
     }
 
-    /// Squared residual norms of every observation by channel, m² and rad², without derivatives.
+    /// Squared residual norms of every observation, lengths (m²) and angles (rad²), without derivatives.
     pub fn squares(&self, arm: &Arm) -> Vec<[f64; 2]> {
-        let (targets, step) = (self.data.targets.len(), width(self.data.kind));
         let mut scratch = Scratch::new(self.layout, arm);
-        let mut residual = vec![0.0; targets * step];
+        let mut residual = vec![0.0; self.data.tallest_row()];
         let mut squares = Vec::with_capacity(self.data.observations());
         for row in 0..self.data.len() {
             self.row_into(arm, row, &mut scratch, &mut residual, None);
-            for r in residual.chunks_exact(step) {
-                let (first, second) = r.split_at(step.min(3));
-                squares.push([first.iter().map(|x| x * x).sum(), second.iter().map(|x| x * x).sum()]);
+            let mut rest = residual.as_slice();
+            for observation in self.data.of_row(row) {
+                let kind = self.data.series_of(observation).kind;
+                let (own, others) = rest.split_at(kind.height());
+                let (place, turn) = own.split_at(kind.place().height);
+                squares.push([place.iter().map(|x| x * x).sum(), turn.iter().map(|x| x * x).sum()]);
+                rest = others;
             }
         }
         squares

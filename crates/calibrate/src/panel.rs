@@ -1,6 +1,7 @@
 //! Rows of a Jacobian gathered until there are enough to form their products in vectors of the machine.
 
 use crate::normal::Channel;
+use crate::observe::Part;
 use crate::parameters::{Layout, Parameter, ParameterKind};
 use crate::products::{TILE, add_gram};
 use fearless_simd::{Simd, SimdBase as _};
@@ -11,29 +12,18 @@ const ROWS: usize = 192;
 /// A vector in each lane.
 pub(crate) type Triple<S> = [<S as Simd>::f64s; 3];
 
-/// Which part of an observation a row belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
-    /// Position or distance.
-    Place,
-    /// Orientation.
-    Turn,
-}
-
-impl Part {
-    /// Whether a parameter moves it at all.
-    fn depends_on(self, kind: ParameterKind) -> bool {
-        match self {
-            Self::Place => !matches!(kind, ParameterKind::TargetTurn { .. }),
-            Self::Turn => match kind {
-                ParameterKind::Move { .. }
-                | ParameterKind::Pitch { .. }
-                | ParameterKind::Anchor { .. }
-                | ParameterKind::Target { .. } => false,
-                ParameterKind::Instrument { component } => component < 3,
-                _ => true,
-            },
-        }
+/// Whether a parameter moves a part of an observation at all.
+fn depends_on(part: &Part, kind: ParameterKind) -> bool {
+    if part.unit == "m" {
+        return !matches!(kind, ParameterKind::TargetTurn { .. });
+    }
+    match kind {
+        ParameterKind::Move { .. }
+        | ParameterKind::Pitch { .. }
+        | ParameterKind::Point { .. }
+        | ParameterKind::Target { .. } => false,
+        ParameterKind::Instrument { component, .. } => component < 3,
+        _ => true,
     }
 }
 
@@ -54,10 +44,10 @@ pub(crate) struct Panel {
 }
 
 impl Panel {
-    pub(crate) fn new(layout: &Layout, part: Part) -> Self {
+    pub(crate) fn new(layout: &Layout, part: &Part) -> Self {
         let mut residual = 0usize;
         let place = |parameter: &Parameter| {
-            part.depends_on(parameter.kind).then(|| {
+            depends_on(part, parameter.kind).then(|| {
                 residual += 1;
                 residual - 1
             })
@@ -140,7 +130,8 @@ impl Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurements::MeasurementKind;
+    use crate::measurements::Scene;
+    use crate::observe::POSE;
     use crate::parameters::{Freedom, Tolerances};
     use denavit_model::examples;
 
@@ -148,10 +139,10 @@ mod tests {
     fn sums_are_those_of_the_rows_one_by_one() {
         let chain = examples::puma_like();
         let freedom = Freedom::axes(chain.joints().len());
-        let targets = [String::new()];
-        let layout = Layout::new(&chain, MeasurementKind::Pose, &targets, &freedom, &Tolerances::default(), Vec::new());
+        let scene = Scene::of(POSE, 1);
+        let layout = Layout::new(&chain, &scene, &freedom, &Tolerances::default(), Vec::new());
         let n = layout.len();
-        let mut panel = Panel::new(&layout, Part::Place);
+        let mut panel = Panel::new(&layout, &POSE.place());
         let mut expected = vec![0.0; (n + 1) * (n + 1)];
         for observation in 0..50 {
             let weight = if observation % 7 == 0 { 0.3 } else { 1.0 };
@@ -159,7 +150,7 @@ mod tests {
             let residual = [value(1000), value(1001), value(1002)];
             let mut jacobian: Vec<f64> = (0..3 * n).map(value).collect();
             for (column, parameter) in layout.parameters.iter().enumerate() {
-                if !Part::Place.depends_on(parameter.kind) {
+                if !depends_on(&POSE.place(), parameter.kind) {
                     (0..3).for_each(|row| jacobian[row * n + column] = 0.0);
                 }
             }

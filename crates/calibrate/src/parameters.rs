@@ -1,7 +1,7 @@
 //! The numbers that a fit may change, and their order.
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
-use crate::measurements::MeasurementKind;
+use crate::measurements::Scene;
 use crate::prior;
 use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
@@ -39,13 +39,17 @@ pub enum ParameterKind {
         /// Index among the effects' parameters.
         index: usize,
     },
-    /// The instrument's frame: 0-2 rotation (rad), 3-5 translation (m), base frame.
+    /// The frame of a setup's instrument: 0-2 rotation (rad), 3-5 translation (m), base frame.
     Instrument {
+        /// Index of the setup.
+        setup: usize,
         /// 0 to 5.
         component: usize,
     },
-    /// The anchor's place, base frame, m.
-    Anchor {
+    /// A point's place, base frame, m.
+    Point {
+        /// Index of the point.
+        point: usize,
         /// 0 to 2.
         component: usize,
     },
@@ -56,8 +60,10 @@ pub enum ParameterKind {
         /// 0 to 2.
         component: usize,
     },
-    /// The target's orientation, about the tip frame's axes, rad.
+    /// A target's orientation, about the tip frame's axes, rad.
     TargetTurn {
+        /// Index of the target.
+        target: usize,
         /// 0 to 2.
         component: usize,
     },
@@ -143,7 +149,7 @@ impl Freedom {
     }
 }
 
-/// The free parameters of a fit in order: joint by joint, effects, instrument or anchor, targets.
+/// The free parameters of a fit in order: joint by joint, effects, instruments, points, targets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// In order.
@@ -152,14 +158,18 @@ pub struct Layout {
     pub joints: Range<usize>,
     /// Parameters of the effects.
     pub effects: Range<usize>,
-    /// Parameters of the instrument's frame or of the anchor.
-    pub instrument: Range<usize>,
-    /// Parameters of the targets: 3 each, then 3 for the orientation in poses.
+    /// Parameters of the targets: 3 each, then 3 for each orientation that is seen.
     pub targets: Range<usize>,
+    /// First parameter of each setup's instrument, where one is seen.
+    pub instruments: Vec<Option<usize>>,
+    /// First parameter of each point.
+    pub points: Vec<usize>,
+    /// First parameter of each target's place.
+    pub places: Vec<usize>,
+    /// First parameter of each target's orientation, where it is seen.
+    pub turns: Vec<Option<usize>>,
     /// Per joint.
     pub across: Vec<Across>,
-    /// What is measured.
-    pub kind: MeasurementKind,
     /// Inverse covariance of the prior on the joints' parameters.
     pub prior: DMatrix<f64>,
 }
@@ -172,14 +182,10 @@ fn direction_name(direction: &Vector3<f64>, otherwise: &'static str) -> &'static
 }
 
 impl Layout {
-    /// The layout for a chain.
-    ///
-    /// # Shape and units
-    /// `target_names`: one per target, empty for the only one.
+    /// The layout for a chain and what is observed of it.
     pub fn new(
         chain: &Chain,
-        kind: MeasurementKind,
-        target_names: &[String],
+        scene: &Scene,
         freedom: &Freedom,
         tolerances: &Tolerances,
         effects: Vec<Parameter>,
@@ -190,37 +196,90 @@ impl Layout {
             joint_parameters(&mut parameters, index, &joint.name, &joint.screw, &across[index], freedom, tolerances);
         }
         let joints = 0..parameters.len();
-        parameters.extend(effects);
-        let effects = joints.end..parameters.len();
-        let mut free = |name: String, kind: ParameterKind, unit: &'static str| {
-            parameters.push(Parameter { name, kind, unit, tolerance: None });
+        let prior = prior::precision(chain, &parameters, &across, tolerances);
+        let mut layout = Self {
+            parameters,
+            effects: joints.end..joints.end,
+            targets: 0..0,
+            joints,
+            instruments: Vec::new(),
+            points: Vec::new(),
+            places: Vec::new(),
+            turns: Vec::new(),
+            across,
+            prior,
         };
-        if kind == MeasurementKind::Distance {
-            for (component, axis) in AXES.iter().enumerate() {
-                free(format!("anchor.{axis}"), ParameterKind::Anchor { component }, "m");
-            }
-        } else {
-            for component in 0..6 {
+        layout.surroundings(scene);
+        layout.with_effects(effects)
+    }
+
+    /// Appends what is unknown beside the arm.
+    fn surroundings(&mut self, scene: &Scene) {
+        let mut free = |name: String, kind: ParameterKind, unit: &'static str| {
+            self.parameters.push(Parameter { name, kind, unit, tolerance: None });
+            self.parameters.len() - 1
+        };
+        for (setup, name) in scene.setups.iter().enumerate() {
+            let mut add = |component: usize| {
                 let (word, unit) = if component < 3 { ("turn_", "rad") } else { ("", "m") };
-                let name = format!("instrument.{word}{}", AXES[component % 3]);
-                free(name, ParameterKind::Instrument { component }, unit);
+                let space = if name.is_empty() { "" } else { " " };
+                let name = format!("instrument{space}{name}.{word}{}", AXES[component % 3]);
+                free(name, ParameterKind::Instrument { setup, component }, unit)
+            };
+            let first = scene.has_instrument(setup).then(|| add(0));
+            if first.is_some() {
+                (1..6).for_each(|component| _ = add(component));
             }
+            self.instruments.push(first);
         }
-        let instrument_count = if kind == MeasurementKind::Distance { 3 } else { 6 };
-        for (target, name) in target_names.iter().enumerate() {
-            for (component, axis) in AXES.iter().enumerate() {
-                free(format!("target{name}.{axis}"), ParameterKind::Target { target, component }, "m");
+        for (point, name) in scene.points.iter().enumerate() {
+            let mut add = |component: usize| {
+                free(format!("{name}.{}", AXES[component]), ParameterKind::Point { point, component }, "m")
+            };
+            self.points.push(add(0));
+            (1..3).for_each(|component| _ = add(component));
+        }
+        let start = self.joints.end + 6 * self.instruments.iter().flatten().count() + 3 * self.points.len();
+        for (target, name) in scene.targets.iter().enumerate() {
+            let mut add = |component: usize| {
+                free(format!("target{name}.{}", AXES[component]), ParameterKind::Target { target, component }, "m")
+            };
+            self.places.push(add(0));
+            (1..3).for_each(|component| _ = add(component));
+        }
+        for (target, name) in scene.targets.iter().enumerate() {
+            let mut add = |component: usize| {
+                let name = format!("target{name}.turn_{}", AXES[component]);
+                free(name, ParameterKind::TargetTurn { target, component }, "rad")
+            };
+            let first = scene.turns(target).then(|| add(0));
+            if first.is_some() {
+                (1..3).for_each(|component| _ = add(component));
             }
+            self.turns.push(first);
         }
-        if kind == MeasurementKind::Pose {
-            for (component, axis) in AXES.iter().enumerate() {
-                free(format!("target.turn_{axis}"), ParameterKind::TargetTurn { component }, "rad");
-            }
+        self.targets = start..self.parameters.len();
+    }
+
+    /// The layout with other effects in it.
+    #[must_use]
+    pub fn with_effects(&self, effects: Vec<Parameter>) -> Self {
+        let (old, count) = (self.effects.len(), effects.len());
+        let shift = |column: usize| column + count - old;
+        let joints = self.parameters[self.joints.clone()].iter().cloned();
+        let rest = self.parameters[self.effects.end..].iter().cloned();
+        Self {
+            parameters: joints.chain(effects).chain(rest).collect(),
+            joints: self.joints.clone(),
+            effects: self.joints.end..self.joints.end + count,
+            targets: shift(self.targets.start)..shift(self.targets.end),
+            instruments: self.instruments.iter().map(|column| column.map(shift)).collect(),
+            points: self.points.iter().copied().map(shift).collect(),
+            places: self.places.iter().copied().map(shift).collect(),
+            turns: self.turns.iter().map(|column| column.map(shift)).collect(),
+            across: self.across.clone(),
+            prior: self.prior.clone(),
         }
-        let instrument = effects.end..effects.end + instrument_count;
-        let targets = instrument.end..parameters.len();
-        let prior = prior::precision(chain, &parameters[joints.clone()], &across, tolerances);
-        Self { parameters, joints, effects, instrument, targets, across, kind, prior }
     }
 
     /// Number of parameters.
@@ -239,8 +298,8 @@ impl Layout {
         let mut result = arm.clone();
         let joints = arm.joints.len();
         let (mut turned, mut moved, mut pitch) = (vec![[0.0; 2]; joints], vec![[0.0; 2]; joints], vec![0.0; joints]);
-        let mut instrument = Vector6::zeros();
-        let mut turn = Vector3::zeros();
+        let mut instruments = vec![Vector6::zeros(); arm.instruments.len()];
+        let mut turns = vec![Vector3::zeros(); arm.targets.len()];
         for (parameter, &delta) in self.parameters.iter().zip(step) {
             match parameter.kind {
                 ParameterKind::Turn { joint, across } => turned[joint][across] = delta,
@@ -250,12 +309,12 @@ impl Layout {
                     result.joints[joint].scale += delta * arm.nominal.joints()[joint].scale;
                 }
                 ParameterKind::Effect { .. } => {}
-                ParameterKind::Instrument { component } => instrument[component] = delta,
-                ParameterKind::Anchor { component } => result.anchor[component] += delta,
+                ParameterKind::Instrument { setup, component } => instruments[setup][component] = delta,
+                ParameterKind::Point { point, component } => result.points[point][component] += delta,
                 ParameterKind::Target { target, component } => {
                     result.targets[target].translation.vector[component] += delta;
                 }
-                ParameterKind::TargetTurn { component } => turn[component] = delta,
+                ParameterKind::TargetTurn { target, component } => turns[target][component] = delta,
             }
         }
         for (joint, nominal) in arm.nominal.joints().iter().enumerate() {
@@ -264,13 +323,17 @@ impl Layout {
                 result.change_axis(joint, &across, turned[joint], moved[joint], pitch[joint]);
             }
         }
-        if instrument != Vector6::zeros() {
-            let moved = arm.instrument * se3::exp(&instrument);
-            result.instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+        for (instrument, step) in result.instruments.iter_mut().zip(&instruments) {
+            if *step != Vector6::zeros() {
+                let moved = *instrument * se3::exp(step);
+                *instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+            }
         }
-        if turn != Vector3::zeros() {
-            let rotation = Rotation3::from_scaled_axis(turn) * result.targets[0].rotation;
-            result.targets[0].rotation = se3::orthonormalised(&rotation);
+        for (target, step) in result.targets.iter_mut().zip(&turns) {
+            if *step != Vector3::zeros() {
+                let rotation = Rotation3::from_scaled_axis(*step) * target.rotation;
+                target.rotation = se3::orthonormalised(&rotation);
+            }
         }
         result
     }
@@ -283,14 +346,15 @@ impl Layout {
     }
 
     /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the
-    /// instrument, the anchor and effects.
+    /// instruments, the points and effects.
     pub fn departure(&self, arm: &Arm, reference: &Arm) -> Vec<f64> {
         let changes: Vec<_> = (0..arm.joints.len()).map(|joint| arm.change(joint)).collect();
-        let turn = arm
-            .targets
-            .first()
-            .zip(reference.targets.first())
-            .map_or_else(Vector3::zeros, |(a, b)| se3::rotation_vector(&(a.rotation * b.rotation.inverse())));
+        let turn = |target: usize| {
+            se3::rotation_vector(&(arm.targets[target].rotation * reference.targets[target].rotation.inverse()))
+        };
+        let turns: Vec<Vector3<f64>> = (0..self.turns.len())
+            .map(|target| self.turns[target].map_or_else(Vector3::zeros, |_| turn(target)))
+            .collect();
         let of = |parameter: &Parameter| match parameter.kind {
             ParameterKind::Turn { joint, across } => changes[joint].turned[across],
             ParameterKind::Move { joint, across } => changes[joint].moved[across],
@@ -299,8 +363,8 @@ impl Layout {
             ParameterKind::Target { target, component } => {
                 (arm.targets[target].translation.vector - reference.targets[target].translation.vector)[component]
             }
-            ParameterKind::TargetTurn { component } => turn[component],
-            ParameterKind::Effect { .. } | ParameterKind::Instrument { .. } | ParameterKind::Anchor { .. } => 0.0,
+            ParameterKind::TargetTurn { target, component } => turns[target][component],
+            ParameterKind::Effect { .. } | ParameterKind::Instrument { .. } | ParameterKind::Point { .. } => 0.0,
         };
         self.parameters.iter().map(of).collect()
     }

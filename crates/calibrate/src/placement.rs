@@ -1,10 +1,10 @@
 //! Where the instrument, the anchor and the targets stand: first guesses that a fit can start from.
 
 use crate::arm::Arm;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::Measurements;
 use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
 use crate::solve::{Fit, FitOptions, fit};
-use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, se3};
 
 /// Rows that the search for a start looks at.
@@ -22,7 +22,7 @@ const GOOD_ENOUGH: f64 = 0.01;
 /// `weights`: one per observation, 0 for what is to be left out.
 pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options: &FitOptions) -> Fit<NoEffects> {
     let freedom = Freedom::placement(chain.joints().len());
-    let layout = Layout::new(chain, data.kind, &data.targets, &freedom, &Tolerances::default(), Vec::new());
+    let layout = Layout::new(chain, &data.scene, &freedom, &Tolerances::default(), Vec::new());
     let start = start(chain, data, weights, &layout);
     fit(data, &layout, &start, &NoEffects, weights, options)
 }
@@ -35,25 +35,24 @@ pub(crate) fn some_rows(data: &Measurements) -> Option<Measurements> {
     }
     let spread: Vec<usize> = (0..ROWS_FOR_PLACEMENT).map(|k| k * (rows - 1) / (ROWS_FOR_PLACEMENT - 1)).collect();
     let some = data.subset(&spread);
-    let sights = |target: usize| (0..some.len()).filter(|row| some.position(*row, target).is_some()).count();
-    let seen = some.kind == MeasurementKind::Distance || (0..some.targets.len()).all(|t| sights(t) >= LEAST_SIGHTS);
-    seen.then_some(some)
+    let mut sights = vec![0; some.scene.targets.len()];
+    (0..some.observations()).for_each(|observation| sights[some.series_of(observation).target] += 1);
+    sights.iter().all(|sights| *sights >= LEAST_SIGHTS).then_some(some)
 }
 
 /// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.
 fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -> Arm {
-    let targets = data.targets.len();
     let rows = usable_rows(data, weights);
     let few = data.subset(&rows);
     let weights: Vec<f64> =
-        rows.iter().flat_map(|row| weights[row * targets..(row + 1) * targets].iter().copied()).collect();
+        rows.iter().flat_map(|&row| data.of_row(row)).map(|observation| weights[observation]).collect();
     let tips: Vec<Pose> = (0..few.len()).map(|row| chain.fk(few.reading(row))).collect();
     let good = GOOD_ENOUGH * chain.size();
     let mut best: Option<(f64, Arm)> = None;
     for guess in guesses(chain, &few, &tips) {
         let options = FitOptions { robust: true, most_iterations: 30 };
         let fit = fit(&few, layout, &guess, &NoEffects, &weights, &options);
-        let left = fit.noise.position;
+        let left = misfit(&fit);
         if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
             best = Some((left, fit.arm));
         }
@@ -61,26 +60,31 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
             break;
         }
     }
-    best.map_or_else(|| Arm::new(chain, targets), |(_, arm)| arm)
+    best.map_or_else(|| Arm::new(chain, &data.scene), |(_, arm)| arm)
+}
+
+/// The largest noise level of the lengths, m.
+fn misfit(fit: &Fit<NoEffects>) -> f64 {
+    fit.noise.levels.iter().fold(0.0f64, |most, level| most.max(*level))
 }
 
 /// Some rows spread over the run, those that see the most targets.
 fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
-    let targets = data.targets.len();
     let useful: Vec<usize> =
-        (0..data.len()).filter(|row| (0..targets).any(|target| weights[row * targets + target] > 0.0)).collect();
+        (0..data.len()).filter(|&row| data.of_row(row).any(|observation| weights[observation] > 0.0)).collect();
     if useful.len() <= ROWS_FOR_START {
         return useful;
     }
     (0..ROWS_FOR_START).map(|k| useful[k * (useful.len() - 1) / (ROWS_FOR_START - 1)]).collect()
 }
 
+/// Arms to start from: with the instrument turned in many ways, or the points in many places.
 fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Box<dyn Iterator<Item = Arm> + 'a> {
-    if data.kind == MeasurementKind::Distance {
-        return Box::new(anchor_guesses(chain, data, tips));
+    let targets = data.scene.targets.len();
+    if !data.scene.has_instruments() {
+        return Box::new(point_guesses(chain, data, tips));
     }
-    let from_tips =
-        std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); data.targets.len()]));
+    let from_tips = std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); targets]));
     let turned = turned_frames().into_iter().map(move |rotation| {
         let offsets = offsets_for(data, tips, &rotation);
         aligned(chain, data, tips, &offsets)
@@ -88,43 +92,70 @@ fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Bo
     Box::new(from_tips.chain(turned))
 }
 
-/// The arm with the instrument where it fits best for these targets (tip frame, m), and targets to match.
+/// Measured positions: row, target, place in the instrument's frame, m.
+fn positions(data: &Measurements) -> impl Iterator<Item = (usize, usize, Vector3<f64>)> + '_ {
+    (0..data.len()).flat_map(move |row| {
+        data.of_row(row).filter_map(move |observation| {
+            let series = data.series_of(observation);
+            Some((row, series.target, series.kind.position(data.observed.values(observation))?))
+        })
+    })
+}
+
+/// The arm with the instrument where it fits best for these targets (tip frame, m), and targets and points to match.
 fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3<f64>]) -> Arm {
-    let mut arm = Arm::new(chain, offsets.len());
-    let mut pairs = Vec::new();
-    for (row, tip) in tips.iter().enumerate() {
-        for (target, offset) in offsets.iter().enumerate() {
-            if let Some(measured) = data.position(row, target) {
-                pairs.push((tip.rotation * offset + tip.translation.vector, measured));
-            }
-        }
-    }
-    arm.instrument = match rigid_fit(&pairs) {
-        Some(instrument) => instrument,
-        None => return arm,
-    };
+    let mut arm = Arm::new(chain, &data.scene);
+    let on_arm = |row: usize, target: usize| tips[row].rotation * offsets[target] + tips[row].translation.vector;
+    let pairs: Vec<_> = positions(data).map(|(row, target, measured)| (on_arm(row, target), measured)).collect();
+    let Some(instrument) = rigid_fit(&pairs) else { return arm };
+    arm.instruments[0] = instrument;
     for (target, pose) in arm.targets.iter_mut().enumerate() {
-        let seen: Vec<Vector3<f64>> = tips
-            .iter()
-            .enumerate()
-            .filter_map(|(row, tip)| {
-                let measured = data.position(row, target)?;
-                let in_base = arm.instrument.inverse() * denavit_model::nalgebra::Point3::from(measured);
-                Some((tip.inverse() * in_base).coords)
+        let seen: Vec<Vector3<f64>> = positions(data)
+            .filter(|(_, of, _)| *of == target)
+            .map(|(row, _, measured)| {
+                let in_base = instrument.inverse() * Point3::from(measured);
+                (tips[row].inverse() * in_base).coords
             })
             .collect();
         if !seen.is_empty() {
             pose.translation.vector = seen.iter().sum::<Vector3<f64>>() / seen.len() as f64;
         }
-    }
-    if data.kind == MeasurementKind::Pose {
         let mut sum = Matrix3::zeros();
-        for (tip, orientation) in tips.iter().zip(&data.orientations) {
-            sum += (tip.rotation.inverse() * arm.instrument.rotation.inverse() * orientation).into_inner();
+        for (row, tip) in tips.iter().enumerate() {
+            for observation in data.of_row(row) {
+                let series = data.series_of(observation);
+                let turn = series.kind.orientation(data.observed.values(observation));
+                if let Some(orientation) = turn.filter(|_| series.target == target) {
+                    sum += (tip.rotation.inverse() * instrument.rotation.inverse() * orientation).into_inner();
+                }
+            }
         }
-        arm.targets[0].rotation = nearest_rotation(&sum);
+        if sum != Matrix3::zeros() {
+            pose.rotation = nearest_rotation(&sum);
+        }
     }
+    let points = places_of_points(data, tips, &arm).into_iter();
+    arm.points = points.map(|places| places.first().copied().unwrap_or_default()).collect();
     arm
+}
+
+/// For each point where it may stand, the targets being where this arm has them.
+fn places_of_points(data: &Measurements, tips: &[Pose], arm: &Arm) -> Vec<Vec<Vector3<f64>>> {
+    let of_point = |point: usize| {
+        let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
+        for (row, tip) in tips.iter().enumerate() {
+            for observation in data.of_row(row) {
+                let series = data.series_of(observation);
+                if series.point == Some(point) {
+                    predicted.push((tip * Point3::from(arm.targets[series.target].translation.vector)).coords);
+                    values.push(data.observed.values(observation));
+                    kind = Some(series.kind);
+                }
+            }
+        }
+        kind.map_or_else(Vec::new, |kind| kind.points(&predicted, &values))
+    };
+    (0..data.scene.points.len()).map(of_point).collect()
 }
 
 /// The motion that takes the first points of the pairs to the second with the least squares; `None` without pairs.
@@ -169,24 +200,22 @@ fn turned_frames() -> Vec<Rotation3<f64>> {
 
 /// Targets (tip frame) that fit best for an instrument of this rotation: R p + x = m is linear in targets and place.
 fn offsets_for(data: &Measurements, tips: &[Pose], rotation: &Rotation3<f64>) -> Vec<Vector3<f64>> {
-    let targets = data.targets.len();
+    let targets = data.scene.targets.len();
     let unknowns = 3 * targets + 3;
     let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
     let mut right = DVector::<f64>::zeros(unknowns);
-    for (row, tip) in tips.iter().enumerate() {
-        for target in 0..targets {
-            let Some(measured) = data.position(row, target) else { continue };
-            let value = measured - rotation * tip.translation.vector;
-            let turn = (rotation * tip.rotation).into_inner();
-            for i in 0..3 {
-                let mut coefficients = DVector::<f64>::zeros(unknowns);
-                for k in 0..3 {
-                    coefficients[3 * target + k] = turn[(i, k)];
-                }
-                coefficients[3 * targets + i] = 1.0;
-                matrix.ger(1.0, &coefficients, &coefficients, 1.0);
-                right.axpy(value[i], &coefficients, 1.0);
+    for (row, target, measured) in positions(data) {
+        let tip = &tips[row];
+        let value = measured - rotation * tip.translation.vector;
+        let turn = (rotation * tip.rotation).into_inner();
+        for i in 0..3 {
+            let mut coefficients = DVector::<f64>::zeros(unknowns);
+            for k in 0..3 {
+                coefficients[3 * target + k] = turn[(i, k)];
             }
+            coefficients[3 * targets + i] = 1.0;
+            matrix.ger(1.0, &coefficients, &coefficients, 1.0);
+            right.axpy(value[i], &coefficients, 1.0);
         }
     }
     let solution = least_squares(matrix, &right);
@@ -196,14 +225,14 @@ fn offsets_for(data: &Measurements, tips: &[Pose], rotation: &Rotation3<f64>) ->
 }
 
 /// The solution of least norm, small singular values left out.
-fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     let svd = matrix.svd(true, true);
     let limit = 1e-9 * svd.singular_values.max();
     svd.solve(right, limit).unwrap_or_else(|_| DVector::zeros(right.len()))
 }
 
-/// Anchors from |p|² - d² = 2 p·a - |a|², for targets at the tip and around it, and both sides of flat data.
-fn anchor_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> impl Iterator<Item = Arm> + 'a {
+/// Points where their kinds put them, for targets at the tip and around it.
+fn point_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> impl Iterator<Item = Arm> + 'a {
     let reach = 0.2 * chain.size();
     let mut offsets = vec![Vector3::zeros()];
     for k in 0..3 {
@@ -211,31 +240,13 @@ fn anchor_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]
         offsets.push(Vector3::ith(k, -reach));
     }
     offsets.into_iter().flat_map(move |offset| {
-        let points: Vec<Vector3<f64>> = tips.iter().map(|tip| tip.rotation * offset + tip.translation.vector).collect();
-        let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
-        let distance = data.distances.iter().sum::<f64>() / data.distances.len().max(1) as f64;
-        let mut anchors = vec![linear_anchor(&points, &data.distances)];
-        for k in 0..3 {
-            anchors.push(middle + Vector3::ith(k, distance));
-            anchors.push(middle - Vector3::ith(k, distance));
-        }
-        anchors.into_iter().map(move |anchor| {
-            let mut arm = Arm::new(chain, 1);
-            arm.anchor = anchor;
-            arm.targets[0].translation.vector = offset;
-            arm
+        let mut arm = Arm::new(chain, &data.scene);
+        arm.targets.iter_mut().for_each(|target| target.translation.vector = offset);
+        let places = places_of_points(data, tips, &arm);
+        let most = places.iter().map(Vec::len).max().unwrap_or(0);
+        (0..most).map(move |choice| {
+            let at = |places: &Vec<Vector3<f64>>| places.get(choice).or(places.first()).copied().unwrap_or_default();
+            Arm { points: places.iter().map(at).collect(), ..arm.clone() }
         })
     })
-}
-
-fn linear_anchor(points: &[Vector3<f64>], distances: &[f64]) -> Vector3<f64> {
-    let mut matrix = DMatrix::<f64>::zeros(4, 4);
-    let mut right = DVector::<f64>::zeros(4);
-    for (p, d) in points.iter().zip(distances) {
-        let coefficients = DVector::from_row_slice(&[2.0 * p.x, 2.0 * p.y, 2.0 * p.z, -1.0]);
-        matrix.ger(1.0, &coefficients, &coefficients, 1.0);
-        right.axpy(p.norm_squared() - d * d, &coefficients, 1.0);
-    }
-    let solution = least_squares(matrix, &right);
-    Vector3::new(solution[0], solution[1], solution[2])
 }

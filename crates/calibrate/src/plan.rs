@@ -5,11 +5,12 @@
 
 mod written;
 
-use crate::arm::Arm;
+use crate::arm::{Arm, Deviation, RowState};
 use crate::gauge;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{Measurements, Scene};
+use crate::observe::{ObservationKind, Seen};
 use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
-use crate::residual::{Problem, Scratch, width};
+use crate::residual::{Problem, Scratch};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -23,7 +24,7 @@ pub struct PlanOptions {
     /// Number of poses.
     pub count: usize,
     /// What will be measured.
-    pub kind: MeasurementKind,
+    pub kind: ObservationKind,
     /// Which parts of the arm will be fitted.
     pub freedom: Freedom,
     /// Poses to choose from, one value per coordinate; `None`: spread over the joint limits.
@@ -48,7 +49,7 @@ pub struct PlanOptions {
 
 impl PlanOptions {
     /// Every axis, candidates over the whole joint range, a target 0.1 m beside and before the tip.
-    pub fn new(chain: &Chain, count: usize, kind: MeasurementKind) -> Self {
+    pub fn new(chain: &Chain, count: usize, kind: ObservationKind) -> Self {
         Self {
             count,
             kind,
@@ -146,9 +147,9 @@ const MOST_SWEEPS: usize = 20;
 pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
     let all = candidates(chain, options)?;
     let total = all.len();
-    let mut arm = Arm::new(chain, 1);
+    let mut arm = Arm::new(chain, &Scene::of(options.kind, 1));
     arm.targets[0].translation.vector = options.target;
-    arm.anchor = options.anchor;
+    arm.points.fill(options.anchor);
     let usable: Vec<Vec<f64>> = all.into_iter().filter(|q| allowed(chain, &arm, q, options)).collect();
     if usable.len() < options.count || options.count == 0 {
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: usable.len(), candidates: total });
@@ -215,13 +216,13 @@ struct Design {
 
 impl Design {
     fn new(chain: &Chain, arm: &Arm, candidates: Vec<Vec<f64>>, options: &PlanOptions) -> Self {
-        let data = unmeasured(chain, &candidates, options);
-        let layout = Layout::new(chain, options.kind, &data.targets, &options.freedom, &options.tolerances, Vec::new());
+        let data = read_as_predicted(arm, &candidates, options);
+        let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
         let n = layout.len();
         // A millimetre and a milliradian for what has no tolerance of its own.
         let unit: Vec<f64> = layout.parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1e-3)).collect();
         let problem = Problem { data: &data, layout: &layout, effects: &NoEffects };
-        let height = width(options.kind);
+        let height = options.kind.height();
         let mut scratch = Scratch::new(&layout, arm);
         let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * n]);
         let rows = (0..candidates.len())
@@ -350,29 +351,18 @@ impl Design {
     }
 }
 
-fn unmeasured(chain: &Chain, poses: &[Vec<f64>], options: &PlanOptions) -> Measurements {
-    let (rows, kind) = (poses.len(), options.kind);
-    Measurements {
-        source: "plan".into(),
-        kind,
-        joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
-        readings: poses.concat(),
-        targets: vec![String::new()],
-        // The instrument stands in the base frame and reads what is predicted: only the derivatives are used.
-        positions: if kind == MeasurementKind::Distance {
-            Vec::new()
-        } else {
-            poses.iter().map(|q| Some((chain.fk(q) * Point3::from(options.target)).coords)).collect()
-        },
-        orientations: if kind == MeasurementKind::Pose {
-            poses.iter().map(|q| chain.fk(q).rotation).collect()
-        } else {
-            Vec::new()
-        },
-        distances: if kind == MeasurementKind::Distance { vec![1.0; rows] } else { Vec::new() },
-        covariates: Vec::new(),
-        labels: Vec::new(),
-        locate: vec![false; rows],
-        lines: (1..=rows).collect(),
+/// What is predicted, in place of what is to be measured: only the derivatives are used.
+fn read_as_predicted(arm: &Arm, poses: &[Vec<f64>], options: &PlanOptions) -> Measurements {
+    let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+    let mut data = Measurements::empty("plan", joints, Scene::of(options.kind, 1));
+    let (mut state, deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
+    let (series, mut values) = (data.scene.series[0].clone(), Vec::new());
+    for (row, reading) in poses.iter().enumerate() {
+        arm.state_into(reading, None, &mut state);
+        values.clear();
+        options.kind.predict(&Seen::new(arm, &state.tip, &deviation, &series, &[], false), &mut values);
+        data.observed.push(0, &values);
+        data.end_row(reading, row + 1, false);
     }
+    data
 }

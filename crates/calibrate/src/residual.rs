@@ -2,9 +2,10 @@
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
 use crate::lanes::Geometry;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::Measurements;
+use crate::observe::{Discrepancy, Follows, Rows, Seen};
 use crate::parameters::{Effects, Layout, ParameterKind, Sensitivity};
-use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
+use denavit_model::nalgebra::{Matrix3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 
 /// Measured data, parameters and effects: what residuals are computed from.
@@ -60,6 +61,17 @@ impl Twists {
         }
     }
 
+    /// Less the velocity of a point along a line, parameter by parameter.
+    fn less_along(&self, point: &Vector3<f64>, line: &Vector3<f64>, jacobian: &mut [f64]) {
+        // line · (omega × p + v) = (p × line) · omega + line · v.
+        let moment = point.cross(line);
+        let direction = [moment.x, moment.y, moment.z, line.x, line.y, line.z];
+        let count = self.0[0].len();
+        for (column, cell) in jacobian[..count].iter_mut().enumerate() {
+            *cell = -self.0.iter().zip(direction).map(|(numbers, d)| numbers[column] * d).sum::<f64>();
+        }
+    }
+
     /// Less the angular velocities, taken through `matrix`: three rows of `columns` cells.
     fn less_turns(&self, matrix: &Matrix3<f64>, columns: usize, jacobian: &mut [f64]) {
         let count = self.0[0].len();
@@ -92,8 +104,8 @@ impl Scratch {
     }
 
     /// The arm as lanes need it, where there are no effects.
-    pub(crate) fn geometry(&self, arm: &Arm, kind: MeasurementKind) -> Option<Geometry> {
-        Geometry::of(arm, &self.across, kind)
+    pub(crate) fn geometry(&self, arm: &Arm, data: &Measurements) -> Option<Geometry> {
+        Geometry::of(arm, &self.across, data)
     }
 
     /// Where the arm stood in the row computed last.
@@ -130,15 +142,6 @@ impl AxisNow {
     }
 }
 
-/// Residual values per observation: 6 for poses, 3 for positions, 1 for distances.
-pub fn width(kind: MeasurementKind) -> usize {
-    match kind {
-        MeasurementKind::Pose => 6,
-        MeasurementKind::Position => 3,
-        MeasurementKind::Distance => 1,
-    }
-}
-
 fn omega(twist: &Vector6<f64>) -> Vector3<f64> {
     Vector3::new(twist[0], twist[1], twist[2])
 }
@@ -166,19 +169,16 @@ fn inverse_left_jacobian(r: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 impl<E: Effects> Problem<'_, E> {
-    /// Residuals (measured minus predicted) of one row and their derivatives.
+    /// Residuals (measured less predicted) of one row and their derivatives, as sure as their noise channel says.
     ///
-    /// With X = instrument_from_base, T = base_from_tip(q), t the target in the tip frame, p = T t, m the measured value:
-    /// - position: r = X⁻¹ m - p, in the base frame, m;
-    /// - orientation: r = log(Rx⁻¹ Rm (R(T) Rt)⁻¹), rad, base frame, after the position;
-    /// - distance: r = m - |p - anchor|, m.
-    ///
-    /// A joint's axis enters as dT T⁻¹ = Ad(A) b - Ad(A e^\[S\]v) b for each basis twist b at home, A the motion
-    /// of what carries the joint.
+    /// What a residual is, the kind of each observation says (see [`crate::observe`]). A joint's axis enters as
+    /// dT T⁻¹ = Ad(A) b - Ad(A e^\[S\]v) b for each basis twist b at home, A the motion of what carries the joint.
+    /// Where data say how sure each value is, residual and derivatives are multiplied so that all values of a channel have
+    /// one standard deviation.
     ///
     /// # Shape and units
-    /// `residual`: targets × width values; `jacobian`: as many rows, row by row, of one column per parameter. What was
-    /// not seen comes out as 0.
+    /// `residual`: the values of the row's observations one after another, at least [`Problem::height_of`];
+    /// `jacobian`: as many rows, row by row, of one column per parameter.
     pub fn row_into(
         &self,
         arm: &Arm,
@@ -188,22 +188,39 @@ impl<E: Effects> Problem<'_, E> {
         mut jacobian: Option<&mut [f64]>,
     ) {
         let at = Row::new(self.data, row);
-        scratch.deviation.clear();
-        let deviates = self.effects.deviate(at, arm, &mut scratch.deviation);
-        arm.state_into(at.reading(), deviates.then_some(&scratch.deviation), &mut scratch.state);
+        self.stand(arm, row, scratch);
         if jacobian.is_some() {
             self.twists(arm, at, scratch);
         }
-        let (columns, step) = (self.layout.len(), width(self.data.kind));
-        for target in 0..self.data.targets.len() {
-            let r = &mut residual[target * step..(target + 1) * step];
-            let j = jacobian.as_deref_mut().map(|all| &mut all[target * step * columns..(target + 1) * step * columns]);
-            if self.data.kind == MeasurementKind::Distance {
-                self.distance(arm, row, scratch, r, j);
-            } else {
-                self.position(arm, row, target, scratch, r, j);
-            }
+        let (columns, mut first) = (self.layout.len(), 0);
+        for observation in self.data.of_row(row) {
+            let height = self.data.series_of(observation).kind.height();
+            let lines = first..first + height;
+            let r = &mut residual[lines.clone()];
+            let j = jacobian.as_deref_mut().map(|all| &mut all[lines.start * columns..lines.end * columns]);
+            self.observation(arm, observation, scratch, r, j);
+            first += height;
         }
+    }
+
+    /// Number of residual values of a row.
+    pub fn height_of(&self, row: usize) -> usize {
+        self.data.of_row(row).map(|observation| self.data.series_of(observation).kind.height()).sum()
+    }
+
+    /// Where the arm stands in a row, into the scratch.
+    pub(crate) fn stand(&self, arm: &Arm, row: usize, scratch: &mut Scratch) {
+        let at = Row::new(self.data, row);
+        scratch.deviation.clear();
+        let deviates = self.effects.deviate(at, arm, &mut scratch.deviation);
+        arm.state_into(at.reading(), deviates.then_some(&scratch.deviation), &mut scratch.state);
+    }
+
+    /// An observation of the row that the scratch stands in.
+    pub(crate) fn seen<'s>(&'s self, arm: &'s Arm, observation: usize, scratch: &'s Scratch) -> Seen<'s> {
+        let (series, values) = (self.data.series_of(observation), self.data.observed.values(observation));
+        let weighed = self.data.observed.level(observation).is_some();
+        Seen::new(arm, &scratch.state.tip, &scratch.deviation, series, values, weighed)
     }
 
     /// Twist of the tip per unit of each joint and effect parameter.
@@ -245,98 +262,94 @@ impl<E: Effects> Problem<'_, E> {
         }
     }
 
-    fn position(
+    fn observation(
         &self,
         arm: &Arm,
-        row: usize,
-        target: usize,
+        observation: usize,
         scratch: &Scratch,
         residual: &mut [f64],
-        jacobian: Option<&mut [f64]>,
+        mut jacobian: Option<&mut [f64]>,
     ) {
-        let Some(measured) = self.data.position(row, target) else {
-            residual.fill(0.0);
-            if let Some(jacobian) = jacobian {
-                jacobian.fill(0.0);
+        let seen = self.seen(arm, observation, scratch);
+        let kind = seen.series.kind;
+        let height = kind.place().height;
+        let found = kind.discrepancy(&seen);
+        residual[..height].copy_from_slice(&found.place.as_slice()[..height]);
+        if kind.turn().is_some() {
+            residual[height..].copy_from_slice(found.turn.as_slice());
+        }
+        if let Some(jacobian) = jacobian.as_deref_mut() {
+            self.derivatives(&seen, &found, scratch, jacobian);
+        }
+        if let Some(level) = self.data.observed.level(observation) {
+            let axes =
+                if kind.unknowns().instrument { *seen.instrument().rotation.matrix() } else { Matrix3::identity() };
+            let lines = height * self.layout.len();
+            levelled(&(level * axes), &mut residual[..height], jacobian.map(|jacobian| &mut jacobian[..lines]));
+        }
+    }
+
+    fn derivatives(&self, seen: &Seen<'_>, found: &Discrepancy, scratch: &Scratch, jacobian: &mut [f64]) {
+        let (layout, columns) = (self.layout, self.layout.len());
+        let (kind, tip, p) = (seen.series.kind, seen.tip.rotation, &seen.predicted);
+        let first = layout.places[seen.series.target];
+        let follows = kind.follows(seen);
+        match follows {
+            Follows::Whole => scratch.twists.less_velocities(p, columns, jacobian),
+            Follows::Line(line) => scratch.twists.less_along(p, &line, jacobian),
+        }
+        for (k, effect) in scratch.sensitivities.iter().enumerate() {
+            let column = layout.effects.start + k;
+            let by_effect = kind.by_effect(seen, effect);
+            let moved = velocity(&effect.twist, p) + tip * effect.target;
+            match follows {
+                Follows::Whole => put(jacobian, columns, column, &(by_effect - moved)),
+                Follows::Line(line) => jacobian[column] = by_effect.x - line.dot(&moved),
             }
-            return;
-        };
-        let (state, deviation) = (&scratch.state, &scratch.deviation);
-        let on_tip = arm.targets[target].translation.vector + deviation.target;
-        let predicted = state.tip.rotation * on_tip + state.tip.translation.vector;
-        let to_base = arm.instrument.rotation.inverse();
-        let measured_in_base = to_base * (measured / (1.0 + deviation.scale) - arm.instrument.translation.vector);
-        let difference = measured_in_base - predicted;
-        residual[..3].copy_from_slice(difference.as_slice());
-        let orientation = (self.data.kind == MeasurementKind::Pose).then(|| {
-            let turned = to_base * self.data.orientations[row];
-            let turn = se3::rotation_vector(&(turned * (state.tip.rotation * arm.targets[target].rotation).inverse()));
-            residual[3..6].copy_from_slice(turn.as_slice());
-            inverse_left_jacobian(&turn)
-        });
-        let Some(jacobian) = jacobian else { return };
-        let columns = self.layout.len();
-        scratch.twists.less_velocities(&predicted, columns, jacobian);
-        for (k, sensitivity) in scratch.sensitivities.iter().enumerate() {
-            let column = self.layout.effects.start + k;
-            let scale = sensitivity.scale / (1.0 + deviation.scale).powi(2);
-            let value = -velocity(&sensitivity.twist, &predicted)
-                - state.tip.rotation * sensitivity.target
-                - to_base * measured * scale;
-            put(jacobian, columns, column, &value);
         }
-        let [x, y, z]: [f64; 3] = measured_in_base.into();
-        let of_instrument = [[0.0, -z, y, -1.0, 0.0, 0.0], [z, 0.0, -x, 0.0, -1.0, 0.0], [-y, x, 0.0, 0.0, 0.0, -1.0]];
-        let (first, tip) = (self.layout.targets.start + 3 * target, state.tip.rotation.matrix());
-        for (row, line) in jacobian.chunks_exact_mut(columns).take(3).enumerate() {
-            line[self.layout.instrument.clone()].copy_from_slice(&of_instrument[row]);
-            line[self.layout.targets.clone()].fill(0.0);
-            line[first..first + 3].copy_from_slice(&[-tip[(row, 0)], -tip[(row, 1)], -tip[(row, 2)]]);
+        let height = kind.place().height;
+        for line in jacobian.chunks_exact_mut(columns) {
+            line[layout.effects.end..].fill(0.0);
         }
-        if let Some(left) = orientation {
-            self.orientation(&left, &state.tip.rotation, &scratch.twists, &mut jacobian[3 * columns..]);
+        let mut rows = Rows { cells: jacobian, columns };
+        match follows {
+            Follows::Whole => {
+                for row in 0..3 {
+                    rows.put(row, first, &[-tip[(row, 0)], -tip[(row, 1)], -tip[(row, 2)]]);
+                }
+            }
+            Follows::Line(line) => rows.put(0, first, (-(tip.inverse() * line)).as_slice()),
         }
+        let left = if kind.turn().is_some() { inverse_left_jacobian(&found.turn) } else { Matrix3::identity() };
+        if kind.turn().is_some() {
+            let right = left.transpose();
+            scratch.twists.less_turns(&right, columns, &mut rows.cells[height * columns..]);
+            let turned = right * tip.matrix();
+            if let Some(first) = layout.turns[seen.series.target] {
+                for row in 0..3 {
+                    rows.put(height + row, first, &[-turned[(row, 0)], -turned[(row, 1)], -turned[(row, 2)]]);
+                }
+            }
+        }
+        kind.own_columns(seen, layout, &left, &mut rows);
     }
+}
 
-    fn orientation(&self, left: &Matrix3<f64>, tip: &Rotation3<f64>, twists: &Twists, jacobian: &mut [f64]) {
-        let columns = self.layout.len();
-        let right = left.transpose();
-        twists.less_turns(&right, columns, jacobian);
-        let turned = right * tip.matrix();
-        for (row, line) in jacobian.chunks_exact_mut(columns).take(3).enumerate() {
-            let less = |matrix: &Matrix3<f64>| [-matrix[(row, 0)], -matrix[(row, 1)], -matrix[(row, 2)]];
-            line[self.layout.instrument.start..].fill(0.0);
-            line[self.layout.instrument.start..][..3].copy_from_slice(&less(left));
-            line[self.layout.targets.end - 3..self.layout.targets.end].copy_from_slice(&less(&turned));
-        }
-    }
-
-    fn distance(&self, arm: &Arm, row: usize, scratch: &Scratch, residual: &mut [f64], jacobian: Option<&mut [f64]>) {
-        let (state, deviation) = (&scratch.state, &scratch.deviation);
-        let on_tip = arm.targets[0].translation.vector + deviation.target;
-        let predicted = state.tip.rotation * on_tip + state.tip.translation.vector;
-        let from_anchor = predicted - arm.anchor - deviation.anchor;
-        let distance = from_anchor.norm();
-        let stretch = 1.0 + deviation.scale;
-        residual[0] = self.data.distances[row] - stretch * distance - deviation.reading;
-        let Some(jacobian) = jacobian else { return };
-        let along = if distance > 0.0 { from_anchor * (stretch / distance) } else { Vector3::zeros() };
-        let moment = predicted.cross(&along);
-        let direction = [moment.x, moment.y, moment.z, along.x, along.y, along.z];
-        for (column, cell) in jacobian[..self.layout.effects.end].iter_mut().enumerate() {
-            // along · (omega × p + v) = (p × along) · omega + along · v.
-            *cell = -scratch.twists.0.iter().zip(direction).map(|(numbers, d)| numbers[column] * d).sum::<f64>();
-        }
-        for (k, sensitivity) in scratch.sensitivities.iter().enumerate() {
-            let moved =
-                velocity(&sensitivity.twist, &predicted) + state.tip.rotation * sensitivity.target - sensitivity.anchor;
-            jacobian[self.layout.effects.start + k] =
-                -along.dot(&moved) - sensitivity.scale * distance - sensitivity.reading;
-        }
-        let on_targets = state.tip.rotation.inverse() * along;
-        for k in 0..3 {
-            jacobian[self.layout.instrument.start + k] = along[k];
-            jacobian[self.layout.targets.start + k] = -on_targets[k];
+/// Rows of one value or three, multiplied by a matrix.
+fn levelled(by: &Matrix3<f64>, residual: &mut [f64], jacobian: Option<&mut [f64]>) {
+    let height = residual.len();
+    let columns = jacobian.as_ref().map_or(0, |jacobian| jacobian.len() / height);
+    let multiplied = |values: [f64; 3]| by * Vector3::from(values);
+    let get = |cells: &[f64], stride: usize, at: usize| {
+        std::array::from_fn(|row| if row < height { cells[row * stride + at] } else { 0.0 })
+    };
+    let new = multiplied(get(residual, 1, 0));
+    residual.copy_from_slice(&new.as_slice()[..height]);
+    let Some(jacobian) = jacobian else { return };
+    for column in 0..columns {
+        let new = multiplied(get(jacobian, columns, column));
+        for row in 0..height {
+            jacobian[row * columns + column] = new[row];
         }
     }
 }

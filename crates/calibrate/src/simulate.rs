@@ -6,7 +6,8 @@ pub mod wish;
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
 use crate::effects::survey::{with_run_order, with_run_order_after};
-use crate::measurements::{Covariate, MeasurementKind, Measurements};
+use crate::measurements::{Covariate, Measurements, Scene};
+use crate::observe::{Disturbance, ObservationKind, POSITION, Seen};
 use crate::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Coordinate, Pose, se3};
@@ -18,7 +19,7 @@ use rand_distr::StandardNormal;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulationOptions {
     /// What the instrument measures.
-    pub kind: MeasurementKind,
+    pub kind: ObservationKind,
     /// Number of rows.
     pub rows: usize,
     /// Number of targets (positions; else 1).
@@ -46,7 +47,7 @@ pub struct SimulationOptions {
 impl Default for SimulationOptions {
     fn default() -> Self {
         Self {
-            kind: MeasurementKind::Position,
+            kind: POSITION,
             rows: 100,
             targets: 1,
             seed: 0,
@@ -123,11 +124,9 @@ pub fn as_displayed(data: &Measurements, options: &SimulationOptions) -> Measure
         let digits = 10f64.powf((2.0 - options.noise_position.log10().floor()).min(15.0));
         (value * digits).round() / digits
     };
-    for position in data.positions.iter_mut().flatten() {
-        position.apply(|value| *value = shown(*value));
-    }
-    for distance in &mut data.distances {
-        *distance = shown(*distance);
+    for observation in 0..data.observations() {
+        let lengths = data.series_of(observation).kind.lengths();
+        data.observed.values_mut(observation)[..lengths].iter_mut().for_each(|value| *value = shown(*value));
     }
     data
 }
@@ -147,23 +146,26 @@ fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
 
 fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng) -> Arm {
     let size = chain.size();
-    let targets = if options.kind == MeasurementKind::Position { options.targets.max(1) } else { 1 };
-    let mut arm = Arm::new(chain, targets);
+    let scene = Scene::of_several(options.kind, options.targets);
+    let mut arm = Arm::new(chain, &scene);
     for (index, joint) in chain.joints().iter().enumerate() {
         let turned = [normal(random, options.turn), normal(random, options.turn)];
         let moved = [normal(random, options.shift), normal(random, options.shift)];
         arm.change_axis(index, &Across::of(&joint.screw), turned, moved, 0.0);
     }
-    if options.kind == MeasurementKind::Distance {
+    for point in &mut arm.points {
         let away = normal_vector(random, 1.0);
-        arm.anchor = away * (size / away.norm().max(1e-3));
-    } else {
-        let (turn, place) = (normal_vector(random, 1.0), normal_vector(random, size));
-        arm.instrument = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, place.x, place.y, place.z));
+        *point = away * (size / away.norm().max(1e-3));
     }
-    for target in &mut arm.targets {
+    for (setup, instrument) in arm.instruments.iter_mut().enumerate() {
+        if scene.has_instrument(setup) {
+            let (turn, place) = (normal_vector(random, 1.0), normal_vector(random, size));
+            *instrument = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, place.x, place.y, place.z));
+        }
+    }
+    for (index, target) in arm.targets.iter_mut().enumerate() {
         target.translation.vector = normal_vector(random, 0.1 * size);
-        if options.kind == MeasurementKind::Pose {
+        if scene.turns(index) {
             target.rotation = Rotation3::from_scaled_axis(normal_vector(random, 0.5));
         }
     }
@@ -172,12 +174,12 @@ fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng)
 
 fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, random: &mut ChaCha8Rng) -> Simulation {
     let coordinates = arm.nominal.coordinates();
-    let mut data = empty(arm, options);
-    match &options.readings {
-        Some(readings) => data.readings = readings.concat(),
-        None => (0..options.rows)
-            .for_each(|_| data.readings.extend(coordinates.iter().map(|coordinate| drawn(coordinate, random)))),
+    let mut readings = options.readings.clone().unwrap_or_default();
+    if options.readings.is_none() {
+        let draw = |_| coordinates.iter().map(|coordinate| drawn(coordinate, random)).collect();
+        readings.extend((0..options.rows).map(draw));
     }
+    let mut data = unmeasured(arm, options, &readings);
     let seen = match &options.before {
         Some(before) => with_run_order_after(data.clone(), before),
         None => with_run_order(data.clone()),
@@ -195,54 +197,52 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         if gross {
             outliers.push(row);
         }
-        observe(arm, &state, &deviation, options, error, &mut data, random);
+        observe(arm, &state, &deviation, options, error, row, &mut data, random);
     }
     Simulation { arm: arm.clone(), data, outliers }
 }
 
-/// Append what the instrument reads of every target, noise and a gross error added.
+/// Puts in what the instrument reads in a row, noise and a gross error added.
+#[expect(clippy::too_many_arguments, reason = "it is one step of the loop above")]
 fn observe(
     arm: &Arm,
     state: &RowState,
     deviation: &Deviation,
     options: &SimulationOptions,
-    error: Vector3<f64>,
+    gross: Vector3<f64>,
+    row: usize,
     data: &mut Measurements,
     random: &mut ChaCha8Rng,
 ) {
-    for target in &arm.targets {
-        let on_tip = target.translation.vector + deviation.target;
-        let in_base = state.tip.rotation * on_tip + state.tip.translation.vector;
-        if options.kind == MeasurementKind::Distance {
-            let distance = (in_base - arm.anchor - deviation.anchor).norm() * (1.0 + deviation.scale);
-            data.distances.push(distance + deviation.reading + error.norm() + normal(random, options.noise_position));
-            continue;
-        }
-        let seen = (arm.instrument.rotation * in_base + arm.instrument.translation.vector) * (1.0 + deviation.scale);
-        data.positions.push(Some(seen + error + normal_vector(random, options.noise_position)));
-        if options.kind == MeasurementKind::Pose {
-            let turn = Rotation3::from_scaled_axis(normal_vector(random, options.noise_orientation));
-            data.orientations.push(turn * arm.instrument.rotation * state.tip.rotation * target.rotation);
-        }
+    let mut values = Vec::new();
+    for observation in data.of_row(row) {
+        let series = data.series_of(observation).clone();
+        values.clear();
+        let measured = data.observed.values(observation);
+        series.kind.predict(&Seen::new(arm, &state.tip, deviation, &series, measured, false), &mut values);
+        let mut errors = Disturbance {
+            gross,
+            position: options.noise_position,
+            orientation: options.noise_orientation,
+            draw: &mut |deviation| normal(random, deviation),
+        };
+        series.kind.disturb(&mut values, &mut errors);
+        data.observed.values_mut(observation).copy_from_slice(&values);
     }
 }
 
-fn empty(arm: &Arm, options: &SimulationOptions) -> Measurements {
-    let targets = arm.targets.len();
-    Measurements {
-        source: "simulation".into(),
-        kind: options.kind,
-        joints: arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
-        readings: Vec::with_capacity(options.rows * arm.nominal.coordinates().len()),
-        targets: if targets == 1 { vec![String::new()] } else { (1..=targets).map(|k| k.to_string()).collect() },
-        positions: Vec::new(),
-        orientations: Vec::new(),
-        distances: Vec::new(),
-        covariates: options.covariates.clone(),
-        labels: Vec::new(),
-        locate: vec![false; options.rows],
-        lines: (2..options.rows + 2).collect(),
+/// The rows, nothing measured yet.
+fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> Measurements {
+    let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+    let scene = Scene::of_several(options.kind, arm.targets.len());
+    let mut data = Measurements::empty("simulation", joints, scene);
+    data.covariates.clone_from(&options.covariates);
+    let nothing = vec![0.0; options.kind.numbers()];
+    for (row, reading) in readings.iter().enumerate() {
+        (0..data.scene.series.len()).for_each(|series| data.observed.push(series, &nothing));
+        data.end_row(reading, row + 2, false);
     }
+    data
 }
 
 /// base_from_target without instrument and noise, for a target of the arm.

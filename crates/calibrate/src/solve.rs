@@ -2,27 +2,42 @@
 
 use crate::arm::Arm;
 use crate::gauge;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{Measurements, Scene, Series};
 use crate::normal::Sums;
+use crate::observe::Part;
 use crate::parameters::{Effects, Layout};
 use crate::residual::Problem;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Standard deviation of one measured component.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Standard deviation of one measured component, by noise channel of the scene: m and rad.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
-    /// Of a position's x, y or z, or of a distance, m.
-    pub position: f64,
-    /// Of a rotation vector's component, rad; 0 unless poses are measured.
-    pub orientation: f64,
+    /// One per channel.
+    pub levels: Vec<f64>,
 }
 
 impl Noise {
     /// Equal to a hundredth: the prior's weight will not change any more.
-    fn near(self, other: Self) -> bool {
-        let near = |a: f64, b: f64| (a - b).abs() <= 0.01 * b;
-        near(self.position, other.position) && near(self.orientation, other.orientation)
+    fn near(&self, other: &Self) -> bool {
+        self.levels.iter().zip(&other.levels).all(|(a, b)| (a - b).abs() <= 0.01 * b)
+    }
+
+    /// The level of the channel that comes first: that of lengths, m.
+    pub fn first(&self) -> f64 {
+        self.levels.first().copied().unwrap_or(0.0)
+    }
+
+    /// Squared residual of an observation over the noise.
+    ///
+    /// # Shape and units
+    /// `square`: of the lengths (m²) and of the angles (rad²).
+    pub fn chi_squared(&self, series: &Series, square: [f64; 2]) -> f64 {
+        let over = |part: usize| {
+            let level = series.channels[part].map_or(0.0, |channel| self.levels[channel]);
+            if level > 0.0 { square[part] / level.powi(2) } else { 0.0 }
+        };
+        over(0) + over(1)
     }
 }
 
@@ -52,16 +67,16 @@ pub struct Fit<E> {
     pub layout: Layout,
     /// Noise of one component, freed of the parameters' share.
     pub noise: Noise,
-    /// 1 or, for rejected or unseen observations, 0; row by row, target by target.
+    /// 1 or, for rejected observations, 0.
     pub weights: Vec<f64>,
-    /// Squared residual norms of all observations, m² and rad².
+    /// Squared residual norms of all observations, lengths (m²) and angles (rad²).
     pub squares: Vec<[f64; 2]>,
     /// Covariance of the parameters, in their units, the common frame held (see [`gauge`]).
     pub covariance: DMatrix<f64>,
     /// Parameters that the data pay for: the trace of the hat matrix, by channel.
-    pub parameters_used: [f64; 2],
+    pub parameters_used: Vec<f64>,
     /// Values measured and kept, by channel.
-    pub values: [f64; 2],
+    pub values: Vec<f64>,
     /// Steps taken.
     pub iterations: usize,
     /// Whether the last step was too small to matter.
@@ -132,34 +147,32 @@ struct Solver<'a> {
 
 impl Solver<'_> {
     fn run<E: Effects>(&self, arm: &Arm, effects: &E, given: &[f64]) -> Fit<E> {
-        let given: Vec<f64> = given.iter().enumerate().map(|(k, w)| if self.seen(k) { *w } else { 0.0 }).collect();
-        let mut weights = given.clone();
+        let mut weights = given.to_vec();
         let mut state = self.evaluate(arm.clone(), effects.clone(), &weights);
-        let mut used = [0.0; 2];
+        let mut used = self.unused();
         let mut robust = self.options.robust;
-        let mut noise = self.noise_of(&state.sums.squares, &weights, used, robust);
+        let mut noise = self.noise_of(&state.sums.squares, &weights, &used, robust);
         // The nominal robot's residual is not noise: trust the data more than that in the first step.
-        noise.position *= TRUST_AT_START;
-        noise.orientation *= TRUST_AT_START;
+        noise.levels.iter_mut().for_each(|level| *level *= TRUST_AT_START);
         let (mut damping, mut iterations, mut rounds, mut converged) = (LEAST_DAMPING, 0, 0, false);
         while iterations < self.options.most_iterations {
             iterations += 1;
-            let system = self.system(&state, noise);
-            let (next, promise) = self.step(&state, &system, noise, &weights, &mut damping);
+            let system = self.system(&state, &noise);
+            let (next, promise) = self.step(&state, &system, &noise, &weights, &mut damping);
             let stuck = next.is_none();
             if let Some(next) = next {
                 state = next;
             }
             if robust {
-                noise = self.noise_of(&state.sums.squares, &weights, used, true);
+                noise = self.noise_of(&state.sums.squares, &weights, &used, true);
                 if stuck || promise < PROMISE_FOR_REJECTION || noise == self.rounding() || iterations > 12 {
                     robust = false;
-                    weights = self.kept(&state.sums.squares, &given, noise);
+                    weights = self.kept(&state.sums.squares, given, &noise);
                     state = self.evaluate(state.arm, state.effects, &weights);
-                    used = self.parameters_used(&state, noise);
-                    noise = self.noise_of(&state.sums.squares, &weights, used, false);
+                    used = self.parameters_used(&state, &noise);
+                    noise = self.noise_of(&state.sums.squares, &weights, &used, false);
                 } else {
-                    weights = self.downweighted(&state.sums.squares, &given, noise);
+                    weights = self.downweighted(&state.sums.squares, given, &noise);
                     if promise < PROMISE_NEAR_END {
                         // The next step gains less than other weights change: sums with the old ones would mislead it.
                         state = self.evaluate(state.arm, state.effects, &weights);
@@ -167,14 +180,14 @@ impl Solver<'_> {
                 }
                 continue;
             }
-            used = self.parameters_used(&state, noise);
-            let settled = self.noise_of(&state.sums.squares, &weights, used, false);
-            let steady = settled.near(noise);
+            used = self.parameters_used(&state, &noise);
+            let settled = self.noise_of(&state.sums.squares, &weights, &used, false);
+            let steady = settled.near(&noise);
             noise = settled;
             let rounding = noise == self.rounding();
             if (stuck || promise < PROMISE_AT_END || rounding) && steady {
                 let kept = if self.options.robust && rounds < 4 {
-                    self.kept(&state.sums.squares, &given, noise)
+                    self.kept(&state.sums.squares, given, &noise)
                 } else {
                     weights.clone()
                 };
@@ -191,16 +204,15 @@ impl Solver<'_> {
     }
 
     fn finish<E: Effects>(&self, state: State<E>, weights: Vec<f64>, iterations: usize, converged: bool) -> Fit<E> {
-        let mut noise = self.noise_of(&state.sums.squares, &weights, [0.0; 2], false);
-        let mut used = [0.0; 2];
+        let mut noise = self.noise_of(&state.sums.squares, &weights, &self.unused(), false);
+        let mut used = self.unused();
         for _ in 0..4 {
-            used = self.parameters_used(&state, noise);
-            noise = self.noise_of(&state.sums.squares, &weights, used, false);
+            used = self.parameters_used(&state, &noise);
+            noise = self.noise_of(&state.sums.squares, &weights, &used, false);
         }
-        let covariance = self.covariance(&state, noise);
-        let count = |channel: usize| state.sums.channels.get(channel).map_or(0.0, |c| c.count);
+        let covariance = self.covariance(&state, &noise);
         Fit {
-            values: [count(0), count(1)],
+            values: state.sums.channels.iter().map(|channel| channel.count).collect(),
             arm: state.arm,
             effects: state.effects,
             layout: self.layout.clone(),
@@ -214,17 +226,12 @@ impl Solver<'_> {
         }
     }
 
-    fn seen(&self, observation: usize) -> bool {
-        self.data.kind != MeasurementKind::Position || self.data.positions[observation].is_some()
+    fn scene(&self) -> &Scene {
+        &self.data.scene
     }
 
-    /// Degrees of freedom of an observation by channel.
-    fn degrees(&self) -> [f64; 2] {
-        match self.data.kind {
-            MeasurementKind::Pose => [3.0, 3.0],
-            MeasurementKind::Position => [3.0, 0.0],
-            MeasurementKind::Distance => [1.0, 0.0],
-        }
+    fn unused(&self) -> Vec<f64> {
+        vec![0.0; self.scene().channels.len()]
     }
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
@@ -233,17 +240,17 @@ impl Solver<'_> {
         State { arm, effects, sums, prior }
     }
 
-    fn objective<E>(state: &State<E>, weights: &[f64], noise: Noise) -> f64 {
-        let cost: f64 = state.sums.squares.iter().zip(weights).map(|(s, w)| w * chi_squared(*s, noise)).sum();
-        cost + state.prior
+    fn objective<E>(&self, state: &State<E>, weights: &[f64], noise: &Noise) -> f64 {
+        let sizes = self.sizes(&state.sums.squares, noise);
+        sizes.zip(weights).map(|(size, weight)| weight * size).sum::<f64>() + state.prior
     }
 
-    fn system<E: Effects>(&self, state: &State<E>, noise: Noise) -> System {
+    fn system<E: Effects>(&self, state: &State<E>, noise: &Noise) -> System {
         let n = self.layout.len();
         let departure = DVector::from_vec(self.layout.departure(&state.arm, &self.reference));
         let mut matrix = DMatrix::<f64>::zeros(n, n);
         let mut gradient = DVector::<f64>::zeros(n);
-        for (channel, sigma) in state.sums.channels.iter().zip([noise.position, noise.orientation]) {
+        for (channel, sigma) in state.sums.channels.iter().zip(&noise.levels) {
             let weight = sigma.powi(-2);
             for i in 0..n {
                 gradient[i] -= weight * channel.gradient[i];
@@ -277,11 +284,11 @@ impl Solver<'_> {
         &self,
         state: &State<E>,
         system: &System,
-        noise: Noise,
+        noise: &Noise,
         weights: &[f64],
         damping: &mut f64,
     ) -> (Option<State<E>>, f64) {
-        let before = Self::objective(state, weights, noise);
+        let before = self.objective(state, weights, noise);
         let mut promise = 0.0;
         for _ in 0..12 {
             let Some(scaled) = system.solve(*damping) else {
@@ -296,7 +303,7 @@ impl Solver<'_> {
             let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
             let next = self.evaluate(arm, effects, weights);
-            let after = Self::objective(&next, weights, noise);
+            let after = self.objective(&next, weights, noise);
             if after <= before + 1e-9 * promise.min(1.0) {
                 *damping = (*damping * 0.1).max(LEAST_DAMPING);
                 return (Some(next), promise);
@@ -311,65 +318,81 @@ impl Solver<'_> {
 
     /// The least noise that there can be.
     fn rounding(&self) -> Noise {
-        let [_, orientation] = self.degrees();
-        Noise {
-            position: ROUNDING * self.reference.nominal.size(),
-            orientation: if orientation > 0.0 { ROUNDING } else { 0.0 },
-        }
+        let least = |part: &Part| if part.unit == "m" { ROUNDING * self.reference.nominal.size() } else { ROUNDING };
+        Noise { levels: self.scene().channels.iter().map(least).collect() }
+    }
+
+    /// χ² of every observation.
+    fn sizes<'s>(&'s self, squares: &'s [[f64; 2]], noise: &'s Noise) -> impl Iterator<Item = f64> + 's {
+        squares.iter().enumerate().map(|(at, square)| noise.chi_squared(self.data.series_of(at), *square))
     }
 
     /// Noise of one component by channel: from the median while outliers are still in, else from the sum of squares
     /// over the degrees of freedom that the parameters leave.
-    fn noise_of(&self, squares: &[[f64; 2]], weights: &[f64], used: [f64; 2], robust: bool) -> Noise {
-        let degrees = self.degrees();
-        let floor = self.rounding();
-        let of = |channel: usize| {
-            if degrees[channel] == 0.0 {
-                return 0.0;
-            }
-            let kept = squares.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
+    fn noise_of(&self, squares: &[[f64; 2]], weights: &[f64], used: &[f64], robust: bool) -> Noise {
+        let mut noise = self.rounding();
+        for (channel, level) in noise.levels.iter_mut().enumerate() {
+            let degrees = self.scene().channels[channel].height as f64;
+            let of_channel = |at: usize| {
+                let part = self.data.series_of(at).channels.iter().position(|own| *own == Some(channel))?;
+                (weights[at] > 0.0).then_some((squares[at][part], weights[at]))
+            };
+            let kept = (0..squares.len()).filter_map(of_channel);
             let variance = if robust {
-                let mut values: Vec<f64> = kept.map(|(square, _)| square[channel]).collect();
-                median(&mut values) / median_of_chi_squared(degrees[channel])
+                let mut values: Vec<f64> = kept.map(|(square, _)| square).collect();
+                median(&mut values) / median_of_chi_squared(degrees)
             } else {
                 let (mut sum, mut count) = (0.0, 0.0);
                 for (square, weight) in kept {
-                    sum += weight * square[channel];
-                    count += weight * degrees[channel];
+                    sum += weight * square;
+                    count += weight * degrees;
                 }
                 sum / (count - used[channel]).max(1.0)
             };
-            variance.sqrt().max(if channel == 0 { floor.position } else { floor.orientation })
-        };
-        Noise { position: of(0), orientation: of(1) }
+            *level = variance.sqrt().max(*level);
+        }
+        noise
+    }
+
+    /// For each series, the χ² that an observation of it passes with this probability.
+    fn limits(&self, share: f64) -> Vec<f64> {
+        let degrees = |series: &Series| quantile_of_chi_squared(series.kind.height() as f64, share);
+        self.scene().series.iter().map(degrees).collect()
     }
 
     /// Huber's weights, for what lies outside 99 % of the noise.
-    fn downweighted(&self, squares: &[[f64; 2]], given: &[f64], noise: Noise) -> Vec<f64> {
-        let limit = quantile_of_chi_squared(self.degrees().iter().sum(), 0.99);
-        let weight = |square: &[f64; 2]| (limit / chi_squared(*square, noise).max(limit)).sqrt();
-        squares.iter().zip(given).map(|(square, given)| given * weight(square)).collect()
+    fn downweighted(&self, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
+        let limits = self.limits(0.99);
+        let weight = |at: usize, size: f64| {
+            let limit = limits[self.data.observed.series(at)];
+            (limit / size.max(limit)).sqrt()
+        };
+        let sizes = self.sizes(squares, noise).enumerate();
+        sizes.zip(given).map(|((at, size), given)| given * weight(at, size)).collect()
     }
 
     /// 0 for gross outliers.
-    fn kept(&self, squares: &[[f64; 2]], given: &[f64], noise: Noise) -> Vec<f64> {
+    fn kept(&self, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
         let count = given.iter().filter(|weight| **weight > 0.0).count().max(1);
-        let quantile = quantile_of_chi_squared(self.degrees().iter().sum(), 1.0 - FALSE_REJECTIONS / count as f64);
-        let limit = GROSS * GROSS * quantile;
-        let outside = |(square, given): (&[f64; 2], &f64)| *given > 0.0 && chi_squared(*square, noise) > limit;
-        let rejected = squares.iter().zip(given).filter(|pair| outside(*pair)).count();
+        let limits = self.limits(1.0 - FALSE_REJECTIONS / count as f64);
+        let outside: Vec<bool> = self
+            .sizes(squares, noise)
+            .enumerate()
+            .map(|(at, size)| given[at] > 0.0 && size > GROSS * GROSS * limits[self.data.observed.series(at)])
+            .collect();
+        let rejected = outside.iter().filter(|outside| **outside).count();
         if rejected as f64 > MOST_REJECTIONS * count as f64 {
             return given.to_vec();
         }
-        squares.iter().zip(given).map(|pair| if outside(pair) { 0.0 } else { *pair.1 }).collect()
+        outside.iter().zip(given).map(|(outside, given)| if *outside { 0.0 } else { *given }).collect()
     }
 
-    fn parameters_used<E: Effects>(&self, state: &State<E>, noise: Noise) -> [f64; 2] {
+    fn parameters_used<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Vec<f64> {
         let system = self.system(state, noise);
-        let Some(inverse) = system.inverse() else { return [0.0; 2] };
+        let mut used = self.unused();
+        let Some(inverse) = system.inverse() else { return used };
         let n = self.layout.len();
-        let mut used = [0.0; 2];
-        for (k, (channel, sigma)) in state.sums.channels.iter().zip([noise.position, noise.orientation]).enumerate() {
+        for (k, (channel, sigma)) in state.sums.channels.iter().zip(&noise.levels).enumerate() {
             for i in 0..n {
                 for j in 0..n {
                     let (low, high) = (i.min(j), i.max(j));
@@ -381,7 +404,7 @@ impl Solver<'_> {
         used
     }
 
-    fn covariance<E: Effects>(&self, state: &State<E>, noise: Noise) -> DMatrix<f64> {
+    fn covariance<E: Effects>(&self, state: &State<E>, noise: &Noise) -> DMatrix<f64> {
         let system = self.system(state, noise);
         let n = self.layout.len();
         let mut covariance = system.inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
@@ -422,12 +445,6 @@ impl System {
     fn inverse(&self) -> Option<DMatrix<f64>> {
         Some(self.damped(LEAST_DAMPING).cholesky()?.inverse())
     }
-}
-
-/// Squared residual of an observation over the noise.
-pub fn chi_squared(square: [f64; 2], noise: Noise) -> f64 {
-    let orientation = if noise.orientation > 0.0 { square[1] / noise.orientation.powi(2) } else { 0.0 };
-    square[0] / noise.position.powi(2) + orientation
 }
 
 fn median(values: &mut [f64]) -> f64 {

@@ -28,7 +28,6 @@ use crate::measurements::Measurements;
 use crate::parameters::NoEffects;
 use crate::solve::Fit;
 pub use leftover::{Leftover, Structure};
-pub use linear::with_effects;
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
 

@@ -5,8 +5,9 @@
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::measurements::{DataNote, Units, read, write};
+use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{MeasurementKind, Measurements, NoEffects};
+use denavit_calibrate::{Measurements, NoEffects};
 use denavit_model::examples::planar_arm;
 
 fn error(text: &str) -> String {
@@ -51,10 +52,6 @@ fn headers() {
     check(
         "joint_1,joint_2,x1,y1,z1,x2,y2,z2,qx,qy,qz,qw\n",
         "m.csv:1: a quaternion goes with one target x,y,z, and there are 2 targets; remove qx,qy,qz,qw",
-    );
-    check(
-        "joint_1,joint_2,x,y,z,distance\n",
-        "m.csv:1: there are both \"x\" and \"distance\"; a file holds positions or distances: remove one",
     );
     check(
         "joint_1,joint_2,distnace\n",
@@ -189,7 +186,7 @@ fn what_is_no_failure_is_noted() {
 
 #[test]
 fn what_is_written_is_read_again() {
-    for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
+    for kind in [POSE, POSITION, DISTANCE] {
         let run = simulate(
             &planar_arm(),
             &SimulationOptions { kind, rows: 20, targets: 2, ..Default::default() },
@@ -197,9 +194,12 @@ fn what_is_written_is_read_again() {
         );
         let text = write(&run.data, &["made up".into()]);
         let mut again = read("simulation", text.as_bytes(), &planar_arm(), Units::default()).unwrap().data;
-        for (a, b) in again.orientations.iter_mut().zip(&run.data.orientations) {
-            assert!((a.matrix() - b.matrix()).norm() < 1e-14);
-            *a = *b;
+        for at in 0..again.observations() {
+            let written = run.data.observed.values(at);
+            for (a, b) in again.observed.values_mut(at).iter_mut().zip(written) {
+                assert!((*a - b).abs() < 1e-14);
+                *a = *b;
+            }
         }
         again.lines.clone_from(&run.data.lines);
         assert_eq!(again, run.data);
@@ -220,28 +220,29 @@ fn data_that_cannot_be_fitted() {
     let of =
         |kind, rows| simulate(&planar_arm(), &SimulationOptions { kind, rows, ..Default::default() }, &NoEffects).data;
     assert_eq!(
-        calibration_error(of(MeasurementKind::Position, 3), None, None),
+        calibration_error(of(POSITION, 3), None, None),
         "simulation: 3 rows hold 9 measured numbers, but placing the instrument and the targets takes 9 and a few to check \
          them; measure more poses"
     );
-    let mut mixed = of(MeasurementKind::Position, 60);
-    mixed.positions.rotate_left(7);
+    let mut mixed = of(POSITION, 60);
+    let observed = mixed.observed.subset((0..60).map(|row| (row + 7) % 60), Some);
+    mixed.observed = observed;
     let text = calibration_error(mixed, None, None);
     assert!(text.starts_with("simulation: the robot as drawn misses what was measured by 0."), "{text}");
     assert!(text.ends_with("and --base and --tip right?"), "{text}");
     assert_eq!(
-        calibration_error(of(MeasurementKind::Position, 40), Some(of(MeasurementKind::Pose, 5)), None),
+        calibration_error(of(POSITION, 40), Some(of(POSE, 5)), None),
         "simulation: it measures poses, but the model was fitted to positions; test with the same kind of value"
     );
-    let mut other = of(MeasurementKind::Position, 5);
-    other.targets = vec!["7".into()];
+    let mut other = of(POSITION, 5);
+    other.scene.targets = vec!["7".into()];
     assert_eq!(
-        calibration_error(of(MeasurementKind::Position, 40), Some(other), None),
+        calibration_error(of(POSITION, 40), Some(other), None),
         "simulation: target \"7\" is not among the fitted ones () and no row places it; set locate = 1 in a row that sees \
          it, or measure a fitted target"
     );
     assert_eq!(
-        calibration_error(of(MeasurementKind::Position, 40), None, Some(1.5)),
+        calibration_error(of(POSITION, 40), None, Some(1.5)),
         "--hold-out 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows"
     );
 }

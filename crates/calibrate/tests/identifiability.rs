@@ -4,8 +4,9 @@
 
 use denavit_calibrate::dh_form::dh_form;
 use denavit_calibrate::identifiability::{identifiability, of_chain};
+use denavit_calibrate::observe::{POSE, POSITION};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{Freedom, IdentifyOptions, MeasurementKind, NoEffects, identify};
+use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects, identify};
 use denavit_model::examples;
 
 #[test]
@@ -15,8 +16,8 @@ fn rank_is_the_papers_count() {
         for (targets, scales) in [(1, false), (3, false), (1, true)] {
             let freedom = Freedom { scales: vec![scales; n], ..Freedom::axes(n) };
             for found in of_chain(&chain, &freedom, targets, 60) {
-                let place = format!("{} {:?} {}", chain.name(), found.kind, found.formula);
-                if chain.name() == "planar_arm" && found.kind == MeasurementKind::Distance {
+                let place = format!("{} {} {}", chain.name(), found.scene.measured(), found.formula);
+                if chain.name() == "planar_arm" && found.scene.measured() == "distance" {
                     // Of two parallel axes as drawn, distances tell one number less, and its names are given.
                     assert_eq!(found.rank + 1, found.expected, "{place}");
                     assert!(found.untold.iter().any(|untold| untold.parameter == "target.x"), "{:?}", found.untold);
@@ -43,7 +44,7 @@ fn rank_is_the_papers_count() {
 #[test]
 fn a_joint_that_never_moves_is_named_and_left_at_nominal() {
     let chain = &examples::puma_like();
-    for kind in [MeasurementKind::Pose, MeasurementKind::Position] {
+    for kind in [POSE, POSITION] {
         let mut run = simulate(chain, &SimulationOptions { kind, rows: 80, ..Default::default() }, &NoEffects);
         // The joint stands still, and the measured values are those of the robot standing so.
         let truth = run.arm.clone();
@@ -51,18 +52,17 @@ fn a_joint_that_never_moves_is_named_and_left_at_nominal() {
             run.data.readings[row * 6 + 3] = 0.4;
         }
         for row in 0..run.data.len() {
-            let pose = truth.instrument * denavit_calibrate::simulate::true_target(&truth, run.data.reading(row), 0);
-            run.data.positions[row] = Some(pose.translation.vector);
-            if kind == MeasurementKind::Pose {
-                run.data.orientations[row] = pose.rotation;
-            }
+            let pose =
+                truth.instruments[0] * denavit_calibrate::simulate::true_target(&truth, run.data.reading(row), 0);
+            let numbers = pose.translation.vector.iter().chain(pose.rotation.matrix().iter());
+            run.data.observed.values_mut(row).iter_mut().zip(numbers).for_each(|(value, number)| *value = *number);
         }
         let freedom = Freedom::axes(6);
         let found = identifiability(&run.data, &run.arm, &NoEffects, &freedom);
         assert_eq!(found.rank, found.expected - 4);
         assert!(found.untold.iter().all(|untold| untold.joint == "joint_4" && untold.why.contains("never moves")));
         let fit = identify(chain, &run.data, &IdentifyOptions::axes(chain)).geometric;
-        assert!(fit.noise.position < 1e-11, "{}", fit.noise.position);
+        assert!(fit.noise.first() < 1e-11, "{}", fit.noise.first());
         let change = fit.arm.change(3);
         let largest = [change.turned, change.moved].concat().iter().fold(0.0f64, |a, b| a.max(b.abs()));
         assert!(largest < 1e-6, "{change:?}");

@@ -1,11 +1,11 @@
 //! The closed-form residual Jacobian against central differences.
 
+use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::parameters::Sensitivity;
-use denavit_calibrate::residual::{Scratch, width};
+use denavit_calibrate::residual::Scratch;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::{
-    Arm, Deviation, Effects, Freedom, Layout, MeasurementKind, NoEffects, Parameter, ParameterKind, Problem, Row,
-    RowState, Tolerances,
+    Arm, Deviation, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Problem, Row, RowState, Tolerances,
 };
 use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::{examples, se3};
@@ -60,7 +60,7 @@ impl Effects for Everything {
 fn columns_are_the_derivatives_of_the_residual() {
     let mut worst: f64 = 0.0;
     for chain in examples::all() {
-        for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
+        for kind in [POSE, POSITION, DISTANCE] {
             let options =
                 SimulationOptions { kind, rows: 4, targets: 2, turn: 0.02, shift: 0.02, ..Default::default() };
             let run = simulate(&chain, &options, &NoEffects);
@@ -72,12 +72,12 @@ fn columns_are_the_derivatives_of_the_residual() {
                 carrier: Vector6::new(0.3, -0.2, 0.9, 0.1, 0.4, -0.2),
             };
             let tolerances = Tolerances::default();
-            let layout = Layout::new(&chain, kind, &run.data.targets, &freedom, &tolerances, effects.parameters());
+            let layout = Layout::new(&chain, &run.data.scene, &freedom, &tolerances, effects.parameters());
             // Away from the truth and from nominal, so that nothing vanishes.
             let mut arm = run.arm.clone();
             let away: Vec<f64> = (0..layout.len()).map(|k| 0.01 * ((k * 7 % 11) as f64 - 5.0)).collect();
             arm = layout.stepped(&arm, &away);
-            let (rows, columns) = (run.data.targets.len() * width(kind), layout.len());
+            let (rows, columns) = (run.data.tallest_row(), layout.len());
             let evaluate = |arm: &Arm, effects: &Everything, row: usize| {
                 let mut residual = vec![0.0; rows];
                 let problem = Problem { data: &run.data, layout: &layout, effects };

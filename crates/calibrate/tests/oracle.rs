@@ -5,7 +5,7 @@
 
 use crate::runs::{self, Run, Score};
 use denavit_calibrate::identifiability::identifiability;
-use denavit_calibrate::{Freedom, IdentifyOptions, MeasurementKind, NoEffects, grid};
+use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects, grid};
 use std::collections::BTreeMap;
 
 /// The runs whose case holds this word.
@@ -70,7 +70,7 @@ fn outliers_are_listed_and_leave_the_noise_level_alone() {
     for pair in runs.chunks_exact(2) {
         let [clean, run] = pair else { unreachable!() };
         let (of_clean, fit) = (clean.identify().geometric, run.identify().geometric);
-        let ratio = fit.noise.position / of_clean.noise.position;
+        let ratio = fit.noise.first() / of_clean.noise.first();
         let unseen = (1.0 + (run.unseen(&fit.arm).0 / run.noise[0]).powi(2)).sqrt()
             / (1.0 + (clean.unseen(&of_clean.arm).0 / run.noise[0]).powi(2)).sqrt();
         println!("{}: {} rejected, noise {ratio:.4}, error {unseen:.4}", run.case, run.outliers.len());
@@ -131,7 +131,7 @@ fn rounded_readings_are_noticed_and_their_share_is_right() {
         assert!((rounding.error / run.rounding - 1.0).abs() < 0.1, "{}: {rounding}", run.case);
         // Noise and rounding add up to what the fit finds.
         let both = (run.noise[0].powi(2) + run.rounding.powi(2) / 3.0).sqrt();
-        assert!((fit.noise.position / both - 1.0).abs() < 0.06, "{}: {} {both}", run.case, fit.noise.position);
-        assert_eq!(run.train.kind, MeasurementKind::Position);
+        assert!((fit.noise.first() / both - 1.0).abs() < 0.06, "{}: {} {both}", run.case, fit.noise.first());
+        assert_eq!(run.train.scene.measured(), "position");
     }
 }

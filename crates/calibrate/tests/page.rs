@@ -7,16 +7,17 @@ use denavit_calibrate::effects::carrier::Carrier;
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::driver::{Driver, Statics};
 use denavit_calibrate::effects::model::{Coupling, Effect, EffectModel, Term};
+use denavit_calibrate::observe::{DISTANCE, POSITION};
 use denavit_calibrate::report::html::page;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::trace::{PortraitPoint, TraceOptions};
-use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects};
+use denavit_calibrate::{IdentifyOptions, NoEffects};
 use denavit_model::examples::puma_like;
 
 #[test]
 fn holds_every_plot_and_no_link() {
     let chain = puma_like();
-    for (kind, plots) in [(MeasurementKind::Position, 11), (MeasurementKind::Distance, 9)] {
+    for (kind, plots) in [(POSITION, 11), (DISTANCE, 9)] {
         let run = simulate(&chain, &SimulationOptions { kind, rows: 80, ..Default::default() }, &NoEffects);
         let options = CalibrateOptions::geometry(&chain);
         let result = calibrate(&chain, &Statics::of_chain(&chain), run.data, None, &options).unwrap();
@@ -41,7 +42,7 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
         coupling: Coupling::Each,
     };
     let hidden = EffectModel::new(statics.clone(), vec![Effect { term: wave, coefficients: vec![4e-4, 3e-4] }]);
-    let kind = MeasurementKind::Position;
+    let kind = POSITION;
     let run = simulate(&chain, &SimulationOptions { kind, rows: 120, ..Default::default() }, &hidden);
     let identify = IdentifyOptions::axes(&chain);
     let trace = Some(TraceOptions::new(identify.clone()));

@@ -2,17 +2,18 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
+use denavit_calibrate::NoEffects;
 use denavit_calibrate::compensate::{Wanted, compensate};
+use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::plan::{PlanOptions, plan};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{MeasurementKind, NoEffects};
 use denavit_model::nalgebra::{DMatrix, Point3, Vector6};
 use denavit_model::{examples, se3};
 
 #[test]
 fn chosen_poses_are_more_observable_and_stay_in_the_box() {
     for chain in &examples::all()[1..] {
-        for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
+        for kind in [POSE, POSITION, DISTANCE] {
             let options = PlanOptions { spread: 300, ..PlanOptions::new(chain, 20, kind) };
             let free = plan(chain, &options).unwrap();
             println!("{} {kind:?}\n{}", chain.name(), free.to_text());
@@ -21,7 +22,7 @@ fn chosen_poses_are_more_observable_and_stay_in_the_box() {
             assert_eq!(free.to_csv().lines().filter(|line| !line.starts_with('#')).count(), 21);
         }
         let half = [Point3::new(0.0, -9.0, -9.0), Point3::new(9.0, 9.0, 9.0)];
-        let options = PlanOptions { allowed: Some(half), ..PlanOptions::new(chain, 12, MeasurementKind::Position) };
+        let options = PlanOptions { allowed: Some(half), ..PlanOptions::new(chain, 12, POSITION) };
         for pose in plan(chain, &options).unwrap().poses {
             assert!((chain.fk(&pose) * Point3::from(options.target)).x >= 0.0);
         }

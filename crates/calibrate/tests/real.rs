@@ -75,8 +75,8 @@ fn wu_irb120_by_geometry_alone() {
     assert_eq!((counts.expected, counts.rank), (33, 33));
     assert_eq!(result.report.samples.test, 40);
     // The authors published 0.266 and 0.525 mm. Like them we place the test's points beside the fitted ones.
-    let test = result.report.stages[1].test.unwrap();
-    assert!(test.position_mean_m.unwrap() < 0.266e-3 && test.position_max_m.unwrap() < 0.55e-3, "{test:?}");
+    let test = result.report.stages[1].test.as_ref().unwrap().of("position").unwrap();
+    assert!(test.mean < 0.266e-3 && test.max < 0.55e-3, "{test:?}");
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn robotcali_irb120_by_geometry_alone() {
     let chain = irb120();
     let Some(data) = load("robotcali_irb120/measurements.csv", &chain) else { return };
     let result = geometry(&chain, data, None, Some(0.3));
-    let rms = |stage: usize| result.report.stages[stage].test.unwrap().distance_rms_m.unwrap();
+    let rms = |stage: usize| result.report.stages[stage].test.as_ref().unwrap().of("distance").unwrap().rms;
     assert!(rms(0) < 1.98e-3 && rms(1) < 1.80e-3, "{} {}", rms(0), rms(1));
     let rounding = result.rounding.unwrap();
     assert!(rounding.grids.iter().all(|grid| grid.name == "0.1°") && rounding.grids.len() == 6, "{rounding:?}");
@@ -106,7 +106,7 @@ fn tiago() -> Option<Chain> {
 fn tiago_is_told_little_by_34_poses() {
     let Some(chain) = tiago() else { return };
     let Some(data) = load("tiago_mocap/measurements.csv", &chain) else { return };
-    assert_eq!(data.targets.len(), 3);
+    assert_eq!(data.scene.targets.len(), 3);
     // Five folds: every row is held out once.
     let (mut nominal, mut geometric) = (0.0, 0.0);
     let mut count = 0.0;

@@ -2,8 +2,9 @@
 
 #![allow(clippy::print_stdout)] // What is printed is read.
 
+use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{IdentifyOptions, MeasurementKind, NoEffects, gauge, identify};
+use denavit_calibrate::{IdentifyOptions, NoEffects, gauge, identify};
 use denavit_model::examples;
 
 #[test]
@@ -12,7 +13,7 @@ fn intervals_cover_and_chi_squared_is_its_degrees_of_freedom() {
     let (mut inside, mut count, mut chi) = (0.0, 0.0, 0.0);
     let runs = 40;
     for seed in 0..runs {
-        let options = SimulationOptions { kind: MeasurementKind::Pose, rows: 60, seed, ..Default::default() };
+        let options = SimulationOptions { kind: POSE, rows: 60, seed, ..Default::default() };
         let run = simulate(&chain, &options, &NoEffects);
         let found = identify(&chain, &run.data, &IdentifyOptions::axes(&chain));
         let fit = found.geometric;
@@ -33,7 +34,7 @@ fn intervals_cover_and_chi_squared_is_its_degrees_of_freedom() {
 
 #[test]
 fn gross_outliers_are_listed_and_leave_the_noise_level_alone() {
-    for kind in [MeasurementKind::Pose, MeasurementKind::Position, MeasurementKind::Distance] {
+    for kind in [POSE, POSITION, DISTANCE] {
         for chain in &examples::all()[1..] {
             let clean = SimulationOptions { kind, rows: 300, seed: 5, ..Default::default() };
             let noise = |options: &SimulationOptions| {
@@ -41,7 +42,7 @@ fn gross_outliers_are_listed_and_leave_the_noise_level_alone() {
                 let fit = identify(chain, &run.data, &IdentifyOptions::axes(chain)).geometric;
                 let rejected: Vec<usize> = (0..300).filter(|&row| fit.weights[row] == 0.0).collect();
                 assert_eq!(rejected, run.outliers, "{} {kind:?}", chain.name());
-                fit.noise.position
+                fit.noise.first()
             };
             let ratio = noise(&SimulationOptions { outliers: 0.05, ..clean.clone() }) / noise(&clean);
             println!("{} {kind:?}: {ratio:.4}", chain.name());
@@ -53,9 +54,7 @@ fn gross_outliers_are_listed_and_leave_the_noise_level_alone() {
 #[test]
 fn parallel_axes_converge_in_six_iterations() {
     for chain in [examples::puma_like(), examples::scara_helical()] {
-        for (kind, noise) in
-            [(MeasurementKind::Pose, 5e-5), (MeasurementKind::Position, 5e-5), (MeasurementKind::Pose, 0.0)]
-        {
+        for (kind, noise) in [(POSE, 5e-5), (POSITION, 5e-5), (POSE, 0.0)] {
             let options = SimulationOptions {
                 kind,
                 rows: 100,
@@ -76,7 +75,7 @@ fn parallel_axes_converge_in_six_iterations() {
 fn little_is_held_by_the_prior_where_poses_tell_it() {
     // Moving along the SCARA's parallel axes changes none of them: one of the frame's six conditions says nothing.
     for chain in [examples::puma_like(), examples::scara_helical()] {
-        let options = SimulationOptions { kind: MeasurementKind::Pose, rows: 40, ..Default::default() };
+        let options = SimulationOptions { kind: POSE, rows: 40, ..Default::default() };
         let run = simulate(&chain, &options, &NoEffects);
         let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
         let held: Vec<f64> = fit.layout.joints.clone().map(|k| fit.held_by_prior(k)).collect();

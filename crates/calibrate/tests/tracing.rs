@@ -48,7 +48,7 @@ fn check(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) {
         assert!((value.value - truth).abs() < 4.5 * std, "{}: {} ± {std}, truth {truth}", value.name, value.value);
     }
     assert!(finding.p_value < 1e-9 && !found.leftover.structured);
-    assert!((found.fit.noise.position / 5e-5 - 1.0).abs() < 0.12, "{}", found.fit.noise.position);
+    assert!((found.fit.noise.first() / 5e-5 - 1.0).abs() < 0.12, "{}", found.fit.noise.first());
 }
 
 #[test]

@@ -7,7 +7,8 @@ use crate::source::{self, Loaded};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::effects::{EffectModel, recorded};
 use denavit_calibrate::measurements::{self, Measurements, Units, poses, poses::Poses};
-use denavit_calibrate::{Freedom, MeasurementKind};
+use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::{Freedom, ObservationKind};
 use denavit_model::Chain;
 
 /// A robot, its chain and what gravity acts on; notes are said.
@@ -155,10 +156,10 @@ pub fn millimetres_and_milliradians(option: &str, written: &[f64], otherwise: f6
 }
 
 /// The kind that a word on the command line means.
-pub fn kind(measure: MeasureName) -> MeasurementKind {
+pub fn kind(measure: MeasureName) -> ObservationKind {
     match measure {
-        MeasureName::Poses => MeasurementKind::Pose,
-        MeasureName::Positions => MeasurementKind::Position,
-        MeasureName::Distances => MeasurementKind::Distance,
+        MeasureName::Poses => POSE,
+        MeasureName::Positions => POSITION,
+        MeasureName::Distances => DISTANCE,
     }
 }

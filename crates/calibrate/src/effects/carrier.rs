@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn every_direction_does_what_its_action_says() {
         for chain in examples::all() {
-            let arm = Arm::new(&chain, 1);
+            let arm = Arm::new(&chain, &crate::Scene::default());
             let n = chain.coordinates().len();
             let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
             for carrier in all(chain.joints().len()) {
@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn stretching_every_length_scales_the_reach() {
         let chain = examples::planar_arm();
-        let arm = Arm::new(&chain, 1);
+        let arm = Arm::new(&chain, &crate::Scene::default());
         let mut deviation = Deviation::none(chain.joints().len());
         for action in &Carrier::Lengths.directions(chain.joints(), chain.joints(), &axis_points(&chain))[0] {
             action.add_to(0.01, &mut deviation);

@@ -8,7 +8,6 @@ use crate::effects::carrier::Carrier;
 use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, Driver, VELOCITY};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
-use crate::measurements::MeasurementKind;
 use serde::{Deserialize, Serialize};
 
 /// An engineer's name for a cause.
@@ -334,9 +333,10 @@ fn base_compliance(_: &Survey) -> Vec<Candidate> {
 /// What may move with temperature or time.
 fn movable(survey: &Survey) -> Vec<Carrier> {
     let mut carriers: Vec<Carrier> = survey.moving().map(Carrier::Joint).collect();
-    if survey.kind == MeasurementKind::Distance {
+    if survey.anchor {
         carriers.extend([Carrier::Reading, Carrier::Anchor]);
-    } else {
+    }
+    if survey.instrument {
         carriers.push(Carrier::Base);
     }
     carriers.extend([Carrier::Target, Carrier::Lengths, Carrier::Scale]);
@@ -394,32 +394,26 @@ mod tests {
     use super::*;
     use crate::effects::driver::{Conditions, Statics};
     use crate::effects::survey::with_run_order;
-    use crate::measurements::{Covariate, Measurements};
+    use crate::measurements::{Covariate, Measurements, Scene};
+    use crate::observe::POSITION;
     use denavit_model::examples;
 
     fn rich(chain: &denavit_model::Chain) -> Measurements {
         let rows = 60;
         let joints: Vec<String> = chain.coordinates().iter().map(|c| c.name.clone()).collect();
         let value = |row: usize, k: usize| (row as f64 * (0.7 + 0.31 * k as f64)).sin();
-        let readings = (0..rows).flat_map(|row| (0..joints.len()).map(move |k| value(row, k))).collect();
         let column =
             |name: String, slope: f64| Covariate { name, values: (0..rows).map(|row| slope * row as f64).collect() };
         let velocities = joints.iter().map(|joint| column(format!("{joint}{VELOCITY}"), 0.01));
         let covariates = [column("time".into(), 30.0), column("temperature".into(), 0.1)].into_iter().chain(velocities);
-        let data = Measurements {
-            source: "rich.csv".into(),
-            kind: MeasurementKind::Position,
-            covariates: covariates.collect(),
-            readings,
-            targets: vec![String::new()],
-            positions: vec![None; rows],
-            orientations: Vec::new(),
-            distances: Vec::new(),
-            labels: Vec::new(),
-            locate: vec![false; rows],
-            lines: (0..rows).map(|row| row + 2).collect(),
-            joints,
-        };
+        let covariates = covariates.collect();
+        let mut data = Measurements::empty("rich.csv", joints, Scene::of(POSITION, 1));
+        let width = data.joints.len();
+        for row in 0..rows {
+            let reading: Vec<f64> = (0..width).map(|k| value(row, k)).collect();
+            data.end_row(&reading, row + 2, false);
+        }
+        data.covariates = covariates;
         with_run_order(data)
     }
 

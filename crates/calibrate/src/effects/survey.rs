@@ -1,7 +1,7 @@
 //! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
 
 use crate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, Statics};
-use crate::measurements::{Covariate, MeasurementKind, Measurements};
+use crate::measurements::{Covariate, Measurements};
 use denavit_model::Screw;
 use std::f64::consts::PI;
 
@@ -32,8 +32,10 @@ pub struct Clock {
 pub struct Survey {
     /// The nominal chain and its masses.
     pub statics: Statics,
-    /// What is measured.
-    pub kind: MeasurementKind,
+    /// Whether values are read in an instrument's frame.
+    pub instrument: bool,
+    /// Whether lengths from points that stand still are read.
+    pub anchor: bool,
     /// Lowest and highest value of each joint, rad or m.
     pub ranges: Vec<(f64, f64)>,
     /// Names of recorded temperatures.
@@ -71,7 +73,9 @@ impl Survey {
             sorted.sort_by(f64::total_cmp);
             (sorted.len() > 3 * ROWS_BESIDE_STEP).then(|| Clock { name: name.into(), sorted })
         });
-        Self { statics: statics.clone(), kind: data.kind, ranges, temperatures, clock, recorded, gear_ratios }
+        let (instrument, anchor) = (data.scene.has_instruments(), !data.scene.points.is_empty());
+        let statics = statics.clone();
+        Self { statics, instrument, anchor, ranges, temperatures, clock, recorded, gear_ratios }
     }
 
     /// Joints whose value changes.

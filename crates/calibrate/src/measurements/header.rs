@@ -1,7 +1,7 @@
 //! What each column of a measurement file is.
 
-use super::MeasurementKind;
 use super::problem::Problem;
+use crate::observe::{KINDS, ObservationKind};
 use denavit_model::{Coordinate, Quantity};
 
 /// What a column holds.
@@ -9,12 +9,8 @@ use denavit_model::{Coordinate, Quantity};
 pub(super) enum Role {
     /// Reading of this coordinate.
     Joint(usize),
-    /// Component 0-2 of this target's position.
-    Position(usize, usize),
-    /// Component of the quaternion: x, y, z, w.
-    Quaternion(usize),
-    /// Distance from the anchor.
-    Distance,
+    /// A number of this group: which group, which of its columns.
+    Value(usize, usize),
     /// Whether the row only places targets.
     Locate,
     /// Something else: a number or a text.
@@ -26,8 +22,15 @@ pub(super) enum Role {
 pub(super) struct Header {
     pub names: Vec<String>,
     pub roles: Vec<Role>,
-    pub kind: MeasurementKind,
-    pub targets: Vec<String>,
+    pub groups: Vec<Group>,
+}
+
+/// Columns that make up one observation.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    pub kind: ObservationKind,
+    pub target: String,
+    pub columns: Vec<String>,
 }
 
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
@@ -38,13 +41,14 @@ impl Header {
     pub fn read(names: Vec<String>, coordinates: &[Coordinate]) -> Result<Self, Vec<Problem>> {
         let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
-        let roles = roles(&names, coordinates, &targets);
+        let groups = groups(&names, &targets);
+        let roles = roles(&names, coordinates, &groups);
         for (index, coordinate) in coordinates.iter().enumerate() {
             if !roles.contains(&Role::Joint(index)) {
                 problems.push(missing_joint(coordinate, &names, &roles, coordinates));
             }
         }
-        let kind = kind(&names, &roles, &targets, &mut problems);
+        measured(&names, &roles, &groups, &targets, &mut problems);
         for (name, role) in names.iter().zip(&roles) {
             if *role == Role::Other {
                 problems.extend(unknown_joint(name, coordinates));
@@ -53,8 +57,7 @@ impl Header {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let targets = if kind == MeasurementKind::Distance { vec![String::new()] } else { targets };
-        Ok(Self { names, roles, kind, targets })
+        Ok(Self { names, roles, groups })
     }
 }
 
@@ -101,37 +104,42 @@ fn targets(names: &[String], problems: &mut Vec<Problem>) -> Vec<String> {
     targets
 }
 
-fn roles(names: &[String], coordinates: &[Coordinate], targets: &[String]) -> Vec<Role> {
+/// The observations that a row may hold, by kind and target; no column belongs to two.
+fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for kind in KINDS {
+        let unnamed = std::iter::once(String::new());
+        for target in unnamed.chain(targets.iter().filter(|target| !target.is_empty()).cloned()) {
+            let columns = kind.columns(&target);
+            let free =
+                |column: &String| names.contains(column) && !groups.iter().any(|group| group.columns.contains(column));
+            if !columns.is_empty() && columns.iter().all(free) {
+                groups.push(Group { kind, target, columns });
+            }
+        }
+    }
+    groups
+}
+
+fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<Role> {
     let role = |name: &String| {
         if let Some(index) = coordinates.iter().position(|coordinate| coordinate.name == *name) {
             return Role::Joint(index);
         }
-        if let Some(component) = QUATERNION.iter().position(|q| q == name) {
-            return Role::Quaternion(component);
-        }
-        for (target, suffix) in targets.iter().enumerate() {
-            for (component, letter) in COMPONENTS.iter().enumerate() {
-                if name.strip_prefix(letter) == Some(suffix) {
-                    return Role::Position(target, component);
-                }
+        for (group, of) in groups.iter().enumerate() {
+            if let Some(column) = of.columns.iter().position(|column| column == name) {
+                return Role::Value(group, column);
             }
         }
-        match name.as_str() {
-            "distance" => Role::Distance,
-            "locate" => Role::Locate,
-            _ => Role::Other,
-        }
+        if name == "locate" { Role::Locate } else { Role::Other }
     };
     names.iter().map(role).collect()
 }
 
-fn kind(names: &[String], roles: &[Role], targets: &[String], problems: &mut Vec<Problem>) -> MeasurementKind {
-    let quaternion = QUATERNION.iter().filter(|q| names.iter().any(|name| name == *q)).count();
-    let distance = roles.contains(&Role::Distance);
-    if distance && !targets.is_empty() {
-        problems.push(Problem::TwoKinds(format!("x{}", targets[0]), "distance".into()));
-    }
-    if !distance && targets.is_empty() {
+/// What is wrong with the measured columns.
+fn measured(names: &[String], roles: &[Role], groups: &[Group], targets: &[String], problems: &mut Vec<Problem>) {
+    let has = |wanted: &str| names.iter().any(|name| name == wanted);
+    if groups.is_empty() && targets.is_empty() {
         let other = |wanted: &str| {
             names.iter().zip(roles).find(|(name, role)| {
                 **role == Role::Other && (name.eq_ignore_ascii_case(wanted) || nearly(name, wanted))
@@ -140,30 +148,16 @@ fn kind(names: &[String], roles: &[Role], targets: &[String], problems: &mut Vec
         let suggestion = ["distance", "x", "x1"].iter().find_map(|wanted| other(wanted)).map(|(name, _)| name.clone());
         problems.push(Problem::NothingMeasured { suggestion });
     }
-    if quaternion > 0 {
-        for missing in QUATERNION.iter().filter(|q| !names.iter().any(|name| name == *q)) {
-            problems.push(Problem::Incomplete {
-                missing: (*missing).into(),
-                present: QUATERNION
-                    .iter()
-                    .find(|q| names.iter().any(|name| name == *q))
-                    .copied()
-                    .unwrap_or("qx")
-                    .into(),
-                group: "qx, qy, qz, qw".into(),
-            });
-        }
-        if targets.len() > 1 {
-            problems.push(Problem::QuaternionOfSeveral(targets.len()));
-        }
-        if distance {
-            problems.push(Problem::TwoKinds("qx".into(), "distance".into()));
-        }
+    let Some(present) = QUATERNION.iter().find(|name| has(name)) else { return };
+    for missing in QUATERNION.iter().filter(|name| !has(name)) {
+        problems.push(Problem::Incomplete {
+            missing: (*missing).into(),
+            present: (*present).into(),
+            group: "qx, qy, qz, qw".into(),
+        });
     }
-    match (distance, quaternion > 0) {
-        (true, _) => MeasurementKind::Distance,
-        (false, true) => MeasurementKind::Pose,
-        (false, false) => MeasurementKind::Position,
+    if targets.len() > 1 {
+        problems.push(Problem::QuaternionOfSeveral(targets.len()));
     }
 }
 

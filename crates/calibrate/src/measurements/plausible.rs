@@ -1,8 +1,8 @@
 //! Whether measured data can belong to the chain, and what a user must know of them.
 
+use super::Measurements;
 use super::problem::Problem;
 use super::read::DataNote;
-use super::{MeasurementKind, Measurements};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Quantity};
 
@@ -15,10 +15,10 @@ const SAME_TARGET: f64 = 1e-9;
 
 /// Leaves out targets that repeat another one or that no row sees.
 pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
-    if data.kind != MeasurementKind::Position {
+    let count = data.scene.targets.len();
+    if !data.scene.kinds().iter().all(|kind| kind.of_several()) {
         return;
     }
-    let count = data.targets.len();
     let mut keep: Vec<usize> = Vec::new();
     for target in 0..count {
         let seen = (0..data.len()).any(|row| data.position(row, target).is_some());
@@ -30,24 +30,22 @@ pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
             })
         });
         match (seen, twin) {
-            (false, _) => notes.push(DataNote::NeverSeen { target: data.targets[target].clone() }),
-            (true, Some(of)) => notes
-                .push(DataNote::DuplicateTarget { target: data.targets[target].clone(), of: data.targets[of].clone() }),
+            (false, _) => notes.push(DataNote::NeverSeen { target: data.scene.targets[target].clone() }),
+            (true, Some(of)) => notes.push(DataNote::DuplicateTarget {
+                target: data.scene.targets[target].clone(),
+                of: data.scene.targets[of].clone(),
+            }),
             (true, None) => keep.push(target),
         }
     }
     if keep.len() < count {
-        let rows = data.len();
-        data.positions = (0..rows)
-            .flat_map(|row| keep.iter().map(|&target| data.positions[row * count + target]).collect::<Vec<_>>())
-            .collect();
-        data.targets = keep.iter().map(|&target| data.targets[target].clone()).collect();
+        data.keep_targets(&(0..count).map(|target| keep.contains(&target)).collect::<Vec<bool>>());
     }
 }
 
 /// Problems that only the values as a whole show: units, nothing seen.
 pub(super) fn problems(data: &Measurements, chain: &Chain) -> Vec<(u64, Problem)> {
-    if data.targets.is_empty() {
+    if data.scene.targets.is_empty() {
         return vec![(0, Problem::NothingSeen)];
     }
     let mut problems = readings_in_other_units(data, chain);
@@ -85,16 +83,16 @@ fn readings_in_other_units(data: &Measurements, chain: &Chain) -> Vec<(u64, Prob
 
 fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<Problem> {
     let reach = 2.0 * chain.reach_beyond(0, &denavit_model::nalgebra::Point3::origin());
-    let (what, span) = if data.kind == MeasurementKind::Distance {
-        let (low, high) =
-            data.distances.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
-        ("distances", high - low)
-    } else {
-        let seen = || data.positions.iter().flatten();
-        let low = seen().fold(Vector3::repeat(f64::INFINITY), |low, p| low.inf(p));
-        let high = seen().fold(Vector3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
-        ("positions", (high - low).norm())
-    };
+    let all = || (0..data.observations()).map(|at| (data.series_of(at).kind, data.observed.values(at)));
+    let places = || all().filter_map(|(kind, values)| kind.position(values));
+    let low = places().fold(Vector3::repeat(f64::INFINITY), |low, p| low.inf(&p));
+    let high = places().fold(Vector3::repeat(f64::NEG_INFINITY), |high, p| high.sup(&p));
+    let (mut what, mut span) = ("positions", (high - low).norm());
+    let lengths = all().filter(|(kind, _)| kind.place().height == 1).filter_map(|(_, values)| values.first());
+    let (low, high) = lengths.fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
+    if places().next().is_none() {
+        (what, span) = ("distances", high - low);
+    }
     (span > BEYOND_REACH * reach.max(1e-3)).then_some(Problem::BeyondReach { what, span, reach })
 }
 

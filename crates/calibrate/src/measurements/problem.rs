@@ -99,9 +99,6 @@ pub enum Problem {
         /// A column whose name is nearly right.
         suggestion: Option<String>,
     },
-    /// Positions and distances in one file.
-    #[error("there are both \"{0}\" and \"{1}\"; a file holds positions or distances: remove one")]
-    TwoKinds(String, String),
     /// A part of a group of columns is missing.
     #[error("column \"{missing}\" is missing beside \"{present}\"; {group} belong together")]
     Incomplete {

@@ -4,8 +4,7 @@ use super::header::{Header, Role, quantity_of};
 use super::plausible;
 use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
-use super::{Covariate, Label, MeasurementKind, Measurements, QUATERNION_TOLERANCE};
-use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use super::{Covariate, Label, Measurements, Scene};
 use denavit_model::{Chain, Quantity};
 use std::fmt;
 use std::io::Read;
@@ -233,9 +232,9 @@ impl<'a> Table<'a> {
         let of = |quantity: Quantity| if quantity == Quantity::Angle { units.angle } else { units.length };
         let factor = |(name, role): (&String, &Role)| match role {
             Role::Joint(index) => of(coordinates[*index].quantity),
-            Role::Position(..) | Role::Distance => units.length,
+            Role::Value(group, column) if *column < header.groups[*group].kind.lengths() => units.length,
             Role::Other => quantity_of(name, coordinates).map_or(1.0, of),
-            Role::Quaternion(_) | Role::Locate => 1.0,
+            Role::Value(..) | Role::Locate => 1.0,
         };
         let factors: Vec<f64> = header.names.iter().zip(&header.roles).map(factor).collect();
         let other = |((name, role), factor): ((&String, &Role), &f64)| {
@@ -250,20 +249,12 @@ impl<'a> Table<'a> {
             })
         };
         let others = header.names.iter().zip(&header.roles).zip(&factors).filter_map(other).collect();
-        let data = Measurements {
-            source: source.into(),
-            kind: header.kind,
-            joints: coordinates.iter().map(|coordinate| coordinate.name.clone()).collect(),
-            readings: Vec::new(),
-            targets: header.targets.clone(),
-            positions: Vec::new(),
-            orientations: Vec::new(),
-            distances: Vec::new(),
-            covariates: Vec::new(),
-            labels: Vec::new(),
-            locate: Vec::new(),
-            lines: Vec::new(),
-        };
+        let joints = coordinates.iter().map(|coordinate| coordinate.name.clone()).collect();
+        let mut scene = Scene::default();
+        for group in &header.groups {
+            scene.add(group.kind, "", &group.target, None);
+        }
+        let data = Measurements::empty(source, joints, scene);
         Self { header, factors, data, others, normalised_by: 0.0 }
     }
 
@@ -274,10 +265,10 @@ impl<'a> Table<'a> {
             return;
         }
         let row = self.data.lines.len();
-        let first_reading = self.data.readings.len();
-        self.data.readings.resize(first_reading + self.data.joints.len(), 0.0);
-        let mut positions = vec![[None::<f64>; 3]; self.data.targets.len()];
-        let mut quaternion = [f64::NAN; 4];
+        let mut reading = vec![0.0; self.data.joints.len()];
+        let mut cells: Vec<Vec<Option<f64>>> =
+            self.header.groups.iter().map(|of| vec![None; of.columns.len()]).collect();
+        let mut unreadable = vec![false; cells.len()];
         let mut locate = false;
         let mut other = 0;
         for (column, cell) in record.iter().enumerate() {
@@ -288,26 +279,25 @@ impl<'a> Table<'a> {
                 other += 1;
                 continue;
             }
-            if cell.is_empty() && matches!(role, Role::Position(..)) && self.header.kind == MeasurementKind::Position {
+            if let Role::Value(group, _) = role
+                && cell.is_empty()
+                && (self.header.groups.len() > 1 || self.header.groups[group].kind.of_several())
+            {
                 continue;
             }
             let value = match number(name, cell) {
                 Ok(value) => value * self.factors[column],
                 Err(problem) => {
                     problems.add(line, problem);
+                    if let Role::Value(group, _) = role {
+                        unreadable[group] = true;
+                    }
                     0.0
                 }
             };
             match role {
-                Role::Joint(index) => self.data.readings[first_reading + index] = value,
-                Role::Position(target, component) => positions[target][component] = Some(value),
-                Role::Quaternion(component) => quaternion[component] = value,
-                Role::Distance => {
-                    if value <= 0.0 && !cell.is_empty() {
-                        problems.add(line, Problem::NotPositive(value));
-                    }
-                    self.data.distances.push(value);
-                }
+                Role::Joint(index) => reading[index] = value,
+                Role::Value(group, column) => cells[group][column] = Some(value),
                 Role::Locate => {
                     if value != 0.0 && value != 1.0 {
                         problems.add(line, Problem::NotAFlag(value));
@@ -317,41 +307,31 @@ impl<'a> Table<'a> {
                 Role::Other => {}
             }
         }
-        self.positions(line, &positions, problems);
-        if self.header.kind == MeasurementKind::Pose {
-            self.orientation(line, quaternion, problems);
+        for (group, cells) in cells.iter().enumerate().filter(|(group, _)| !unreadable[*group]) {
+            self.observation(line, group, cells, problems);
         }
-        self.data.locate.push(locate);
-        self.data.lines.push(usize::try_from(line).unwrap_or(usize::MAX));
+        self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
     }
 
-    fn positions(&mut self, line: u64, positions: &[[Option<f64>; 3]], problems: &mut Problems<'_>) {
-        if self.header.kind == MeasurementKind::Distance {
+    /// What the cells of a group say; all of them empty: not seen.
+    fn observation(&mut self, line: u64, group: usize, cells: &[Option<f64>], problems: &mut Problems<'_>) {
+        let of = &self.header.groups[group];
+        let there: Vec<f64> = cells.iter().flatten().copied().collect();
+        if there.is_empty() {
             return;
         }
-        for (target, position) in positions.iter().enumerate() {
-            let whole = match *position {
-                [Some(x), Some(y), Some(z)] => Some(Vector3::new(x, y, z)),
-                [None, None, None] => None,
-                _ => {
-                    problems.add(line, Problem::PartOfTarget { target: self.data.targets[target].clone() });
-                    None
-                }
-            };
-            self.data.positions.push(whole);
-        }
-    }
-
-    fn orientation(&mut self, line: u64, [x, y, z, w]: [f64; 4], problems: &mut Problems<'_>) {
-        let quaternion = Quaternion::new(w, x, y, z);
-        let length = quaternion.norm();
-        if (length - 1.0).abs() > QUATERNION_TOLERANCE {
-            problems.add(line, Problem::NotAUnitQuaternion { length });
-            self.data.orientations.push(Rotation3::identity());
+        if there.len() < cells.len() {
+            problems.add(line, Problem::PartOfTarget { target: of.target.clone() });
             return;
         }
-        self.normalised_by = self.normalised_by.max((length - 1.0).abs());
-        self.data.orientations.push(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix());
+        let mut values = Vec::new();
+        match of.kind.of_cells(&there, &mut values) {
+            Ok(changed) => {
+                self.normalised_by = self.normalised_by.max(changed);
+                self.data.observed.push(group, &values);
+            }
+            Err(problem) => problems.add(line, problem),
+        }
     }
 
     fn finish(mut self, chain: &Chain, mut problems: Problems<'_>) -> Result<Loaded, DataError> {

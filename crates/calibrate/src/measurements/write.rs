@@ -1,7 +1,6 @@
 //! Writing a measurement file: what [`super::read`] reads.
 
-use super::{MeasurementKind, Measurements};
-use denavit_model::nalgebra::UnitQuaternion;
+use super::Measurements;
 
 /// The data as CSV text in m and rad, with `comments` on top, every number with all its digits.
 pub fn write(data: &Measurements, comments: &[String]) -> String {
@@ -13,14 +12,9 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
     }
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = data.joints.clone();
-    match data.kind {
-        MeasurementKind::Distance => header.push("distance".into()),
-        MeasurementKind::Pose => header.extend(["x", "y", "z", "qx", "qy", "qz", "qw"].map(String::from)),
-        MeasurementKind::Position => {
-            for target in &data.targets {
-                header.extend(["x", "y", "z"].map(|axis| format!("{axis}{target}")));
-            }
-        }
+    let targets = &data.scene.targets;
+    for series in &data.scene.series {
+        header.extend(series.kind.columns(&targets[series.target]));
     }
     header.extend(data.covariates.iter().map(|column| column.name.clone()));
     header.extend(data.labels.iter().map(|column| column.name.clone()));
@@ -32,20 +26,14 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
     writer.write_record(&header).expect(to_memory);
     for row in 0..data.len() {
         let mut cells: Vec<String> = data.reading(row).iter().map(f64::to_string).collect();
-        match data.kind {
-            MeasurementKind::Distance => cells.push(data.distances[row].to_string()),
-            MeasurementKind::Pose | MeasurementKind::Position => {
-                for target in 0..data.targets.len() {
-                    match data.position(row, target) {
-                        Some(position) => cells.extend(position.iter().map(f64::to_string)),
-                        None => cells.extend([String::new(), String::new(), String::new()]),
-                    }
+        for (index, series) in data.scene.series.iter().enumerate() {
+            match data.of_row(row).find(|&observation| data.observed.series(observation) == index) {
+                Some(observation) => {
+                    let values = series.kind.to_cells(data.observed.values(observation));
+                    cells.extend(values.iter().map(f64::to_string));
                 }
+                None => cells.extend(series.kind.columns(&targets[series.target]).iter().map(|_| String::new())),
             }
-        }
-        if data.kind == MeasurementKind::Pose {
-            let quaternion = UnitQuaternion::from_rotation_matrix(&data.orientations[row]);
-            cells.extend(quaternion.coords.iter().map(f64::to_string));
         }
         cells.extend(data.covariates.iter().map(|column| column.values[row].to_string()));
         cells.extend(data.labels.iter().map(|column| column.values[row].clone()));

@@ -1,7 +1,7 @@
 //! A plan as CSV for the robot, as text and as JSON.
 
 use super::Plan;
-use crate::measurements::MeasurementKind;
+use crate::observe::ObservationKind;
 use denavit_model::Chain;
 use serde_json::json;
 use std::fmt::Write;
@@ -25,7 +25,7 @@ impl Plan {
     }
 
     /// The same as JSON.
-    pub fn to_json(&self, chain: &Chain, kind: MeasurementKind) -> String {
+    pub fn to_json(&self, chain: &Chain, kind: ObservationKind) -> String {
         let value = json!({
             "schema": SCHEMA,
             "robot": chain.name(),

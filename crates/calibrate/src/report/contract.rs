@@ -1,7 +1,6 @@
 //! The JSON of `calibrate`: names and order are a contract.
 
 use crate::errors::Errors;
-use crate::measurements::MeasurementKind;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -19,8 +18,8 @@ pub struct CalibrationReport {
     pub base: String,
     /// Name of the tip link.
     pub tip: String,
-    /// What was measured.
-    pub measurement: MeasurementKind,
+    /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
+    pub measurement: String,
     /// Rows used.
     pub samples: Samples,
     /// Counts of parameters.

@@ -2,7 +2,6 @@
 
 use crate::calibration::{Calibration, StageResiduals};
 use crate::effects::catalogue::{KINDS, Kind};
-use crate::measurements::MeasurementKind;
 use crate::report::plots::{self, Plot, PlotError};
 use crate::report::{text, trace_plots};
 use crate::trace::Trace;
@@ -52,8 +51,8 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 histograms => Value::from(Serde([plots::histogram(before, after)?])),
                 joint_plots => Value::from(Serde(joint_plots)),
                 stages => Value::from(Serde(&result.report.stages)),
-                distances => result.report.measurement == MeasurementKind::Distance,
-                poses => result.report.measurement == MeasurementKind::Pose,
+                distances => result.train.scene.channels.iter().all(|part| part.height == 1),
+                poses => result.train.scene.channels.iter().any(|part| part.unit == "rad"),
                 effects => Value::from(Serde(effects(result)?)),
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),
@@ -124,26 +123,31 @@ fn scan(trace: &Trace) -> Scan {
 }
 
 fn remains(result: &Calibration, after: &StageResiduals) -> Result<[Plot; 2], PlotError> {
-    let noise = result.trace.as_ref().map_or(result.identification.geometric.noise, |trace| trace.fit.noise);
-    Ok([trace_plots::quantiles(&after.train, noise)?, trace_plots::autocorrelation(&after.train, noise)?])
+    let noise = result.trace.as_ref().map_or(&result.identification.geometric.noise, |trace| &trace.fit.noise);
+    let scene = &result.train.scene;
+    Ok([trace_plots::quantiles(&after.train, scene, noise)?, trace_plots::autocorrelation(&after.train, scene, noise)?])
 }
 
 /// Side and top view; none for distances, which have no direction.
 fn on_robot(result: &Calibration, before: &StageResiduals, after: &StageResiduals) -> Result<Vec<Plot>, PlotError> {
-    if result.train.kind == MeasurementKind::Distance {
+    let scene = &result.train.scene;
+    if scene.channels.iter().all(|part| part.height == 1) {
         return Ok(Vec::new());
     }
     let arm = result.arm();
     let chain = &arm.nominal;
     let skeleton: Vec<Vector3<f64>> = chain.skeleton().iter().map(|point| point.coords).collect();
     let (mut places, mut first, mut last) = (Vec::new(), Vec::new(), Vec::new());
-    for residual in &after.train {
-        let twin = before.train.iter().find(|other| (other.row, other.target) == (residual.row, residual.target));
+    for residual in after.train.iter().filter(|residual| scene.series[residual.series].kind.place().height == 3) {
+        let twin = before.train.iter().find(|other| other.observation == residual.observation);
         let Some(twin) = twin else { continue };
         let tip = chain.fk(result.train.reading(residual.row));
-        places.push(tip.rotation * arm.targets[residual.target].translation.vector + tip.translation.vector);
-        first.push(twin.position);
-        last.push(residual.position);
+        places.push(
+            tip.rotation * arm.targets[scene.series[residual.series].target].translation.vector
+                + tip.translation.vector,
+        );
+        first.push(twin.place);
+        last.push(residual.place);
     }
     let view = |axes| plots::on_robot(&skeleton, &places, [&first, &last], axes);
     Ok(vec![view([0, 2])?, view([0, 1])?])

@@ -3,12 +3,13 @@
 use crate::calibration::Calibration;
 use crate::effects::driver::RUN_ORDER;
 use crate::errors::Errors;
-use crate::measurements::{MeasurementKind, Measurements};
+use crate::measurements::{Measurements, Scene};
+use crate::observe::Part;
 use crate::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
 use crate::report::contract::Stage;
 use crate::report::findings::findings;
-use crate::solve::{Fit, Noise};
+use crate::solve::Fit;
 use crate::trace::Trace;
 use std::fmt::Write;
 
@@ -38,39 +39,46 @@ fn millimetres(metres: Option<f64>) -> String {
     metres.map_or_else(|| "-".into(), |metres| format!("{:.4}", metres * 1e3))
 }
 
-fn cells(errors: Option<&Errors>, kind: MeasurementKind) -> Vec<String> {
-    let none = Errors::default();
-    let e = errors.unwrap_or(&none);
-    let (rms, mean, max) = if kind == MeasurementKind::Distance {
-        (e.distance_rms_m, e.distance_mean_m, e.distance_max_m)
-    } else {
-        (e.position_rms_m, e.position_mean_m, e.position_max_m)
-    };
-    let mut cells = vec![millimetres(rms), millimetres(mean), millimetres(max)];
-    if kind == MeasurementKind::Pose {
-        cells.push(millimetres(e.orientation_rms_rad));
+/// Root mean square, mean and largest of a length; of an angle that stands beside it the first alone.
+fn cells(errors: Option<&Errors>, of: [Option<&Part>; 2]) -> Vec<String> {
+    let error = |part: &Part| errors.and_then(|errors| errors.of(part.word));
+    let mut cells = Vec::new();
+    if let Some(length) = of[0] {
+        let error = error(length);
+        cells.extend([error.map(|e| e.rms), error.map(|e| e.mean), error.map(|e| e.max)].map(millimetres));
+    }
+    if let Some(angle) = of[1] {
+        cells.push(millimetres(error(angle).map(|e| e.rms)));
     }
     cells
 }
 
-/// The before/after table: one line per stage, errors in mm and mrad.
-pub fn stages(stages: &[Stage], kind: MeasurementKind) -> String {
+/// The before/after table: one line per stage, errors in mm and mrad; a table for each sort of length.
+pub fn stages(stages: &[Stage], scene: &Scene) -> String {
+    let lengths: Vec<&Part> = scene.channels.iter().filter(|part| part.unit == "m").collect();
+    let angle = scene.channels.iter().find(|part| part.unit != "m");
+    let tables = lengths.iter().enumerate().map(|(index, length)| {
+        let title = if lengths.len() > 1 { format!("{} in mm", length.word) } else { "errors in mm".into() };
+        one_table(stages, title, [Some(length), angle.filter(|_| index == 0)])
+    });
+    tables.collect::<Vec<String>>().join("\n")
+}
+
+fn one_table(stages: &[Stage], title: String, of: [Option<&Part>; 2]) -> String {
     let tested = stages.iter().any(|stage| stage.test.is_some());
-    let mut header: Vec<String> = vec!["errors in mm".into()];
+    let mut header: Vec<String> = vec![title];
     for (part, wanted) in [("train", true), ("test", tested)] {
         if wanted {
             header.extend([format!("{part} rms"), "mean".into(), "max".into()]);
-            if kind == MeasurementKind::Pose {
-                header.push("rms, mrad".into());
-            }
+            header.extend(of[1].map(|_| "rms, mrad".into()));
         }
     }
     let mut rows = vec![header];
     for stage in stages {
         let mut row = vec![stage.name.clone()];
-        row.extend(cells(Some(&stage.train), kind));
+        row.extend(cells(Some(&stage.train), of));
         if tested {
-            row.extend(cells(stage.test.as_ref(), kind));
+            row.extend(cells(stage.test.as_ref(), of));
         }
         rows.push(row);
     }
@@ -167,7 +175,7 @@ pub fn calibration(result: &Calibration) -> String {
         report.base,
         report.tip,
         samples.train,
-        crate::errors::kind_word(report.measurement),
+        result.train.scene.words(),
         samples.test
     );
     let _ = writeln!(
@@ -183,7 +191,7 @@ pub fn calibration(result: &Calibration) -> String {
         let _ = writeln!(text, "rejected as gross outliers, lines: {}", lines.join(", "));
     }
     text.push('\n');
-    text.push_str(&stages(&report.stages, report.measurement));
+    text.push_str(&stages(&report.stages, &result.train.scene));
     text.push('\n');
     if let Some(trace) = &result.trace {
         text.push_str(&findings(trace));
@@ -191,16 +199,20 @@ pub fn calibration(result: &Calibration) -> String {
     }
     let geometric = &result.identification.geometric;
     let (noise, parameters, values) = match &result.trace {
-        Some(trace) => (trace.fit.noise, trace.fit.parameters_used[0], trace.fit.values[0]),
-        None => (geometric.noise, geometric.parameters_used[0], geometric.values[0]),
+        Some(trace) => (&trace.fit.noise, &trace.fit.parameters_used, &trace.fit.values),
+        None => (&geometric.noise, &geometric.parameters_used, &geometric.values),
     };
-    let _ = writeln!(text, "noise floor: {:.4} mm per component{}", noise.position * 1e3, of_norm(result, noise));
-    if noise.orientation > 0.0 {
-        let _ = writeln!(text, "  and {:.4} mrad per component of orientation", noise.orientation * 1e3);
+    let scene = &result.train.scene;
+    for (channel, (part, level)) in scene.channels.iter().zip(&noise.levels).enumerate() {
+        noise_floor(&mut text, scene, channel, part, *level);
     }
-    if values > 0.0 {
-        let attainable = noise.position * components(result).sqrt() * (1.0 + parameters / values).sqrt();
-        let _ = writeln!(text, "attainable on rows held out: {:.4} mm rms", attainable * 1e3);
+    for (channel, part) in scene.channels.iter().enumerate().filter(|(_, part)| part.unit == "m") {
+        if values[channel] > 0.0 {
+            let norm = noise.levels[channel] * (part.height as f64).sqrt();
+            let attainable = norm * (1.0 + parameters[channel] / values[channel]).sqrt() * 1e3;
+            let of = if several_lengths(scene) { format!(" of {}", part.word) } else { String::new() };
+            let _ = writeln!(text, "attainable on rows held out: {attainable:.4} mm rms{of}");
+        }
     }
     if let Some(rounding) = &result.rounding {
         let _ = writeln!(text, "{rounding}");
@@ -208,17 +220,20 @@ pub fn calibration(result: &Calibration) -> String {
     text
 }
 
-/// Measured numbers in one position or distance.
-fn components(result: &Calibration) -> f64 {
-    if result.report.measurement == MeasurementKind::Distance { 1.0 } else { 3.0 }
+fn several_lengths(scene: &Scene) -> bool {
+    scene.channels.iter().filter(|part| part.unit == "m").count() > 1
 }
 
-fn of_norm(result: &Calibration, noise: Noise) -> String {
-    let components = components(result);
-    if components == 1.0 {
-        return String::new();
+fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, level: f64) {
+    if part.unit != "m" {
+        let _ = writeln!(text, "  and {:.4} mrad per component of {}", level * 1e3, part.word);
+        return;
     }
-    format!(", {:.4} mm rms of the error's length", noise.position * components.sqrt() * 1e3)
+    let of = if several_lengths(scene) { format!(" of {}", part.word) } else { String::new() };
+    let norm = level * (part.height as f64).sqrt() * 1e3;
+    let of_norm = if part.height == 1 { String::new() } else { format!(", {norm:.4} mm rms of the error's length") };
+    let lead = if channel == 0 { "noise floor: " } else { "  and " };
+    let _ = writeln!(text, "{lead}{:.4} mm per component{of}{of_norm}", level * 1e3);
 }
 
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.

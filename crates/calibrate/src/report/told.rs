@@ -1,7 +1,6 @@
 //! What measurements can tell of a robot, as text and as JSON.
 
 use crate::dh_form::DhForm;
-use crate::errors::kind_word;
 use crate::identifiability::Identifiability;
 use crate::report::text::table;
 use denavit_model::{Chain, Screw};
@@ -16,7 +15,7 @@ pub fn identifiability(found: &[Identifiability]) -> String {
     let mut rows = vec![["measured", "count", "", "rank", "weakest"].map(String::from).to_vec()];
     for one in found {
         rows.push(vec![
-            kind_word(one.kind).into(),
+            one.scene.words(),
             one.formula.clone(),
             format!("= {}", one.expected),
             one.rank.to_string(),
@@ -28,7 +27,7 @@ pub fn identifiability(found: &[Identifiability]) -> String {
         // One line for all that cannot be told for one reason.
         for together in one.untold.chunk_by(|a, b| a.why == b.why) {
             let names: Vec<&str> = together.iter().map(|untold| untold.parameter.as_str()).collect();
-            let kind = kind_word(one.kind);
+            let kind = one.scene.words();
             let _ = writeln!(text, "{kind}: {} cannot be told: {}", names.join(", "), together[0].why);
         }
     }
@@ -91,7 +90,7 @@ pub fn to_json(chain: &Chain, rows: usize, found: &[Identifiability], form: &DhF
         .iter()
         .map(|one| {
             json!({
-                "measurement": one.kind,
+                "measurement": one.scene.measured(),
                 "formula": one.formula,
                 "expected": one.expected,
                 "rank": one.rank,

@@ -1,9 +1,11 @@
 //! Plots of what the tracer found and of what it left.
 
 use crate::errors::Residual;
+use crate::measurements::Scene;
 use crate::report::plots::{AFTER, ARM, BEFORE, Plot, PlotError, svg};
 use crate::solve::Noise;
 use crate::trace::Portrait;
+use denavit_model::nalgebra::Vector3;
 use plotters::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -77,14 +79,16 @@ fn in_thousandths(ordinate: &str) -> (f64, String) {
     (1.0, ordinate.into())
 }
 
-/// Residual components over the noise, component by component in row order.
-fn standardised(residuals: &[Residual], noise: Noise) -> Vec<Vec<f64>> {
-    let mut components: Vec<Vec<f64>> =
-        (0..3).map(|k| residuals.iter().map(|residual| residual.position[k] / noise.position).collect()).collect();
-    if noise.orientation > 0.0 {
-        components.extend((0..3).map(|k| {
-            residuals.iter().map(|residual| residual.orientation[k] / noise.orientation).collect::<Vec<f64>>()
-        }));
+/// Residual components over the noise, channel by channel and component by component in row order.
+fn standardised(residuals: &[Residual], scene: &Scene, noise: &Noise) -> Vec<Vec<f64>> {
+    let mut components = Vec::new();
+    for (channel, (part, level)) in scene.channels.iter().zip(&noise.levels).enumerate() {
+        let own = |residual: &Residual| {
+            let which = scene.series[residual.series].channels.iter().position(|own| *own == Some(channel))?;
+            Some(if which == 0 { residual.place } else { residual.turn } / *level)
+        };
+        let vectors: Vec<Vector3<f64>> = residuals.iter().filter_map(own).collect();
+        components.extend((0..part.height).map(|k| vectors.iter().map(|vector| vector[k]).collect::<Vec<f64>>()));
     }
     components.retain(|values| values.iter().any(|value| *value != 0.0));
     components
@@ -94,8 +98,8 @@ fn standardised(residuals: &[Residual], noise: Noise) -> Vec<Vec<f64>> {
 ///
 /// # Errors
 /// A value is not finite.
-pub fn quantiles(residuals: &[Residual], noise: Noise) -> Result<Plot, PlotError> {
-    let mut values: Vec<f64> = standardised(residuals, noise).concat();
+pub fn quantiles(residuals: &[Residual], scene: &Scene, noise: &Noise) -> Result<Plot, PlotError> {
+    let mut values: Vec<f64> = standardised(residuals, scene, noise).concat();
     values.sort_by(f64::total_cmp);
     let normal = Normal::standard();
     let count = values.len() as f64;
@@ -117,9 +121,9 @@ pub fn quantiles(residuals: &[Residual], noise: Noise) -> Result<Plot, PlotError
 ///
 /// # Errors
 /// A value is not finite.
-pub fn autocorrelation(residuals: &[Residual], noise: Noise) -> Result<Plot, PlotError> {
-    let components = standardised(residuals, noise);
-    let rows = components.first().map_or(0, Vec::len);
+pub fn autocorrelation(residuals: &[Residual], scene: &Scene, noise: &Noise) -> Result<Plot, PlotError> {
+    let components = standardised(residuals, scene, noise);
+    let rows = components.iter().map(Vec::len).min().unwrap_or(0);
     let lags = LAGS.min(rows / 4);
     let at = |lag: usize| -> f64 {
         let (mut product, mut square) = (0.0, 0.0);

@@ -1,7 +1,6 @@
 //! What a simulated file was made of, as JSON: for judging what a calibration found.
 
 use crate::effects::model::EffectModel;
-use crate::measurements::MeasurementKind;
 use crate::parameters::{Freedom, Layout, Tolerances};
 use crate::simulate::{Simulation, SimulationOptions};
 use denavit_model::Pose;
@@ -23,7 +22,7 @@ fn pose(pose: &Pose) -> Value {
 pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectModel) -> String {
     let (arm, chain) = (&run.arm, &run.arm.nominal);
     let freedom = Freedom::axes(chain.joints().len());
-    let layout = Layout::new(chain, options.kind, &run.data.targets, &freedom, &Tolerances::default(), Vec::new());
+    let layout = Layout::new(chain, &run.data.scene, &freedom, &Tolerances::default(), Vec::new());
     let departure = layout.departure(arm, arm);
     let axes: Map<String, Value> =
         layout.joints.clone().map(|k| (layout.parameters[k].name.clone(), json!(departure[k]))).collect();
@@ -38,11 +37,12 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
         "noise": {"position_m": options.noise_position, "orientation_rad": options.noise_orientation},
         "axes": axes,
     });
-    if options.kind == MeasurementKind::Distance {
-        let anchor: [f64; 3] = arm.anchor.into();
-        truth["anchor"] = json!(anchor);
-    } else {
-        truth["instrument_from_base"] = pose(&arm.instrument);
+    for (point, name) in arm.points.iter().zip(&run.data.scene.points) {
+        let place: [f64; 3] = (*point).into();
+        truth[name] = json!(place);
+    }
+    if run.data.scene.has_instruments() {
+        truth["instrument_from_base"] = pose(&arm.instruments[0]);
     }
     truth["tip_from_targets"] = arm.targets.iter().map(pose).collect();
     truth["gross_errors"] = run.outliers.iter().map(|row| json!(row + 1)).collect();

@@ -245,7 +245,7 @@ fn moves(arm: &Arm, statics: &Statics, effect: &Effect, data: &Measurements) -> 
         Driver::Covariate(name) => residuals(arm, &model, &at_its_mean(data, name)),
         _ => residuals(arm, &NoEffects, data),
     };
-    let squares: f64 = with.iter().zip(&without).map(|(a, b)| (a.position - b.position).norm_squared()).sum();
+    let squares: f64 = with.iter().zip(&without).map(|(a, b)| (a.place - b.place).norm_squared()).sum();
     (squares / with.len().max(1) as f64).sqrt()
 }
 

@@ -83,9 +83,9 @@ impl Tracer<'_> {
         let numbers: usize =
             state.chosen.iter().map(|candidate| candidate.scanned).sum::<usize>() + fit.layout.effects.len();
         let handicaps: f64 = state.chosen.iter().map(|candidate| handicap(candidate.term.kind)).sum();
-        let channels = [fit.noise.position, fit.noise.orientation].into_iter().zip(fit.values).zip(fit.parameters_used);
+        let channels = fit.noise.levels.iter().zip(&fit.values).zip(&fit.parameters_used);
         let misfit: f64 = channels
-            .filter(|((noise, values), _)| *noise > 0.0 && *values > 0.0)
+            .filter(|((noise, values), _)| **noise > 0.0 && **values > 0.0)
             .map(|((noise, values), used)| values * (noise * noise * (values - used) / values).ln())
             .sum();
         let rejected = fit.weights.iter().filter(|weight| **weight == 0.0).count();

@@ -5,9 +5,9 @@ use crate::effects::carrier::{Action, Carrier};
 use crate::effects::driver::Posture;
 use crate::effects::model::{EffectModel, add_sensitivity};
 use crate::gauge;
-use crate::measurements::{MeasurementKind, Measurements};
-use crate::parameters::{Effects, Layout, Parameter, ParameterKind, Sensitivity};
-use crate::residual::{Problem, Scratch, width};
+use crate::measurements::Measurements;
+use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use crate::residual::{Problem, Scratch};
 use crate::solve::Fit;
 use crate::trace::search::postures;
 use denavit_model::nalgebra::{DMatrix, DVector};
@@ -72,26 +72,6 @@ impl Effects for Probe<'_> {
     }
 }
 
-/// The layout with other effects in it.
-pub fn with_effects(layout: &Layout, effects: Vec<Parameter>) -> Layout {
-    let joints = layout.parameters[layout.joints.clone()].to_vec();
-    let (before, count) = (joints.len(), effects.len());
-    let rest = layout.parameters[layout.effects.end..].to_vec();
-    let shift = |range: &std::ops::Range<usize>| {
-        range.start - layout.effects.end + before + count..range.end - layout.effects.end + before + count
-    };
-    Layout {
-        parameters: joints.into_iter().chain(effects).chain(rest).collect(),
-        joints: 0..before,
-        effects: before..before + count,
-        instrument: shift(&layout.instrument),
-        targets: shift(&layout.targets),
-        across: layout.across.clone(),
-        kind: layout.kind,
-        prior: layout.prior.clone(),
-    }
-}
-
 /// Linearises a fit about its state, with columns for these carriers.
 pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, carriers: &[Carrier]) -> Linear {
     let model = &fit.effects;
@@ -104,23 +84,18 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     }
     let own = fit.layout.effects.len();
     let probe = Probe { model, directions };
-    let layout = with_effects(&fit.layout, probe.parameters());
+    let layout = fit.layout.with_effects(probe.parameters());
     let problem = Problem { data, layout: &layout, effects: &probe };
-    let (targets, step, columns) = (data.targets.len(), width(data.kind), layout.len());
+    let columns = layout.len();
     let mut scratch = Scratch::new(&layout, &fit.arm);
-    let mut residual = vec![0.0; targets * step];
-    let mut jacobian = vec![0.0; targets * step * columns];
-    let kept: Vec<(usize, usize)> = (0..data.len())
-        .flat_map(|row| (0..targets).map(move |target| (row, target)))
-        .filter(|(row, target)| {
-            let seen = data.kind != MeasurementKind::Position || data.position(*row, *target).is_some();
-            seen && fit.weights[row * targets + target] > 0.0
-        })
-        .collect();
+    let mut residual = vec![0.0; data.tallest_row()];
+    let mut jacobian = vec![0.0; data.tallest_row() * columns];
+    let kept = |observation: &usize| fit.weights[*observation] > 0.0;
+    let values: usize =
+        (0..data.observations()).filter(kept).map(|observation| data.series_of(observation).kind.height()).sum();
     // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · departure.
     let prior = layout.prior.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
     let priors = prior.nrows();
-    let values = kept.len() * step;
     // The common frame is held as in a fit: to first order an effect does not move along with its axis, so what in truth
     // changes no measured value would stand in for it.
     let held =
@@ -138,30 +113,39 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         postures: postures(model, &fit.arm, data),
     };
     let mut at = 0;
-    let mut computed = usize::MAX;
-    for (row, target) in kept {
-        if row != computed {
-            problem.row_into(&fit.arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
-            computed = row;
+    for row in 0..data.len() {
+        if !data.of_row(row).any(|observation| kept(&observation)) {
+            continue;
         }
-        let weight = fit.weights[row * targets + target].sqrt();
-        for k in 0..step {
-            let sigma = if k < 3 { fit.noise.position } else { fit.noise.orientation };
-            let factor = weight / sigma;
-            let line = target * step + k;
-            let cells = &jacobian[line * columns..(line + 1) * columns];
-            result.residual[at] = residual[line] * factor;
-            for (column, &from) in geometry_columns.iter().enumerate() {
-                result.geometry[(at, column)] = cells[from] * factor;
+        problem.row_into(&fit.arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+        let mut line = 0;
+        for observation in data.of_row(row) {
+            let series = data.series_of(observation);
+            let height = series.kind.height();
+            if !kept(&observation) {
+                line += height;
+                continue;
             }
-            for (column, cell) in cells[layout.effects.start..first].iter().enumerate() {
-                result.effects[(at, column)] = cell * factor;
+            let weight = fit.weights[observation].sqrt();
+            for k in 0..height {
+                let channel = series.channels[usize::from(k >= series.kind.place().height)];
+                let sigma = channel.map_or(1.0, |channel| fit.noise.levels[channel]);
+                let factor = weight / sigma;
+                let cells = &jacobian[line * columns..(line + 1) * columns];
+                result.residual[at] = residual[line] * factor;
+                for (column, &from) in geometry_columns.iter().enumerate() {
+                    result.geometry[(at, column)] = cells[from] * factor;
+                }
+                for (column, cell) in cells[layout.effects.start..first].iter().enumerate() {
+                    result.effects[(at, column)] = cell * factor;
+                }
+                for (column, cell) in cells[first..last].iter().enumerate() {
+                    result.carriers[(at, column)] = cell * factor;
+                }
+                result.rows.push(row);
+                at += 1;
+                line += 1;
             }
-            for (column, cell) in cells[first..last].iter().enumerate() {
-                result.carriers[(at, column)] = cell * factor;
-            }
-            result.rows.push(row);
-            at += 1;
         }
     }
     if priors > 0 {

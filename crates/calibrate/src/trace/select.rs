@@ -8,7 +8,7 @@ use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::measurements::Measurements;
 use crate::parameters::NoEffects;
-use crate::solve::{Fit, Noise};
+use crate::solve::Fit;
 use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
@@ -182,10 +182,8 @@ impl<'a> Tracer<'a> {
             return None;
         }
         let mut open = state.clone();
-        let Noise { position, orientation } = state.fit.noise;
-        for (weight, square) in open.fit.weights.iter_mut().zip(&state.fit.squares) {
-            let turned = if orientation > 0.0 { square[1] / orientation.powi(2) } else { 0.0 };
-            let size = (square[0] / position.powi(2) + turned).sqrt();
+        for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
+            let size = state.fit.noise.chi_squared(self.data.series_of(at), *square).sqrt();
             *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
         }
         let linear = self.linear(&open);

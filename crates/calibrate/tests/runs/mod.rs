@@ -2,9 +2,7 @@
 
 use denavit_calibrate::errors::{Residual, residuals};
 use denavit_calibrate::measurements::{Units, read};
-use denavit_calibrate::{
-    Arm, Fit, Identification, IdentifyOptions, MeasurementKind, Measurements, NoEffects, gauge, identify,
-};
+use denavit_calibrate::{Arm, Fit, Identification, IdentifyOptions, Measurements, NoEffects, gauge, identify};
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, Reading, se3, urdf};
 use serde::Deserialize;
@@ -67,17 +65,18 @@ impl Run {
         let line: Line = serde_json::from_str(line).unwrap();
         let (nominal, built) = (chain(&line.nominal), chain(&line.built));
         let data = |text: &str| read(&line.case, text.as_bytes(), &nominal, Units::default()).unwrap().data;
+        let train = data(&line.train);
         // base_from_tip · tool = motion · built home · tool = motion · nominal home · target
         let home = nominal.home().inverse() * built.home();
         let truth = Arm {
             joints: built.joints().to_vec(),
-            instrument: pose(&line.instrument),
-            anchor: Vector3::from(line.anchor),
+            instruments: vec![pose(&line.instrument)],
+            points: vec![Vector3::from(line.anchor); train.scene.points.len()],
             targets: line.tool.iter().map(|tool| home * pose(tool)).collect(),
-            ..Arm::new(&nominal, line.tool.len())
+            ..Arm::new(&nominal, &train.scene)
         };
         Self {
-            train: data(&line.train),
+            train,
             test: data(&line.test),
             truth,
             chain: nominal,
@@ -96,15 +95,15 @@ impl Run {
 
     /// Rows with a rejected value.
     pub fn rejected(&self, fit: &Fit<NoEffects>) -> Vec<usize> {
-        let targets = self.train.targets.len();
-        (0..self.train.len()).filter(|row| fit.weights[row * targets..][..targets].contains(&0.0)).collect()
+        let out = |row: &usize| fit.weights[self.train.of_row(*row)].contains(&0.0);
+        (0..self.train.len()).filter(out).collect()
     }
 
     /// Root mean square of one component, and the largest error (its norm), on the unseen poses, m.
     pub fn unseen(&self, arm: &Arm) -> (f64, f64) {
         let found = residuals(arm, &NoEffects, &self.test);
-        let components = if self.train.kind == MeasurementKind::Distance { 1.0 } else { 3.0 };
-        let squares: f64 = found.iter().map(|residual| residual.position.norm_squared()).sum();
+        let components = self.train.scene.channels[0].height as f64;
+        let squares: f64 = found.iter().map(|residual| residual.place.norm_squared()).sum();
         let largest = found.iter().map(Residual::distance).fold(0.0, f64::max);
         ((squares / components / found.len() as f64).sqrt(), largest)
     }

@@ -10,7 +10,7 @@ use denavit_calibrate::measurements::{Covariate, write};
 use denavit_calibrate::simulate::columns::columns;
 use denavit_calibrate::simulate::wish::{Wish, granted};
 use denavit_calibrate::simulate::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
-use denavit_calibrate::{MeasurementKind, NoEffects, errors};
+use denavit_calibrate::{NoEffects, ObservationKind};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -43,12 +43,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let EffectModel { statics, effects } = loaded;
     let model = EffectModel::new(statics, effects.into_iter().chain(granted.effects).collect());
     let run = simulate(chain, &options, &model);
-    let comments = |rows: usize, kind| {
-        vec![format!(
-            "{}: {rows} simulated {}, m and rad; made by denavit simulate",
-            chain.name(),
-            errors::kind_word(kind)
-        )]
+    let comments = |rows: usize, kind: ObservationKind| {
+        vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]
     };
     let data = write(&as_displayed(&run.data, &options), &comments(options.rows, options.kind));
     let mut files: Vec<(&Path, String)> = Vec::new();
@@ -99,7 +95,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         return Err(Failure::Argument(format!("--outliers: {share} is no share of the rows; write 0 to 1")));
     }
     let kind = measured::kind(arguments.measure);
-    if arguments.targets > 1 && kind != MeasurementKind::Position {
+    if arguments.targets > 1 && !kind.of_several() {
         let message = format!("--targets {}: only positions are of several targets at once", arguments.targets);
         return Err(Failure::Argument(message));
     }

@@ -1,0 +1,125 @@
+//! Observations in columns: which series each belongs to, and its numbers.
+
+use denavit_model::nalgebra::Matrix3;
+use std::ops::Range;
+
+/// The observations of all rows, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observations {
+    /// First observation of each row, and the end of the last.
+    starts: Vec<usize>,
+    series: Vec<u32>,
+    /// First number of each observation, and the end of the last.
+    firsts: Vec<usize>,
+    numbers: Vec<f64>,
+    /// What the lengths of each observation are multiplied by, in the axes that it is measured in, so that all have the
+    /// standard deviation of their channel; empty where they have.
+    levels: Vec<Matrix3<f64>>,
+}
+
+impl Default for Observations {
+    fn default() -> Self {
+        Self { starts: vec![0], series: Vec::new(), firsts: vec![0], numbers: Vec::new(), levels: Vec::new() }
+    }
+}
+
+impl Observations {
+    /// Appends an observation to the row that is being filled.
+    ///
+    /// # Shape and units
+    /// `values`: as many as the series' kind stores, in its units.
+    pub fn push(&mut self, series: usize, values: &[f64]) {
+        self.series.push(u32::try_from(series).unwrap_or(u32::MAX));
+        self.numbers.extend_from_slice(values);
+        self.firsts.push(self.numbers.len());
+        if !self.levels.is_empty() {
+            self.levels.push(Matrix3::identity());
+        }
+    }
+
+    /// Ends the row.
+    pub fn end_row(&mut self) {
+        self.starts.push(self.series.len());
+    }
+
+    /// Number of observations.
+    pub fn len(&self) -> usize {
+        self.series.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.series.is_empty()
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The observations of a row.
+    #[inline]
+    pub fn of_row(&self, row: usize) -> Range<usize> {
+        self.starts[row]..self.starts[row + 1]
+    }
+
+    /// The row of an observation.
+    pub fn row_of(&self, observation: usize) -> usize {
+        self.starts.partition_point(|start| *start <= observation) - 1
+    }
+
+    /// Index of the series that an observation belongs to.
+    #[inline]
+    pub fn series(&self, observation: usize) -> usize {
+        self.series[observation] as usize
+    }
+
+    /// The numbers of an observation.
+    #[inline]
+    pub fn values(&self, observation: usize) -> &[f64] {
+        &self.numbers[self.firsts[observation]..self.firsts[observation + 1]]
+    }
+
+    /// The same, to be changed.
+    pub fn values_mut(&mut self, observation: usize) -> &mut [f64] {
+        &mut self.numbers[self.firsts[observation]..self.firsts[observation + 1]]
+    }
+
+    /// What makes an observation as sure as its channel; `None` where all are.
+    #[inline]
+    pub fn level(&self, observation: usize) -> Option<&Matrix3<f64>> {
+        self.levels.get(observation)
+    }
+
+    /// Whether some observations are surer than others.
+    pub fn has_levels(&self) -> bool {
+        !self.levels.is_empty()
+    }
+
+    /// Sets how sure each observation is: see [`Observations::level`].
+    ///
+    /// # Shape and units
+    /// One matrix per observation.
+    pub fn set_levels(&mut self, levels: Vec<Matrix3<f64>>) {
+        debug_assert_eq!(levels.len(), self.len());
+        self.levels = levels;
+    }
+
+    /// These rows, with the series that `series` gives; observations for which it gives none are left out.
+    #[must_use]
+    pub fn subset(&self, rows: impl Iterator<Item = usize>, series: impl Fn(usize) -> Option<usize>) -> Self {
+        let mut subset = Self::default();
+        let mut levels = Vec::new();
+        for row in rows {
+            for observation in self.of_row(row) {
+                if let Some(series) = series(self.series(observation)) {
+                    subset.push(series, self.values(observation));
+                    levels.extend(self.level(observation));
+                }
+            }
+            subset.end_row();
+        }
+        subset.levels = levels;
+        subset
+    }
+}
