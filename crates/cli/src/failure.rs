@@ -30,7 +30,7 @@ pub enum Failure {
     Export(#[from] denavit_export::urdf::ExportError),
     /// A configuration file that is none.
     #[error(transparent)]
-    Config(#[from] denavit_compare::lint::ConfigError),
+    Check(#[from] denavit_load::CheckError),
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] denavit_calibrate::measurements::DataError),

@@ -8,12 +8,14 @@
 //! xacro file includes; it writes nothing and prints nothing.
 
 mod canonical;
+mod checked;
 mod error;
 mod read;
 mod robot;
 mod table;
 
 pub use canonical::canonical;
+pub use checked::{CheckError, CheckOptions, Rules};
 pub use error::LoadError;
 pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_text};
 pub use robot::{Listing, Loaded, Selection};

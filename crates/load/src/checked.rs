@@ -1,0 +1,78 @@
+//! The rules that hold for a file: its configuration, and where its meshes are looked for.
+
+use crate::{LoadError, read_text};
+use denavit_compare::Finding;
+use denavit_compare::lint::config::FILE_NAME;
+use denavit_compare::lint::{self, Config, ConfigError, Lookup};
+use denavit_xacro::{Environment, PackagePath};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What is chosen beside the configuration file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct CheckOptions {
+    /// Rules to leave out, by code or name.
+    pub allow: Vec<String>,
+    /// Rules whose findings are errors, by code or name.
+    pub deny: Vec<String>,
+    /// Configuration file; `None`: `denavit.toml` beside the robot or in a folder above.
+    pub config: Option<PathBuf>,
+    /// Folders with ROS packages, or packages, to find meshes in.
+    pub package_path: Vec<PathBuf>,
+}
+
+/// Why a file cannot be held against the rules.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// The configuration cannot be read.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The configuration is none.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+}
+
+/// The rules for one file.
+#[derive(Debug)]
+pub struct Rules {
+    config: Config,
+    packages: PackagePath,
+}
+
+impl Rules {
+    /// The rules for the robot `file`, by its configuration and the options.
+    ///
+    /// # Errors
+    /// The configuration cannot be read, or names a rule that does not exist.
+    pub fn of(file: &str, options: &CheckOptions) -> Result<Self, CheckError> {
+        let robot = Path::new(file);
+        let mut folders = options.package_path.clone();
+        let mut config = Config::default();
+        if let Some(path) = options.config.clone().or_else(|| nearest_config(robot)) {
+            let (name, text) = read_text(&path.to_string_lossy())?;
+            config = Config::read(&name, &text)?;
+            let beside = path.parent().unwrap_or(Path::new("."));
+            folders.extend(config.package_path.iter().map(|folder| beside.join(folder)));
+        }
+        config.allow(&options.allow)?;
+        config.deny(&options.deny)?;
+        let environment: Environment = std::env::vars().collect();
+        Ok(Self { config, packages: PackagePath::new(&folders, &environment).near(robot) })
+    }
+
+    /// What the rules find in the text of `file`.
+    pub fn check(&self, file: &str, text: &str) -> Vec<Finding> {
+        let lookup = |mesh: &str| match self.packages.resolve(mesh, Some(Path::new(file))) {
+            Ok(path) if path.is_file() => Lookup::Found,
+            Ok(path) => Lookup::NotFound(format!("there is no file {}", path.display())),
+            Err(error) => Lookup::NotFound(error.to_string()),
+        };
+        lint::check(file, text, &lookup, &self.config)
+    }
+}
+
+fn nearest_config(robot: &Path) -> Option<PathBuf> {
+    let robot = robot.canonicalize().ok()?;
+    robot.ancestors().skip(1).map(|folder| folder.join(FILE_NAME)).find(|path| path.is_file())
+}

@@ -1,0 +1,84 @@
+"""Exceptions: each says what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+
+class DenavitError(ValueError):
+    """Something that denavit was given cannot be used.
+
+    Attributes:
+        message: What is wrong, with the place and what to do.
+        file: The file, as it was given.
+        line: Line in the file, from 1.
+        column: Column in the line, from 1, in characters.
+        element: The element, such as ``joint "elbow"``.
+        hint: What to do, where the message says it.
+    """
+
+    message: str
+    file: str | None
+    line: int | None
+    column: int | None
+    element: str | None
+    hint: str | None
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        element: str | None = None,
+    ) -> None:
+        message = _keywords(message)
+        super().__init__(message)
+        self.message = message
+        self.file, self.line, self.column, self.element = file, line, column, element
+        # Messages read "what is wrong; what to do".
+        _, mark, hint = message.splitlines()[0].partition("; ") if message else ("", "", "")
+        self.hint = hint if mark else None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        place = {"file": self.file, "line": self.line, "column": self.column, "element": self.element}
+        return _again, (type(self), self.message, place)
+
+
+def _again(kind: type[DenavitError], message: str, place: dict[str, Any]) -> DenavitError:
+    return kind(message, **place)
+
+
+def _keywords(message: str) -> str:
+    """Options of the command line as the keywords that they are in Python."""
+    return re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_") + "=", message)
+
+
+class ArgumentError(DenavitError):
+    """An argument that cannot be."""
+
+
+class ReadError(DenavitError, OSError):
+    """A file that cannot be read, or that is not UTF-8 text."""
+
+
+class RobotError(DenavitError):
+    """A text that is no robot: no URDF, xacro, table, or set of screw axes."""
+
+
+class ChainError(DenavitError):
+    """A robot has no such chain."""
+
+
+class ExportError(DenavitError):
+    """A robot or table that a format cannot hold."""
+
+
+class DataError(DenavitError):
+    """Measurements that cannot be read."""
+
+
+class CalibrationError(DenavitError):
+    """Measurements that cannot be fitted."""

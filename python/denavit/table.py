@@ -1,0 +1,260 @@
+"""Denavit-Hartenberg tables."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from denavit import _denavit
+from denavit._files import save
+from denavit.bridges.sources import text_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from denavit.chain import Chain
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """What was read otherwise than it is written, or what one must know of a result.
+
+    Attributes:
+        kind: A word for programs.
+        message: A sentence.
+        file: The file, where the note is of a place.
+        line: Its line, from 1.
+        element: Its element.
+        written: The literal in the file, where one was read as something else.
+        read_as: What it was read as.
+        tip_moves_at_most: No point of the tip frame's origin moves by more, m.
+    """
+
+    kind: str
+    message: str
+    file: str | None = None
+    line: int | None = None
+    element: str | None = None
+    written: str | None = None
+    read_as: str | None = None
+    tip_moves_at_most: float | None = None
+
+    def __str__(self) -> str:
+        return self.message
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of a table; ``None`` for numbers that such a row does not have.
+
+    Attributes:
+        row: ``base``, ``1`` … ``n``, ``tool``.
+        theta: Joint angle about z, rad.
+        d: Link offset along z, m.
+        alpha: Link twist about x, rad.
+        a: Link length along x, m.
+        beta: Twist about y, rad; of Hayati rows.
+    """
+
+    row: str
+    theta: float | None = None
+    d: float | None = None
+    alpha: float | None = None
+    a: float | None = None
+    beta: float | None = None
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Match:
+    """How a vendor's table lies on a robot.
+
+    Attributes:
+        verdict: ``exact``, ``rounded``, ``close`` or ``mismatch``.
+        position_error: Largest distance of the tips over random configurations, m.
+        rotation_error: Largest rotation between the tips, rad.
+        json: Everything, as ``denavit table --match --format json`` prints it.
+        text: The same in words.
+    """
+
+    verdict: Literal["exact", "rounded", "close", "mismatch"]
+    position_error: float
+    rotation_error: float
+    json: dict[str, Any]
+    text: str
+
+    @property
+    def exact(self) -> bool:
+        """Whether the numbers are the same."""
+        return self.verdict == "exact"
+
+    @property
+    def differences(self) -> tuple[str, ...]:
+        """The numbers in which robot and table differ, in words."""
+        return tuple(entry["words"] for entry in self.json["differences"])
+
+    def __bool__(self) -> bool:
+        return self.verdict in ("exact", "rounded")
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    def __repr__(self) -> str:
+        return self.text.rstrip()
+
+
+class Table:
+    """A chain's Denavit-Hartenberg numbers; made by `Chain.table`.
+
+    Examples:
+        >>> import denavit as dn
+        >>> table = dn.load("robots/universal_robots/ur5e.urdf").chain("base", "tool0").table("distal")
+        >>> table.convention, [row.a for row in table.rows[1:4]]
+        ('distal', [0.0, -0.425, -0.3922])
+        >>> table.match("robots/universal_robots/ur5e_dh.csv").exact
+        True
+    """
+
+    __slots__ = ("_chain", "_json", "_native", "_options")
+    _native: _denavit.Table
+    _chain: Chain
+    _options: tuple[Any, Any, float]
+    _json: dict[str, Any]
+
+    def __init__(self, *_: object) -> None:
+        raise TypeError("a table is one of a chain: use chain.table(convention)")
+
+    @classmethod
+    def _of(cls, chain: Chain, native: _denavit.Table, options: tuple[Any, Any, float]) -> Table:
+        self = object.__new__(cls)
+        for name, value in (("_native", native), ("_chain", chain), ("_options", options)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "_json", json.loads(native.render("json", "m,rad")))
+        return self
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a Table does not change; {name} cannot be set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self._chain, *self._options)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Table):
+            return NotImplemented
+        same = ("convention", "coordinates", "joints", "rows")
+        return all(self._json[name] == other._json[name] for name in same)
+
+    def __hash__(self) -> int:
+        return hash(self.rows)
+
+    def __repr__(self) -> str:
+        return self.format("text").rstrip()
+
+    def _repr_html_(self) -> str:
+        columns, rows, words = self._native.cells("m,deg")
+        signs = {"theta": "θ", "alpha": "α", "beta": "β"}
+        head = ["", "joint", "kind", *(signs.get(name, name) for name in columns), "limits"]
+        cells = [[label, joint, kind, *numbers, limits] for label, joint, kind, numbers, limits in rows]
+
+        def line(tag: str, words: list[str]) -> str:
+            inner = "".join(f"<{tag} style='text-align:right'>{html.escape(word)}</{tag}>" for word in words)
+            return f"<tr>{inner}</tr>"
+
+        title = f"<b>{html.escape(self.robot)}</b> {html.escape(self.base)} → {html.escape(self.tip)}: {html.escape(words)}"
+        body = line("th", head) + "".join(line("td", row) for row in cells)
+        notes = "".join(f"<li>{html.escape(note.message)}</li>" for note in self.notes)
+        return f"<p>{title}</p><table>{body}</table>" + (f"<ul>{notes}</ul>" if notes else "")
+
+    def _repr_latex_(self) -> str:
+        return self.format("tex")
+
+    @property
+    def chain(self) -> Chain:
+        """The chain that it is of."""
+        return self._chain
+
+    @property
+    def robot(self) -> str:
+        """The robot's name."""
+        return str(self._json["robot"])
+
+    @property
+    def base(self) -> str:
+        """Base link."""
+        return str(self._json["base"])
+
+    @property
+    def tip(self) -> str:
+        """Tip link."""
+        return str(self._json["tip"])
+
+    @property
+    def convention(self) -> str:
+        """``distal``, ``proximal``, ``paper`` or ``hayati``."""
+        return str(self._json["convention"])
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Rows base, 1 … n, tool; rad and m."""
+        return tuple(Row(**entry) for entry in self._json["rows"])
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, base to tip."""
+        return tuple(entry["name"] for entry in self._json["joints"])
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """What was read otherwise than it is written, and other findings."""
+        return tuple(Note(**entry) for entry in self._json["notes"])
+
+    @property
+    def tip_moves_at_most(self) -> float:
+        """The most by which what the notes tell of moves the tip, m."""
+        return float(self._json["tip_moves_at_most"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of ``denavit table --format json``."""
+        copied: dict[str, Any] = json.loads(json.dumps(self._json))
+        return copied
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A data frame with a row each for base, joints and tool; rad and m. Needs pandas."""
+        import pandas as pd
+
+        by_row = {str(number): entry for number, entry in enumerate(self._json["joints"], 1)}
+        numbers = ("theta", "d", "alpha", "a", "beta")
+        records = []
+        for row in self.rows:
+            joint = by_row.get(row.row, {})
+            values = {name: getattr(row, name) for name in numbers}
+            records.append({"row": row.row, "joint": joint.get("name", ""), "kind": joint.get("kind", ""), **values})
+        frame = pd.DataFrame.from_records(records).set_index("row")
+        return frame.astype({name: "float64" for name in numbers}).dropna(axis="columns", how="all")
+
+    def format(self, name: str = "text", units: str = "m,deg") -> str:
+        """In a format of `denavit table`: text, md, csv, json, tex, rtb, matlab, …; `units` are those of text."""
+        return self._native.render(name, units)
+
+    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:  # noqa: A002
+        """Write the table, as a whole or not at all; the format is that of the file's ending unless it is given."""
+        ending = os.fspath(path).rpartition(".")[2]
+        save(path, self.format(format or {"txt": "text"}.get(ending, ending)))
+
+    def match(self, vendor: Any, *, convention: str | None = None) -> Match:
+        """Is it the vendor's robot? Find the senses, zeros, base and tool frames in which the chain equals a table.
+
+        Args:
+            vendor: A table's file (CSV or JSON), its text, or the table as a mapping or data frame.
+            convention: Of a table given as a mapping or data frame.
+        """
+        file, text = text_of(vendor, None, convention)
+        written, words = self._native.match(file, text)
+        found = json.loads(written)
+        return Match(found["verdict"], found["position_error_m"], found["rotation_error_rad"], found, words)
+
+
+def _again(chain: Chain, convention: Any, gauge: Any, tolerance: float) -> Table:
+    return chain.table(convention, gauge=gauge, tolerance=tolerance)

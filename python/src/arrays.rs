@@ -1,0 +1,109 @@
+//! Arrays of numpy in and out: joint values without a copy where that is possible, results into `out`.
+
+use crate::errors::argument;
+use numpy::{PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyModule};
+use std::num::NonZeroUsize;
+
+/// Below this many configurations the interpreter stays locked: giving it back costs more than the work.
+pub const FEW: usize = 64;
+
+/// Joint values of one or many configurations: the last axis is the coordinates.
+pub struct Configurations<'py> {
+    array: PyReadonlyArrayDyn<'py, f64>,
+    coordinates: usize,
+}
+
+impl<'py> Configurations<'py> {
+    /// An array of f64 that lies in order is taken as it is; what else numpy can make one of is copied.
+    pub fn of(q: &Bound<'py, PyAny>, coordinates: usize) -> PyResult<Self> {
+        let own = q.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous());
+        let array = match own {
+            Some(array) => array.clone(),
+            None => contiguous(q)?,
+        };
+        let last = array.shape().last().copied();
+        if last != Some(coordinates) {
+            let found = match last {
+                None => "a single number".to_owned(),
+                Some(_) => format!("an array of shape {}", shape_words(array.shape())),
+            };
+            return Err(argument(format!(
+                "q is {found}, but the chain has {coordinates} coordinates; the last axis of q has one value for each"
+            )));
+        }
+        let array = array.try_readonly().map_err(|error| argument(format!("q: {error}")))?;
+        Ok(Self { array, coordinates })
+    }
+
+    /// One configuration after the other.
+    pub fn values(&self) -> PyResult<&[f64]> {
+        self.array.as_slice().map_err(|error| argument(format!("q: {error}")))
+    }
+
+    /// How many.
+    pub fn count(&self) -> usize {
+        if self.coordinates == 0 { self.leading().iter().product() } else { self.array.len() / self.coordinates }
+    }
+
+    /// The array's shape without its last axis.
+    pub fn leading(&self) -> &[usize] {
+        let shape = self.array.shape();
+        &shape[..shape.len() - 1]
+    }
+}
+
+/// A shape as Python writes it.
+fn shape_words(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        several => format!("({})", several.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+fn contiguous<'py>(q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let py = q.py();
+    let options = PyDict::new(py);
+    options.set_item("dtype", "float64")?;
+    let made = PyModule::import(py, "numpy")?.getattr("ascontiguousarray")?.call((q,), Some(&options));
+    let made = made.map_err(|error| argument(format!("q is no array of numbers ({error})")))?;
+    // A number becomes an array of one; it has no axis of coordinates.
+    Ok(made.cast_into::<PyArrayDyn<f64>>()?)
+}
+
+/// A result array: `out` where it is given, else a new one.
+pub fn result<'py>(
+    py: Python<'py>,
+    out: Option<&Bound<'py, PyAny>>,
+    shape: &[usize],
+) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, PyReadwriteArrayDyn<'py, f64>)> {
+    let array = match out {
+        None => PyArrayDyn::zeros(py, shape, false),
+        Some(out) => {
+            let wanted = shape_words(shape);
+            let refused =
+                |why: String| argument(format!("out {why}; give a C-contiguous float64 array of shape {wanted}"));
+            let Ok(array) = out.cast::<PyArrayDyn<f64>>() else {
+                return Err(refused("is no array of float64".into()));
+            };
+            if array.shape() != shape {
+                return Err(refused(format!("has shape {}", shape_words(array.shape()))));
+            }
+            if !array.is_c_contiguous() {
+                return Err(refused("does not lie in order".into()));
+            }
+            array.clone()
+        }
+    };
+    let writable = array.try_readwrite();
+    let writable = writable.map_err(|error| argument(format!("out cannot be written to: {error}")))?;
+    Ok((array, writable))
+}
+
+/// How many threads to share the work among; 0: as many as there are cores.
+pub fn threads(wanted: usize, count: usize) -> NonZeroUsize {
+    let all = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let wanted = NonZeroUsize::new(wanted).unwrap_or_else(all);
+    if count < FEW { NonZeroUsize::MIN } else { wanted }
+}

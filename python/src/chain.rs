@@ -1,0 +1,238 @@
+//! A chain: forward kinematics, Jacobians, joint values, tables.
+
+use crate::arrays::{self, Configurations, FEW, result};
+use crate::errors::{argument, load};
+use crate::robot::reading;
+use crate::table::Table;
+use denavit_calibrate::simulate;
+use denavit_dh::{Convention, Gauge};
+use denavit_export::{Units, poe};
+use denavit_load::{Loaded, Selection, TableOptions};
+use denavit_model::chain::Quantity;
+use denavit_model::{CompiledChain, JacobianFrame, Note, Noted};
+use numpy::{PyArray1, PyArrayDyn};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// Name, `angle` or `length`, lower and upper limit, velocity, effort, continuous.
+type CoordinateEntry = (String, &'static str, Option<f64>, Option<f64>, Option<f64>, Option<f64>, bool);
+
+/// A chain of joints from a base to a tip.
+#[pyclass(frozen, module = "denavit._denavit")]
+pub struct Chain {
+    pub loaded: Arc<Loaded>,
+    pub file: Arc<str>,
+    pub chain: denavit_model::Chain,
+    pub notes: Vec<Note>,
+    pub exact: bool,
+    compiled: CompiledChain,
+}
+
+impl Chain {
+    pub fn new(loaded: Arc<Loaded>, file: Arc<str>, noted: Noted<denavit_model::Chain>, exact: bool) -> Self {
+        let Noted { value: chain, notes } = noted;
+        let compiled = CompiledChain::new(&chain);
+        Self { loaded, file, chain, notes, exact, compiled }
+    }
+
+    fn selection(&self) -> Selection<'_> {
+        Selection {
+            file: &self.file,
+            base: Some(self.chain.base()),
+            tip: Some(self.chain.tip()),
+            reading: reading(self.exact),
+        }
+    }
+}
+
+/// The shape of a result: that of the configurations, then what belongs to each.
+fn shape(q: &Configurations<'_>, each: &[usize]) -> Vec<usize> {
+    q.leading().iter().chain(each).copied().collect()
+}
+
+/// The work, with the interpreter unlocked where there is much of it.
+fn worked(py: Python<'_>, count: usize, work: impl FnOnce() + Send) {
+    if count < FEW { work() } else { py.detach(work) }
+}
+
+#[pymethods]
+impl Chain {
+    /// The robot's name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.chain.name()
+    }
+
+    /// Base link.
+    #[getter]
+    fn base(&self) -> &str {
+        self.chain.base()
+    }
+
+    /// Tip link.
+    #[getter]
+    fn tip(&self) -> &str {
+        self.chain.tip()
+    }
+
+    /// The robot's size, m.
+    #[getter]
+    fn size(&self) -> f64 {
+        self.chain.size()
+    }
+
+    /// Whether every number was taken as it is written.
+    #[getter]
+    fn exact(&self) -> bool {
+        self.exact
+    }
+
+    /// What was read otherwise than it is written.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.iter().map(ToString::to_string).collect()
+    }
+
+    /// The most by which what the notes tell of moves the tip, m.
+    #[getter]
+    fn tip_moves_at_most(&self) -> f64 {
+        self.notes.iter().map(Note::tip_moves).sum()
+    }
+
+    /// What moves it, in order.
+    fn coordinates(&self) -> Vec<CoordinateEntry> {
+        let entry = |coordinate: &denavit_model::Coordinate| {
+            let quantity = match coordinate.quantity {
+                Quantity::Angle => "angle",
+                Quantity::Length => "length",
+            };
+            let limits = coordinate.limits;
+            (
+                coordinate.name.clone(),
+                quantity,
+                limits.range.map(|(lower, _)| lower),
+                limits.range.map(|(_, upper)| upper),
+                limits.velocity,
+                limits.effort,
+                coordinate.continuous,
+            )
+        };
+        self.chain.coordinates().iter().map(entry).collect()
+    }
+
+    /// Lowest and highest value of each coordinate that sampling takes, one after the other.
+    fn ranges<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let ends = self.chain.coordinates().iter().flat_map(|coordinate| <[f64; 2]>::from(coordinate.range()));
+        PyArray1::from_iter(py, ends)
+    }
+
+    /// Screw axes and home pose: `text`, `csv` or `json`.
+    fn poe(&self, format: &str) -> PyResult<String> {
+        match format {
+            "json" => Ok(poe::json(&self.chain, &self.notes)),
+            "csv" => Ok(poe::csv(&self.chain)),
+            "text" => Ok(poe::text(&self.chain, &self.notes, Units::default())),
+            other => Err(argument(format!("format is \"{other}\"; write text, csv or json"))),
+        }
+    }
+
+    /// base_from_tip as homogeneous matrices.
+    #[pyo3(signature = (q, out, threads))]
+    fn fk<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let q = Configurations::of(q, self.compiled.coordinates())?;
+        let (array, mut writable) = result(py, out, &shape(&q, &[4, 4]))?;
+        let (values, count) = (q.values()?, q.count());
+        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
+        let (matrices, _) = numbers.as_chunks_mut::<16>();
+        worked(py, count, || {
+            self.compiled.matrices_into_by_threads(arrays::threads(threads, count), values, matrices);
+        });
+        Ok(array)
+    }
+
+    /// The tip's origin in the base frame.
+    #[pyo3(signature = (q, out, threads))]
+    fn tips<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let q = Configurations::of(q, self.compiled.coordinates())?;
+        let (array, mut writable) = result(py, out, &shape(&q, &[3]))?;
+        let (values, count) = (q.values()?, q.count());
+        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
+        let (tips, _) = numbers.as_chunks_mut::<3>();
+        worked(py, count, || {
+            self.compiled.tips_into_by_threads(arrays::threads(threads, count), values, tips);
+        });
+        Ok(array)
+    }
+
+    /// Jacobians, angular rows first.
+    #[pyo3(signature = (q, frame, out, threads))]
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        frame: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let frame = match frame {
+            "space" => JacobianFrame::Space,
+            "body" => JacobianFrame::Body,
+            "tip" => JacobianFrame::Tip,
+            other => return Err(argument(format!("frame is \"{other}\"; write space, body or tip"))),
+        };
+        let n = self.compiled.coordinates();
+        let q = Configurations::of(q, n)?;
+        let (array, mut writable) = result(py, out, &shape(&q, &[6, n]))?;
+        let (values, count) = (q.values()?, q.count());
+        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
+        worked(py, count, || {
+            let threads = arrays::threads(threads, count);
+            self.compiled.jacobians_into_by_threads(threads, frame, values, numbers);
+        });
+        Ok(array)
+    }
+
+    /// Random joint values within the limits.
+    #[pyo3(signature = (count, seed))]
+    fn sample<'py>(&self, py: Python<'py>, count: usize, seed: u64) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (array, mut writable) = result(py, None, &[count, self.compiled.coordinates()])?;
+        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
+        worked(py, count, || simulate::readings_into(&self.chain, seed, numbers));
+        Ok(array)
+    }
+
+    /// The chain's table.
+    #[pyo3(signature = (convention, gauge, tolerance))]
+    fn table(&self, py: Python<'_>, convention: Option<&str>, gauge: Option<&str>, tolerance: f64) -> PyResult<Table> {
+        let options = TableOptions {
+            convention: convention
+                .map(|word| {
+                    let wrong =
+                        || argument(format!("convention is \"{word}\"; write distal, proximal, paper or hayati"));
+                    Convention::from_word(word).ok_or_else(wrong)
+                })
+                .transpose()?,
+            gauge: match gauge {
+                None => None,
+                Some("simple") => Some(Gauge::Simple),
+                Some("paper") => Some(Gauge::Paper),
+                Some(other) => return Err(argument(format!("gauge is \"{other}\"; write simple or paper"))),
+            },
+            tolerance,
+        };
+        let made = py.detach(|| self.loaded.table(&self.selection(), &options)).map_err(|error| load(&error))?;
+        Ok(Table { made, chain: self.chain.clone(), file: Arc::clone(&self.file) })
+    }
+}

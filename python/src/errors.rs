@@ -1,0 +1,130 @@
+//! Errors of the library as the package's exceptions, with file, line, column and hint.
+
+use denavit_load::LoadError;
+use denavit_model::{Place, TreeError, UrdfError};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyModule};
+
+/// A class of `denavit.errors`.
+#[derive(Debug, Clone, Copy)]
+pub enum Class {
+    /// An argument that cannot be.
+    Argument,
+    /// A file that cannot be read.
+    Read,
+    /// A text that is no robot.
+    Robot,
+    /// A chain that is not there.
+    Chain,
+    /// A robot that a format cannot hold.
+    Export,
+}
+
+impl Class {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Argument => "ArgumentError",
+            Self::Read => "ReadError",
+            Self::Robot => "RobotError",
+            Self::Chain => "ChainError",
+            Self::Export => "ExportError",
+        }
+    }
+}
+
+/// Where something is wrong.
+#[derive(Debug, Default)]
+pub struct Spot {
+    /// As given.
+    pub file: Option<String>,
+    /// From 1.
+    pub line: Option<usize>,
+    /// From 1, in characters.
+    pub column: Option<usize>,
+    /// Such as `joint "elbow"`.
+    pub element: Option<String>,
+}
+
+impl Spot {
+    /// Somewhere in a file.
+    pub fn file(file: &str) -> Self {
+        Self { file: Some(file.to_owned()), ..Self::default() }
+    }
+}
+
+impl From<&Place> for Spot {
+    fn from(place: &Place) -> Self {
+        Self {
+            file: Some(place.file.clone()),
+            line: Some(place.line),
+            column: None,
+            element: Some(place.element.clone()),
+        }
+    }
+}
+
+/// The exception of a class with this message; the hint is what the message says to do.
+pub fn error(class: Class, message: &str, spot: Spot) -> PyErr {
+    Python::attach(|py| raised(py, class, message, spot).unwrap_or_else(|error| error))
+}
+
+/// An argument that cannot be.
+pub fn argument(message: impl AsRef<str>) -> PyErr {
+    error(Class::Argument, message.as_ref(), Spot::default())
+}
+
+fn raised(py: Python<'_>, class: Class, message: &str, spot: Spot) -> PyResult<PyErr> {
+    let module = PyModule::import(py, "denavit.errors")?;
+    let options = PyDict::new(py);
+    options.set_item("file", spot.file)?;
+    options.set_item("line", spot.line)?;
+    options.set_item("column", spot.column)?;
+    options.set_item("element", spot.element)?;
+    let made = module.getattr(class.name())?.call((message,), Some(&options))?;
+    Ok(PyErr::from_value(made))
+}
+
+/// The exception of an error of reading a robot.
+pub fn load(failure: &LoadError) -> PyErr {
+    let message = failure.to_string();
+    match failure {
+        LoadError::Read { file, .. } => error(Class::Read, &message, Spot::file(file)),
+        LoadError::NotText { file, line } => {
+            error(Class::Read, &message, Spot { line: Some(*line), ..Spot::file(file) })
+        }
+        LoadError::Urdf(UrdfError { problems }) => {
+            error(Class::Robot, &message, problems.first().map_or_else(Spot::default, |first| (&first.place).into()))
+        }
+        LoadError::Tree(failure) => tree(failure),
+        LoadError::Source(source) => error(Class::Robot, &message, (&source.place).into()),
+        LoadError::Xacro(xacro) => {
+            let spot = xacro.place.as_ref().map_or_else(Spot::default, |place| Spot {
+                file: Some(place.file.display().to_string()),
+                line: Some(place.line),
+                column: Some(place.column),
+                element: None,
+            });
+            error(Class::Robot, &message, spot)
+        }
+        LoadError::Chain { file, .. } => error(Class::Robot, &message, Spot::file(file)),
+        LoadError::OneChain { file, .. } => error(Class::Chain, &message, Spot::file(file)),
+        LoadError::Export(_) => error(Class::Export, &message, Spot::default()),
+        _ => error(Class::Robot, &message, Spot::default()),
+    }
+}
+
+/// The exception of a chain that is not there.
+pub fn tree(failure: &TreeError) -> PyErr {
+    let spot = match failure {
+        TreeError::NoSuchLink { file, .. } => Spot::file(file),
+        TreeError::Unsupported { place, .. } => place.into(),
+        _ => Spot::default(),
+    };
+    error(Class::Chain, &failure.to_string(), spot)
+}
+
+/// What the library promises and a caller can do nothing about.
+pub fn broken(what: &str) -> PyErr {
+    PyRuntimeError::new_err(what.to_owned())
+}

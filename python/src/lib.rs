@@ -1,0 +1,26 @@
+//! The native part of the Python package `denavit`: values in, the library's functions, values out.
+//!
+//! No logic stands here. Results that have a JSON contract leave as that JSON, so that Python and the command line say the
+//! same; the classes that people see are written in Python around these.
+
+mod arrays;
+mod chain;
+mod compare;
+mod errors;
+mod robot;
+mod table;
+
+use pyo3::prelude::*;
+
+/// The native part of `denavit`; use the classes of the package.
+#[pymodule(gil_used = false)]
+mod _denavit {
+    #[pymodule_export]
+    use crate::chain::Chain;
+    #[pymodule_export]
+    use crate::compare::{Comparison, Findings, check, compare, fingerprint, fingerprint_matches};
+    #[pymodule_export]
+    use crate::robot::{Robot, read_text};
+    #[pymodule_export]
+    use crate::table::Table;
+}

@@ -1,0 +1,154 @@
+//! A robot from any source.
+
+use crate::chain::Chain;
+use crate::errors::{argument, load};
+use denavit_dh::{Gauge, Parallelism};
+use denavit_export::urdf::{Frames, LinkFrames, Options as ExportOptions};
+use denavit_load::{Loaded, Options, Selection};
+use denavit_model::{Note, Reading};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A robot as its source gives it.
+#[pyclass(frozen, module = "denavit._denavit")]
+pub struct Robot {
+    pub loaded: Arc<Loaded>,
+    pub file: Arc<str>,
+    notes: Vec<String>,
+}
+
+/// The text of a file, of standard input (`-`) or of `git:REVISION:PATH`, and what messages call it.
+#[pyfunction]
+pub fn read_text(py: Python<'_>, name: &str) -> PyResult<(String, String)> {
+    py.detach(|| denavit_load::read_text(name)).map_err(|error| load(&error))
+}
+
+/// Angles as written, or as they were meant.
+pub fn reading(exact: bool) -> Reading {
+    if exact { Reading::AsWritten } else { Reading::Intended }
+}
+
+#[pymethods]
+impl Robot {
+    /// Reads a robot from text; `file` is what messages call it, and its ending tells some formats apart.
+    #[staticmethod]
+    #[pyo3(signature = (file, text, arguments, package_path, allow_any_file, vendor_angles))]
+    fn from_text(
+        py: Python<'_>,
+        file: &str,
+        text: &str,
+        arguments: Vec<(String, String)>,
+        package_path: Vec<PathBuf>,
+        allow_any_file: bool,
+        vendor_angles: bool,
+    ) -> PyResult<Self> {
+        let options = Options { arguments, package_path, allow_any_file, vendor_angles };
+        let opened = py.detach(|| denavit_load::from_text(file, text, &options)).map_err(|error| load(&error))?;
+        let notes = opened.notes.iter().map(ToString::to_string).collect();
+        let file: Arc<str> = match &opened.robot {
+            Loaded::Robot(robot) => robot.source.file.as_str().into(),
+            _ => file.into(),
+        };
+        Ok(Self { loaded: Arc::new(opened.robot), file, notes })
+    }
+
+    /// The robot's name.
+    #[getter]
+    fn name(&self) -> &str {
+        match &*self.loaded {
+            Loaded::Robot(robot) => &robot.name,
+            Loaded::Table { chain, .. } | Loaded::Poe(chain) => chain.name(),
+        }
+    }
+
+    /// What messages call its source.
+    #[getter]
+    fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// `urdf`, `table` or `poe`.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match &*self.loaded {
+            Loaded::Robot(_) => "urdf",
+            Loaded::Table { .. } => "table",
+            Loaded::Poe(_) => "poe",
+        }
+    }
+
+    /// Links, and joints that move; of a tree only.
+    #[getter]
+    fn counts(&self) -> Option<(usize, usize)> {
+        let Loaded::Robot(robot) = &*self.loaded else { return None };
+        Some((robot.links.len(), robot.joints.iter().filter(|joint| joint.kind.moves()).count()))
+    }
+
+    /// The URDF, with xacro expanded; of a tree only.
+    #[getter]
+    fn urdf(&self) -> Option<String> {
+        let Loaded::Robot(robot) = &*self.loaded else { return None };
+        Some(robot.source.text.clone())
+    }
+
+    /// What was read otherwise than it is written.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let own: &[Note] = if let Loaded::Robot(robot) = &*self.loaded { &robot.notes } else { &[] };
+        self.notes.iter().cloned().chain(own.iter().map(ToString::to_string)).collect()
+    }
+
+    /// Base, tip, coordinates of every chain to a leaf, and whether it is the one that is taken where none is named.
+    fn chains(&self) -> Vec<(String, String, Vec<String>, bool)> {
+        let listing = self.loaded.chains();
+        let default = listing.default;
+        let entry = |chain: denavit_model::tree::ChainListing| {
+            let is_default = chain == default;
+            (chain.base, chain.tip, chain.coordinates, is_default)
+        };
+        listing.chains.into_iter().map(entry).collect()
+    }
+
+    /// The chain between two links.
+    #[pyo3(signature = (base, tip, exact))]
+    fn chain(&self, base: Option<String>, tip: Option<String>, exact: bool) -> PyResult<Chain> {
+        let selection =
+            Selection { file: &self.file, base: base.as_deref(), tip: tip.as_deref(), reading: reading(exact) };
+        let noted = self.loaded.chain(&selection).map_err(|error| load(&error))?;
+        Ok(Chain::new(Arc::clone(&self.loaded), Arc::clone(&self.file), noted, exact))
+    }
+
+    /// The canonical URDF and what must be said of it.
+    #[pyo3(signature = (link_frames, frames, tip, exact, tolerance))]
+    fn canonical(
+        &self,
+        py: Python<'_>,
+        link_frames: &str,
+        frames: &str,
+        tip: Option<String>,
+        exact: bool,
+        tolerance: f64,
+    ) -> PyResult<(String, Vec<String>)> {
+        let options = ExportOptions {
+            link_frames: match link_frames {
+                "replace" => LinkFrames::Replace,
+                "keep" => LinkFrames::Keep,
+                "mark" => LinkFrames::MarkOnly,
+                other => return Err(argument(format!("link_frames is \"{other}\"; write replace, keep or mark"))),
+            },
+            frames: match frames {
+                "distal" => Frames::Distal,
+                "proximal" => Frames::Proximal,
+                other => return Err(argument(format!("frames is \"{other}\"; write distal or proximal"))),
+            },
+            reading: reading(exact),
+            gauge: Gauge::default(),
+            parallelism: if exact { Parallelism::Exact } else { Parallelism::Within { angle: tolerance } },
+            tip,
+        };
+        let made = py.detach(|| denavit_load::canonical(&self.loaded, &self.file, &options));
+        let made = made.map_err(|error| load(&error))?;
+        Ok((made.value, made.notes.iter().map(ToString::to_string).collect()))
+    }
+}

@@ -1,0 +1,71 @@
+//! A Denavit-Hartenberg table, and whether it is the vendor's.
+
+use crate::errors::{Class, Spot, argument, error};
+use denavit_dh::matching;
+use denavit_export::{Sheet, Units, formats, matched, sources};
+use denavit_load::Made;
+use denavit_model::Chain;
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// A table.
+#[pyclass(frozen, module = "denavit._denavit")]
+pub struct Table {
+    pub made: Made,
+    pub chain: Chain,
+    pub file: Arc<str>,
+}
+
+fn units(written: &str) -> PyResult<Units> {
+    let units = Units::default().with_words(written);
+    units.map_err(|word| argument(format!("units: \"{word}\" is no unit; write m or mm, and deg or rad")))
+}
+
+impl Table {
+    fn sheet(&self, units: Units) -> Sheet<'_> {
+        Sheet {
+            table: &self.made.table.value,
+            convention: self.made.convention,
+            units,
+            notes: &self.made.table.notes,
+            source: &self.file,
+            gauge: self.made.gauge,
+        }
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// In one of the formats of `denavit table`.
+    fn render(&self, format: &str, units: &str) -> PyResult<String> {
+        let known = || formats::FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
+        let found = formats::named(format);
+        let found = found.ok_or_else(|| argument(format!("format is \"{format}\"; write one of {}", known())))?;
+        let rendered = (found.render)(&self.sheet(self::units(units)?));
+        rendered.map_err(|failure| error(Class::Export, &failure.to_string(), Spot::default()))
+    }
+
+    /// Column names, cells as text row by row, and one sentence on how a row is to be read.
+    #[expect(clippy::type_complexity, reason = "it is the grid of a document")]
+    fn cells(
+        &self,
+        units: &str,
+    ) -> PyResult<(Vec<&'static str>, Vec<(String, String, String, Vec<String>, String)>, String)> {
+        let sheet = self.sheet(self::units(units)?);
+        let rows = sheet.text_rows(|k| format!("q{k}"));
+        let rows = rows.into_iter().map(|row| (row.label, row.joint, row.kind, row.numbers, row.limits)).collect();
+        let (angle, length) = (sheet.units.angle_word(), sheet.units.length_word());
+        let words = format!("{}, {angle} and {length}: {}", sheet.convention_words(), sheet.row_formula());
+        Ok((sheet.number_columns(), rows, words))
+    }
+
+    /// How a vendor's table lies on the robot: JSON, and text.
+    fn r#match(&self, py: Python<'_>, file: &str, text: &str) -> PyResult<(String, String)> {
+        let vendor = sources::read_vendor_table(file, text);
+        let vendor = vendor.map_err(|failure| error(Class::Robot, &failure.to_string(), (&failure.place).into()))?;
+        let found = py.detach(|| matching::match_table(&self.chain, &vendor));
+        let found = found.map_err(|failure| error(Class::Argument, &format!("{file}: {failure}"), Spot::file(file)))?;
+        let words = matched::text(&self.chain, file, &vendor, &found, Units::default());
+        Ok((matched::json(&self.chain, file, &found), words))
+    }
+}
