@@ -4,7 +4,9 @@ use crate::numbers::{AngleUnit, Units, decimal};
 use crate::sources::{ReadAs, VendorReading};
 use comfy_table::{CellAlignment, Table as Grid, presets};
 use denavit_dh::RowLabel;
-use denavit_dh::matching::{DhNumber, Difference, Match, Nature, Placement, RowMatch, Sense, Verdict};
+use denavit_dh::matching::{
+    DhNumber, Difference, Match, MatchError, Nature, Placement, RowMatch, Sense, Verdict, match_table,
+};
 use denavit_model::Pose;
 use denavit_model::chain::{Chain, Quantity};
 use denavit_model::se3::rpy_from_rotation;
@@ -76,6 +78,36 @@ impl Found<'_> {
         let read_as = self.reading.read_as.words();
         self.reading.tried.then(|| format!("read as {read_as}, which fits best of what the file leaves open"))
     }
+}
+
+/// The reading that matches best of those that nothing stated contradicts; where it is a mismatch, what would match.
+///
+/// # Errors
+/// As [`match_table`].
+///
+/// # Panics
+/// There is no reading; [`crate::sources::read_vendor_table`] gives one at least.
+pub fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<Found<'a>, MatchError> {
+    let mut best: Option<(Match, &VendorReading)> = None;
+    let mut otherwise: Option<(Match, &VendorReading)> = None;
+    for reading in readings {
+        let settled = best.as_ref().is_some_and(|(found, _)| found.verdict <= Verdict::Rounded);
+        let hopeless = best.as_ref().is_none_or(|(found, _)| found.verdict == Verdict::Mismatch);
+        if settled || (reading.against_what_is_stated && !hopeless) {
+            break;
+        }
+        let found = match_table(chain, &reading.table)?;
+        let slot = if reading.against_what_is_stated { &mut otherwise } else { &mut best };
+        if slot.as_ref().is_none_or(|(known, _)| {
+            (found.verdict, found.placement.position_error) < (known.verdict, known.placement.position_error)
+                && (found.verdict < known.verdict || found.verdict == Verdict::Mismatch)
+        }) {
+            *slot = Some((found, reading));
+        }
+    }
+    let (found, reading) = best.expect("the first reading contradicts nothing");
+    let otherwise = otherwise.filter(|(other, _)| other.verdict < Verdict::Mismatch);
+    Ok(Found { found, reading, otherwise: otherwise.map(|(other, reading)| (other.verdict, reading.read_as)) })
 }
 
 /// Angles beyond a full turn (rad) and links beyond this (m) are no arm's.

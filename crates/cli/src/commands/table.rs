@@ -5,11 +5,10 @@ use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source::{self, Loaded};
 use denavit_dh::Gauge;
-use denavit_dh::matching::{self, Match, Verdict};
-use denavit_export::sources::{Stated, VendorReading};
+use denavit_dh::matching::Verdict;
+use denavit_export::sources::Stated;
 use denavit_export::{Sheet, formats, matched, sources};
 use denavit_load::TableOptions;
-use denavit_model::Chain;
 use denavit_model::notes::Noted;
 
 /// Runs the command.
@@ -39,7 +38,7 @@ fn matched(arguments: &TableArguments, loaded: &Loaded, vendor: &str) -> Result<
     let given = Stated { convention, ..Stated::default() }.or(source::stated(&arguments.robot.source)?);
     let readings = sources::read_vendor_table(&file, &text, given).map_err(denavit_load::LoadError::from)?;
     let Noted { value: chain, notes } = loaded.chain(&arguments.robot.selection())?;
-    let found = best(&chain, &readings).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
+    let found = matched::best(&chain, &readings).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
     let text = match arguments.format.as_str() {
         "text" => matched::text(&chain, &file, &found, units),
         "json" => matched::json(&chain, &file, &found),
@@ -48,30 +47,6 @@ fn matched(arguments: &TableArguments, loaded: &Loaded, vendor: &str) -> Result<
     output::remark(&notes);
     super::deliver(arguments.output.as_deref(), &text)?;
     Ok(if found.found.verdict <= Verdict::Rounded { Status::Same } else { Status::Different })
-}
-
-/// The reading that matches best of those that nothing stated contradicts; where it is a mismatch, what would match.
-fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<matched::Found<'a>, matching::MatchError> {
-    let mut best: Option<(Match, &VendorReading)> = None;
-    let mut otherwise: Option<(Match, &VendorReading)> = None;
-    for reading in readings {
-        let settled = best.as_ref().is_some_and(|(found, _)| found.verdict <= Verdict::Rounded);
-        let hopeless = best.as_ref().is_none_or(|(found, _)| found.verdict == Verdict::Mismatch);
-        if settled || (reading.against_what_is_stated && !hopeless) {
-            break;
-        }
-        let found = matching::match_table(chain, &reading.table)?;
-        let slot = if reading.against_what_is_stated { &mut otherwise } else { &mut best };
-        if slot.as_ref().is_none_or(|(known, _)| {
-            (found.verdict, found.placement.position_error) < (known.verdict, known.placement.position_error)
-                && (found.verdict < known.verdict || found.verdict == Verdict::Mismatch)
-        }) {
-            *slot = Some((found, reading));
-        }
-    }
-    let (found, reading) = best.expect("the first reading contradicts nothing");
-    let otherwise = otherwise.filter(|(other, _)| other.verdict < Verdict::Mismatch);
-    Ok(matched::Found { found, reading, otherwise: otherwise.map(|(other, reading)| (other.verdict, reading.read_as)) })
 }
 
 fn options(arguments: &TableArguments) -> TableOptions {
