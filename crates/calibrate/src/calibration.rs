@@ -1,8 +1,12 @@
 //! The whole of a calibration: stages on training rows, errors on rows that no stage saw, effects, the report.
 
+use crate::adoption::{Adopted, worse};
 use crate::arm::Arm;
+use crate::diagnosis::{self, Diagnosis};
+use crate::drawing::{Departure, departures};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
+use crate::effects::recorded::needed;
 use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::errors::{Errors, Residual, TestError, errors, placed, residuals};
 use crate::grid::{self, Rounding};
@@ -10,13 +14,15 @@ use crate::identifiability::{Identifiability, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::measurements::Measurements;
 use crate::parameters::{Effects, NoEffects};
+use crate::proportion::{OutOfProportion, within_proportion};
+use crate::redundancy::{Redundancy, different};
 use crate::report::contract::{
-    CalibrationReport, Counts, EffectEntry, Rival, SCHEMA, Samples, Stage, Unexplained, Unidentifiable,
+    CalibrationReport, Counts, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
+    Unidentifiable,
 };
-use crate::solve::Fit;
+use crate::solve::{Fit, outside};
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
-use denavit_model::nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
@@ -40,12 +46,14 @@ pub struct CalibrateOptions {
     pub hold_out: Option<HoldOut>,
     /// Search for effects; `None`: geometry alone.
     pub trace: Option<TraceOptions>,
+    /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
+    pub other_chains: Vec<Chain>,
 }
 
 impl CalibrateOptions {
     /// Geometry alone, every axis, nothing held out.
     pub fn geometry(chain: &Chain) -> Self {
-        Self { identify: IdentifyOptions::axes(chain), hold_out: None, trace: None }
+        Self { identify: IdentifyOptions::axes(chain), hold_out: None, trace: None, other_chains: Vec::new() }
     }
 }
 
@@ -55,32 +63,38 @@ impl CalibrateOptions {
 pub enum CalibrateError {
     /// Not enough to place the instrument.
     #[error(
-        "{file}: {rows} rows hold {values} measured numbers, but placing the instrument and the targets takes {needed} \
-         and a few to check them; measure more poses"
+        "{file}: {rows} rows hold {values} measured numbers{}, but placing the instrument and the targets takes {needed} \
+         and a few to check them; measure more poses",
+        in_postures(*rows, *postures)
     )]
     TooFewRows {
         /// The file.
         file: String,
         /// Its rows.
         rows: usize,
+        /// Different postures among them.
+        postures: usize,
         /// Numbers measured.
         values: usize,
         /// Numbers to find before any geometry.
         needed: usize,
     },
-    /// The nominal robot is metres away from what was measured.
+    /// The data do not belong to this robot, or not as they are written.
+    #[error(transparent)]
+    Diagnosis(#[from] Diagnosis),
+    /// A robot larger than anything that is measured.
+    #[error(transparent)]
+    OutOfProportion(#[from] OutOfProportion),
+    /// The geometric fit came to no end.
     #[error(
-        "{file}: the robot as drawn misses what was measured by {left:.3} m rms, wherever the instrument stands \
-         (its reach is {reach:.3} m); are the joints in the right columns, the readings in rad (else --units deg), the \
-         lengths in m (else --units mm), and --base and --tip right?"
+        "{file}: the fit of the geometry did not settle in {iterations} steps, so there is no result; are there too few \
+         poses, poses that are nearly alike, or rows of two robots? `denavit identify --data {file}` says what they can tell"
     )]
-    Misfit {
+    NotSettled {
         /// The file.
         file: String,
-        /// Root mean square, m.
-        left: f64,
-        /// m.
-        reach: f64,
+        /// Steps taken.
+        iterations: usize,
     },
     /// A share that holds out nothing or everything.
     #[error("--hold-out {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows")]
@@ -88,6 +102,14 @@ pub enum CalibrateError {
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
+}
+
+fn in_postures(rows: usize, postures: usize) -> String {
+    match (rows, postures) {
+        (rows, postures) if rows == postures => String::new(),
+        (_, 1) => " in one posture, measured again and again".into(),
+        (_, postures) => format!(" in {postures} different postures"),
+    }
 }
 
 /// Residuals of one stage.
@@ -123,15 +145,21 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The arm at the last stage.
+    /// The arm at the stage that was adopted.
     pub fn arm(&self) -> &Arm {
-        self.trace.as_ref().map_or(&self.identification.geometric.arm, |trace| &trace.fit.arm)
+        match (&self.trace, self.report.adopted) {
+            (_, Adopted::Nominal) => &self.identification.nominal.arm,
+            (Some(trace), Adopted::Effects) => &trace.fit.arm,
+            _ => &self.identification.geometric.arm,
+        }
     }
 
-    /// The effects at the last stage; none where none was looked for.
+    /// The effects at the stage that was adopted; none where none was looked for.
     pub fn effects(&self, statics: &Statics) -> EffectModel {
-        let none = || EffectModel::new(statics.clone(), Vec::new());
-        self.trace.as_ref().map_or_else(none, |trace| trace.fit.effects.clone())
+        match &self.trace {
+            Some(trace) if self.report.adopted == Adopted::Effects => trace.fit.effects.clone(),
+            _ => EffectModel::new(statics.clone(), Vec::new()),
+        }
     }
 }
 
@@ -145,9 +173,6 @@ pub enum Progress {
     /// Errors of every stage, what the data can tell.
     Judgement,
 }
-
-/// Residual of the nominal robot beyond which something else is wrong than geometry, relative to its reach.
-const MISFIT: f64 = 0.15;
 
 /// Calibrate a chain.
 ///
@@ -185,36 +210,62 @@ pub fn calibrate_and_tell(
         (None, None) => (data, None),
     };
     enough(&train)?;
+    if let Some(test) = &test {
+        not_the_same(&train, test)?;
+        if options.trace.is_some() {
+            recorded_too(&train, test, |name| has_a_meaning(&train, name))?;
+        }
+    }
     progress(Progress::Geometry);
+    within_proportion(chain)?;
     let identification = identify(chain, &train, &options.identify);
-    fits(chain, &train, &identification)?;
-    let found = options.trace.as_ref().map(|options| {
+    diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
+    let geometric = &identification.geometric;
+    if !geometric.settled() {
+        return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations: geometric.iterations });
+    }
+    let told = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
+    let redundancy = Redundancy::of(&train, told.rank);
+    let found = options.trace.as_ref().filter(|_| redundancy.enough_for_effects).map(|options| {
         progress(Progress::Effects);
-        trace(statics, &train, &identification.geometric, options)
+        trace(statics, &train, geometric, options)
     });
+    if let (Some(test), Some(found)) = (&test, &found) {
+        let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
+        recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
+    }
     progress(Progress::Judgement);
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
-    stages.add("geometric".into(), &identification.geometric)?;
+    stages.add("geometric".into(), geometric)?;
     if let Some(found) = &found {
         for (name, fit) in trace_stages(found) {
             stages.add(name, fit)?;
         }
     }
+    let adopted = stages.adopt(found.as_ref().is_some_and(|found| found.fit.settled()));
     let (stages, residuals) = (stages.done, stages.residuals);
-    let told = identifiability(&train, &identification.geometric.arm, &NoEffects, &options.identify.freedom);
-    let weights = found.as_ref().map_or(&identification.geometric.weights, |found| &found.fit.weights);
+    let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
+    let (weights, (parameters, differs)) = match (adopted, &found) {
+        (Adopted::Nominal, _) => (&identification.nominal.weights, identified(&identification.nominal)),
+        (Adopted::Effects, Some(found)) => (&found.fit.weights, identified(&found.fit)),
+        _ => (&geometric.weights, identified(geometric)),
+    };
+    let last = stages.iter().position(|stage| stage.adopted).unwrap_or(0);
     let report = CalibrationReport {
         schema: SCHEMA,
         robot: chain.name().into(),
         base: chain.base().into(),
         tip: chain.tip().into(),
         measurement: train.scene.measured(),
+        columns: Vec::new(),
         samples: Samples {
             train: train.len(),
             test: test.as_ref().map_or(0, |test| test.locate.iter().filter(|locate| !**locate).count()),
             rejected: rejected(&train, weights),
+            test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &residuals[last].test)),
         },
+        redundancy,
         identifiability: Counts { expected: told.expected, rank: told.rank },
         unidentifiable: told
             .untold
@@ -223,10 +274,14 @@ pub fn calibrate_and_tell(
                 parameter: untold.parameter.clone(),
                 joint: untold.joint.clone(),
                 why: untold.why.clone(),
+                held: held(&parameters, &untold.parameter),
             })
             .collect(),
         stages,
-        effects: found.as_ref().map_or_else(Vec::new, |found| found.findings.iter().map(entry).collect()),
+        adopted,
+        parameters,
+        differs_from_drawing: differs,
+        effects: named.map_or_else(Vec::new, |found| found.findings.iter().map(entry).collect()),
         unexplained: found.as_ref().map_or(
             Unexplained { structured: false, p_value: 1.0, places: Vec::new() },
             |found| Unexplained {
@@ -238,6 +293,72 @@ pub fn calibrate_and_tell(
     };
     let rounding = grid::rounding(&identification.geometric.arm, &train);
     Ok(Calibration { report, identification, trace: found, identifiability: told, rounding, train, test, residuals })
+}
+
+/// The joints' parameters of a fit with their intervals, and those that are far from the drawing.
+fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Vec<Departure>) {
+    let departure = fit.layout.departure(&fit.arm, &fit.arm);
+    let joints = fit.arm.nominal.joints();
+    let of = |index: usize| {
+        let parameter = &fit.layout.parameters[index];
+        Identified {
+            parameter: parameter.name.clone(),
+            joint: parameter.kind.joint().map_or_else(String::new, |joint| joints[joint].name.clone()),
+            change: departure[index],
+            std: fit.deviation(index),
+            half_interval_95: fit.half_interval(index, 0.95),
+            unit: parameter.unit,
+            held_by_prior: fit.held_by_prior(index),
+        }
+    };
+    (fit.layout.joints.clone().map(of).collect(), departures(fit))
+}
+
+/// What a parameter that the data cannot tell is held by.
+fn held(parameters: &[Identified], name: &str) -> Held {
+    match parameters.iter().find(|parameter| parameter.parameter == name) {
+        None => Held::Nominal,
+        Some(_) => Held::Prior,
+    }
+}
+
+/// Refuses to judge by the rows that were fitted.
+fn not_the_same(train: &Measurements, test: &Measurements) -> Result<(), TestError> {
+    let same = train.scene == test.scene && train.readings == test.readings && train.observed == test.observed;
+    if same { Err(TestError::SameRows { file: test.source.clone(), fitted: train.source.clone() }) } else { Ok(()) }
+}
+
+/// Whether a column's name says what it is: what effects follow first.
+fn has_a_meaning(data: &Measurements, name: &str) -> bool {
+    let of_joint = name.rsplit_once('.').is_some_and(|(joint, _)| data.joints.iter().any(|known| known == joint));
+    ["time", "temperature", "payload"].contains(&name) || of_joint
+}
+
+/// Every wanted column of the fitted rows that varies is there in the rows that judge.
+fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str) -> bool) -> Result<(), TestError> {
+    let varies = |values: &[f64]| values.iter().any(|value| *value != values[0]);
+    let missing = train
+        .covariates
+        .iter()
+        .find(|column| wanted(&column.name) && varies(&column.values) && test.covariate(&column.name).is_none());
+    match missing {
+        None => Ok(()),
+        Some(column) => Err(TestError::MissingColumn {
+            file: test.source.clone(),
+            column: column.name.clone(),
+            fitted: train.source.clone(),
+        }),
+    }
+}
+
+/// Lines of held-out rows that are off by far more than the others.
+fn far_off(data: &Measurements, residuals: &[Residual]) -> Vec<usize> {
+    let squares: Vec<(usize, [f64; 2])> =
+        residuals.iter().map(|r| (r.series, [r.place.norm_squared(), r.turn.norm_squared()])).collect();
+    let mut lines: Vec<usize> =
+        outside(&data.scene, &squares).into_iter().map(|index| data.lines[residuals[index].row]).collect();
+    lines.dedup();
+    lines
 }
 
 fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option<Measurements>), CalibrateError> {
@@ -264,18 +385,10 @@ fn enough(data: &Measurements) -> Result<(), CalibrateError> {
     let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
     let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
     let needed = 6 * instruments + 3 * (scene.points.len() + scene.targets.len() + turns);
-    let values = data.values();
+    let (postures, values) = different(data);
     if values <= needed {
-        return Err(CalibrateError::TooFewRows { file: data.source.clone(), rows: data.len(), values, needed });
-    }
-    Ok(())
-}
-
-fn fits(chain: &Chain, data: &Measurements, found: &Identification) -> Result<(), CalibrateError> {
-    let reach = chain.reach_beyond(0, &Point3::origin());
-    let left = found.nominal.noise.first();
-    if left > MISFIT * reach {
-        return Err(CalibrateError::Misfit { file: data.source.clone(), left, reach });
+        let (file, rows) = (data.source.clone(), data.len());
+        return Err(CalibrateError::TooFewRows { file, rows, postures, values, needed });
     }
     Ok(())
 }
@@ -298,9 +411,35 @@ impl Stages<'_> {
             held_out = residuals(&arm, &fit.effects, test);
             test_errors = Some(errors(&held_out, &test.scene));
         }
-        self.done.push(Stage { name: name.clone(), train: errors(&train, &self.train.scene), test: test_errors });
+        self.done.push(Stage {
+            name: name.clone(),
+            train: errors(&train, &self.train.scene),
+            test: test_errors,
+            converged: fit.settled(),
+            adopted: false,
+            worse_on_held_out: false,
+        });
         self.residuals.push(StageResiduals { name, train, test: held_out });
         Ok(())
+    }
+
+    /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
+    fn adopt(&mut self, effects_settled: bool) -> Adopted {
+        let (mut adopted, mut at) = (Adopted::Nominal, 0);
+        let last = self.done.len() - 1;
+        for stage in [1, last] {
+            if stage == at {
+                continue;
+            }
+            let worse = worse(&self.residuals[at].test, &self.residuals[stage].test);
+            self.done[stage].worse_on_held_out = worse;
+            if !worse && (stage == 1 || effects_settled) {
+                adopted = if stage == 1 { Adopted::Geometric } else { Adopted::Effects };
+                at = stage;
+            }
+        }
+        self.done[at].adopted = true;
+        adopted
     }
 }
 

@@ -1,5 +1,6 @@
 //! Effects that geometry lacks: where each acts (carrier) times what drives it (driver).
 
+pub mod approach;
 pub mod carrier;
 pub mod catalogue;
 pub mod drawn;

@@ -62,6 +62,29 @@ pub enum TestError {
         /// What was fitted.
         expected: String,
     },
+    /// The rows that were fitted.
+    #[error(
+        "{file}: these are the rows of {fitted}; a test needs rows that were not fitted: measure some, or say --hold-out 0.3"
+    )]
+    SameRows {
+        /// The test file.
+        file: String,
+        /// The fitted file.
+        fitted: String,
+    },
+    /// A recorded quantity that the fitted rows have and these lack.
+    #[error(
+        "{file}: column \"{column}\" of {fitted} is missing here, and effects may follow it; add it, or remove it from \
+         both files"
+    )]
+    MissingColumn {
+        /// The test file.
+        file: String,
+        /// The column.
+        column: String,
+        /// The fitted file.
+        fitted: String,
+    },
     /// A target that the fit does not know and no row places.
     #[error(
         "{file}: target \"{target}\" is not among the fitted ones ({known}) and no row places it; set locate = 1 in a \

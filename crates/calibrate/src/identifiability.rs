@@ -179,6 +179,15 @@ fn analyse(triangle: &DMatrix<f64>, conditions: &DMatrix<f64>) -> Analysis {
     let columns = triangle.ncols();
     let scale: Vec<f64> =
         triangle.column_iter().map(|column| if column.norm() > 0.0 { column.norm().recip() } else { 1.0 }).collect();
+    if !triangle.iter().chain(conditions).all(|value| value.is_finite()) {
+        // Singular values of what overflowed would be looked for without end.
+        return Analysis {
+            rank: 0,
+            smallest: 0.0,
+            shares: vec![1.0; columns],
+            directions: DMatrix::identity(columns, columns),
+        };
+    }
     let mut scaled = triangle.clone();
     for (mut column, s) in scaled.column_iter_mut().zip(&scale) {
         column.scale_mut(*s);

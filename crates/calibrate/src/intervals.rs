@@ -3,17 +3,33 @@
 //! Intervals are Student's, for the noise is estimated from the same data.
 
 use crate::gauge;
-use crate::solve::Fit;
+use crate::solve::{Fit, missing_degrees};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+/// Residuals below this share of the robot's size (and rad) are as good as none: a micrometre on a metre.
+const EXACT: f64 = 1e-6;
 /// A condition smaller than this share of the largest is rounding.
 const SAYS_NOTHING: f64 = 1e-9;
 
 impl<E> Fit<E> {
-    /// Measured values beyond the parameters that the data pay for; at least 1.
+    /// Measured values beyond the parameters that the data pay for, and those that were [assumed](Self::assumed_degrees).
     pub fn degrees_of_freedom(&self) -> f64 {
-        (self.values.iter().sum::<f64>() - self.parameters_used.iter().sum::<f64>()).max(1.0)
+        let told = self.values.iter().sum::<f64>() - self.parameters_used.iter().sum::<f64>();
+        (told + self.assumed_degrees()).max(1.0)
+    }
+
+    /// Degrees of freedom of the noise that the data do not have: an assumed noise stands in for them (see
+    /// [`crate::solve::ASSUMED_NOISE`]). 0 with enough data.
+    pub fn assumed_degrees(&self) -> f64 {
+        self.values.iter().zip(&self.parameters_used).map(|(count, used)| missing_degrees(*count, *used)).sum()
+    }
+
+    /// Whether the numbers are a result: the last step was too small to matter, or what is left is so small that nothing
+    /// could (data without noise).
+    pub fn settled(&self) -> bool {
+        let least = EXACT * self.arm.nominal.size();
+        self.converged || self.noise.levels.iter().all(|level| *level <= least)
     }
 
     /// Standard deviation of a parameter, in its unit.

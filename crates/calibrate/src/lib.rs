@@ -9,11 +9,14 @@
 
 #![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
 
+pub mod adoption;
 pub mod arm;
 pub mod calibration;
 pub mod compensate;
 pub mod delta_table;
 pub mod dh_form;
+pub mod diagnosis;
+pub mod drawing;
 pub mod effects;
 pub mod errors;
 pub mod gauge;
@@ -31,6 +34,8 @@ pub mod placement;
 pub mod plan;
 pub mod prior;
 mod products;
+pub mod proportion;
+pub mod redundancy;
 pub mod report;
 pub mod residual;
 pub mod simulate;

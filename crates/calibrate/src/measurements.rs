@@ -1,6 +1,8 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
+pub mod columns;
 mod header;
+mod near_miss;
 mod observations;
 mod plausible;
 pub mod poses;
@@ -10,6 +12,7 @@ mod scene;
 mod units;
 mod write;
 
+pub use columns::ColumnUse;
 pub use observations::Observations;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read};

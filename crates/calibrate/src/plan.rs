@@ -10,6 +10,7 @@ use crate::gauge;
 use crate::measurements::{Measurements, Scene};
 use crate::observe::{ObservationKind, Seen};
 use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use crate::proportion::{OutOfProportion, within_proportion};
 use crate::residual::{Problem, Scratch};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
@@ -84,6 +85,15 @@ pub enum PlanError {
         /// All.
         candidates: usize,
     },
+    /// A robot larger than anything that is measured.
+    #[error(transparent)]
+    OutOfProportion(#[from] OutOfProportion),
+    /// Numbers of the robot that are too far apart in size.
+    #[error(
+        "the information of these poses cannot be computed: lengths of the robot, the target's or the anchor's place are too \
+         far apart in size; give them in m, and leave out what is not measured"
+    )]
+    Degenerate,
     /// A candidate of another length.
     #[error("candidate {row}: {found} values, but the chain has {expected} coordinates")]
     Length {
@@ -145,6 +155,7 @@ const MOST_SWEEPS: usize = 20;
 /// # Errors
 /// Too few candidates are left, or one has the wrong length.
 pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
+    within_proportion(chain)?;
     let all = candidates(chain, options)?;
     let total = all.len();
     let mut arm = Arm::new(chain, &Scene::of(options.kind, 1));
@@ -155,7 +166,7 @@ pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: usable.len(), candidates: total });
     }
     let design = Design::new(chain, &arm, usable, options);
-    let (chosen, exchanges) = design.choose(options.count);
+    let (chosen, exchanges) = design.choose(options.count).ok_or(PlanError::Degenerate)?;
     Ok(Plan {
         joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
         poses: chosen.iter().map(|&index| design.candidates[index].clone()).collect(),
@@ -261,12 +272,12 @@ impl Design {
         Some(inverse - &along * inner.try_inverse()? * along.transpose() * sign)
     }
 
-    fn inverse(&self, chosen: &[usize]) -> DMatrix<f64> {
+    fn inverse(&self, chosen: &[usize]) -> Option<DMatrix<f64>> {
         let mut matrix = self.before.clone();
         for &index in chosen {
             matrix += self.rows[index].transpose() * &self.rows[index];
         }
-        matrix.cholesky().expect("the prior makes it positive definite").inverse()
+        Some(matrix.cholesky()?.inverse())
     }
 
     fn best(&self, inverse: &DMatrix<f64>, chosen: &[usize]) -> Option<(usize, f64)> {
@@ -276,13 +287,14 @@ impl Design {
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn choose(&self, count: usize) -> (Vec<usize>, usize) {
+    /// The poses and the exchanges made; `None` where rounding leaves nothing of the information.
+    fn choose(&self, count: usize) -> Option<(Vec<usize>, usize)> {
         let mut chosen: Vec<usize> = Vec::with_capacity(count);
-        let mut inverse = self.inverse(&[]);
+        let mut inverse = self.inverse(&[])?;
         while chosen.len() < count {
             let Some((index, _)) = self.best(&inverse, &chosen) else { break };
             chosen.push(index);
-            inverse = self.inverse(&chosen);
+            inverse = self.inverse(&chosen)?;
         }
         let mut exchanges = 0;
         for _ in 0..MOST_SWEEPS {
@@ -294,7 +306,7 @@ impl Design {
                 let Some((index, gain)) = self.best(&without, &chosen) else { continue };
                 if gain > own + LEAST_GAIN {
                     chosen[place] = index;
-                    inverse = self.inverse(&chosen);
+                    inverse = self.inverse(&chosen)?;
                     exchanges += 1;
                     changed = true;
                 }
@@ -304,7 +316,7 @@ impl Design {
             }
         }
         chosen.sort_unstable();
-        (chosen, exchanges)
+        Some((chosen, exchanges))
     }
 
     fn at_random(&self, count: usize, seed: u64) -> Observability {

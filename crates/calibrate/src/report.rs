@@ -9,5 +9,6 @@ pub mod plots;
 pub mod text;
 pub mod told;
 pub mod trace_plots;
+pub mod trust;
 
 pub use contract::CalibrationReport;

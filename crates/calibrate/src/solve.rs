@@ -98,6 +98,11 @@ const PROMISE_NEAR_END: f64 = 1e3;
 const PROMISE_FOR_REJECTION: f64 = 1.0;
 /// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
 const PROMISE_AT_END: f64 = 1e-4;
+/// Measured values beyond the parameters that it takes to tell the noise.
+pub const DEGREES_FOR_NOISE: f64 = 6.0;
+/// Noise that is taken where the data have too few degrees of freedom to tell it: share of the robot's size (a tenth of a
+/// millimetre on a metre, what instruments and repeatability make together) and rad.
+pub const ASSUMED_NOISE: f64 = 1e-4;
 /// One clean file in a hundred may have a row that far out.
 const FALSE_REJECTIONS: f64 = 0.01;
 /// Gross means this many times further out than that: what the model lacks is no outlier.
@@ -347,7 +352,11 @@ impl Solver<'_> {
                     sum += weight * square;
                     count += weight * degrees;
                 }
-                sum / (count - used[channel]).max(1.0)
+                // Where few degrees of freedom are left, an assumed noise stands in for those that are missing.
+                let missing = missing_degrees(count, used[channel]);
+                let lengths = self.scene().channels[channel].unit == "m";
+                let assumed = ASSUMED_NOISE * if lengths { self.reference.nominal.size() } else { 1.0 };
+                (sum + missing * assumed * assumed) / (count - used[channel] + missing)
             };
             *level = variance.sqrt().max(*level);
         }
@@ -445,6 +454,33 @@ impl System {
     fn inverse(&self) -> Option<DMatrix<f64>> {
         Some(self.damped(LEAST_DAMPING).cholesky()?.inverse())
     }
+}
+
+/// Degrees of freedom that must be assumed beside `count` values of which the parameters use `used`.
+pub(crate) fn missing_degrees(count: f64, used: f64) -> f64 {
+    if count == 0.0 { 0.0 } else { (DEGREES_FOR_NOISE - (count - used)).max(0.0) }
+}
+
+/// Indices of squared residuals (m² and rad²), each with the index of its series, that are gross outliers beside the median
+/// of their channel.
+pub(crate) fn outside(scene: &Scene, squares: &[(usize, [f64; 2])]) -> Vec<usize> {
+    let level = |(channel, part): (usize, &Part)| {
+        let own = squares.iter().filter_map(|(series, square)| {
+            let place = scene.series[*series].channels.iter().position(|own| *own == Some(channel))?;
+            Some(square[place])
+        });
+        let mut values: Vec<f64> = own.collect();
+        (median(&mut values) / median_of_chi_squared(part.height as f64)).sqrt()
+    };
+    let noise = Noise { levels: scene.channels.iter().enumerate().map(level).collect() };
+    let share = 1.0 - FALSE_REJECTIONS / squares.len().max(1) as f64;
+    let far = |&index: &usize| {
+        let (series, square) = squares[index];
+        let series = &scene.series[series];
+        let limit = quantile_of_chi_squared(series.kind.height() as f64, share);
+        noise.chi_squared(series, square) > GROSS * GROSS * limit
+    };
+    (0..squares.len()).filter(far).collect()
 }
 
 fn median(values: &mut [f64]) -> f64 {

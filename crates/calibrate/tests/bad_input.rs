@@ -4,10 +4,11 @@
 
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::measurements::{DataNote, Units, read, write};
+use denavit_calibrate::measurements::{Covariate, DataNote, Units, read, write};
 use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{Measurements, NoEffects};
+use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects};
 use denavit_model::examples::planar_arm;
 
 fn error(text: &str) -> String {
@@ -61,6 +62,102 @@ fn headers() {
     check(
         "joint_1,joint_2,x,y,z,joint_3.approach\n",
         "m.csv:1: column \"joint_3.approach\": there is no joint \"joint_3\"; did you mean \"joint_2\"?",
+    );
+}
+
+#[test]
+fn columns_that_are_nearly_known_are_not_lost() {
+    let near = |column: &str, known: &str| {
+        check(
+            &format!("joint_1,joint_2,x,y,z,{column}\n0,0,1,0,0,1\n"),
+            &format!(
+                "m.csv:1: column \"{column}\" is nearly \"{known}\"; write \"{known}\" if it is that, else give it a name of \
+                 its own, such as \"my_{known}\""
+            ),
+        );
+    };
+    near("Qx", "qx");
+    near("Temperature", "temperature");
+    near("temprature", "temperature");
+    near("Time (s)", "time");
+    near("Payload", "payload");
+    near("joint_1_approach", "joint_1.approach");
+    near("joint_2.Velocity", "joint_2.velocity");
+    let left_out = |columns: &str| {
+        let found = error(&format!("joint_1,joint_2,x,y,z,{columns}\n0,0,1,0,0,0,0,0\n"));
+        let names = columns.replace(',', ", ");
+        let expected = format!("m.csv:1: columns {names} look like an orientation and would be left out; say ");
+        assert!(found.starts_with(&expected), "{found}");
+        assert!(found.ends_with(", or rename them if they are something else"), "{found}");
+    };
+    for columns in ["roll,pitch,yaw", "A,B,C", "rx,ry,rz", "W,P,R", "Rot_x,Rot_y,Rot_z"] {
+        left_out(columns);
+    }
+    assert!(error("joint_1,joint_2,x,y,z,q1,q2,q3,q4\n").contains("name a quaternion's columns qx, qy, qz, qw"));
+}
+
+#[test]
+fn every_column_is_said_to_be_something() {
+    let text = "joint_1,joint_2,x,y,z,time,joint_1.approach,operator,gain,locate\n0,0,1,0,0,5,1,ann,2,0\n1,1,0,1,0,6,-1,ben,3,0\n";
+    let loaded = read("m.csv", text.as_bytes(), &planar_arm(), Units::default()).unwrap();
+    assert_eq!(
+        denavit_calibrate::measurements::columns::in_words(&loaded.columns),
+        "joint_1, joint_2 (joint reading); x, y, z (position of the target); time; joint_1.approach (approach of joint_1); \
+         operator (label); gain (recorded number); locate (rows that place a target)"
+    );
+}
+
+#[test]
+fn a_row_that_begins_with_a_spreadsheets_error_is_no_comment() {
+    for fault in ["#N/A", "#REF!", "#DIV/0!"] {
+        check(
+            &format!("# a comment\njoint_1,joint_2,x,y,z\n0,0,1,0,0\n{fault},0,1,0,0\n#0,0,1,0,0\n"),
+            &format!(
+                "m.csv:4: column \"joint_1\": \"{fault}\" is not a number; the spreadsheet could not compute it: correct the cell or remove the row"
+            ),
+        );
+    }
+}
+
+#[test]
+fn rows_that_judge_must_be_others_and_as_complete() {
+    let chain = planar_arm();
+    let rows = |seed, names: &[&str]| {
+        let covariate = |name: &&str| Covariate { name: (*name).into(), values: (0..40).map(f64::from).collect() };
+        let covariates = names.iter().map(covariate).collect();
+        simulate(&chain, &SimulationOptions { rows: 40, seed, covariates, ..Default::default() }, &NoEffects).data
+    };
+    assert_eq!(
+        calibration_error(rows(1, &[]), Some(rows(1, &[])), None),
+        "simulation: these are the rows of simulation; a test needs rows that were not fitted: measure some, or say \
+         --hold-out 0.3"
+    );
+    let identify = IdentifyOptions::axes(&chain);
+    let trace = Some(TraceOptions::new(identify));
+    let options = CalibrateOptions { trace, ..CalibrateOptions::geometry(&chain) };
+    let error = calibrate(&chain, &Statics::of_chain(&chain), rows(1, &["temperature"]), Some(rows(2, &[])), &options);
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "simulation: column \"temperature\" of simulation is missing here, and effects may follow it; add it, or remove it \
+         from both files"
+    );
+}
+
+#[test]
+fn held_out_rows_that_are_far_off_are_flagged() {
+    let chain = planar_arm();
+    let run = simulate(&chain, &SimulationOptions { rows: 60, ..Default::default() }, &NoEffects);
+    let mut test =
+        simulate_arm(&run.arm, &SimulationOptions { rows: 30, seed: 4, ..Default::default() }, &NoEffects).data;
+    test.observed.values_mut(7)[1] += 0.02;
+    let line = test.lines[7];
+    let options = CalibrateOptions::geometry(&chain);
+    let result = calibrate(&chain, &Statics::of_chain(&chain), run.data, Some(test), &options).unwrap();
+    assert_eq!(result.report.samples.test_outliers, [line]);
+    let said = denavit_calibrate::report::text::report(&result);
+    assert!(
+        said.contains(&format!("held-out rows that are far off, and counted all the same, lines: {line}")),
+        "{said}"
     );
 }
 

@@ -1,6 +1,7 @@
 //! What the crate must do, seen from outside: one binary, a module for each subject.
 
 mod bad_input;
+mod diagnosis;
 mod factory;
 mod identifiability;
 mod jacobian;
@@ -11,6 +12,7 @@ mod placing;
 mod plan_and_compensate;
 mod real;
 mod recovery;
+mod redundancy;
 mod runs;
 mod statistics;
 mod tracing;

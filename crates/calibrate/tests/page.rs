@@ -46,7 +46,8 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     let run = simulate(&chain, &SimulationOptions { kind, rows: 120, ..Default::default() }, &hidden);
     let identify = IdentifyOptions::axes(&chain);
     let trace = Some(TraceOptions::new(identify.clone()));
-    let options = CalibrateOptions { identify, hold_out: Some(HoldOut { share: 0.25, seed: 1 }), trace };
+    let hold_out = Some(HoldOut { share: 0.25, seed: 1 });
+    let options = CalibrateOptions { identify, hold_out, trace, ..CalibrateOptions::geometry(&chain) };
     let result = calibrate(&chain, &statics, run.data, None, &options).unwrap();
     let found = &result.trace.as_ref().unwrap().findings;
     assert_eq!(found.len(), 1, "{found:?}");

@@ -8,7 +8,7 @@ use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::plan::{PlanOptions, plan};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
 use denavit_model::nalgebra::{DMatrix, Point3, Vector6};
-use denavit_model::{examples, se3};
+use denavit_model::{Screw, examples, se3};
 
 #[test]
 fn chosen_poses_are_more_observable_and_stay_in_the_box() {
@@ -61,4 +61,29 @@ fn commands_reach_the_wanted_pose_by_the_actual_robot() {
     let wanted = Wanted::Pose(chain.fk(&[0.3, -0.5, 0.8, 0.4, 0.9, -0.2]));
     let command = compensate(&chain, &actual, &|q| actual.fk(q), &wanted, &[0.0; 6]);
     assert!(command.position_error < 1e-12 && command.outside.len() < 7, "{command:?}");
+}
+
+#[test]
+fn a_robot_beyond_all_proportion_is_refused() {
+    let chain = &examples::all()[1];
+    for away in [1e6, 1e155, f64::MAX] {
+        let screws: Vec<_> = chain
+            .joints()
+            .iter()
+            .map(|joint| match joint.screw.clone() {
+                Screw::Revolute(mut line) => {
+                    line.point.x += away;
+                    Screw::Revolute(line)
+                }
+                other => other,
+            })
+            .collect();
+        let Ok(far) = chain.with_geometry(&screws, *chain.home()) else { continue };
+        let error = plan(&far, &PlanOptions::new(&far, 10, POSITION)).unwrap_err().to_string();
+        assert!(error.contains("m from the base; no robot is that large"), "{error}");
+        let readings = vec![vec![0.1; far.coordinates().len()]; 5];
+        let freedom = denavit_calibrate::Freedom::axes(far.joints().len());
+        let found = denavit_calibrate::identifiability::at_readings(&far, &freedom, 1, &readings);
+        assert!(found.len() == 3, "it ends");
+    }
 }

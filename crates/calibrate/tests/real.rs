@@ -23,7 +23,7 @@ fn load(name: &str, chain: &Chain) -> Option<Measurements> {
 }
 
 /// IRB 120 as the data sheet draws it: shoulder 0.290 m, upper arm 0.270, elbow offset 0.070, forearm 0.302, flange 0.072.
-fn irb120() -> Chain {
+pub fn irb120() -> Chain {
     let axes: [([f64; 3], [f64; 3]); 6] = [
         ([0., 0., 1.], [0., 0., 0.]),
         ([0., 1., 0.], [0., 0., 0.290]),
@@ -92,7 +92,7 @@ fn robotcali_irb120_by_geometry_alone() {
 }
 
 /// TIAGo's arm from its URDF, where that file is at hand.
-fn tiago() -> Option<Chain> {
+pub fn tiago() -> Option<Chain> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vendor/robots/pal/tiago.urdf");
     let Ok(text) = std::fs::read_to_string(&path) else {
         println!("skipped, because {} is not here", path.display());

@@ -6,8 +6,9 @@ use crate::output;
 use crate::source::{self, Loaded};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::effects::{EffectModel, recorded};
-use denavit_calibrate::measurements::{self, Measurements, Units, poses, poses::Poses};
+use denavit_calibrate::measurements::{self, ColumnUse, Measurements, Units, poses, poses::Poses};
 use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::proportion::within_proportion;
 use denavit_calibrate::{Freedom, ObservationKind};
 use denavit_model::Chain;
 
@@ -31,6 +32,7 @@ pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
             arguments.robot
         )));
     }
+    within_proportion(&chain)?;
     let statics = loaded.statics(&chain);
     Ok(Robot { loaded, chain, statics })
 }
@@ -47,15 +49,34 @@ fn units(written: &str) -> Result<Units, Failure> {
     written.parse().map_err(|error| Failure::Argument(format!("--units: {error}")))
 }
 
-/// Reads measurements; what must be known of them is said.
-pub fn measurements(file: &str, chain: &Chain, written: &str) -> Result<Measurements, Failure> {
+/// Reads measurements and what their columns were taken for; what must be known of them is said.
+pub fn measurements(file: &str, chain: &Chain, written: &str) -> Result<(Measurements, Vec<ColumnUse>), Failure> {
     let units = units(written)?;
     let (name, text) = source::read_text(file)?;
     let loaded = measurements::read(&name, text.as_bytes(), chain, units)?;
     for note in &loaded.notes {
         output::mention(format!("{name}: {note}"));
     }
-    Ok(loaded.data)
+    Ok((loaded.data, loaded.columns))
+}
+
+/// The other chains of a tree whose joints all have a column in these data: what was measured may be one of them.
+pub fn other_chains(loaded: &Loaded, chain: &Chain, data: &Measurements) -> Vec<Chain> {
+    let Loaded::Robot(tree) = loaded else { return Vec::new() };
+    let names = |chain: &Chain| chain.coordinates().iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    let recorded = |name: &String| data.joints.contains(name) || data.covariate(name).is_some();
+    let listed = tree.leaf_chains().into_iter().filter(|listing| listing.coordinates.iter().all(recorded));
+    let chains = listed.filter_map(|listing| {
+        Some(tree.chain(Some(&listing.base), Some(&listing.tip), denavit_model::Reading::Intended).ok()?.value)
+    });
+    let mut others: Vec<Chain> = Vec::new();
+    for other in chains {
+        let known = names(&other) == names(chain) || others.iter().any(|known| names(known) == names(&other));
+        if !other.joints().is_empty() && !known {
+            others.push(other);
+        }
+    }
+    others
 }
 
 /// Reads a list of poses.

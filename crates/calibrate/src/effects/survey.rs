@@ -1,5 +1,6 @@
 //! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
 
+use crate::effects::approach::{side_after, still};
 use crate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, Statics};
 use crate::measurements::{Covariate, Measurements};
 use denavit_model::Screw;
@@ -225,11 +226,11 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
         let mut last = before.filter(|before| !before.is_empty()).map(|before| before.reading(before.len() - 1)[index]);
         let mut side = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
         let mut values = Vec::with_capacity(rows);
-        for row in 0..rows {
-            let here = data.reading(row)[index];
-            // A joint that did not move keeps the side on which it was.
-            if let Some(last) = last.filter(|last| *last != here) {
-                side = if here > last { 1.0 } else { -1.0 };
+        let readings: Vec<f64> = (0..rows).map(|row| data.reading(row)[index]).collect();
+        let still = still(&readings);
+        for here in readings {
+            if let Some(last) = last {
+                side = side_after(here - last, still, side);
             }
             last = Some(here);
             values.push(side);

@@ -1,5 +1,6 @@
 //! What each column of a measurement file is.
 
+use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use super::problem::Problem;
 use crate::observe::{KINDS, ObservationKind};
 use denavit_model::{Coordinate, Quantity};
@@ -51,9 +52,14 @@ impl Header {
         measured(&names, &roles, &groups, &targets, &mut problems);
         for (name, role) in names.iter().zip(&roles) {
             if *role == Role::Other {
-                problems.extend(unknown_joint(name, coordinates));
+                let suggested = problems.iter().any(
+                    |problem| matches!(problem, Problem::NothingMeasured { suggestion: Some(other) } if other == name),
+                );
+                let near = || near_miss(name, &names, coordinates).filter(|_| !suggested);
+                problems.extend(unknown_joint(name, coordinates).or_else(near));
             }
         }
+        problems.extend(orientation_left_out(&names, &roles));
         if !problems.is_empty() {
             return Err(problems);
         }
@@ -181,7 +187,7 @@ pub(super) fn no_column<'a>(
 
 fn unknown_joint(column: &str, coordinates: &[Coordinate]) -> Option<Problem> {
     let (joint, quantity) = column.rsplit_once('.')?;
-    let known = ["velocity", "approach", "temperature"].contains(&quantity);
+    let known = OF_JOINTS.contains(&quantity);
     if !known || coordinates.iter().any(|coordinate| coordinate.name == joint) {
         return None;
     }

@@ -1,5 +1,6 @@
 //! What can be wrong with a measurement file: each message says where, what, and the mend.
 
+use super::read::FAULTS;
 use std::fmt;
 use thiserror::Error;
 
@@ -112,6 +113,28 @@ pub enum Problem {
     /// A quaternion with several targets.
     #[error("a quaternion goes with one target x,y,z, and there are {0} targets; remove qx,qy,qz,qw")]
     QuaternionOfSeveral(usize),
+    /// A column whose name is nearly one that has a meaning.
+    #[error(
+        "column \"{column}\" is nearly \"{known}\"; write \"{known}\" if it is that, else give it a name of its own, \
+         such as \"my_{known}\""
+    )]
+    NearMiss {
+        /// The column.
+        column: String,
+        /// The name that has a meaning.
+        known: String,
+    },
+    /// Columns that look like an orientation under names that mean nothing here.
+    #[error(
+        "columns {columns} look like an orientation and would be left out; {mend}, or rename them if they are something \
+         else"
+    )]
+    OrientationLeftOut {
+        /// The columns.
+        columns: String,
+        /// What to do.
+        mend: &'static str,
+    },
     /// `<joint>.approach` of a joint that is not there.
     #[error("column \"{column}\": there is no joint \"{joint}\"{}", did_you_mean(suggestion.as_deref()))]
     ColumnOfUnknownJoint {
@@ -247,6 +270,8 @@ fn mend_for_joint(suggestion: Option<&str>, joints: &str) -> String {
 fn mend_for_text(text: &str) -> &'static str {
     if text.contains(',') {
         "write the decimal point as a dot"
+    } else if FAULTS.contains(&text) {
+        "the spreadsheet could not compute it: correct the cell or remove the row"
     } else if text.starts_with('#') {
         "comments stand on lines of their own"
     } else {

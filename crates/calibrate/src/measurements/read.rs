@@ -1,13 +1,15 @@
 //! Reading a measurement file, row by row.
 
+use super::columns::{self, ColumnUse};
 use super::header::{Header, Role, quantity_of};
+use super::near_miss::KNOWN_COVARIATES;
 use super::plausible;
 use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene};
 use denavit_model::{Chain, Quantity};
 use std::fmt;
-use std::io::Read;
+use std::io::{BufRead as _, Read};
 
 /// No more problems than this are listed.
 const MOST_PROBLEMS: usize = 10;
@@ -19,6 +21,8 @@ pub struct Loaded {
     pub data: Measurements,
     /// Findings that are no failure.
     pub notes: Vec<DataNote>,
+    /// What every column was taken for, in the file's order.
+    pub columns: Vec<ColumnUse>,
 }
 
 /// A finding that is no failure but must not be silent.
@@ -123,7 +127,7 @@ pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
         .flexible(true)
         .has_headers(false)
         .trim(csv::Trim::All)
-        .from_reader(LineFeeds(input).chain(&b"\n"[..]))
+        .from_reader(FaultyCells::new(LineFeeds(input)).chain(&b"\n"[..]))
 }
 
 /// The names in the header row, and its line.
@@ -160,6 +164,45 @@ impl<R: Read> Read for LineFeeds<R> {
                 return Ok(kept);
             }
         }
+    }
+}
+
+/// What spreadsheets write into a cell that they could not compute; German ones, too.
+pub(super) const FAULTS: [&str; 12] = [
+    "#N/A", "#NV", "#REF!", "#VALUE!", "#DIV/0!", "#NAME?", "#NUM!", "#NULL!", "#WERT!", "#BEZUG!", "#ZAHL!", "#NAME!",
+];
+
+/// Input in which a row that begins with a spreadsheet's error is a row, not a comment: a blank goes before it.
+struct FaultyCells<R> {
+    lines: std::io::BufReader<R>,
+    line: Vec<u8>,
+    at: usize,
+}
+
+impl<R: Read> FaultyCells<R> {
+    fn new(input: R) -> Self {
+        Self { lines: std::io::BufReader::new(input), line: Vec::new(), at: 0 }
+    }
+}
+
+impl<R: Read> Read for FaultyCells<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        if self.at == self.line.len() {
+            self.line.clear();
+            self.at = 0;
+            self.lines.read_until(b'\n', &mut self.line)?;
+            let fault = |fault: &&str| {
+                let rest = self.line.strip_prefix(fault.as_bytes());
+                rest.is_some_and(|rest| rest.first().is_none_or(|next| b",;\t\n ".contains(next)))
+            };
+            if FAULTS.iter().any(|known| fault(&known)) {
+                self.line.insert(0, b' ');
+            }
+        }
+        let count = buffer.len().min(self.line.len() - self.at);
+        buffer[..count].copy_from_slice(&self.line[self.at..self.at + count]);
+        self.at += count;
+        Ok(count)
     }
 }
 
@@ -223,8 +266,6 @@ struct Table<'a> {
     others: Vec<OtherColumn>,
     normalised_by: f64,
 }
-
-const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"];
 
 impl<'a> Table<'a> {
     fn new(header: &'a Header, chain: &Chain, units: Units, source: &str) -> Self {
@@ -357,7 +398,8 @@ impl<'a> Table<'a> {
             return Err(problems.error());
         }
         notes.extend(plausible::notes(&self.data, chain));
-        Ok(Loaded { data: self.data, notes })
+        let columns = columns::used(self.header, &self.data);
+        Ok(Loaded { data: self.data, notes, columns })
     }
 }
 

@@ -1,6 +1,10 @@
 //! The JSON of `calibrate`: names and order are a contract.
 
+use crate::adoption::Adopted;
+use crate::drawing::Departure;
 use crate::errors::Errors;
+use crate::measurements::ColumnUse;
+use crate::redundancy::Redundancy;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -20,14 +24,24 @@ pub struct CalibrationReport {
     pub tip: String,
     /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
     pub measurement: String,
+    /// What every column of the data was taken for; empty where the rows came from no file.
+    pub columns: Vec<ColumnUse>,
     /// Rows used.
     pub samples: Samples,
+    /// Numbers measured beside numbers found.
+    pub redundancy: Redundancy,
     /// Counts of parameters.
     pub identifiability: Counts,
     /// What cannot be told.
     pub unidentifiable: Vec<Unidentifiable>,
     /// Error after each stage.
     pub stages: Vec<Stage>,
+    /// Which stage the calibrated robot is.
+    pub adopted: Adopted,
+    /// How far each axis is from its drawing at that stage.
+    pub parameters: Vec<Identified>,
+    /// Axes that are many tolerances from where they are drawn.
+    pub differs_from_drawing: Vec<Departure>,
     /// Effects that the data ask for.
     pub effects: Vec<EffectEntry>,
     /// What no effect explains.
@@ -43,6 +57,37 @@ pub struct Samples {
     pub test: usize,
     /// Rows with a rejected value: their lines in the file.
     pub rejected: Vec<usize>,
+    /// Held-out rows that are off by far more than the others, and are counted all the same: their lines in their file.
+    pub test_outliers: Vec<usize>,
+}
+
+/// A parameter of a joint as it was identified.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identified {
+    /// Its name, such as `elbow_joint.turn_x`.
+    pub parameter: String,
+    /// Its joint.
+    pub joint: String,
+    /// Departure from the drawing, in the unit.
+    pub change: f64,
+    /// Standard deviation, the prior included.
+    pub std: f64,
+    /// Half the width of the interval that holds the true value with 95 %: Student's, the prior included.
+    pub half_interval_95: f64,
+    /// `rad`, `m`, `m/rad` or `1`.
+    pub unit: &'static str,
+    /// How much of the spread is the prior's: 1 where the data say nothing.
+    pub held_by_prior: f64,
+}
+
+/// What a parameter is held by that the data cannot tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Held {
+    /// It was not moved.
+    Nominal,
+    /// The prior keeps it near the drawing, together with what it cannot be told from.
+    Prior,
 }
 
 /// The paper's count and the numerical rank.
@@ -63,6 +108,8 @@ pub struct Unidentifiable {
     pub joint: String,
     /// Why.
     pub why: String,
+    /// What it is held by.
+    pub held: Held,
 }
 
 /// Error after a stage.
@@ -75,6 +122,12 @@ pub struct Stage {
     /// On the held-out rows; absent without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub test: Option<Errors>,
+    /// Whether the fit settled.
+    pub converged: bool,
+    /// Whether this is the calibrated robot that is handed on.
+    pub adopted: bool,
+    /// Whether held-out rows came out worse than at the stage before, by more than chance; such a stage is not adopted.
+    pub worse_on_held_out: bool,
 }
 
 /// An effect that the data ask for.

@@ -1,15 +1,17 @@
 //! A calibration as text for a terminal.
 
+use crate::adoption::Adopted;
 use crate::calibration::Calibration;
 use crate::effects::driver::RUN_ORDER;
 use crate::errors::Errors;
-use crate::measurements::{Measurements, Scene};
+use crate::measurements::{Measurements, Scene, columns};
 use crate::observe::Part;
 use crate::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
-use crate::report::contract::Stage;
+use crate::report::contract::{Held, Stage};
 use crate::report::findings::findings;
-use crate::solve::Fit;
+use crate::report::trust;
+use crate::solve::{DEGREES_FOR_NOISE, Fit, Noise};
 use crate::trace::Trace;
 use std::fmt::Write;
 
@@ -184,27 +186,40 @@ pub fn calibration(result: &Calibration) -> String {
         result.identifiability.formula, report.identifiability.expected, report.identifiability.rank
     );
     for untold in &report.unidentifiable {
-        let _ = writeln!(text, "  {} left at nominal: {}", untold.parameter, untold.why);
+        let held = match untold.held {
+            Held::Nominal => "left at nominal",
+            Held::Prior => "held near nominal by the prior",
+        };
+        let _ = writeln!(text, "  {} {held}: {}", untold.parameter, untold.why);
     }
-    if !samples.rejected.is_empty() {
-        let lines: Vec<String> = samples.rejected.iter().map(usize::to_string).collect();
-        let _ = writeln!(text, "rejected as gross outliers, lines: {}", lines.join(", "));
+    text.push_str(&trust::redundancy(result));
+    if !report.columns.is_empty() {
+        let _ = writeln!(text, "columns: {}", columns::in_words(&report.columns));
     }
+    text.push_str(&trust::suspicious_rows(report));
+    text.push_str(&trust::differs(report));
     text.push('\n');
     text.push_str(&stages(&report.stages, &result.train.scene));
+    text.push_str(&trust::not_adopted(report));
     text.push('\n');
-    if let Some(trace) = &result.trace {
-        text.push_str(&findings(trace));
-        text.push_str(held_out_in_time(result, trace));
+    match &result.trace {
+        Some(trace) if report.adopted == Adopted::Effects || trace.findings.is_empty() => {
+            text.push_str(&findings(trace));
+            text.push_str(held_out_in_time(result, trace));
+        }
+        _ => {}
     }
-    let geometric = &result.identification.geometric;
-    let (noise, parameters, values) = match &result.trace {
-        Some(trace) => (&trace.fit.noise, &trace.fit.parameters_used, &trace.fit.values),
-        None => (&geometric.noise, &geometric.parameters_used, &geometric.values),
-    };
+    let Floor { noise, parameters, values, assumed } = floor(result);
     let scene = &result.train.scene;
     for (channel, (part, level)) in scene.channels.iter().zip(&noise.levels).enumerate() {
         noise_floor(&mut text, scene, channel, part, *level);
+    }
+    if assumed > 0.0 {
+        let _ = writeln!(
+            text,
+            "  mostly assumed, not measured: {assumed:.0} of the {DEGREES_FOR_NOISE} degrees of freedom that tell the noise \
+             are missing; measure more poses"
+        );
     }
     for (channel, part) in scene.channels.iter().enumerate().filter(|(_, part)| part.unit == "m") {
         if values[channel] > 0.0 {
@@ -224,6 +239,30 @@ fn several_lengths(scene: &Scene) -> bool {
     scene.channels.iter().filter(|part| part.unit == "m").count() > 1
 }
 
+/// The noise of the stage that was adopted, and what it was told from.
+struct Floor<'a> {
+    noise: &'a Noise,
+    parameters: &'a [f64],
+    values: &'a [f64],
+    /// Degrees of freedom that were assumed.
+    assumed: f64,
+}
+
+fn floor(result: &Calibration) -> Floor<'_> {
+    fn of<E>(fit: &Fit<E>) -> Floor<'_> {
+        Floor {
+            noise: &fit.noise,
+            parameters: &fit.parameters_used,
+            values: &fit.values,
+            assumed: fit.assumed_degrees(),
+        }
+    }
+    match (&result.trace, result.report.adopted) {
+        (Some(trace), Adopted::Effects) => of(&trace.fit),
+        _ => of(&result.identification.geometric),
+    }
+}
+
 fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, level: f64) {
     if part.unit != "m" {
         let _ = writeln!(text, "  and {:.4} mrad per component of {}", level * 1e3, part.word);
@@ -238,9 +277,10 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
 
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
 pub fn report(result: &Calibration) -> String {
-    let axes = match &result.trace {
-        Some(trace) => axes(&trace.fit),
-        None => axes(&result.identification.geometric),
+    let axes = match (&result.trace, result.report.adopted) {
+        (_, Adopted::Nominal) => return calibration(result),
+        (Some(trace), Adopted::Effects) => axes(&trace.fit),
+        _ => axes(&result.identification.geometric),
     };
     format!("{}\n{axes}", calibration(result))
 }

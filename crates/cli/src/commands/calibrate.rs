@@ -22,13 +22,14 @@ use std::path::Path;
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
     let robot = measured::robot(&arguments.robot)?;
-    let options = options(arguments, &robot.chain)?;
+    let mut options = options(arguments, &robot.chain)?;
     let outputs = outputs(arguments, &robot.loaded)?;
     let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
-    let data = read(&arguments.data)?;
-    let test = arguments.test.as_deref().map(read).transpose()?;
+    let (data, columns) = read(&arguments.data)?;
+    let test = arguments.test.as_deref().map(read).transpose()?.map(|(test, _)| test);
+    options.other_chains = measured::other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
-    let result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
+    let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
             Progress::Geometry => "fitting the geometry",
             Progress::Effects => "searching for effects",
@@ -36,6 +37,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         });
     })?;
     drop(spinner);
+    result.report.columns = columns;
     let files = files(arguments, &outputs, &robot, &result)?;
     output::write_files(&files)?;
     output::print(&text::report(&result))?;
@@ -120,7 +122,7 @@ fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOpt
         ..TraceOptions::new(identify.clone())
     });
     let hold_out = arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed });
-    Ok(CalibrateOptions { identify, hold_out, trace })
+    Ok(CalibrateOptions { identify, hold_out, trace, other_chains: Vec::new() })
 }
 
 fn kind(word: &str) -> Result<Kind, Failure> {

@@ -5,14 +5,12 @@ use crate::failure::Failure;
 use crate::measured;
 use crate::output::{self, Status};
 use denavit_calibrate::compensate::{Command, Wanted, compensate};
+use denavit_calibrate::effects::approach::{LEAST_MOVE, side_after};
 use denavit_calibrate::effects::driver::{APPROACH, Conditions};
 use denavit_calibrate::effects::{EffectModel, recorded};
 use denavit_calibrate::measurements::poses::Poses;
 use denavit_calibrate::report::commands::{Allowed, summary, to_csv, to_json};
 use denavit_model::Chain;
-
-/// A joint that moves by less stands still, rad or m.
-const STILL: f64 = 1e-6;
 
 /// Runs the command.
 pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
@@ -117,7 +115,7 @@ fn commands(
         }
         if let Some(before) = &before {
             for (index, side) in sides.iter_mut().enumerate() {
-                *side = side_of(command.nominal[index] - before[index], *side);
+                *side = side_after(command.nominal[index] - before[index], LEAST_MOVE, *side);
             }
         }
         before = Some(command.nominal.clone());
@@ -131,10 +129,5 @@ fn commands(
 fn side(name: &str, chain: &Chain, before: Option<&[f64]>, sides: &[f64], q: &[f64]) -> Option<f64> {
     let joint = name.strip_suffix(APPROACH)?;
     let index = chain.coordinates().iter().position(|coordinate| coordinate.name == joint)?;
-    Some(before.map_or(0.0, |before| side_of(q[index] - before[index], sides[index])))
-}
-
-/// The side after a move: a joint that stands still keeps the one it has.
-fn side_of(moved: f64, had: f64) -> f64 {
-    if moved.abs() < STILL { had } else { moved.signum() }
+    Some(before.map_or(0.0, |before| side_after(q[index] - before[index], LEAST_MOVE, sides[index])))
 }

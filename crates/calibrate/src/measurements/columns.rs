@@ -1,0 +1,74 @@
+//! What every column of a file was taken for: said in the report, so that nothing is left out without a word.
+
+use super::Measurements;
+use super::header::{Header, Role};
+use super::near_miss::{KNOWN_COVARIATES, OF_JOINTS};
+use serde::Serialize;
+
+/// A column and what it was taken for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ColumnUse {
+    /// Its name in the header row.
+    pub column: String,
+    /// What it was taken for, such as `joint reading` or `label`.
+    pub taken_for: String,
+}
+
+/// What the columns of a file were taken for, in its order.
+pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
+    let other = |name: &str| {
+        let of_joint = name
+            .rsplit_once('.')
+            .filter(|(joint, word)| OF_JOINTS.contains(word) && data.joints.iter().any(|known| known == joint));
+        if KNOWN_COVARIATES.contains(&name) {
+            return name.to_owned();
+        }
+        if let Some((joint, word)) = of_joint {
+            return format!("{word} of {joint}");
+        }
+        let numbers = data.covariates.iter().any(|covariate| covariate.name == name);
+        if numbers { "recorded number" } else { "label" }.to_owned()
+    };
+    let of = |(name, role): (&String, &Role)| ColumnUse {
+        column: name.clone(),
+        taken_for: match role {
+            Role::Joint(_) => "joint reading".into(),
+            Role::Value(group, column) => {
+                let group = &header.groups[*group];
+                let target = match group.target.as_str() {
+                    "" => "the target".into(),
+                    target => format!("target {target}"),
+                };
+                if *column >= group.kind.lengths() {
+                    format!("orientation of {target} (quaternion)")
+                } else if group.kind.unknowns().instrument {
+                    format!("position of {target}")
+                } else {
+                    format!("{} of {target}", group.kind.name())
+                }
+            }
+            Role::Locate => "rows that place a target".into(),
+            Role::Other => other(name),
+        },
+    };
+    header.names.iter().zip(&header.roles).map(of).collect()
+}
+
+/// The same in a few lines, neighbours of one use together.
+pub fn in_words(columns: &[ColumnUse]) -> String {
+    let mut parts = Vec::new();
+    for together in columns.chunk_by(|a, b| a.taken_for == b.taken_for) {
+        let names: Vec<&str> = together.iter().map(|column| column.column.as_str()).collect();
+        let taken_for = &together[0].taken_for;
+        let shown = match names[..] {
+            [name] if name == taken_for => name.to_owned(),
+            [name] => format!("{name} ({taken_for})"),
+            [first, second] => format!("{first}, {second} ({taken_for})"),
+            [first, second, third] => format!("{first}, {second}, {third} ({taken_for})"),
+            [first, .., last] => format!("{first} … {last} ({} × {taken_for})", names.len()),
+            [] => continue,
+        };
+        parts.push(shown);
+    }
+    parts.join("; ")
+}

@@ -1,0 +1,70 @@
+//! Columns whose names are nearly names that have a meaning: read as something else they would be lost without a word.
+
+use super::header::Role;
+use super::problem::Problem;
+use denavit_model::Coordinate;
+
+/// Covariates with a meaning: s, °C, kg at the tip link's origin.
+pub(super) const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"];
+/// What a joint's own column may say beside its reading.
+pub(super) const OF_JOINTS: [&str; 3] = ["velocity", "approach", "temperature"];
+/// Names of measured values.
+const KNOWN_VALUES: [&str; 9] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distance", "locate"];
+/// Names of that many letters may have one letter wrong.
+const LONG: usize = 6;
+
+const EULER: &str = "say how the angles turn: --euler XYZ (turned axes) or --euler xyz (fixed axes)";
+const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, or map them: --columns map.toml";
+
+/// Names that programs give to three or four numbers of an orientation, and what to do with them.
+const ORIENTATIONS: [(&[&str], &str); 12] = [
+    (&["roll", "pitch", "yaw"], EULER),
+    (
+        &["rx", "ry", "rz"],
+        "say what they are: --euler XYZ (angles) or --rotation-vector, or map them: --columns map.toml",
+    ),
+    (&["a", "b", "c"], EULER),
+    (&["w", "p", "r"], EULER),
+    (&["rotx", "roty", "rotz"], EULER),
+    (&["alpha", "beta", "gamma"], EULER),
+    (&["phi", "theta", "psi"], EULER),
+    (&["q1", "q2", "q3", "q4"], QUATERNION),
+    (&["q0", "q1", "q2", "q3"], QUATERNION),
+    (&["ox", "oy", "oz", "ow"], QUATERNION),
+    (&["quatx", "quaty", "quatz", "quatw"], QUATERNION),
+    (&["rotationx", "rotationy", "rotationz"], EULER),
+];
+
+/// A name as it compares: small letters, no unit in brackets, no blanks, underscores, hyphens or dots.
+fn plain(name: &str) -> String {
+    let before = name.split(['(', '[', '{']).next().unwrap_or(name);
+    before.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// Whether a column that means nothing is nearly one that does.
+pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]) -> Option<Problem> {
+    let own = plain(name);
+    let of_joints = coordinates.iter().flat_map(|c| OF_JOINTS.map(|word| format!("{}.{word}", c.name)));
+    let known = KNOWN_VALUES.iter().chain(&KNOWN_COVARIATES).map(|known| (*known).to_owned()).chain(of_joints);
+    let known: Vec<String> = known.collect();
+    if known.iter().any(|known| known == name) {
+        return None;
+    }
+    let typed = |known: &&String| known.len() >= LONG && strsim::osa_distance(&own, &plain(known)) <= 1;
+    let known = known.iter().find(|known| own == plain(known)).or_else(|| known.iter().find(typed))?.clone();
+    // Several targets are numbered: X beside x1 is no slip of the first of them.
+    let numbered = known.len() == 1 && !names.contains(&known) && names.iter().any(|name| name == "x1");
+    (!numbered).then(|| Problem::NearMiss { column: name.into(), known })
+}
+
+/// Columns that together look like an orientation, under names that mean nothing.
+pub(super) fn orientation_left_out(names: &[String], roles: &[Role]) -> Option<Problem> {
+    let others: Vec<&String> =
+        names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name).collect();
+    ORIENTATIONS.iter().find_map(|(group, mend)| {
+        let found =
+            group.iter().map(|wanted| others.iter().find(|name| plain(name) == *wanted).map(|name| name.as_str()));
+        let found: Vec<&str> = found.collect::<Option<_>>()?;
+        Some(Problem::OrientationLeftOut { columns: found.join(", "), mend })
+    })
+}

@@ -1,0 +1,105 @@
+//! How far a calibration is to be trusted, as text: redundancy, suspicious rows, what is not the drawing's, what was not
+//! adopted.
+
+use crate::calibration::Calibration;
+use crate::report::contract::CalibrationReport;
+use std::fmt::Write;
+
+/// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
+const FEW: f64 = 10.0;
+/// No more lines are listed.
+const LISTED: usize = 30;
+
+/// Numbers measured beside numbers found, and what few of them mean.
+pub(super) fn redundancy(result: &Calibration) -> String {
+    let counted = &result.report.redundancy;
+    let mut text = format!(
+        "redundancy: {} numbers in {} postures, {} degrees of freedom\n",
+        counted.values, counted.postures, counted.degrees_of_freedom
+    );
+    let fit = &result.identification.geometric;
+    if (counted.degrees_of_freedom as f64) < FEW {
+        let joint = fit.layout.joints.start;
+        let factor =
+            if fit.deviation(joint) > 0.0 { fit.half_interval(joint, 0.95) / fit.deviation(joint) } else { 2.0 };
+        let _ = writeln!(
+            text,
+            "  few: the prior holds what so few numbers cannot tell; intervals of 95 % are {factor:.2} standard deviations \
+             to either side"
+        );
+    }
+    if !counted.enough_for_effects {
+        let _ = writeln!(
+            text,
+            "  too few to look for effects: with {} parameters chance makes some up below {} degrees of freedom",
+            counted.parameters,
+            2 * counted.parameters
+        );
+    }
+    text
+}
+
+/// Lines of rows that were left out, or that look as if they should be.
+pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
+    let mut text = String::new();
+    let samples = &report.samples;
+    let listed = |lines: &[usize]| {
+        let shown: Vec<String> = lines.iter().take(LISTED).map(usize::to_string).collect();
+        let more = if lines.len() > LISTED { format!(" and {} more", lines.len() - LISTED) } else { String::new() };
+        format!("{}{more}", shown.join(", "))
+    };
+    if !samples.rejected.is_empty() {
+        let _ = writeln!(text, "rejected as gross outliers, lines: {}", listed(&samples.rejected));
+    }
+    if !samples.test_outliers.is_empty() {
+        let _ = writeln!(
+            text,
+            "held-out rows that are far off, and counted all the same, lines: {}",
+            listed(&samples.test_outliers)
+        );
+    }
+    text
+}
+
+/// Axes that are many tolerances from their place.
+pub(super) fn differs(report: &CalibrationReport) -> String {
+    let mut text = String::new();
+    if report.differs_from_drawing.is_empty() {
+        return text;
+    }
+    text.push_str(
+        "DIFFERS FROM THE DRAWING by far more than links are made to; is it another variant of this robot?\n",
+    );
+    for departure in &report.differs_from_drawing {
+        let (factor, unit) = match departure.unit {
+            "rad" => (1e3, "mrad"),
+            "m" => (1e3, "mm"),
+            other => (1.0, other),
+        };
+        let _ = writeln!(
+            text,
+            "  {} {:.2} {unit}, {:.0} tolerances, seen from the axes before it",
+            departure.parameter,
+            departure.value * factor,
+            departure.tolerances
+        );
+    }
+    text
+}
+
+/// Stages that are not the calibrated robot although they were fitted, and why.
+pub(super) fn not_adopted(report: &CalibrationReport) -> String {
+    let mut text = String::new();
+    for stage in &report.stages {
+        if stage.worse_on_held_out {
+            let _ = writeln!(
+                text,
+                "not adopted: \"{}\" makes the held-out rows worse, by more than chance; the result is the stage before",
+                stage.name
+            );
+        } else if !stage.converged {
+            let _ = writeln!(text, "\"{}\" did not settle: its errors are of no use", stage.name);
+        }
+    }
+    text
+}
