@@ -15,3 +15,4 @@ mod quirky;
 mod readme;
 mod support;
 mod tables;
+mod trials;

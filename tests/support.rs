@@ -55,8 +55,19 @@ fn outcome(output: &Output) -> Run {
 
 /// Runs `denavit` with these arguments in the project's top folder.
 pub fn denavit(arguments: &[&str]) -> Run {
+    denavit_in(&top(), arguments)
+}
+
+/// Runs `denavit` with these arguments in a folder.
+pub fn denavit_in(folder: &Path, arguments: &[&str]) -> Run {
+    outcome(&program(folder).args(arguments).stdin(Stdio::null()).output().unwrap())
+}
+
+/// `denavit`, to be run in a folder.
+pub fn program(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_denavit"));
-    outcome(&command.args(arguments).current_dir(top()).stdin(Stdio::null()).output().unwrap())
+    command.current_dir(folder);
+    command
 }
 
 /// Runs `denavit` with text on standard input.

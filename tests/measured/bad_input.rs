@@ -12,11 +12,11 @@ fn standard_input_gives_the_data_and_files_are_written_all_or_none() {
     assert!(from_input.contains("60 positions fitted"), "{from_input}");
     let file = folder.file("data.csv", &data);
     let outputs = |json: &str, html: &str| {
-        let (json, html) = (folder.path(json), folder.path(html));
-        denavit(&["calibrate", &ur5e, "--data", &file, "--effects", "none", "--html", &html, "--json", &json]).failed()
+        let (json, html) = (format!("--json={}", folder.path(json)), folder.path(html));
+        denavit(&["calibrate", &ur5e, "--data", &file, "--effects", "none", "--html", &html, &json]).failed()
     };
     assert!(outputs("nowhere/r.json", "page.html").contains("there is no folder"));
-    assert!(outputs("same", "same").contains("two outputs have this name"));
+    assert!(outputs("same", "same").contains("two outputs go to one place"));
     assert_eq!(folder.names(), ["data.csv"]);
     let other = robot("abb/irb120.urdf");
     assert!(denavit(&["calibrate", &other, "--data", &file]).failed().contains("has no column"));
@@ -56,7 +56,7 @@ fn bad_input_to_the_measuring_commands_gets_one_clear_message() {
     simulate(&["--effect", "backlash@elbow_joint:order=2=1mm"], "\"order\" cannot be set here");
     simulate(&["--columns", "humidity"], "\"humidity\" is no column that a run has");
     simulate(&["--noise", "-1"], "--noise: \"-1\" is not MM,MRAD");
-    simulate(&["--outliers", "1.5"], "1.5 is no share");
+    simulate(&["--outliers", "1.5"], "it is no share of the rows");
     simulate(&["--targets", "2", "--measure", "poses"], "only positions are of several targets");
     simulate(&["--poses", &nan], "is not finite");
     let compensate = |rest: &[&str], expected: &str| says(&[&["compensate", &ur5e], rest].concat(), expected);

@@ -1,6 +1,7 @@
 //! Joint commands that reach given poses with the robot as it is: Newton on the full model.
 
-use denavit_model::nalgebra::{DMatrix, DVector, Vector6};
+use denavit_model::chain::Quantity;
+use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector6};
 use denavit_model::{Chain, Pose, Screw, se3};
 use std::f64::consts::TAU;
 
@@ -30,6 +31,9 @@ pub struct Command {
     pub outside: Vec<String>,
     /// Newton steps on the full model.
     pub steps: usize,
+    /// Whether the arm keeps the configuration (elbow up or down, wrist flipped or not) of the joint values that the search
+    /// started near: it comes from there without passing a singularity.
+    pub keeps_configuration: bool,
 }
 
 /// Orientation weighs as this lever (share of the robot's size) where a pose is out of reach.
@@ -55,8 +59,8 @@ pub fn compensate(
     wanted: &Wanted,
     near: &[f64],
 ) -> Command {
-    let (pose, start) = match wanted {
-        Wanted::Joints(q) => (nominal.fk(q), q.clone()),
+    let (pose, (start, keeps_configuration)) = match wanted {
+        Wanted::Joints(q) => (nominal.fk(q), (q.clone(), true)),
         Wanted::Pose(pose) => (*pose, nominal_solution(nominal, pose, near)),
     };
     let lever = lever(nominal);
@@ -72,13 +76,22 @@ pub fn compensate(
         uncompensated: (moved, turned),
         outside,
         steps,
+        keeps_configuration,
     }
 }
 
-/// Joint values at which the nominal robot has a pose, searched from `near` and then from over the joint range: the first
-/// that is one within the limits, else the first that is one, else the nearest miss.
-fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> Vec<f64> {
+/// Joint values at which the nominal robot has a pose, and whether they keep the configuration of `near`.
+///
+/// The straight way of the tip from where it is at `near` is followed first. Where that ends, the search goes on from over
+/// the joint range: to a solution within the limits that keeps the configuration, else to the nearest within the limits, else
+/// to any, else to the nearest miss.
+fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> (Vec<f64>, bool) {
     let lever = lever(chain);
+    if let Some(found) = followed(chain, pose, near, lever) {
+        return (found, true);
+    }
+    let farthest = |q: &[f64]| q.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let mut within: Option<Vec<f64>> = None;
     let mut best: Option<(bool, f64, Vec<f64>)> = None;
     let starts = std::iter::once(near.to_vec()).chain((1..40).map(|k| spread(chain, k)));
     for start in starts {
@@ -86,14 +99,96 @@ fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> Vec<f64> {
         let found = unwound(chain, found, near);
         let left = error(&chain.fk(&found), pose, lever).norm();
         if left < REACHED && beyond_limits(chain, &found).is_empty() {
-            return found;
+            if regular_between(chain, near, &found, lever) {
+                return (found, true);
+            }
+            if within.as_ref().is_none_or(|other| farthest(&found) < farthest(other)) {
+                within = Some(found);
+            }
+            continue;
         }
         let better = |(reached, least, _): &(bool, f64, Vec<f64>)| !reached && left < *least;
         if best.as_ref().is_none_or(better) {
             best = Some((left < REACHED, left, found));
         }
     }
-    best.map_or_else(|| near.to_vec(), |(_, _, found)| found)
+    let found = within.or_else(|| best.map(|(_, _, found)| found)).unwrap_or_else(|| near.to_vec());
+    let keeps = regular_between(chain, near, &found, lever);
+    (found, keeps)
+}
+
+/// Parts of the straight way of the tip.
+const PARTS_OF_THE_WAY: u32 = 32;
+/// A joint that turns by more within one part, rad, has jumped to another configuration.
+const JUMP: f64 = 0.5;
+
+/// The joint values at the end of the tip's straight way from where it is at `near`; `None` where the way leaves what the
+/// arm reaches, jumps, or ends outside of the limits.
+fn followed(chain: &Chain, pose: &Pose, near: &[f64], lever: f64) -> Option<Vec<f64>> {
+    let from = chain.fk(near);
+    let turn = se3::rotation_vector(&(pose.rotation * from.rotation.inverse()));
+    let shift = pose.translation.vector - from.translation.vector;
+    let mut q = near.to_vec();
+    for part in 1..=PARTS_OF_THE_WAY {
+        let share = f64::from(part) / f64::from(PARTS_OF_THE_WAY);
+        let rotation = Rotation3::new(turn * share) * from.rotation;
+        let wanted =
+            if part == PARTS_OF_THE_WAY { *pose } else { se3::pose(rotation, from.translation.vector + shift * share) };
+        let (found, _) = newton(chain, &|q| chain.fk(q), &wanted, &q, lever);
+        let jumps =
+            chain.coordinates().iter().zip(found.iter().zip(&q)).any(|(coordinate, (now, before))| {
+                coordinate.quantity == Quantity::Angle && (now - before).abs() > JUMP
+            });
+        if jumps || error(&chain.fk(&found), &wanted, lever).norm() >= REACHED {
+            return None;
+        }
+        q = found;
+    }
+    let found = unwound(chain, q, near);
+    beyond_limits(chain, &found).is_empty().then_some(found)
+}
+
+/// Points on the way between two sets of joint values at which a singularity is looked for.
+const POINTS_BETWEEN: u32 = 256;
+/// Smallest over largest singular value of the Jacobian at a singularity.
+const SINGULAR: f64 = 1e-2;
+/// The determinant, as a share of its largest on the way, below which two singularities may be passed at once: a product of
+/// two that go through zero together keeps its sign.
+const TWICE_SINGULAR: f64 = 1e-3;
+
+/// Whether the straight way between two sets of joint values passes no singularity: with six coordinates the Jacobian's
+/// determinant keeps its sign and stays away from zero, with others its smallest singular value does.
+fn regular_between(chain: &Chain, from: &[f64], to: &[f64], lever: f64) -> bool {
+    let n = chain.coordinates().len();
+    let mut columns = vec![Vector6::zeros(); n];
+    let (mut sign, mut least, mut most) = (0.0, f64::INFINITY, 0.0f64);
+    for point in 0..=POINTS_BETWEEN {
+        let share = f64::from(point) / f64::from(POINTS_BETWEEN);
+        let q: Vec<f64> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+        let jacobian = jacobian(chain, &q, &mut columns, lever);
+        if n == 6 {
+            let now = jacobian.determinant();
+            if now * sign < 0.0 {
+                return false;
+            }
+            if now != 0.0 {
+                sign = now.signum();
+            }
+            (least, most) = (least.min(now.abs()), most.max(now.abs()));
+        } else {
+            let values = jacobian.singular_values();
+            if values.min() < SINGULAR * values.max() {
+                return false;
+            }
+        }
+    }
+    n != 6 || least > TWICE_SINGULAR * most
+}
+
+/// The tip's Jacobian, m and rad times lever.
+fn jacobian(chain: &Chain, q: &[f64], columns: &mut [Vector6<f64>], lever: f64) -> DMatrix<f64> {
+    chain.tip_jacobian_into(q, columns);
+    DMatrix::from_fn(6, columns.len(), |i, k| columns[k][i] * if i < 3 { lever } else { 1.0 })
 }
 
 /// The same angles with whole turns taken off: within the limits if that can be, and there nearest to `near`.
@@ -152,8 +247,7 @@ fn newton(chain: &Chain, fk: &dyn Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f6
     let mut left = error(&fk(&q), wanted, lever);
     let mut damping = 1e-9;
     for step in 0..MOST_STEPS {
-        chain.tip_jacobian_into(&q, &mut columns);
-        let jacobian = DMatrix::from_fn(6, n, |i, k| columns[k][i] * if i < 3 { lever } else { 1.0 });
+        let jacobian = jacobian(chain, &q, &mut columns, lever);
         let gradient = jacobian.transpose() * DVector::from_column_slice(left.as_slice());
         let normal = jacobian.transpose() * &jacobian;
         let largest = normal.diagonal().max().max(f64::MIN_POSITIVE);

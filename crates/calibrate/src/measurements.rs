@@ -143,6 +143,9 @@ impl Measurements {
 
     /// Measured position of a target in a row, m in the instrument's frame.
     pub fn position(&self, row: usize, target: usize) -> Option<Vector3<f64>> {
+        if row >= self.len() {
+            return None;
+        }
         self.of_row(row).find_map(|observation| {
             let series = self.series_of(observation);
             let here = series.target == target;

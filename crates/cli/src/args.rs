@@ -1,12 +1,17 @@
 //! The command line: what can be asked for, and the help that teaches it.
 
+mod json;
 mod measured;
+mod numbers;
+mod program;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub use json::{JsonArguments, with_json_files_joined};
 pub use measured::{
     CalibrateArguments, CompensateArguments, GivenArguments, IdentifyArguments, MeasureName, PlanArguments,
     SimulateArguments,
 };
+pub use program::{CompletionsArguments, ManArguments};
 use std::path::PathBuf;
 
 /// A robot's URDF in; screw axes, Denavit-Hartenberg tables, comparison and calibration out.
@@ -66,6 +71,10 @@ pub enum Command {
     Simulate(SimulateArguments),
     /// Turn poses to reach into joint commands for the robot as it is
     Compensate(CompensateArguments),
+    /// Print completions of the command line for a shell
+    Completions(CompletionsArguments),
+    /// Print the manual page, or write one for each command
+    Man(ManArguments),
 }
 
 /// Which robot, and which chain of it.
@@ -85,7 +94,8 @@ pub struct RobotArguments {
     #[arg(long)]
     pub exact: bool,
     /// Neighbouring axes closer to parallel than this are treated as parallel, rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-6, conflicts_with = "exact")]
+    #[arg(long, value_name = "RAD", default_value_t = 1e-6, conflicts_with = "exact",
+        value_parser = numbers::tolerance)]
     pub tolerance: f64,
     /// What some sources need.
     #[command(flatten)]
@@ -96,7 +106,7 @@ pub struct RobotArguments {
 #[derive(Debug, Clone, Default, Args)]
 pub struct SourceArguments {
     /// Arguments of a xacro file
-    #[arg(value_name = "NAME:=VALUE")]
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub values: Vec<String>,
     /// Folder with ROS packages, or a package; may be given several times [also: AMENT_PREFIX_PATH, ROS_PACKAGE_PATH,
     /// and the packages around the file]
@@ -109,13 +119,35 @@ pub struct SourceArguments {
     /// reads them, so as a robot that ROS drives moves]
     #[arg(long)]
     pub vendor_angles: bool,
-    /// How a D-H table's file groups its rows, where it does not say so itself [default: distal]
-    #[arg(long, value_name = "CONVENTION", value_enum)]
+    /// How a D-H table's file groups its rows, where it does not say so itself: distal, proximal, paper or hayati
+    /// [default: distal]
+    #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true)]
     pub table_convention: Option<ConventionName>,
     /// Units of a D-H table's numbers, where the file does not say so itself: m or mm, deg or rad [default: what the
     /// numbers can be]
     #[arg(long, value_name = "UNITS")]
     pub table_units: Option<String>,
+}
+
+impl RobotArguments {
+    /// The files that the run reads for it, as named.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(self.robot.as_str()).chain(self.source.files())
+    }
+}
+
+impl SourceArguments {
+    /// What may be files among the values of a xacro file's arguments.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        self.values.iter().filter_map(|word| word.split_once(":=").map(|(_, value)| value))
+    }
+}
+
+fn xacro_argument(word: &str) -> Result<String, String> {
+    if word.contains(":=") {
+        return Ok(word.to_owned());
+    }
+    Err("behind the robot stand arguments of a xacro file, NAME:=VALUE".to_owned())
 }
 
 /// Units of what is printed for people.
@@ -169,8 +201,11 @@ pub struct TableArguments {
     #[command(flatten)]
     pub robot: RobotArguments,
     /// Format of the output
-    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = format_names())]
+    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = format_names(), conflicts_with = "json")]
     pub format: String,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// How the numbers are grouped into rows
     #[arg(long, value_enum)]
     pub convention: Option<ConventionName>,
@@ -205,9 +240,9 @@ pub struct ChainsArguments {
     /// What some sources need.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
 }
 
 const FK_EXAMPLES: &str = "\
@@ -234,9 +269,9 @@ pub struct FkArguments {
     /// What the effects follow.
     #[command(flatten)]
     pub given: GivenArguments,
-    /// Print JSON, rad and m at full precision
-    #[arg(long)]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,
@@ -260,8 +295,14 @@ pub struct PoeArguments {
     #[command(flatten)]
     pub robot: RobotArguments,
     /// Format of the output
-    #[arg(long, value_enum, default_value_t = PoeFormat::Text)]
+    #[arg(long, value_enum, default_value_t = PoeFormat::Text, conflicts_with = "json")]
     pub format: PoeFormat,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,
@@ -289,7 +330,6 @@ pub enum OnlyName {
 
 /// Arguments of `denavit diff`.
 #[derive(Debug, Args)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a switch on the command line")]
 pub struct DiffArguments {
     /// The robot as it was: any source
     pub a: String,
@@ -299,10 +339,10 @@ pub struct DiffArguments {
     #[command(flatten)]
     pub source: SourceArguments,
     /// Lengths closer than this are equal, m
-    #[arg(long, value_name = "M", default_value_t = 1e-7)]
+    #[arg(long, value_name = "M", default_value_t = 1e-7, value_parser = numbers::tolerance)]
     pub tolerance_m: f64,
     /// Angles closer than this are equal, rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-6)]
+    #[arg(long, value_name = "RAD", default_value_t = 1e-6, value_parser = numbers::tolerance)]
     pub tolerance_rad: f64,
     /// Compare only this
     #[arg(long, value_enum)]
@@ -320,17 +360,17 @@ pub struct DiffArguments {
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     pub q_range: Vec<String>,
     /// Configurations to sample
-    #[arg(long, value_name = "N", default_value_t = 4096)]
-    pub samples: usize,
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: u32,
     /// Start of the low-discrepancy sequence
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Format of the report
-    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = report_names())]
+    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = report_names(), conflicts_with = "json")]
     pub format: String,
-    /// As --format json
-    #[arg(long, conflicts_with = "format")]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -374,10 +414,11 @@ pub struct ExportArguments {
 /// Arguments of `denavit doc`.
 #[derive(Debug, Args)]
 pub struct DocArguments {
-    /// Robots: URDF, xacro, D-H tables or screw axes; several make a page each and an index
-    #[arg(required = true)]
+    /// Robots: any source, or a folder for all that are in it; several make a page each and an index. NAME:=VALUE are
+    /// arguments of the xacro files among them
+    #[arg(required = true, value_name = "ROBOT")]
     pub robots: Vec<String>,
-    /// Folder for the pages
+    /// Folder for the pages, or - for a single page on standard output
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Markdown and SVG files for a repository's docs folder instead of HTML
@@ -395,6 +436,9 @@ pub struct DocArguments {
     /// Folder with ROS packages, or a package, for xacro files
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
+    /// Let xacro read files outside its package and the package path
+    #[arg(long)]
+    pub allow_any_file: bool,
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,
@@ -409,7 +453,8 @@ pub struct FingerprintArguments {
     #[command(flatten)]
     pub source: SourceArguments,
     /// Cell size: m, rad, and relative for masses
-    #[arg(long, value_name = "SIZE", default_value_t = denavit_compare::fingerprint::DEFAULT_TOLERANCE)]
+    #[arg(long, value_name = "SIZE", default_value_t = denavit_compare::fingerprint::DEFAULT_TOLERANCE,
+        value_parser = numbers::part)]
     pub tolerance: f64,
     /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
     #[arg(long, value_name = "FINGERPRINT")]
@@ -417,16 +462,16 @@ pub struct FingerprintArguments {
     /// With --expect: masses and shapes may differ
     #[arg(long, requires = "expect")]
     pub only_motion: bool,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
 }
 
 /// Arguments of `denavit check`.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// URDF files
-    #[arg(required_unless_present_any = ["rules", "explain"])]
+    /// Any sources, or folders for all robots that are in them. NAME:=VALUE are arguments of the xacro files among them
+    #[arg(required_unless_present_any = ["rules", "explain"], value_name = "ROBOT")]
     pub files: Vec<String>,
     /// Leave out a rule, by code or name; `all` leaves out all that are not denied
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
@@ -437,9 +482,12 @@ pub struct CheckArguments {
     /// Configuration file [default: denavit.toml beside the robot or in a folder above]
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Folder with ROS packages, or a package, to find meshes in
+    /// Folder with ROS packages, or a package, to find meshes in, and for xacro files
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
+    /// Let xacro read files outside its package and the package path
+    #[arg(long)]
+    pub allow_any_file: bool,
     /// Mend in place what is certain
     #[arg(long)]
     pub fix: bool,
@@ -450,8 +498,11 @@ pub struct CheckArguments {
     #[arg(long, value_name = "RULE")]
     pub explain: Option<String>,
     /// Format of the report
-    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = report_names())]
+    #[arg(long, value_name = "FORMAT", default_value = "text", value_parser = report_names(), conflicts_with = "json")]
     pub format: String,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

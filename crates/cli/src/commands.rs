@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod chains;
 pub mod check;
 pub mod compensate;
+pub mod completions;
 pub mod diff;
 pub mod doc;
 pub mod expand;
@@ -11,6 +12,7 @@ pub mod export;
 pub mod fingerprint;
 pub mod fk;
 pub mod identify;
+pub mod man;
 pub mod plan;
 pub mod poe;
 pub mod simulate;
@@ -18,9 +20,8 @@ pub mod table;
 
 use crate::args::UnitsArguments;
 use crate::failure::Failure;
-use crate::output;
 use denavit_export::Units;
-use std::path::Path;
+use serde::Serialize;
 
 fn units(arguments: &UnitsArguments) -> Result<Units, Failure> {
     Units::default()
@@ -28,10 +29,13 @@ fn units(arguments: &UnitsArguments) -> Result<Units, Failure> {
         .map_err(|word| Failure::Argument(format!("--units: \"{word}\" is no unit; write m or mm, and deg or rad")))
 }
 
-/// Writes to the file that was asked for, or prints.
-fn deliver(file: Option<&Path>, text: &str) -> Result<(), Failure> {
-    match file {
-        Some(path) => output::write_file(path, text.as_bytes()),
-        None => output::print(text),
+/// A value as JSON with the name and version of its schema first.
+fn stamped(schema: &'static str, value: &impl Serialize) -> String {
+    #[derive(Serialize)]
+    struct Stamped<'a, T: Serialize> {
+        schema: &'static str,
+        #[serde(flatten)]
+        value: &'a T,
     }
+    serde_json::to_string_pretty(&Stamped { schema, value }).expect("plain values with text keys") + "\n"
 }

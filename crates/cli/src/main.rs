@@ -2,20 +2,21 @@
 
 mod args;
 mod commands;
+mod delivery;
 mod failure;
 mod measured;
 mod output;
 mod progress;
 mod source;
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, with_json_files_joined};
 use clap::Parser as _;
 use failure::Failure;
 use output::Status;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::parse_from(with_json_files_joined(std::env::args_os()));
     match run(arguments.command) {
         Ok(status) => ExitCode::from(status as u8),
         Err(Failure::ClosedPipe) => ExitCode::SUCCESS,
@@ -43,5 +44,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Plan(arguments) => commands::plan::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Compensate(arguments) => commands::compensate::run(&arguments),
+        Command::Completions(arguments) => commands::completions::run(&arguments),
+        Command::Man(arguments) => commands::man::run(&arguments),
     }
 }

@@ -45,7 +45,8 @@ pub fn one_standard_input(files: &[Option<&str>]) -> Result<(), Failure> {
     Ok(())
 }
 
-fn units(written: &str) -> Result<Units, Failure> {
+/// Units of a file of data.
+pub fn units(written: &str) -> Result<Units, Failure> {
     written.parse().map_err(|error| Failure::Argument(format!("--units: {error}")))
 }
 

@@ -1,14 +1,18 @@
-//! Printing, colours and exit codes, and files that are never half-written.
+//! Printing, colours and exit codes, and outputs that are never half-written.
 
 #![expect(clippy::print_stderr, reason = "this module is where the program speaks")]
+
+mod destination;
+mod staged;
 
 use crate::failure::Failure;
 use denavit_compare::report::Colour;
 use denavit_load::LoadError;
 use denavit_model::notes::Note;
+use destination::Destination;
+use staged::Staged;
 use std::io::{self, IsTerminal as _, Write as _};
-use std::path::Path;
-use tempfile::NamedTempFile;
+use std::path::{Path, PathBuf};
 
 /// Exit codes, as those of `diff`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,61 +64,132 @@ pub fn colour(to_standard_output: bool) -> Colour {
     if to_standard_output && !plain && io::stdout().is_terminal() { Colour::Ansi } else { Colour::None }
 }
 
-/// Writes a file as a whole or not at all: to a temporary file beside it, then renamed.
-pub fn write_file(path: &Path, content: &[u8]) -> Result<(), Failure> {
-    persist(written(path, content)?, path)
+/// What a run writes: every place is checked before the work, and all are written together after it.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    inputs: Vec<String>,
+    places: Vec<Place>,
 }
 
-/// Writes several files: every temporary file is full before the first is renamed.
-pub fn write_files(files: &[(&Path, String)]) -> Result<(), Failure> {
-    for (index, (path, _)) in files.iter().enumerate() {
-        if files[..index].iter().any(|(other, _)| other == path) {
-            let message = format!("{}: two outputs have this name; give each a file of its own", path.display());
-            return Err(Failure::Argument(message));
+#[derive(Debug)]
+struct Place {
+    option: &'static str,
+    given: PathBuf,
+    destination: Destination,
+}
+
+/// One of the places of [`Outputs`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Slot(usize);
+
+impl Outputs {
+    /// Outputs of a run that reads these files, by their names as given.
+    pub fn beside<'a>(inputs: impl IntoIterator<Item = &'a str>) -> Self {
+        Self { inputs: inputs.into_iter().map(str::to_owned).collect(), places: Vec::new() }
+    }
+
+    /// A place to write to, as `option` names it; refused where it cannot be written or would destroy another file of the
+    /// run.
+    pub fn add(&mut self, option: &'static str, given: &Path) -> Result<Slot, Failure> {
+        let destination = Destination::of(given)?;
+        let shown = given.display();
+        if let Some(input) = self.inputs.iter().find(|input| destination.is_input(input)) {
+            return Err(Failure::Argument(format!(
+                "{option} {shown}: the run reads this file (as {input}); give the output a file of its own"
+            )));
         }
-        if path.is_dir() {
-            let reason = "it is a folder".to_owned();
-            return Err(Failure::Write { file: path.display().to_string(), reason });
+        if let Some(other) = self.places.iter().find(|place| place.destination.clashes_with(&destination)) {
+            return Err(Failure::Argument(format!(
+                "{} {} and {option} {shown}: two outputs go to one place; give each a file of its own",
+                other.option,
+                other.given.display()
+            )));
         }
+        self.places.push(Place { option, given: given.to_owned(), destination });
+        Ok(Slot(self.places.len() - 1))
     }
-    let full = files.iter().map(|(path, text)| written(path, text.as_bytes())).collect::<Result<Vec<_>, _>>()?;
-    full.into_iter().zip(files).try_for_each(|(file, (path, _))| persist(file, path))
-}
 
-fn failed(path: &Path, error: &io::Error) -> Failure {
-    Failure::Write { file: path.display().to_string(), reason: error.to_string() }
-}
-
-/// A temporary file beside `path` with this content.
-fn written(path: &Path, content: &[u8]) -> Result<NamedTempFile, Failure> {
-    let failed = |error: io::Error| failed(path, &error);
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        let reason = format!("there is no folder {}", folder.display());
-        return Err(Failure::Write { file: path.display().to_string(), reason });
+    /// The same for an option that may be absent.
+    pub fn add_if(&mut self, option: &'static str, given: Option<&Path>) -> Result<Option<Slot>, Failure> {
+        given.map(|given| self.add(option, given)).transpose()
     }
-    let mut file = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder).map_err(failed)?;
-    file.write_all(content).map_err(failed)?;
-    if let Some(permissions) = permissions(path) {
-        file.as_file().set_permissions(permissions).map_err(failed)?;
+
+    /// Whether an output goes to standard output, where nothing else then belongs.
+    pub fn take_standard_output(&self) -> bool {
+        self.places.iter().any(|place| place.destination == Destination::StandardOutput)
     }
-    Ok(file)
+
+    /// Writes everything or changes no file: files are filled beside their targets, then streams are written, then files
+    /// renamed.
+    pub fn write(&self, texts: &[(Slot, String)]) -> Result<(), Failure> {
+        let mut files = Vec::new();
+        for (Slot(slot), text) in texts {
+            let place = &self.places[*slot];
+            if let Destination::File(target) = &place.destination {
+                files.push(Staged::full(target, &place.given, text.as_bytes())?);
+            }
+        }
+        let mut reader = Ok(());
+        for (Slot(slot), text) in texts {
+            let place = &self.places[*slot];
+            match &place.destination {
+                Destination::File(_) => {}
+                Destination::StandardOutput => match print(text) {
+                    Err(Failure::ClosedPipe) => reader = Err(Failure::ClosedPipe),
+                    printed => printed?,
+                },
+                Destination::Stream(path) => {
+                    let written = std::fs::OpenOptions::new().write(true).open(path);
+                    let written = written.and_then(|mut stream| {
+                        stream.write_all(text.as_bytes())?;
+                        stream.flush()
+                    });
+                    written.map_err(|error| Failure::Write {
+                        file: place.given.display().to_string(),
+                        reason: error.to_string(),
+                    })?;
+                }
+            }
+        }
+        staged::commit(files)?;
+        reader
+    }
 }
 
-fn persist(file: NamedTempFile, path: &Path) -> Result<(), Failure> {
-    file.persist(path).map(drop).map_err(|error| failed(path, &error.error))
-}
+/// A folder that a run fills: made when there is something to put into it.
+#[derive(Debug)]
+pub struct OutputFolder(PathBuf);
 
-/// What the file has, or what one gets that is made in the usual way: temporary files are closed to others.
-#[cfg(unix)]
-fn permissions(path: &Path) -> Option<std::fs::Permissions> {
-    use std::os::unix::fs::PermissionsExt as _;
-    let existing = std::fs::metadata(path).map(|existing| existing.permissions());
-    Some(existing.unwrap_or_else(|_| std::fs::Permissions::from_mode(0o644)))
-}
+impl OutputFolder {
+    /// Refuses what can be no folder, before the work.
+    pub fn of(given: &Path) -> Result<Self, Failure> {
+        let refused = |reason: String| Failure::Write { file: given.display().to_string(), reason };
+        let there = given.ancestors().find(|folder| folder.as_os_str().is_empty() || folder.exists());
+        let there = there.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !there.is_dir() {
+            return Err(refused(format!("{} is no folder", there.display())));
+        }
+        staged::temporary(&there.join("any"), given)?;
+        Ok(Self(given.to_owned()))
+    }
 
-/// Windows gives a new file the rights of its folder.
-#[cfg(not(unix))]
-fn permissions(_: &Path) -> Option<std::fs::Permissions> {
-    None
+    /// Writes every file, by name and text, as a whole or none; gives their paths.
+    pub fn write<'a>(
+        &self,
+        files: &[(String, String)],
+        inputs: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let is_new = !self.0.exists();
+        std::fs::create_dir_all(&self.0)
+            .map_err(|error| Failure::Write { file: self.0.display().to_string(), reason: error.to_string() })?;
+        let mut outputs = Outputs::beside(inputs);
+        let slots = files.iter().map(|(name, text)| Ok((outputs.add("--output", &self.0.join(name))?, text.clone())));
+        let written = slots.collect::<Result<Vec<_>, Failure>>().and_then(|texts| outputs.write(&texts));
+        if written.is_err() && is_new {
+            // Only a folder that is still empty goes.
+            let _ = std::fs::remove_dir(&self.0);
+        }
+        written?;
+        Ok(files.iter().map(|(name, _)| self.0.join(name)).collect())
+    }
 }

@@ -1,5 +1,7 @@
 //! What the arguments say of a robot, handed to `denavit_load`; what must be said of the reading is said.
 
+mod folder;
+
 use crate::args::{ConventionName, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
@@ -8,6 +10,7 @@ use denavit_load::{Options, Selection};
 use denavit_model::Reading;
 
 pub use denavit_load::Loaded;
+pub use folder::sources;
 
 /// Reads a robot.
 pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> {
@@ -16,6 +19,30 @@ pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> 
         output::mention(note);
     }
     Ok(opened.robot)
+}
+
+/// Reads a robot only to see whether it is one.
+pub fn load_quietly(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> {
+    Ok(denavit_load::load(name, &options(arguments)?)?.robot)
+}
+
+/// A source as URDF text, for what looks at URDF text: what messages call it, and the text. URDF stays as it is, broken or
+/// not; xacro is expanded; what a table or screw axes stand for is written.
+pub fn urdf_text(file: &str, text: String, arguments: &SourceArguments) -> Result<(String, String), Failure> {
+    let is_named = |end: &str| file.to_ascii_lowercase().ends_with(end);
+    let is_markup = is_named(".urdf") || text.trim_start_matches('\u{feff}').trim_start().starts_with(['<', '\0']);
+    if !is_markup && !text.trim().is_empty() {
+        let robot = denavit_load::from_text(file, &text, &options(arguments)?)?.robot;
+        let urdf = denavit_load::canonical(&robot, file, &denavit_export::urdf::Options::default())?;
+        return Ok((format!("{file} (as URDF)"), urdf.value));
+    }
+    let is_xacro = denavit_xacro::is_xacro(&text);
+    let is_meant =
+        || is_named(".xacro") || !arguments.values.is_empty() || denavit_model::urdf::read(file, &text).is_err();
+    if is_xacro && is_meant() {
+        return Ok((format!("{file} (expanded)"), expanded(file, &text, arguments)?));
+    }
+    Ok((file.to_owned(), text))
 }
 
 /// The URDF that a xacro document stands for.

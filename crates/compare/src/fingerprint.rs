@@ -80,6 +80,26 @@ impl Fingerprint {
         written.trim().rsplit_once('-').is_some_and(|(head, _)| self.is_of(head, |motion| self.has_motion(motion)))
     }
 
+    /// Why a text cannot be compared with this fingerprint: it is none, or one of another version or tolerance. `None` where
+    /// it can.
+    pub fn not_comparable(&self, written: &str) -> Option<String> {
+        let mut parts = written.trim().rsplitn(3, '-');
+        let hashes = [parts.next(), parts.next()];
+        let is_hash = |hash: &&str| hash.len() == self.motion.len() && hash.chars().all(|c| c.is_ascii_hexdigit());
+        let head = parts.next().and_then(|head| head.split_once('-'));
+        let head = head.filter(|_| hashes.iter().flatten().filter(|hash| is_hash(hash)).count() == hashes.len());
+        let Some((version, tolerance)) = head else {
+            return Some(format!("\"{written}\" is no fingerprint; that of this robot is {self}"));
+        };
+        if version != FORMAT {
+            return Some(format!("\"{written}\" was made by another version; that of this robot is now {self}"));
+        }
+        if tolerance != format!("{:e}", self.tolerance) {
+            return Some(format!("\"{written}\" was made with --tolerance {tolerance}; give that, too"));
+        }
+        None
+    }
+
     fn is_of(&self, head: &str, has: impl Fn(&str) -> bool) -> bool {
         head.rsplit_once('-').is_some_and(|(format, motion)| format == self.format() && has(motion))
     }

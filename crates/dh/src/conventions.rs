@@ -112,8 +112,8 @@ impl Table {
         let proximal = convention == Convention::Proximal && self.rows.iter().all(|row| row.beta().is_none());
         let mut rows = Vec::with_capacity(n + 2);
         for index in 0..=n {
-            let row = &self.rows[index];
-            let twist = if proximal { index.checked_sub(1).map(|before| self.rows[before]) } else { Some(*row) };
+            let row = self.row(index);
+            let twist = if proximal { index.checked_sub(1).map(|before| self.row(before)) } else { Some(row) };
             rows.push(ConventionRow {
                 label: label(index),
                 theta: Some(row.theta()),
@@ -123,7 +123,7 @@ impl Table {
                 beta: row.beta(),
             });
         }
-        let last = &self.rows[n];
+        let last = self.row(n);
         // Proximal: Hn's twist and length stand before the tool's pair.
         let (alpha, a) = if proximal { (Some(last.alpha()), Some(last.a())) } else { (None, None) };
         rows.push(ConventionRow { theta: Some(self.tool.theta), d: Some(self.tool.d), alpha, a, ..blank });

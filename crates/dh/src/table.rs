@@ -225,11 +225,17 @@ pub struct Table {
 }
 
 impl Table {
-    /// base_from_tip at the coordinates `q`, rad or m.
+    /// Hi; a row that is missing moves nothing.
+    pub fn row(&self, index: usize) -> Row {
+        self.rows.get(index).copied().unwrap_or(Row::Dh(DhRow { theta: 0.0, d: 0.0, alpha: 0.0, a: 0.0 }))
+    }
+
+    /// base_from_tip at the coordinates `q`, rad or m; a coordinate that is not there is 0.
     pub fn fk(&self, q: &[f64]) -> Pose {
-        let mut reached = self.rows[0].pose();
-        for (joint, row) in self.joints.iter().zip(&self.rows[1..]) {
-            reached *= joint.motion.pose(joint.scale * q[joint.coordinate]) * row.pose();
+        let mut reached = self.row(0).pose();
+        for (index, joint) in self.joints.iter().enumerate() {
+            let value = q.get(joint.coordinate).copied().unwrap_or(0.0);
+            reached *= joint.motion.pose(joint.scale * value) * self.row(index + 1).pose();
         }
         reached * self.tool.pose()
     }
@@ -255,8 +261,11 @@ impl Table {
     /// The chain that the table stands for.
     ///
     /// # Errors
-    /// A number is not finite, or a scale is zero.
+    /// There is not one row more than there are joints, a number is not finite, or a scale is zero.
     pub fn chain(&self) -> Result<Chain, ChainError> {
+        if self.rows.len() != self.joints.len() + 1 {
+            return Err(ChainError::Rows { rows: self.rows.len(), joints: self.joints.len() });
+        }
         let frames = self.frames();
         let joints = self.joints.iter().zip(&frames).map(|(joint, frame)| ChainJoint {
             name: joint.name.clone(),
@@ -267,5 +276,24 @@ impl Table {
         });
         let home = frames.last().copied().unwrap_or_else(Pose::identity) * self.tool.pose();
         Chain::new((&*self.name, &*self.base, &*self.tip), self.coordinates.clone(), joints.collect(), home)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Convention;
+    use crate::convert::{Options, table};
+    use denavit_model::examples;
+
+    /// Every field is public, so anybody can make such a table.
+    #[test]
+    fn a_table_without_rows_is_refused_and_panics_nowhere() {
+        let mut table = table(&examples::puma_like(), &Options::default()).expect("a table").value;
+        table.rows.clear();
+        assert_eq!(table.fk(&[]), table.tool.pose());
+        assert_eq!(table.convention_rows(Convention::Distal).len(), table.joints.len() + 2);
+        assert_eq!(table.convention_rows(Convention::Proximal).len(), table.joints.len() + 2);
+        assert_eq!(table.chain().map(drop), Err(ChainError::Rows { rows: 0, joints: 6 }));
     }
 }

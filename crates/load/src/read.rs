@@ -102,12 +102,7 @@ pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(|error| failed(error.to_string()))?;
         (STANDARD_INPUT.to_owned(), bytes)
     } else if let Some(object) = name.strip_prefix("git:") {
-        let shown = std::process::Command::new("git").args(["show", object]).output();
-        let shown = shown.map_err(|error| failed(format!("git could not be run: {error}")))?;
-        if !shown.status.success() {
-            return Err(failed(String::from_utf8_lossy(&shown.stderr).trim().to_owned()));
-        }
-        (name.to_owned(), shown.stdout)
+        (name.to_owned(), from_git(object).map_err(failed)?)
     } else {
         (name.to_owned(), std::fs::read(name).map_err(|error| failed(error.to_string()))?)
     };
@@ -116,4 +111,21 @@ pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
         LoadError::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
     })?;
     Ok((file, text))
+}
+
+/// The content of REVISION:PATH as git has it, or why there is none. Nothing in the name reaches git as an option.
+fn from_git(object: &str) -> Result<Vec<u8>, String> {
+    let Some((revision, path)) = object.split_once(':') else {
+        return Err("write git:REVISION:PATH, such as git:HEAD:arm.urdf".into());
+    };
+    if revision.starts_with('-') || path.starts_with('-') {
+        return Err("neither a revision nor a path may begin with \"-\"; write ./-… for such a path".into());
+    }
+    let shown = std::process::Command::new("git").args(["cat-file", "--end-of-options", "blob", object]).output();
+    let shown = shown.map_err(|error| format!("git could not be run: {error}"))?;
+    if shown.status.success() {
+        Ok(shown.stdout)
+    } else {
+        Err(String::from_utf8_lossy(&shown.stderr).trim().to_owned())
+    }
 }

@@ -126,6 +126,14 @@ pub enum ChainError {
     /// A number is not finite, or a scale is zero.
     #[error("joint \"{0}\": scale, offset and axis must be finite and the scale not zero")]
     BadNumber(String),
+    /// A D-H table that has not one row more than joints.
+    #[error("the table has {rows} rows for {joints} joints; give one more than there are joints")]
+    Rows {
+        /// How many there are.
+        rows: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
     /// The home pose has a number that is not finite.
     #[error("the home pose has a number that is not finite")]
     BadHome,

@@ -70,6 +70,13 @@ pub enum Note {
         /// What became of it, a sentence.
         what: String,
     },
+    /// No tip was named, and the chain ends before the fingers of the hand that it carries.
+    EndsAtTool {
+        /// The link at its end.
+        tip: String,
+        /// The end of the longest chain.
+        finger: String,
+    },
 }
 
 impl Note {
@@ -86,14 +93,22 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Mended { place, what } | Self::Split { place, what } => write!(f, "{place}: {what}"),
-            Self::IntendedAngle { place, written, read_as, tip_moves, .. } => {
-                write!(f, "{place}: {written} read as {read_as}; the tip moves by at most {}", Length(*tip_moves))
+            Self::IntendedAngle { place, written, read_as, change, tip_moves } => {
+                write!(
+                    f,
+                    "{place}: {written} read as {read_as}; the tip {}",
+                    Motion { moves: *tip_moves, turns: *change }
+                )
             }
             Self::TreatedAsParallel { joints: (one, other), angle, tip_moves } => write!(
                 f,
-                "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel and treated as parallel; \
-                 the tip moves by at most {}",
-                Length(*tip_moves)
+                "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel and treated as parallel; the tip {}",
+                Motion { moves: *tip_moves, turns: *angle }
+            ),
+            Self::EndsAtTool { tip, finger } => write!(
+                f,
+                "no tip was named: the chain ends at \"{tip}\", as the joints below it are a hand's; --tip \"{finger}\" \
+                 goes on to a finger"
             ),
             Self::FarNumber { joints: (one, other), angle, length, size } => write!(
                 f,
@@ -104,6 +119,21 @@ impl fmt::Display for Note {
                 Length(*size)
             ),
         }
+    }
+}
+
+/// How far a tip moves, m; how far it turns, rad, where it moves by nothing.
+struct Motion {
+    moves: f64,
+    turns: f64,
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.moves == 0.0 {
+            return write!(f, "turns by at most {:.1e} rad, and moves by nothing", self.turns.abs());
+        }
+        write!(f, "moves by at most {}", Length(self.moves))
     }
 }
 

@@ -1,9 +1,10 @@
 //! From the tree to a chain: which chains there are, and the screw axes of one of them.
 
 mod assembly;
+mod hand;
 
 use crate::chain::Chain;
-use crate::notes::{Noted, Place};
+use crate::notes::{Note, Noted, Place};
 use crate::problems::nearest_name;
 use crate::robot::{Joint, JointKind, Robot};
 use assembly::Assembly;
@@ -154,14 +155,34 @@ impl Robot {
         ChainListing { base: name(base), tip: name(leaf), coordinates, links: steps.len() + 1 }
     }
 
-    /// The chain that is meant when none is named: most coordinates, then most links, then first in the file.
+    /// The chain that is meant when none is named: most coordinates, then most links, then first in the file; an arm that
+    /// carries a hand ends at its tool frame or flange, not at a finger.
     pub fn default_chain(&self) -> ChainListing {
-        let listings = self.leaf_chains();
-        let longest = listings.into_iter().rev().max_by_key(|listing| (listing.coordinates.len(), listing.links));
-        longest.unwrap_or_else(|| {
-            let root = self.links[self.root].name.clone();
-            ChainListing { base: root.clone(), tip: root, coordinates: Vec::new(), links: 1 }
-        })
+        let (to_parent, names) = (self.carriers(), DriverNames::of(self));
+        let (tip, _) = self.default_tip(None, &to_parent);
+        self.listing(tip, &to_parent, &names)
+    }
+
+    /// The end of the chain that is meant when no tip is named, and the finger that it is not where a hand is carried.
+    fn default_tip(&self, base: Option<usize>, to_parent: &[Option<usize>]) -> (usize, Option<usize>) {
+        let leaf = match base {
+            Some(base) => self.farthest_below(base, to_parent),
+            None => self.longest_leaf(to_parent),
+        };
+        let start = base.unwrap_or_else(|| self.start_below_floating(leaf, to_parent));
+        match self.tool_above_fingers(&Self::way(&self.joints, start, leaf, to_parent)) {
+            Some(tool) => (tool, Some(leaf)),
+            None => (leaf, None),
+        }
+    }
+
+    fn longest_leaf(&self, to_parent: &[Option<usize>]) -> usize {
+        let names = DriverNames::of(self);
+        let longest = self.leaves().into_iter().rev().max_by_key(|leaf| {
+            let listing = self.listing(*leaf, to_parent, &names);
+            (listing.coordinates.len(), listing.links)
+        });
+        longest.unwrap_or(self.root)
     }
 
     /// The chain from `base` to `tip`; where they are not named, those of [`Robot::default_chain`].
@@ -175,20 +196,17 @@ impl Robot {
     /// A link or a mimic joint's driver does not exist, or a floating or unknown joint lies in between.
     pub fn chain(&self, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Result<Noted<Chain>, TreeError> {
         let to_parent = self.carriers();
-        let default = || self.default_chain();
-        let tip_link = match tip {
-            Some(name) => self.named_link(name)?,
-            None => match base {
-                None => self.named_link(&default().tip)?,
-                Some(base) => self.farthest_below(self.named_link(base)?, &to_parent),
-            },
+        let base_link = base.map(|name| self.named_link(name)).transpose()?;
+        let (tip_link, finger) = match tip {
+            Some(name) => (self.named_link(name)?, None),
+            None => self.default_tip(base_link, &to_parent),
         };
-        let base_link = match base {
-            Some(name) => self.named_link(name)?,
-            None => self.start_below_floating(tip_link, &to_parent),
-        };
+        let base_link = base_link.unwrap_or_else(|| self.start_below_floating(tip_link, &to_parent));
         let steps = Self::way(&self.joints, base_link, tip_link, &to_parent);
-        Assembly::new(self, reading).walk(base_link, tip_link, &steps)
+        let mut read = Assembly::new(self, reading).walk(base_link, tip_link, &steps)?;
+        let name = |link: usize| self.links[link].name.clone();
+        read.notes.extend(finger.map(|finger| Note::EndsAtTool { tip: name(tip_link), finger: name(finger) }));
+        Ok(read)
     }
 
     fn named_link(&self, name: &str) -> Result<usize, TreeError> {

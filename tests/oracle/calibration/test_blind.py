@@ -5,15 +5,13 @@ The whole of it: suite.py makes the cases, `cargo run --release -p denavit-calib
 
 import json
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+import built
 from generate import make, parser
 
-TOP = Path(__file__).resolve().parents[3]
-DENAVIT = TOP / "target/release/denavit"
 # Five standard deviations of the rms over 100 test rows of three coordinates.
 CHANCE = 1 + 5 / np.sqrt(2 * 300)
 
@@ -39,7 +37,7 @@ NAMED = [
 def calibrated(folder, *options):
     """Truth and report of one case."""
     truth = make(folder, parser().parse_args([str(folder), "--count", "200", "--test", "100", *options]))
-    command = [DENAVIT, "calibrate", folder / "nominal.urdf", "--data", folder / "train.csv", "--test", folder / "test.csv"]
+    command = [built.denavit(), "calibrate", folder / "nominal.urdf", "--data", folder / "train.csv", "--test", folder / "test.csv"]
     command += ["--json", folder / "report.json"]
     if truth["gear_ratio"]:
         command += ["--gear-ratio", f"{truth['effects'][0]['places'][0]}={truth['gear_ratio']:g}"]

@@ -8,6 +8,7 @@ from collections import Counter
 import pytest
 from same_robot import examine, quiet
 
+import built
 import corpus
 
 
@@ -24,7 +25,7 @@ def export_urdf():
         return given
     build = ["cargo", "build", "--quiet", "--release", "-p", "denavit-export", "--example", "export_urdf"]
     subprocess.run(build, cwd=corpus.WORKSPACE, check=True)
-    return str(corpus.WORKSPACE / "target/release/examples/export_urdf")
+    return str(built.target() / "release/examples/export_urdf")
 
 
 def export(program, flags, folder):

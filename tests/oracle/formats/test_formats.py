@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import built
+
 TOP = Path(__file__).resolve().parents[3]
-DENAVIT = TOP / "target" / "release" / "denavit"
 ROBOTS = {
     "universal_robots/ur5e.urdf": [],
     "franka/panda.urdf": ["--tip", "panda_link8"],
@@ -20,7 +21,7 @@ ROBOTS = {
 
 
 def denavit(*arguments):
-    run = subprocess.run([DENAVIT, *arguments], capture_output=True, text=True, check=False)
+    run = subprocess.run([built.denavit(), *arguments], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     return run.stdout
 

@@ -6,7 +6,11 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-WORKSPACE = HERE.parents[2]
+# Scripts beside this file are run by themselves, too.
+sys.path.insert(0, str(HERE.parent))
+
+import built  # noqa: E402
+
 # Packages that nobody has are told about; those of the machine are not looked at.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH")}
 
@@ -15,7 +19,7 @@ def ours():
     """The command, or None where nothing is built: DENAVIT, then the release build, then the crate's example."""
     candidates = [[os.environ["DENAVIT"], "expand"]] if "DENAVIT" in os.environ else []
     for build in ("release", "debug"):
-        folder = WORKSPACE / "target" / build
+        folder = built.target() / build
         candidates += [[str(folder / "denavit"), "expand"], [str(folder / "examples/expand")]]
     for command in candidates:
         if Path(command[0]).is_file() and (len(command) == 1 or knows_expand(command[0])):

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+import built
+
 TOP = Path(__file__).resolve().parents[3]
-DENAVIT = TOP / "target" / "release" / "denavit"
 VENDOR = TOP.parent / "shared" / "vendor" / "xacro"
 
 
@@ -21,7 +22,7 @@ def cases():
 
 
 def table(*arguments):
-    run = subprocess.run([DENAVIT, "table", *map(str, arguments), "--format", "csv"], capture_output=True, text=True, check=False)
+    run = subprocess.run([built.denavit(), "table", *map(str, arguments), "--format", "csv"], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     return [row for row in csv.reader(run.stdout.splitlines())]
 

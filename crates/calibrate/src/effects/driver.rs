@@ -255,7 +255,7 @@ impl Driver {
             Self::Overturning | Self::EndMoment(_) => 3,
             Self::Velocities => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
-            Self::Smooth { knots, .. } => knots.len() - 1,
+            Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
             _ => 1,
         }
     }
@@ -399,7 +399,9 @@ pub fn unit_of(covariate: &str) -> &'static str {
 
 /// Piecewise linear basis over the knots; the first one is left out and the ends are held.
 fn hats(value: f64, knots: &[f64], out: &mut Vec<f64>) {
-    let value = value.clamp(knots[0], knots[knots.len() - 1]);
+    let (Some(first), Some(last)) = (knots.first(), knots.last()) else { return };
+    // Not `clamp`, which panics where the knots are not in order.
+    let value = value.max(*first).min(*last);
     out.extend((1..knots.len()).map(|k| {
         if value <= knots[k] {
             ((value - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0)
@@ -428,6 +430,8 @@ mod tests {
                 Driver::Decay { covariate: name(), from: 0.0, constant: 2.0 },
                 Driver::Steps { covariate: name(), at: vec![1.0, 5.0] },
                 Driver::Smooth { covariate: name(), knots: vec![0.0, 2.0, 5.0, 9.0] },
+                Driver::Smooth { covariate: name(), knots: Vec::new() },
+                Driver::Smooth { covariate: name(), knots: vec![f64::NAN, 1.0] },
             ];
             for joint in 0..n {
                 drivers.extend([

@@ -1,6 +1,7 @@
 //! A plan as CSV for the robot, as text and as JSON.
 
 use super::Plan;
+use crate::measurements::Units;
 use crate::observe::ObservationKind;
 use denavit_model::Chain;
 use serde_json::json;
@@ -10,15 +11,17 @@ use std::fmt::Write;
 const SCHEMA: &str = "denavit.plan/1";
 
 impl Plan {
-    /// The poses as CSV for the robot: a header of joint names, rad and m; the indices as comments.
-    pub fn to_csv(&self) -> String {
+    /// The poses as CSV for the robot: a header of joint names; the indices and the units as comments.
+    pub fn to_csv(&self, chain: &Chain, units: Units) -> String {
         let mut text = String::new();
         for line in self.to_text().lines() {
             let _ = writeln!(text, "# {line}");
         }
+        let _ = writeln!(text, "# units: {units}");
         let _ = writeln!(text, "{}", self.joints.join(","));
         for pose in &self.poses {
-            let cells: Vec<String> = pose.iter().map(|value| format!("{value:.9}")).collect();
+            let values = chain.coordinates().iter().zip(pose);
+            let cells: Vec<String> = values.map(|(joint, value)| format!("{:.9}", value / units.of(joint))).collect();
             let _ = writeln!(text, "{}", cells.join(","));
         }
         text

@@ -1,6 +1,7 @@
 //! Compensated joint commands as text, CSV and JSON.
 
 use crate::compensate::Command;
+use crate::measurements::Units;
 use denavit_model::Chain;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -50,6 +51,12 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
     }
     text.push('\n');
     for (command, line) in commands.iter().zip(lines) {
+        if allowed.reached_by(command) && !command.keeps_configuration {
+            let _ = writeln!(
+                text,
+                "line {line}: the arm takes another configuration than before; none that keeps it was found for this pose"
+            );
+        }
         if !allowed.reached_by(command) {
             let _ = writeln!(
                 text,
@@ -65,20 +72,34 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
     text
 }
 
-/// Commands as CSV: `comments`, then joint values (rad, m) and what each is expected to miss with and without compensation
-/// (m, rad), to 1 nm and 1 nrad.
-pub fn to_csv(chain: &Chain, commands: &[Command], allowed: Allowed, comments: &str) -> String {
+/// Commands as CSV: `comments`, then joint values and what each is expected to miss with and without compensation, in
+/// `units`, which the columns name.
+pub fn to_csv(chain: &Chain, commands: &[Command], allowed: Allowed, units: Units, comments: &str) -> String {
     let mut text = String::new();
     for line in comments.lines() {
         let _ = writeln!(text, "# {line}");
     }
-    let mut header: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
-    header.extend(["position_error_m", "orientation_error_rad", "uncompensated_m", "uncompensated_rad", "state"]);
+    let _ = writeln!(text, "# units: {units}");
+    let [length, angle] = units.words();
+    let mut header: Vec<String> = chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+    header.extend([
+        format!("position_error_{length}"),
+        format!("orientation_error_{angle}"),
+        format!("uncompensated_{length}"),
+        format!("uncompensated_{angle}"),
+        "state".to_owned(),
+    ]);
     let _ = writeln!(text, "{}", header.join(","));
     for command in commands {
-        let mut cells: Vec<String> = command.joints.iter().map(|value| format!("{value:.9}")).collect();
+        let joints = chain.coordinates().iter().zip(&command.joints);
+        let mut cells: Vec<String> = joints.map(|(joint, value)| format!("{:.9}", value / units.of(joint))).collect();
         let (moved, turned) = command.uncompensated;
-        let errors = [command.position_error, command.orientation_error, moved, turned];
+        let errors = [
+            command.position_error / units.length,
+            command.orientation_error / units.angle,
+            moved / units.length,
+            turned / units.angle,
+        ];
         cells.extend(errors.iter().map(|error| format!("{error:.9}")));
         cells.push(state(command, allowed).into());
         let _ = writeln!(text, "{}", cells.join(","));
@@ -110,6 +131,7 @@ pub fn to_json(chain: &Chain, commands: &[Command], lines: &[usize], allowed: Al
             "uncompensated_m": command.uncompensated.0,
             "uncompensated_rad": command.uncompensated.1,
             "outside": command.outside,
+            "keeps_configuration": command.keeps_configuration,
         })
     };
     let value = json!({
@@ -134,8 +156,9 @@ mod tests {
         let chain = examples::puma_like();
         let wanted = Wanted::Joints(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
         let command = compensate(&chain, &chain, &|q| chain.fk(q), &wanted, &[0.0; 6]);
-        let text = to_csv(&chain, &[command], Allowed { position: 1e-6, orientation: 1e-6 }, "made here");
-        assert_eq!(text.lines().count(), 3);
+        let text =
+            to_csv(&chain, &[command], Allowed { position: 1e-6, orientation: 1e-6 }, Units::default(), "made here");
+        assert_eq!(text.lines().count(), 4);
         let last = text.lines().last().unwrap_or_default();
         assert!(
             last.starts_with("0.100000000,0.200000000,0.300000000,0.400000000,") && last.ends_with(",reached"),

@@ -1,6 +1,6 @@
 //! Arguments of the commands about measuring, calibrating and compensating.
 
-use super::RobotArguments;
+use super::{JsonArguments, RobotArguments, numbers};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -53,7 +53,7 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
     pub test: Option<String>,
     /// Without --test: share of the rows to keep for judging
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", value_parser = numbers::part)]
     pub hold_out: Option<f64>,
     /// Seed of the choice of rows held out
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -73,9 +73,9 @@ pub struct CalibrateArguments {
     /// Motor turns per joint turn: NAME=RATIO
     #[arg(long, value_name = "RATIO", value_delimiter = ',')]
     pub gear_ratio: Vec<String>,
-    /// Write the result as JSON
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// Write the result as a page with plots
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
@@ -83,7 +83,7 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "FILE")]
     pub urdf: Option<PathBuf>,
     /// Write the calibrated D-H table; the extension chooses the format (csv, json, md, tex, txt; yaml: the kinematics
-    /// file of a UR arm)
+    /// file of a UR arm; -: text)
     #[arg(long, value_name = "FILE")]
     pub dh: Option<PathBuf>,
     /// Write what a maker's controller or ROS package takes: ur, xarm, franka, robot-calibration; see docs/makers.md
@@ -138,9 +138,9 @@ pub struct IdentifyArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
 }
 
 const PLAN_EXAMPLES: &str = "\
@@ -173,7 +173,7 @@ pub struct PlanArguments {
     #[arg(long, value_name = "N", default_value_t = 1000, conflicts_with = "candidates",
         value_parser = clap::value_parser!(u16).range(1..))]
     pub spread: u16,
-    /// Units of the candidates: lengths m, mm, um or in; angles rad, mrad or deg
+    /// Units of the candidates and of the chosen poses: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
     /// Box in which the target must stay, base frame, m
@@ -188,9 +188,9 @@ pub struct PlanArguments {
     /// Seed of the spread candidates and of the random poses that the plan is compared with
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -223,6 +223,9 @@ pub struct SimulateArguments {
     /// CSV of joint values to measure at, such as a plan, instead of random ones
     #[arg(long, value_name = "FILE", conflicts_with = "rows")]
     pub poses: Option<String>,
+    /// Units of --poses: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad", requires = "poses")]
+    pub units: String,
     /// Same seed, same files
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -245,7 +248,7 @@ pub struct SimulateArguments {
     )]
     pub noise: Vec<f64>,
     /// Share of rows with a gross error of 5 to 50 mm
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = numbers::share)]
     pub outliers: f64,
     /// Effect on the robot or its instrument: KIND@PLACE=STRENGTH; may be given several times
     #[arg(long, value_name = "EFFECT", allow_hyphen_values = true)]
@@ -290,7 +293,7 @@ pub struct CompensateArguments {
     /// Poses to reach, or - for standard input
     #[arg(long, value_name = "FILE")]
     pub poses: String,
-    /// Units of the poses: lengths m, mm, um or in; angles rad, mrad or deg
+    /// Units of the poses and of the commands: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
     /// The robot as drawn, that the controller believes in [default: the one kept in the file of effects, else ROBOT]
@@ -311,9 +314,9 @@ pub struct CompensateArguments {
         default_value = "0.001,0.001"
     )]
     pub allowed_miss: Vec<f64>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

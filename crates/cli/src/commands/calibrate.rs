@@ -3,7 +3,7 @@
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
 use crate::measured::{self, Robot};
-use crate::output::{self, Status};
+use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::Loaded;
 use denavit_calibrate::IdentifyOptions;
@@ -14,16 +14,17 @@ use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::makers::{self, Calibrated, Maker};
-use denavit_export::{FORMATS, Format, Sheet, urdf};
+use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
+    let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
     let mut options = options(arguments, &robot.chain)?;
-    let outputs = outputs(arguments, &robot.loaded)?;
+    let products = products(arguments, &robot)?;
     let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
     let (data, columns) = read(&arguments.data)?;
     let test = arguments.test.as_deref().map(read).transpose()?.map(|(test, _)| test);
@@ -38,72 +39,134 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     })?;
     drop(spinner);
     result.report.columns = columns;
-    let files = files(arguments, &outputs, &robot, &result)?;
-    output::write_files(&files)?;
-    output::print(&text::report(&result))?;
+    let texts = texts(arguments, &places, &products, &robot, &result)?;
+    places.outputs.write(&texts)?;
+    if !places.outputs.take_standard_output() {
+        output::print(&text::report(&result))?;
+    }
     Ok(Status::Same)
 }
 
-/// What some outputs need.
-struct Outputs<'a> {
-    /// The tree that a calibrated URDF is made of.
-    urdf: Option<(&'a Path, &'a denavit_model::Robot)>,
-    /// The format of the table.
-    dh: Option<(&'a Path, &'static Format)>,
-    /// Makers' forms.
-    makers: Vec<(&'a Path, &'static Maker)>,
+/// Where the outputs go.
+struct Places {
+    outputs: Outputs,
+    json: Option<Slot>,
+    html: Option<Slot>,
+    urdf: Option<Slot>,
+    dh: Option<Slot>,
+    effects: Option<Slot>,
+    makers: Vec<(Slot, &'static Maker)>,
 }
 
-/// Refuses what cannot be made before any work is done.
-fn outputs<'a>(arguments: &'a CalibrateArguments, loaded: &'a Loaded) -> Result<Outputs<'a>, Failure> {
-    let urdf = match (&arguments.urdf, loaded) {
+impl Places {
+    fn of(arguments: &CalibrateArguments) -> Result<Self, Failure> {
+        let inputs = std::iter::once(arguments.data.as_str()).chain(arguments.test.as_deref());
+        let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
+        let pairs = arguments.out_for.chunks_exact(2);
+        let makers = pairs.map(|pair| {
+            let maker = makers::named(&pair[0])?;
+            Ok((outputs.add("--out-for", Path::new(&pair[1]))?, maker))
+        });
+        let makers = makers.collect::<Result<Vec<_>, Failure>>()?;
+        Ok(Self {
+            makers,
+            json: outputs.add_if("--json", arguments.json.place())?,
+            html: outputs.add_if("--html", arguments.html.as_deref())?,
+            urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
+            dh: outputs.add_if("--dh", arguments.dh.as_deref())?,
+            effects: outputs.add_if("--effects-out", arguments.effects_out.as_deref())?,
+            outputs,
+        })
+    }
+}
+
+/// What some outputs are made of.
+struct Products<'a> {
+    /// The tree that a calibrated URDF is made of.
+    urdf: Option<&'a denavit_model::Robot>,
+    /// The format of the table.
+    dh: Option<&'static Format>,
+}
+
+/// Formats that have a place for everything that a calibration may find: β, pitches and scales.
+const ROOMY: [&str; 5] = ["csv", "json", "md", "tex", "text"];
+
+/// Refuses what cannot be made before any work is done: each product is tried on the robot as drawn.
+fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot) -> Result<Products<'a>, Failure> {
+    let freedom = &arguments.freedom;
+    let more_than_axes = !freedom.scales.is_empty() || !freedom.pitches.is_empty();
+    let urdf = match (&arguments.urdf, &robot.loaded) {
         (None, _) => None,
-        (Some(path), Loaded::Robot(tree)) => Some((path.as_path(), tree.as_ref())),
+        (Some(_), _) if more_than_axes => {
+            let message = "--urdf: a URDF has no place for what --scales and --pitches fit; take --dh FILE.csv or FILE.json, \
+                           which hold them, or leave them out";
+            return Err(Failure::Argument(message.into()));
+        }
+        (Some(_), Loaded::Robot(tree)) => {
+            urdf::with_chain(tree, &robot.chain, reading(arguments))?;
+            Some(tree.as_ref())
+        }
         _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
     };
-    let dh = arguments.dh.as_deref().map(|path| format_of(path).map(|format| (path, format))).transpose()?;
-    let pairs = arguments.out_for.chunks_exact(2);
-    let makers = pairs.map(|pair| Ok((Path::new(&pair[1]), makers::named(&pair[0])?)));
-    let makers = makers.collect::<Result<Vec<_>, Failure>>()?;
-    Ok(Outputs { urdf, dh, makers })
+    let Some(path) = &arguments.dh else { return Ok(Products { urdf, dh: None }) };
+    let format = format_of(path)?;
+    let refused = |why: &str| {
+        let known = FORMATS.iter().filter(|format| ROOMY.contains(&format.name)).map(|format| format.extension);
+        let known = known.collect::<Vec<_>>().join(", ");
+        Failure::Argument(format!("--dh {}: {why}; take a file that ends in one of {known}", path.display()))
+    };
+    if more_than_axes && !ROOMY.contains(&format.name) {
+        return Err(refused(&format!("{} has no place for what --scales and --pitches fit", format.name)));
+    }
+    match dh_table(format, &robot.chain, &arguments.robot.robot) {
+        Err(Failure::Render(RenderError::CannotHold { format, what, .. })) => {
+            Err(refused(&format!("{format} has no {what}, which the calibrated table of this robot needs")))
+        }
+        Err(Failure::Render(other)) => Err(refused(&other.to_string())),
+        tried => tried.map(|_| Products { urdf, dh: Some(format) }),
+    }
 }
 
-/// Every file that was asked for: all are made before any is written.
-fn files<'a>(
-    arguments: &'a CalibrateArguments,
-    outputs: &Outputs<'a>,
+fn reading(arguments: &CalibrateArguments) -> Reading {
+    if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended }
+}
+
+/// Every output that was asked for: all are made before any is written.
+fn texts(
+    arguments: &CalibrateArguments,
+    places: &Places,
+    products: &Products,
     robot: &Robot,
     result: &Calibration,
-) -> Result<Vec<(&'a Path, String)>, Failure> {
+) -> Result<Vec<(Slot, String)>, Failure> {
     let calibrated = result.arm().chain();
-    let mut files: Vec<(&Path, String)> = Vec::new();
-    if let Some(path) = &arguments.json {
-        files.push((path, result.report.to_json() + "\n"));
+    let mut texts = Vec::new();
+    if let Some(slot) = places.json {
+        texts.push((slot, result.report.to_json() + "\n"));
     }
-    if let Some(path) = &arguments.html {
-        files.push((path, html::page(result)?));
+    if let Some(slot) = places.html {
+        texts.push((slot, html::page(result)?));
     }
-    if let Some((path, tree)) = outputs.urdf {
-        let reading = if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended };
-        let written = urdf::with_chain(tree, &calibrated, reading)?;
+    if let (Some(slot), Some(tree)) = (places.urdf, products.urdf) {
+        let written = urdf::with_chain(tree, &calibrated, reading(arguments))?;
         output::remark(&written.notes);
-        files.push((path, written.value));
+        texts.push((slot, written.value));
     }
-    if let Some((path, format)) = outputs.dh {
-        files.push((path, dh_table(format, &calibrated, &arguments.robot.robot)?));
+    if let (Some(slot), Some(format)) = (places.dh, products.dh) {
+        texts.push((slot, dh_table(format, &calibrated, &arguments.robot.robot)?));
     }
     let found: Vec<String> = result.report.effects.iter().map(|effect| effect.kind.clone()).collect();
-    for (path, maker) in &outputs.makers {
-        let reading = if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended };
-        let drawn = if let Loaded::Robot(tree) = &robot.loaded { Some((tree.as_ref(), reading)) } else { None };
+    for (slot, maker) in &places.makers {
+        let drawn =
+            if let Loaded::Robot(tree) = &robot.loaded { Some((tree.as_ref(), reading(arguments))) } else { None };
         let written = (maker.render)(&Calibrated { chain: &calibrated, drawn, effects: &found })?;
         written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
-        files.push((path, written.text));
+        texts.push((*slot, written.text));
     }
-    if let Some(path) = &arguments.effects_out {
-        files.push((path, result.effects(&robot.statics).to_json()));
+    if let Some(slot) = places.effects {
+        texts.push((slot, result.effects(&robot.statics).to_json()));
     }
-    Ok(files)
+    Ok(texts)
 }
 
 fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOptions, Failure> {
@@ -150,6 +213,9 @@ fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, Fa
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, Failure> {
+    if path == Path::new("-") {
+        return Ok(&formats::text::FORMAT);
+    }
     let extension = path.extension().map_or_else(String::new, |extension| extension.to_string_lossy().into_owned());
     FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();

@@ -1,8 +1,9 @@
 //! `denavit chains`: every chain from a base link to a leaf.
 
 use crate::args::ChainsArguments;
+use crate::delivery::Delivery;
 use crate::failure::Failure;
-use crate::output::{self, Status};
+use crate::output::Status;
 use crate::source;
 use denavit_load::Listing as Chains;
 use denavit_model::tree::ChainListing;
@@ -25,10 +26,15 @@ struct Entry<'a> {
 
 /// Runs the command.
 pub fn run(arguments: &ChainsArguments) -> Result<Status, Failure> {
+    let inputs = std::iter::once(arguments.robot.as_str()).chain(arguments.source.files());
+    let delivery = Delivery::of(None, &arguments.json, inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
-    let Chains { robot: name, chains, default } = loaded.chains();
-    let text = if arguments.json { json(&name, &chains, &default) } else { text(&name, &chains, &default) };
-    output::print(&text)?;
+    let Chains { robot: name, mut chains, default } = loaded.chains();
+    let leaves = chains.len();
+    if !chains.contains(&default) {
+        chains.insert(0, default.clone());
+    }
+    delivery.deliver(|| Ok(text(&name, leaves, &chains, &default)), || Ok(json(&name, &chains, &default)))?;
     Ok(Status::Same)
 }
 
@@ -41,11 +47,11 @@ fn json(name: &str, chains: &[ChainListing], default: &ChainListing) -> String {
         default: entry(listing),
     });
     let listing = Listing { robot: name, chains: entries.collect() };
-    serde_json::to_string_pretty(&listing).expect("names are text") + "\n"
+    super::stamped("denavit.chains/1", &listing)
 }
 
-fn text(name: &str, chains: &[ChainListing], default: &ChainListing) -> String {
-    let mut out = format!("{name}: {} chains to a leaf; * is taken where none is named\n\n", chains.len());
+fn text(name: &str, leaves: usize, chains: &[ChainListing], default: &ChainListing) -> String {
+    let mut out = format!("{name}: {leaves} chains to a leaf; * is taken where none is named\n\n");
     let width =
         |name: fn(&ChainListing) -> &str| chains.iter().map(|listing| name(listing).chars().count()).max().unwrap_or(0);
     let (base, tip) = (width(|listing| &listing.base), width(|listing| &listing.tip));

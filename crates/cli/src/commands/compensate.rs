@@ -1,9 +1,10 @@
 //! `denavit compensate`: joint commands that reach poses with the robot as it is.
 
 use crate::args::{CompensateArguments, RobotArguments};
+use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
-use crate::output::{self, Status};
+use crate::output::Status;
 use denavit_calibrate::compensate::{Command, Wanted, compensate};
 use denavit_calibrate::effects::approach::{LEAST_MOVE, side_after};
 use denavit_calibrate::effects::driver::{APPROACH, Conditions};
@@ -20,6 +21,10 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
         arguments.from.as_deref(),
         arguments.effects.as_deref(),
     ])?;
+    let read = [Some(arguments.poses.as_str()), arguments.from.as_deref(), arguments.effects.as_deref()];
+    let inputs = arguments.robot.files().chain(read.into_iter().flatten());
+    let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
+    let units = measured::units(&arguments.units)?;
     let robot = measured::robot(&arguments.robot)?;
     let calibrated = &robot.chain;
     let model = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
@@ -43,15 +48,9 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
     }
     let commands = commands(&nominal, calibrated, &model, &poses, &given, allowed);
     let said = summary(&commands, &poses.lines, allowed);
-    let text = if arguments.json {
-        to_json(&nominal, &commands, &poses.lines, allowed)
-    } else {
-        to_csv(&nominal, &commands, allowed, &said)
-    };
-    super::deliver(arguments.output.as_deref(), &text)?;
-    if arguments.output.is_some() {
-        output::print(&said)?;
-    }
+    let csv = || Ok(to_csv(&nominal, &commands, allowed, units, &said));
+    delivery.deliver(csv, || Ok(to_json(&nominal, &commands, &poses.lines, allowed)))?;
+    delivery.summary(&said)?;
     let all = commands.iter().all(|command| allowed.met_by(command));
     Ok(if all { Status::Same } else { Status::Different })
 }
@@ -109,7 +108,9 @@ fn commands(
             };
             model.fk(calibrated, &Conditions { reading: q, covariate: &recorded })
         };
-        let command = compensate(nominal, calibrated, &actual, &wanted, start);
+        let mut command = compensate(nominal, calibrated, &actual, &wanted, start);
+        // The first pose has nothing to keep.
+        command.keeps_configuration |= before.is_none() && poses.joints.is_empty();
         if allowed.reached_by(&command) {
             near.clone_from(&command.nominal);
         }

@@ -1,8 +1,9 @@
 //! `denavit diff`: how two robots differ.
 
 use crate::args::DiffArguments;
+use crate::delivery::Delivery;
 use crate::failure::Failure;
-use crate::output::{self, Status};
+use crate::output::Status;
 use crate::source;
 use denavit_compare::report::{self, Report};
 use denavit_compare::{Options, Range, Scope, Verdict, compare};
@@ -10,16 +11,19 @@ use denavit_compare::{Options, Range, Scope, Verdict, compare};
 /// Runs the command.
 pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
     let options = options(arguments)?;
+    let inputs = [arguments.a.as_str(), arguments.b.as_str()].into_iter().chain(arguments.source.files());
+    let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
     let a = source::load(&arguments.a, &arguments.source)?;
     let b = source::load(&arguments.b, &arguments.source)?;
     let comparison = compare(&a.subject(&arguments.a), &b.subject(&arguments.b), &options)?;
     let found = Report::Comparison(&comparison);
-    let format = if arguments.json { "json" } else { &arguments.format };
-    let text = match format {
-        "text" => report::text(&found, output::colour(arguments.output.is_none())),
-        name => (report::format(name).expect("the argument parser knows the formats").render)(&found),
+    let rendered =
+        |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(&found));
+    let own = || match arguments.format.as_str() {
+        "text" => Ok(report::text(&found, delivery.colour())),
+        name => rendered(name),
     };
-    super::deliver(arguments.output.as_deref(), &text)?;
+    delivery.deliver(own, || rendered("json"))?;
     Ok(if comparison.verdict == Verdict::Different { Status::Different } else { Status::Same })
 }
 
@@ -33,7 +37,7 @@ fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
         up_to_zeros: arguments.up_to_zeros,
         count_names: arguments.count_names,
         q_range,
-        samples: arguments.samples,
+        samples: arguments.samples as usize,
         seed: arguments.seed,
         ..Options::default()
     })

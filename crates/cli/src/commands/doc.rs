@@ -2,7 +2,7 @@
 
 use crate::args::{DocArguments, RobotArguments, SourceArguments};
 use crate::failure::Failure;
-use crate::output::{self, Status};
+use crate::output::{self, OutputFolder, Status};
 use crate::source::{self, Loaded};
 use denavit_compare::fingerprint;
 use denavit_export::Units;
@@ -14,11 +14,19 @@ use std::path::Path;
 /// Runs the command.
 pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
+    let printed = arguments.output == Path::new("-");
+    let folder = if printed { None } else { Some(OutputFolder::of(&arguments.output)?) };
+    let mut source = SourceArguments {
+        package_path: arguments.package_path.clone(),
+        allow_any_file: arguments.allow_any_file,
+        ..SourceArguments::default()
+    };
+    let robots = source::sources(&arguments.robots, &mut source)?;
     // Everything is made before anything is written.
     let mut files: Vec<(String, String)> = Vec::new();
     let mut cards = Vec::new();
-    for name in &arguments.robots {
-        let document = document(arguments, name, units)?;
+    for name in &robots {
+        let document = document(arguments, &source, name, units)?;
         let stem = unused_stem(name, &files);
         if arguments.markdown {
             files.extend(page::markdown(&document, &stem).into_iter().map(|file| (file.name, file.text)));
@@ -30,15 +38,18 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     if cards.len() > 1 {
         files.push(("index.html".into(), page::index("Robots", &cards)));
     }
-    let folder = &arguments.output;
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::Write { file: folder.display().to_string(), reason: error.to_string() })?;
-    for (name, text) in &files {
-        output::write_file(&folder.join(name), text.as_bytes())?;
-    }
+    let Some(folder) = folder else {
+        let [(_, text)] = &files[..] else {
+            let message = format!("--output -: {} files do not fit standard output; name a folder", files.len());
+            return Err(Failure::Argument(message));
+        };
+        output::print(text)?;
+        return Ok(Status::Same);
+    };
+    let inputs = robots.iter().map(String::as_str).chain(source.files());
     let mut listing = String::new();
-    for (name, _) in &files {
-        let _ = writeln!(listing, "{}", folder.join(name).display());
+    for path in folder.write(&files, inputs)? {
+        let _ = writeln!(listing, "{}", path.display());
     }
     output::print(&listing)?;
     Ok(Status::Same)
@@ -67,16 +78,15 @@ fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
     numbered.into_iter().find(|stem| !taken(stem)).unwrap_or(stem)
 }
 
-fn document(arguments: &DocArguments, name: &str, units: Units) -> Result<Document, Failure> {
-    let source = SourceArguments { package_path: arguments.package_path.clone(), ..SourceArguments::default() };
-    let loaded = source::load(name, &source)?;
+fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, units: Units) -> Result<Document, Failure> {
+    let loaded = source::load(name, source)?;
     let robot = RobotArguments {
         robot: name.to_owned(),
         base: arguments.base.clone(),
         tip: arguments.tip.clone(),
         exact: arguments.exact,
         tolerance: 1e-6,
-        source,
+        source: source.clone(),
     };
     let main = part(&robot, &loaded)?;
     let mut others = Vec::new();

@@ -1,6 +1,7 @@
 //! `denavit export`: a URDF whose link frames are the D-H frames.
 
 use crate::args::{ExportArguments, FramesName};
+use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source;
@@ -11,10 +12,11 @@ use denavit_model::Reading;
 /// Runs the command.
 pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     let robot = &arguments.robot;
+    let delivery = Delivery::plain(arguments.output.as_deref(), robot.files())?;
     let loaded = source::load(&robot.robot, &robot.source)?;
     let exported = denavit_load::canonical(&loaded, &robot.robot, &options(arguments))?;
     output::remark(&exported.notes);
-    super::deliver(arguments.output.as_deref(), &exported.value)?;
+    delivery.text(exported.value)?;
     Ok(Status::Same)
 }
 

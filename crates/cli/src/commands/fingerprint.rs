@@ -1,24 +1,31 @@
 //! `denavit fingerprint`: a short hash of what the robot is.
 
 use crate::args::FingerprintArguments;
+use crate::delivery::Delivery;
 use crate::failure::Failure;
-use crate::output::{self, Status};
+use crate::output::Status;
 use crate::source;
 use denavit_compare::fingerprint;
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    fingerprint: String,
+    #[serde(flatten)]
+    parts: &'a denavit_compare::Fingerprint,
+}
 
 /// Runs the command.
 pub fn run(arguments: &FingerprintArguments) -> Result<Status, Failure> {
+    let inputs = std::iter::once(arguments.robot.as_str()).chain(arguments.source.files());
+    let delivery = Delivery::of(None, &arguments.json, inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
-    if !(arguments.tolerance > 0.0 && arguments.tolerance < 1.0) {
-        return Err(Failure::Argument(format!("--tolerance {}: write a number between 0 and 1", arguments.tolerance)));
-    }
     let found = fingerprint(&loaded.subject(&arguments.robot), arguments.tolerance);
-    let text = if arguments.json {
-        serde_json::to_string_pretty(&found).expect("hashes are text") + "\n"
-    } else {
-        format!("{found}\n")
-    };
-    output::print(&text)?;
+    if let Some(why) = arguments.expect.as_ref().and_then(|written| found.not_comparable(written)) {
+        return Err(Failure::Argument(format!("--expect: {why}")));
+    }
+    let answer = || super::stamped("denavit.fingerprint/1", &Answer { fingerprint: found.to_string(), parts: &found });
+    delivery.deliver(|| Ok(format!("{found}\n")), || Ok(answer()))?;
     let same = arguments
         .expect
         .as_ref()

@@ -1,6 +1,7 @@
 //! `denavit fk`: where the tip is.
 
 use crate::args::{FkArguments, GivenArguments};
+use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{self, Status};
@@ -9,7 +10,7 @@ use denavit_calibrate::effects::driver::{Conditions, Statics};
 use denavit_calibrate::effects::recorded;
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
-use denavit_model::chain::{Chain, Quantity};
+use denavit_model::chain::{Chain, Coordinate, Quantity};
 use denavit_model::nalgebra::UnitQuaternion;
 use denavit_model::problems::nearest_name;
 use denavit_model::{Pose, se3};
@@ -32,10 +33,13 @@ struct Answer<'a> {
 /// Runs the command.
 pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
+    let inputs = arguments.robot.files().chain(arguments.effects.as_deref());
+    let delivery = Delivery::of(None, &arguments.json, inputs)?;
     let loaded = source::load(&arguments.robot.robot, &arguments.robot.source)?;
     let noted = loaded.chain(&arguments.robot.selection())?;
     let chain = &noted.value;
     let q = joint_values(chain, &arguments.q, arguments.degrees)?;
+    doubts(chain, &q, arguments.degrees);
     let pose = match &arguments.effects {
         None if !arguments.given.given.is_empty() => {
             return Err(Failure::Argument("--given is for what effects follow; give --effects, too".into()));
@@ -47,7 +51,7 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
     output::remark(&noted.notes);
-    if arguments.json {
+    let json = || {
         let matrix = pose.to_homogeneous();
         let answer = Answer {
             robot: chain.name(),
@@ -65,20 +69,45 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
             quaternion_xyzw: [x, y, z, w],
             tip_moves_at_most: noted.notes.iter().map(denavit_model::Note::tip_moves).sum(),
         };
-        output::print(&(serde_json::to_string_pretty(&answer).expect("a pose is finite") + "\n"))?;
-        return Ok(Status::Same);
-    }
-    let list = |numbers: &[String]| numbers.join("  ");
-    let mut text = format!("{} → {}\n\n{}\n", chain.base(), chain.tip(), pose_text(&pose, units));
-    let xyz: Vec<String> = pose.translation.vector.iter().map(|value| units.length(*value)).collect();
-    let rpy: Vec<String> = rpy.iter().map(|value| units.angle(*value)).collect();
-    let quaternion: Vec<String> = [x, y, z, w].iter().map(|value| decimal(*value, 9)).collect();
-    let _ = writeln!(text, "x y z            {}  {}", list(&xyz), units.length_word());
-    let _ = writeln!(text, "roll pitch yaw   {}  {}", list(&rpy), units.angle_word());
-    let _ = writeln!(text, "quaternion xyzw  {}", list(&quaternion));
-    output::print(&text)?;
+        Ok(super::stamped("denavit.fk/1", &answer))
+    };
+    let text = || {
+        let list = |numbers: &[String]| numbers.join("  ");
+        let mut text = format!("{} → {}\n\n{}\n", chain.base(), chain.tip(), pose_text(&pose, units));
+        let xyz: Vec<String> = pose.translation.vector.iter().map(|value| units.length(*value)).collect();
+        let rpy: Vec<String> = rpy.iter().map(|value| units.angle(*value)).collect();
+        let quaternion: Vec<String> = [x, y, z, w].iter().map(|value| decimal(*value, 9)).collect();
+        let _ = writeln!(text, "x y z            {}  {}", list(&xyz), units.length_word());
+        let _ = writeln!(text, "roll pitch yaw   {}  {}", list(&rpy), units.angle_word());
+        let _ = writeln!(text, "quaternion xyzw  {}", list(&quaternion));
+        Ok(text)
+    };
+    delivery.deliver(text, json)?;
     Ok(Status::Same)
 }
+
+/// Says which joint values are outside of the limits, and whether they look like degrees.
+fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
+    let coordinates = || chain.coordinates().iter().zip(q);
+    let inside = |coordinate: &Coordinate, value: f64| {
+        let (lower, upper) = coordinate.range();
+        coordinate.limits.range.is_none() || (lower..=upper).contains(&value)
+    };
+    let outside = coordinates().filter(|(coordinate, value)| !inside(coordinate, **value));
+    let outside: Vec<&str> = outside.map(|(coordinate, _)| coordinate.name.as_str()).collect();
+    if !outside.is_empty() {
+        output::mention(format!("--q is outside of the limits of {}", outside.join(", ")));
+    }
+    let angles = || coordinates().filter(|(coordinate, _)| coordinate.quantity == Quantity::Angle);
+    let far = angles().any(|(_, value)| value.abs() > MOST_RADIANS);
+    let fits = angles().all(|(coordinate, value)| inside(coordinate, value.to_radians()));
+    if far && fits && !degrees {
+        output::mention("--q is read in radians, and looks like degrees; for degrees add --degrees");
+    }
+}
+
+/// More than two turns from zero, rad: nobody who thinks in radians writes such an angle.
+const MOST_RADIANS: f64 = 4.0 * std::f64::consts::PI;
 
 /// Where the tip is with the effects of a file.
 fn with_effects(

@@ -1,9 +1,10 @@
 //! `denavit identify`: what measurements can tell of a robot.
 
 use crate::args::IdentifyArguments;
+use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
-use crate::output::{self, Status};
+use crate::output::Status;
 use denavit_calibrate::dh_form::dh_form;
 use denavit_calibrate::report::told;
 use denavit_calibrate::{identifiability, simulate};
@@ -11,6 +12,7 @@ use denavit_calibrate::{identifiability, simulate};
 /// Runs the command.
 pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.data.as_deref()])?;
+    let delivery = Delivery::of(None, &arguments.json, arguments.robot.files().chain(arguments.data.as_deref()))?;
     let chain = measured::robot(&arguments.robot)?.chain;
     let freedom = measured::freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
     let readings = match &arguments.data {
@@ -19,20 +21,18 @@ pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
     };
     let found = identifiability::at_readings(&chain, &freedom, arguments.targets.into(), &readings);
     let form = dh_form(&chain, &readings);
-    if arguments.json {
-        output::print(&told::to_json(&chain, readings.len(), &found, &form))?;
-        return Ok(Status::Same);
-    }
-    let text = format!(
-        "{}: {} to {}, at {} joint readings\n\n{}{}\n{}",
-        chain.name(),
-        chain.base(),
-        chain.tip(),
-        readings.len(),
-        told::identifiability(&found),
-        told::never_told(&chain),
-        told::dh_form(&form, &chain)
-    );
-    output::print(&text)?;
+    let text = || {
+        Ok(format!(
+            "{}: {} to {}, at {} joint readings\n\n{}{}\n{}",
+            chain.name(),
+            chain.base(),
+            chain.tip(),
+            readings.len(),
+            told::identifiability(&found),
+            told::never_told(&chain),
+            told::dh_form(&form, &chain)
+        ))
+    };
+    delivery.deliver(text, || Ok(told::to_json(&chain, readings.len(), &found, &form)))?;
     Ok(Status::Same)
 }

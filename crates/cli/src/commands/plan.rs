@@ -1,6 +1,7 @@
 //! `denavit plan`: which poses to measure.
 
 use crate::args::PlanArguments;
+use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
@@ -11,6 +12,9 @@ use denavit_model::nalgebra::{Point3, Vector3};
 /// Runs the command.
 pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.candidates.as_deref()])?;
+    let inputs = arguments.robot.files().chain(arguments.candidates.as_deref());
+    let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
+    let units = measured::units(&arguments.units)?;
     let chain = measured::robot(&arguments.robot)?.chain;
     let usual = PlanOptions::new(&chain, arguments.count.into(), measured::kind(arguments.measure));
     let read = |file: &String| measured::joint_values(file, &chain, &arguments.units);
@@ -26,11 +30,8 @@ pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     let spinner = Spinner::start("choosing poses");
     let planned = plan(&chain, &options)?;
     drop(spinner);
-    let text = if arguments.json { planned.to_json(&chain, options.kind) } else { planned.to_csv() };
-    super::deliver(arguments.output.as_deref(), &text)?;
-    if arguments.output.is_some() {
-        crate::output::print(&planned.to_text())?;
-    }
+    delivery.deliver(|| Ok(planned.to_csv(&chain, units)), || Ok(planned.to_json(&chain, options.kind)))?;
+    delivery.summary(&planned.to_text())?;
     Ok(Status::Same)
 }
 
@@ -49,6 +50,11 @@ fn corners(written: &[f64]) -> Result<Option<[Point3<f64>; 2]>, Failure> {
         if !ordered {
             let message = format!("--box: {axis}0 = {low} is not below {axis}1 = {high}; nothing fits between");
             return Err(Failure::Argument(message));
+        }
+        if !low.is_finite() || !high.is_finite() {
+            return Err(Failure::Argument(format!(
+                "--box: {axis}0 = {low}, {axis}1 = {high}; write finite numbers in m"
+            )));
         }
     }
     Ok(Some([Point3::new(x0, y0, z0), Point3::new(x1, y1, z1)]))

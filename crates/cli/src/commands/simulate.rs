@@ -3,7 +3,7 @@
 use crate::args::SimulateArguments;
 use crate::failure::Failure;
 use crate::measured;
-use crate::output::{self, Status};
+use crate::output::{Outputs, Slot, Status};
 use denavit_calibrate::effects::survey::with_run_order;
 use denavit_calibrate::effects::{EffectModel, recorded};
 use denavit_calibrate::measurements::{Covariate, write};
@@ -19,6 +19,11 @@ const TEST_SEED: u64 = 0x7465_7374;
 
 /// Runs the command.
 pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
+    let read = arguments.poses.as_deref().into_iter().chain(arguments.effects.as_deref());
+    let mut outputs = Outputs::beside(arguments.robot.files().chain(read));
+    let main = outputs.add("--output", arguments.output.as_deref().unwrap_or(Path::new("-")))?;
+    let test = outputs.add_if("--test", arguments.test.as_deref())?;
+    let truth = outputs.add_if("--truth", arguments.truth.as_deref())?;
     let robot = measured::robot(&arguments.robot)?;
     let chain = &robot.chain;
     let options = options(arguments, chain)?;
@@ -47,8 +52,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]
     };
     let data = write(&as_displayed(&run.data, &options), &comments(options.rows, options.kind));
-    let mut files: Vec<(&Path, String)> = Vec::new();
-    if let Some(path) = &arguments.test {
+    let mut texts: Vec<(Slot, String)> = vec![(main, data)];
+    if let Some(slot) = test {
         let rows = arguments.test_rows as usize;
         let seed = options.seed ^ TEST_SEED;
         let later = SimulationOptions {
@@ -60,18 +65,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
             ..options.clone()
         };
         let test = simulate_arm(&run.arm, &later, &model);
-        files.push((path, write(&as_displayed(&test.data, &later), &comments(rows, options.kind))));
+        texts.push((slot, write(&as_displayed(&test.data, &later), &comments(rows, options.kind))));
     }
-    if let Some(path) = &arguments.truth {
-        files.push((path, truth::to_json(&run, &options, &model)));
+    if let Some(slot) = truth {
+        texts.push((slot, truth::to_json(&run, &options, &model)));
     }
-    if let Some(path) = &arguments.output {
-        files.push((path, data));
-        output::write_files(&files)?;
-    } else {
-        output::write_files(&files)?;
-        output::print(&data)?;
-    }
+    outputs.write(&texts)?;
     Ok(Status::Same)
 }
 
@@ -100,7 +99,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         return Err(Failure::Argument(message));
     }
     let readings = match &arguments.poses {
-        Some(file) => measured::joint_values(file, chain, "m,rad")?,
+        Some(file) => measured::joint_values(file, chain, &arguments.units)?,
         None => commanded_readings(chain, arguments.rows as usize, arguments.seed),
     };
     let rows = readings.len();

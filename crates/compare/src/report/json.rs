@@ -1,5 +1,6 @@
 //! Everything as JSON, two spaces deep.
 
+use crate::comparison::Comparison;
 use crate::report::{Entry, Report};
 use serde::Serialize;
 
@@ -14,15 +15,30 @@ struct FindingOut<'a> {
     fixable: bool,
 }
 
+/// What a comparison is called, and its version.
+const COMPARISON: &str = "denavit.diff/1";
+/// What findings are called, and their version.
+const FINDINGS: &str = "denavit.check/1";
+
+#[derive(Serialize)]
+struct ComparisonOut<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+}
+
 #[derive(Serialize)]
 struct FindingsOut<'a> {
+    schema: &'static str,
     files: &'a [String],
     findings: Vec<FindingOut<'a>>,
 }
 
 pub(super) fn render(report: &Report) -> String {
     let text = match report {
-        Report::Comparison(comparison) => serde_json::to_string_pretty(comparison),
+        Report::Comparison(comparison) => {
+            serde_json::to_string_pretty(&ComparisonOut { schema: COMPARISON, comparison })
+        }
         Report::Findings { files, findings } => {
             let findings = findings.iter().map(|finding| FindingOut {
                 rule: finding.rule,
@@ -33,7 +49,7 @@ pub(super) fn render(report: &Report) -> String {
                 message: &finding.message,
                 fixable: !finding.fix.is_empty(),
             });
-            serde_json::to_string_pretty(&FindingsOut { files, findings: findings.collect() })
+            serde_json::to_string_pretty(&FindingsOut { schema: FINDINGS, files, findings: findings.collect() })
         }
     };
     text.expect("plain values with text keys") + "\n"

@@ -127,7 +127,7 @@ pub struct RowEntry {
 /// A note.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NoteEntry {
-    /// `intended_angle`, `treated_as_parallel`, `far_number`, `mended`, `split`.
+    /// `intended_angle`, `treated_as_parallel`, `far_number`, `mended`, `split`, `ends_at_tool`.
     pub kind: String,
     /// The sentence that a terminal shows.
     pub message: String,
@@ -159,6 +159,7 @@ impl From<&Note> for NoteEntry {
             Note::TreatedAsParallel { .. } => ("treated_as_parallel", None),
             Note::FarNumber { .. } => ("far_number", None),
             Note::Split { place, .. } => ("split", Some(place)),
+            Note::EndsAtTool { .. } => ("ends_at_tool", None),
             _ => ("note", None),
         };
         let (written, read_as) = match note {

@@ -36,6 +36,7 @@ const THICKNESS: f64 = 0.015;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn from_table(table: &Table, convention: Convention) -> Result<String, ExportError> {
+    table.chain().map_err(|source| ExportError::Chain { file: table.name.clone(), source })?;
     let writer = Writer::new(table);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<!-- Made from the {} Denavit-Hartenberg table; each joint's origin is \
@@ -47,13 +48,13 @@ pub fn from_table(table: &Table, convention: Convention) -> Result<String, Expor
         let _ = writeln!(text, "  <material name=\"{name}\"><color rgba=\"{colour}\"/></material>");
     }
     let mut parent = table.base.clone();
-    text.push_str(&writer.link(&parent, None, Some(&table.rows[0])));
+    text.push_str(&writer.link(&parent, None, Some(&table.row(0))));
     for (index, joint) in table.joints.iter().enumerate() {
-        let origin = numbers(&table.rows[index]);
+        let origin = numbers(&table.row(index));
         parent = writer.joint(&mut text, index, joint, &parent, origin)?;
-        text.push_str(&writer.link(&parent, Some(joint.motion), Some(&table.rows[index + 1])));
+        text.push_str(&writer.link(&parent, Some(joint.motion), Some(&table.row(index + 1))));
     }
-    let last = numbers(&table.rows[table.joints.len()]);
+    let last = numbers(&table.row(table.joints.len()));
     let tool = Numbers { xyz: [0.0, 0.0, table.tool.d + 0.0], rpy: [0.0, 0.0, table.tool.theta + 0.0] };
     if tool == Numbers::default() {
         fixed(&mut text, &format!("{}_joint", table.tip), &parent, &table.tip, &last);

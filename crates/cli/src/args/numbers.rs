@@ -1,0 +1,20 @@
+//! Numbers on the command line, refused where they mean nothing: not a number, endless, or out of their range.
+
+/// A tolerance: finite, 0 or more.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    number(text, |value| value.is_finite() && value >= 0.0, "write a finite number of 0 or more")
+}
+
+/// A share that is neither nothing nor all.
+pub fn part(text: &str) -> Result<f64, String> {
+    number(text, |value| value > 0.0 && value < 1.0, "write a number between 0 and 1")
+}
+
+/// A share that may be nothing or all.
+pub fn share(text: &str) -> Result<f64, String> {
+    number(text, |value| (0.0..=1.0).contains(&value), "it is no share of the rows; write 0 to 1")
+}
+
+fn number(text: &str, good: impl Fn(f64) -> bool, mend: &str) -> Result<f64, String> {
+    text.trim().parse::<f64>().ok().filter(|value| good(*value)).ok_or_else(|| mend.to_owned())
+}

@@ -1,0 +1,84 @@
+//! One result in two views, the command's own and JSON, each to where it was asked for.
+
+use crate::args::JsonArguments;
+use crate::failure::Failure;
+use crate::output::{self, Outputs, Slot};
+use denavit_compare::report::Colour;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// Where the two views go; checked before the work.
+#[derive(Debug)]
+pub struct Delivery {
+    outputs: Outputs,
+    own: Option<Slot>,
+    json: Option<Slot>,
+    own_is_printed: bool,
+}
+
+impl Delivery {
+    /// `output` is that of `--output`; `inputs` are the files that the run reads. JSON on standard output takes the place of
+    /// what would be printed there.
+    pub fn of<'a>(
+        output: Option<&Path>,
+        json: &JsonArguments,
+        inputs: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Self, Failure> {
+        let mut outputs = Outputs::beside(inputs);
+        let json = outputs.add_if("--json", json.place())?;
+        let taken = outputs.take_standard_output();
+        if let Some(path) = output.filter(|path| taken && path.extension() == Some(OsStr::new("json"))) {
+            let path = path.display();
+            return Err(Failure::Argument(format!(
+                "--output {path}: --json without a file prints JSON, and {path} would hold the text; write --json {path}"
+            )));
+        }
+        let own = match output {
+            Some(path) => Some(outputs.add("--output", path)?),
+            None if taken => None,
+            None => Some(outputs.add("--output", Path::new("-"))?),
+        };
+        Ok(Self { own_is_printed: outputs.take_standard_output() && !taken, outputs, own, json })
+    }
+
+    /// The same for a command that has no JSON.
+    pub fn plain<'a>(output: Option<&Path>, inputs: impl IntoIterator<Item = &'a str>) -> Result<Self, Failure> {
+        Self::of(output, &JsonArguments::default(), inputs)
+    }
+
+    /// Colours for the command's own view.
+    pub fn colour(&self) -> Colour {
+        output::colour(self.own_is_printed)
+    }
+
+    /// Whether the command's own view is asked for.
+    pub fn wants_own(&self) -> bool {
+        self.own.is_some()
+    }
+
+    /// Makes what was asked for, and writes it as a whole or not at all.
+    pub fn deliver(
+        &self,
+        own: impl FnOnce() -> Result<String, Failure>,
+        json: impl FnOnce() -> Result<String, Failure>,
+    ) -> Result<(), Failure> {
+        let mut texts = Vec::new();
+        if let Some(slot) = self.json {
+            texts.push((slot, json()?));
+        }
+        if let Some(slot) = self.own {
+            texts.push((slot, own()?));
+        }
+        self.outputs.write(&texts)
+    }
+
+    /// The same for a command that has no JSON.
+    pub fn text(&self, own: String) -> Result<(), Failure> {
+        self.deliver(|| Ok(own), || Ok(String::new()))
+    }
+
+    /// Prints what is to be said beside the files; nothing where an output stands on standard output.
+    pub fn summary(&self, text: &str) -> Result<(), Failure> {
+        if self.outputs.take_standard_output() { Ok(()) } else { output::print(text) }
+    }
+}

@@ -1,0 +1,30 @@
+"""Where the build is, in any developer's environment: nobody else looks below `target`.
+
+`tests/run` names the folder in DENAVIT_TARGET and the program in DENAVIT; where they are not set, cargo is asked.
+"""
+
+import functools
+import json
+import os
+import subprocess
+from pathlib import Path
+
+WORKSPACE = Path(__file__).resolve().parents[2]
+
+
+@functools.cache
+def target():
+    """Cargo's target folder."""
+    if given := os.environ.get("DENAVIT_TARGET"):
+        return Path(given)
+    command = ["cargo", "metadata", "--no-deps", "--format-version", "1", "--offline"]
+    told = subprocess.run(command, cwd=WORKSPACE, capture_output=True, text=True, check=True).stdout
+    return Path(json.loads(told)["target_directory"])
+
+
+def denavit():
+    """The release build of the program."""
+    program = Path(os.environ.get("DENAVIT", target() / "release" / "denavit"))
+    if not program.is_file():
+        raise FileNotFoundError(f"there is no {program}; cargo build --release -p denavit makes it, or name one in DENAVIT")
+    return program

@@ -1,0 +1,1 @@
+"""Stands here so that every test below finds the modules of this folder."""

@@ -1,0 +1,75 @@
+//! Commands and plans in the units that were asked for; an arm that keeps its configuration.
+
+use super::Trial;
+
+const POSES: &str = "x,y,z,roll,pitch,yaw\n";
+
+/// Joint values of a CSV of commands or of a plan, without comments and header.
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    lines.map(|line| line.split(',').take(6).map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn units_are_those_of_what_comes_out_too() {
+    let trial = Trial::new().with("poses.csv", &format!("{POSES}400,200,500,180,0,0\n"));
+    let degrees = trial.run("compensate arm.urdf --poses poses.csv --units mm,deg").succeeded();
+    assert!(
+        degrees.contains("# units: mm,deg\n") && degrees.contains("position_error_mm,orientation_error_deg"),
+        "{degrees}"
+    );
+    let metres = trial.with("poses.csv", &format!("{POSES}0.4,0.2,0.5,{},0,0\n", std::f64::consts::PI));
+    let radians = metres.run("compensate arm.urdf --poses poses.csv").succeeded();
+    assert!(
+        radians.contains("# units: m,rad\n") && radians.contains("position_error_m,orientation_error_rad"),
+        "{radians}"
+    );
+    for (degree, radian) in rows(&degrees)[0].iter().zip(&rows(&radians)[0]) {
+        assert!((degree.to_radians() - radian).abs() < 1e-6, "{degree}° {radian}");
+    }
+    let plan = |units: &str| metres.run(&format!("plan arm.urdf --count 6 --spread 60 --units {units}")).succeeded();
+    assert!(plan("deg").contains("# units: m,deg\n"));
+    for (degrees, radians) in rows(&plan("deg")).iter().zip(rows(&plan("rad"))) {
+        assert!(degrees.iter().zip(radians).all(|(degree, radian)| (degree.to_radians() - radian).abs() < 1e-8));
+    }
+    std::fs::write(metres.path("plan.csv"), plan("deg")).unwrap();
+    let measured = metres.run("simulate arm.urdf --poses plan.csv --units deg").succeeded();
+    let first: f64 = rows(&measured)[0][0];
+    assert!((first - rows(&plan("rad"))[0][0]).abs() < 1e-6, "{first}");
+}
+
+#[test]
+fn commands_keep_the_configuration_or_say_that_it_changes() {
+    // Along a line, and then to where the arm's other side is nearer.
+    let line: String = (0..12u32).map(|k| format!("{},{},500,180,0,0\n", 400, -200 + 40 * i64::from(k))).collect();
+    let trial = Trial::new().with("line.csv", &format!("{POSES}{line}"));
+    let run = trial.run("compensate arm.urdf --poses line.csv --units mm,deg");
+    assert!(!run.stdout.contains("another configuration"), "{}", run.stdout);
+    let commands = rows(&run.succeeded());
+    for pair in commands.windows(2) {
+        let most = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(most < 30.0, "40 mm take {most}° of a joint: {pair:?}");
+    }
+    // A shoulder that may not turn far cannot go to the other side but by folding over.
+    let narrow = trial.text("arm.urdf").replacen(
+        "lower=\"-6.283185307179586\" upper=\"6.283185307179586\"",
+        "lower=\"-1.2\" upper=\"1.2\"",
+        1,
+    );
+    assert_ne!(narrow, trial.text("arm.urdf"), "a limit to narrow");
+    let trial = trial
+        .with("narrow.urdf", &narrow)
+        .with("sides.csv", &format!("{POSES}500,0,400,180,0,0\n-500,0,400,180,0,0\n"));
+    let run = trial.run("compensate narrow.urdf --poses sides.csv --units mm,deg");
+    let json: serde_json::Value =
+        serde_json::from_str(&trial.run("compensate narrow.urdf --poses sides.csv --units mm,deg --json").stdout)
+            .unwrap();
+    assert_eq!(json["commands"][0]["keeps_configuration"], true);
+    let second = &json["commands"][1];
+    if second["state"] == "reached" {
+        assert_eq!(second["keeps_configuration"], false);
+        assert!(run.stdout.contains("line 3: the arm takes another configuration than before"), "{}", run.stdout);
+    } else {
+        assert!(run.stdout.contains("line 3: out"), "{}", run.stdout);
+    }
+}

@@ -1,0 +1,191 @@
+//! JSON: every output says what it is, `--json [FILE]` means the same everywhere, and docs/json.md shows an example of each.
+
+use super::Trial;
+use crate::support::top;
+use serde_json::Value;
+use std::fmt::Write as _;
+
+/// A kind of JSON: what it is for, the commands that make it, and the file it then stands in (none: standard output).
+struct Kind {
+    schema: &'static str,
+    purpose: &'static str,
+    before: &'static [&'static str],
+    command: &'static str,
+    file: Option<&'static str>,
+}
+
+const fn printed(schema: &'static str, purpose: &'static str, command: &'static str) -> Kind {
+    Kind { schema, purpose, before: &[], command, file: None }
+}
+
+const SIMULATE: &str = "simulate arm.urdf --rows 60 -o data.csv";
+
+/// Every kind of JSON that a command makes.
+const KINDS: &[Kind] = &[
+    printed("denavit.table/1", "a D-H table; a source, too", "table arm.urdf --json"),
+    printed("denavit.poe/1", "screw axes and home pose; a source, too", "poe arm.urdf --json"),
+    printed("denavit.match/1", "a robot against a vendor's table", "table arm.urdf --match arm_dh.csv --json"),
+    printed("denavit.chains/1", "the chains of a tree", "chains arm.urdf --json"),
+    printed("denavit.fk/1", "where the tip is", "fk arm.urdf --q 0,-1.57,1.57,0,0,0 --json"),
+    printed("denavit.diff/1", "how two robots differ", "diff arm.urdf longer.urdf --json"),
+    printed("denavit.check/1", "what breaks a rule", "check bent.urdf --json"),
+    printed("denavit.fingerprint/1", "a short hash of what the robot is", "fingerprint arm.urdf --json"),
+    printed("denavit.identifiability/1", "what measurements can tell", "identify arm.urdf --json"),
+    printed("denavit.plan/1", "poses to measure", "plan arm.urdf --count 10 --spread 100 --json"),
+    Kind {
+        schema: "denavit.simulation/1",
+        purpose: "what simulated files were made of",
+        before: &[],
+        command: "simulate arm.urdf --rows 60 -o data.csv --truth truth.json --effect joint_compliance@elbow_joint=0.5mm",
+        file: Some("truth.json"),
+    },
+    Kind {
+        schema: "denavit.calibration/1",
+        purpose: "the report of a calibration",
+        before: &[SIMULATE],
+        command: "calibrate arm.urdf --data data.csv --hold-out 0.3 --json",
+        file: None,
+    },
+    Kind {
+        schema: "denavit.effects/1",
+        purpose: "effects, for fk, compensate and simulate",
+        before: &["simulate arm.urdf --rows 60 -o data.csv --effect joint_compliance@elbow_joint=0.5mm"],
+        command: "calibrate arm.urdf --data data.csv --effects-out effects.json",
+        file: Some("effects.json"),
+    },
+    Kind {
+        schema: "denavit.commands/1",
+        purpose: "joint commands that reach poses",
+        before: &["plan arm.urdf --count 10 --spread 100 -o poses.csv"],
+        command: "compensate arm.urdf --poses poses.csv --json",
+        file: None,
+    },
+];
+
+fn trial() -> Trial {
+    let trial = Trial::new().with_robot("arm_dh.csv", "universal_robots/ur5e_dh.csv");
+    let arm = trial.text("arm.urdf");
+    let longer = arm.replacen("-0.425", "-0.427", 1);
+    let bent = arm.replacen("axis xyz=\"0 0 1\"", "axis xyz=\"0 0 2\"", 1);
+    assert!(longer != arm && bent != arm);
+    trial.with("longer.urdf", &longer).with("bent.urdf", &bent)
+}
+
+fn made(trial: &Trial, kind: &Kind) -> Value {
+    for line in kind.before {
+        trial.run(line).succeeded();
+    }
+    let run = trial.run(kind.command);
+    assert!(run.code < 2, "{}: {}", kind.command, run.stderr);
+    let text = kind.file.map_or(run.stdout, |file| trial.text(file));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}: {text}", kind.command))
+}
+
+/// Lists cut to two entries where they are longer than four, numbers to six digits.
+fn shortened(value: &Value) -> Value {
+    match value {
+        Value::Array(list) => {
+            let shown = if list.len() > 4 { 2 } else { list.len() };
+            list[..shown].iter().map(shortened).collect()
+        }
+        Value::Object(map) => map.iter().map(|(key, value)| (key.clone(), shortened(value))).collect(),
+        Value::Number(number) if number.is_f64() => {
+            format!("{:.5e}", number.as_f64().unwrap()).parse::<f64>().unwrap().into()
+        }
+        other => other.clone(),
+    }
+}
+
+/// What a value is made of, whatever its numbers and texts are: keys, and kinds of values.
+fn shape(value: &Value) -> Value {
+    match value {
+        Value::Array(list) => list.first().map(shape).into_iter().collect(),
+        Value::Object(map) => map
+            .iter()
+            .map(|(key, value)| (key.clone(), if key == "schema" { value.clone() } else { shape(value) }))
+            .collect(),
+        Value::Number(_) => "number".into(),
+        Value::String(_) => "text".into(),
+        other => other.clone(),
+    }
+}
+
+const INTRODUCTION: &str = "\
+# JSON
+
+Every JSON that a command writes begins with its `schema`: `denavit.<thing>/<version>`. A field may be added within a
+version; where a field goes or changes its meaning, the version counts up. Lengths are in m, angles in rad, whatever
+`--units` says, at full precision.
+
+`--json` means the same in every command: alone, JSON on standard output instead of the text; with a file, JSON into that
+file beside the text. The file's name ends in `.json` (`--json report.json`); any other needs `--json=FILE`. `-` is standard
+output.
+
+";
+
+fn page(examples: &[(&Kind, Value)]) -> String {
+    let mut page = INTRODUCTION.to_owned();
+    page.push_str("| schema | what for | made by |\n|---|---|---|\n");
+    for (kind, _) in examples {
+        let _ = writeln!(page, "| `{}` | {} | `denavit {}` |", kind.schema, kind.purpose, kind.command);
+    }
+    page.push_str(
+        "\nThe examples are real output; lists longer than four are cut to two entries, numbers to six digits.\n",
+    );
+    for (kind, value) in examples {
+        let text = serde_json::to_string_pretty(&shortened(value)).unwrap();
+        let _ = write!(page, "\n## {}\n\n`denavit {}`\n\n```json\n{text}\n```\n", kind.schema, kind.command);
+    }
+    page
+}
+
+#[test]
+fn every_json_says_what_it_is_and_the_page_shows_it() {
+    let trial = trial();
+    let examples: Vec<(&Kind, Value)> = KINDS.iter().map(|kind| (kind, made(&trial, kind))).collect();
+    for (kind, value) in &examples {
+        assert_eq!(value["schema"], kind.schema, "{}", kind.command);
+        assert_eq!(value.as_object().unwrap().keys().next().unwrap(), "schema", "{}", kind.command);
+    }
+    let (file, made) = (top().join("docs/json.md"), page(&examples));
+    let written = std::fs::read_to_string(&file).unwrap_or_default();
+    let outline = |page: &str| {
+        let mut blocks = page.split("```json\n");
+        let words = blocks.next().unwrap().to_owned();
+        let parts = blocks.map(|block| {
+            let (json, rest) = block.split_once("```").unwrap();
+            (shape(&serde_json::from_str(json).unwrap()), rest.to_owned())
+        });
+        (words, parts.collect::<Vec<_>>())
+    };
+    if outline(&made) != outline(&written) {
+        assert!(
+            std::env::var("INSTA_UPDATE").is_ok_and(|value| value == "always"),
+            "docs/json.md is out of date; INSTA_UPDATE=always cargo test -p denavit the_page_shows_it writes it"
+        );
+        std::fs::write(file, made).unwrap();
+    }
+}
+
+#[test]
+fn json_with_a_file_stands_beside_the_text() {
+    let trial = trial();
+    for kind in KINDS.iter().filter(|kind| kind.command.ends_with(" --json")) {
+        for line in kind.before {
+            trial.run(line).succeeded();
+        }
+        let plain = kind.command.trim_end_matches(" --json");
+        let (alone, text) = (trial.run(kind.command), trial.run(plain));
+        let both = trial.run(&format!("{plain} --json report.json"));
+        assert_eq!((both.code, &both.stdout), (text.code, &text.stdout), "{plain}");
+        assert_eq!(trial.text("report.json"), alone.stdout, "{plain}");
+        assert_eq!(trial.run(&format!("{plain} --json=-")).stdout, alone.stdout, "{plain}");
+    }
+    // A robot behind --json is a robot.
+    let json = trial.run("fk --json arm.urdf").succeeded();
+    assert!(json.starts_with('{') && trial.text("arm.urdf").starts_with("<?xml"), "{json}");
+    trial.run("table arm.urdf --json one.json").succeeded();
+    trial.run("table arm.urdf --json two.json").succeeded();
+    trial.refuses("check --json one.json two.json", "--json one.json: this file is a robot, and would be replaced");
+    assert_eq!(trial.run("check --json - one.json two.json").code, 0);
+}

@@ -1,0 +1,108 @@
+//! Numbers that mean nothing are refused; numbers that may not be meant are mentioned.
+
+use super::Trial;
+use std::collections::BTreeSet;
+
+#[test]
+fn nonsense_is_trouble_in_every_option() {
+    let trial = Trial::new().with("data.csv", "");
+    for option in [
+        "table arm.urdf --tolerance",
+        "diff arm.urdf arm.urdf --tolerance-m",
+        "diff arm.urdf arm.urdf --tolerance-rad",
+        "diff arm.urdf arm.urdf --q-range",
+        "diff arm.urdf arm.urdf --samples",
+        "fingerprint arm.urdf --tolerance",
+        "fk arm.urdf --q elbow_joint",
+        "fk arm.urdf --effects data.csv --given payload",
+        "calibrate arm.urdf --data data.csv --hold-out",
+        "calibrate arm.urdf --data data.csv --max-effects",
+        "calibrate arm.urdf --data data.csv --gear-ratio elbow_joint",
+        "identify arm.urdf --rows",
+        "identify arm.urdf --targets",
+        "plan arm.urdf --count",
+        "plan arm.urdf --count 5 --spread",
+        "plan arm.urdf --count 5 --target 0,0,",
+        "plan arm.urdf --count 5 --anchor 0,0,",
+        "plan arm.urdf --count 5 --box 0,1,0,1,0,",
+        "simulate arm.urdf --rows",
+        "simulate arm.urdf --noise",
+        "simulate arm.urdf --outliers",
+        "simulate arm.urdf --geometry-error",
+        "compensate arm.urdf --poses data.csv --allowed-miss",
+    ] {
+        for number in ["nan", "inf", "-inf", "1e999", "abc"] {
+            let joined = if option.ends_with(',') || option.ends_with("_joint") || option.ends_with("payload") {
+                let between = if option.ends_with(',') { "" } else { "=" };
+                format!("{option}{between}{number}")
+            } else {
+                format!("{option}={number}")
+            };
+            let run = trial.run(&joined);
+            assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{joined}: {}", run.stderr);
+        }
+    }
+    for (line, said) in [
+        ("table arm.urdf --tolerance=-1e-6", "write a finite number of 0 or more"),
+        ("diff arm.urdf arm.urdf --tolerance-m=-1", "write a finite number of 0 or more"),
+        ("calibrate arm.urdf --data data.csv --hold-out=1.5", "write a number between 0 and 1"),
+        ("fingerprint arm.urdf --tolerance=0", "write a number between 0 and 1"),
+        ("diff arm.urdf arm.urdf --samples=0", "0 is not in 1"),
+    ] {
+        trial.refuses(line, said);
+    }
+}
+
+#[test]
+fn what_is_no_fingerprint_is_trouble_not_a_difference() {
+    let trial = Trial::new();
+    let own = trial.run("fingerprint arm.urdf").succeeded();
+    assert_eq!(trial.run(&format!("fingerprint arm.urdf --expect {own}")).code, 0);
+    let json: serde_json::Value = serde_json::from_str(&trial.run("fingerprint arm.urdf --json").succeeded()).unwrap();
+    assert_eq!(json["fingerprint"], own.trim());
+    let refuses = |written: &str, said: &str| {
+        let run = trial.run(&format!("fingerprint arm.urdf --expect={written}"));
+        assert!(run.code == 2 && run.stderr.contains(said), "{written}: {}", run.stderr);
+    };
+    refuses("abc", "\"abc\" is no fingerprint; that of this robot is");
+    refuses(&own.trim()[..own.len() - 2], "is no fingerprint");
+    refuses(&own.trim().replacen('d', "c", 1), "was made by another version");
+    refuses(&own.trim().replacen("1e-6", "1e-5", 1), "was made with --tolerance 1e-5; give that, too");
+    let other = own.trim().chars().map(|c| if c == 'a' { 'b' } else { c }).collect::<String>();
+    let other = if other == own.trim() { other.replace('1', "2").replace("d2-2e-6", "d1-1e-6") } else { other };
+    assert_eq!(trial.run(&format!("fingerprint arm.urdf --expect={other}")).code, 1, "{other}");
+}
+
+#[test]
+fn joint_values_outside_of_the_limits_are_mentioned() {
+    let trial = Trial::new();
+    let said = |line: &str| trial.run(line).stderr;
+    let degrees = said("fk arm.urdf --q 0,-90,90,0,0,0");
+    assert!(degrees.contains("--q is outside of the limits of shoulder_lift_joint, elbow_joint"), "{degrees}");
+    assert!(degrees.contains("looks like degrees; for degrees add --degrees"), "{degrees}");
+    assert_eq!(said("fk arm.urdf --q 0,-90,90,0,0,0 --degrees"), "");
+    assert_eq!(said("fk arm.urdf --q 0,-1.5,1.5,0,0,0"), "");
+    let beyond = said("fk arm.urdf --q elbow_joint=7");
+    assert!(beyond.contains("outside of the limits of elbow_joint") && !beyond.contains("degrees"), "{beyond}");
+}
+
+#[test]
+fn no_note_says_that_nothing_moves() {
+    let turned = "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\
+        <joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/></joint>\
+        <joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"c\"/><origin rpy=\"1.57 0 0\"/></joint></robot>";
+    let trial = Trial::new().with("turned.urdf", turned);
+    let text = trial.run("table turned.urdf").succeeded();
+    assert!(text.contains("1.57 read as π/2; the tip turns by at most 8.0e-4 rad, and moves by nothing"), "{text}");
+    let mut said = BTreeSet::new();
+    for path in crate::support::files(&crate::support::top().join("robots"), "urdf") {
+        let run = crate::support::denavit(&["table", path.to_str().unwrap()]);
+        said.extend(
+            format!("{}{}", run.stdout, run.stderr)
+                .lines()
+                .filter(|line| line.contains("at most 0 m"))
+                .map(str::to_owned),
+        );
+    }
+    assert!(said.is_empty(), "{said:?}");
+}

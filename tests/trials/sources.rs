@@ -1,0 +1,115 @@
+//! Every command takes every source.
+
+use super::Trial;
+use crate::support::denavit_with_input;
+
+const XACRO: &str = r#"<?xml version="1.0"?>
+<robot name="bent" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="length" default="0.5"/>
+  <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="tool0"/>
+  <joint name="shoulder" type="revolute"> <parent link="base"/> <child link="upper"/> <axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="9"/> </joint>
+  <joint name="elbow" type="revolute"> <parent link="upper"/> <child link="lower"/> <axis xyz="0 1 0"/>
+    <origin xyz="$(arg length) 0 0.1"/> <limit lower="-2" upper="2" velocity="1" effort="9"/> </joint>
+  <joint name="flange" type="fixed"> <parent link="lower"/> <child link="tool0"/> <origin xyz="0.3 0 0"/> </joint>
+</robot>
+"#;
+
+#[test]
+fn every_command_takes_every_source() {
+    let trial = Trial::new().with("bent.xacro", XACRO).with_robot("table.csv", "universal_robots/ur5e_dh.csv");
+    for (format, file) in [("json", "table.json"), ("ur", "ur.yaml")] {
+        trial.run(&format!("table arm.urdf --format {format} -o {file}")).succeeded();
+    }
+    trial.run("poe arm.urdf --format csv -o axes.csv").succeeded();
+    trial.run("poe arm.urdf --format json -o axes.json").succeeded();
+    for source in ["arm.urdf", "bent.xacro", "table.csv", "table.json", "axes.csv", "axes.json", "ur.yaml"] {
+        let data = format!("data of {source}.csv").replace(' ', "_");
+        for line in [
+            format!("table {source}"),
+            format!("chains {source}"),
+            format!("fk {source}"),
+            format!("poe {source}"),
+            format!("export {source}"),
+            format!("doc {source} -o -"),
+            format!("diff {source} {source}"),
+            format!("fingerprint {source}"),
+            format!("check {source}"),
+            format!("identify {source} --rows 10"),
+            format!("plan {source} --count 8 --spread 60 -o poses_{data}"),
+            format!("simulate {source} --rows 30 -o {data}"),
+            format!("compensate {source} --poses poses_{data}"),
+            format!("calibrate {source} --data {data} --effects none"),
+        ] {
+            let run = trial.run(&line);
+            assert!(run.code < 2, "{line}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn arguments_of_xacro_reach_every_command() {
+    let trial = Trial::new().with("bent.xacro", XACRO);
+    let long = trial.run("fk bent.xacro length:=1.5").succeeded();
+    assert_ne!(long, trial.run("fk bent.xacro").succeeded());
+    let page = |line: &str| trial.run(line).succeeded();
+    assert_ne!(page("doc bent.xacro -o -"), page("doc bent.xacro length:=1.5 -o -"));
+    assert!(trial.run("check bent.xacro length:=1.5").code < 2);
+    assert!(trial.run("check bent.xacro length:=nonsense").stdout.contains("\"nonsense\" is no finite number"));
+    trial.refuses("doc length:=1.5 -o pages", "no robot is named");
+    trial.refuses("table arm.urdf 1.5", "arguments of a xacro file, NAME:=VALUE");
+}
+
+#[test]
+fn xacro_and_tables_are_checked() {
+    let trial = Trial::new()
+        .with("bent.xacro", &XACRO.replace("0 0 1", "0 0 2"))
+        .with_robot("table.csv", "universal_robots/ur5e_dh.csv")
+        .with("bad.csv", "row,theta,d,alpha,a\n1,q1,nan,0,0\n");
+    let found = trial.run("check bent.xacro");
+    assert!(found.stdout.contains("bent.xacro (expanded):") && found.stdout.contains("D012"), "{}", found.stdout);
+    let fixed = trial.run("check --fix bent.xacro");
+    assert!(fixed.stderr.contains("--fix mends URDF files only"), "{}", fixed.stderr);
+    assert!(trial.text("bent.xacro").contains("0 0 2"));
+    assert_eq!(trial.run("check table.csv").code, 0);
+    trial.refuses("check bad.csv", "bad.csv:2");
+    assert!(denavit_with_input(&["check", "-"], XACRO).code < 2);
+}
+
+#[test]
+fn a_folder_stands_for_the_robots_in_it() {
+    let trial = Trial::new();
+    std::fs::create_dir_all(trial.path("robots/parts/.git")).unwrap();
+    let trial = trial
+        .with("robots/bent.xacro", XACRO)
+        .with("robots/parts/macros.xacro", "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"/>")
+        .with("robots/parts/.git/hidden.urdf", "<robot/>")
+        .with("robots/notes.csv", "time,reading\n1,2\n")
+        .with_robot("robots/parts/table.csv", "universal_robots/ur5e_dh.csv")
+        .with_robot("robots/two.urdf", "abb/irb120.urdf");
+    let checked = trial.run("check robots --json");
+    let report: serde_json::Value = serde_json::from_str(&checked.stdout).unwrap();
+    assert_eq!(report["files"], serde_json::json!(["robots/bent.xacro", "robots/parts/table.csv", "robots/two.urdf"]));
+    assert!(checked.stderr.contains("robots/parts/macros.xacro: left out"), "{}", checked.stderr);
+    let written = trial.run("doc robots -o pages").succeeded();
+    assert_eq!(
+        written.lines().collect::<Vec<_>>(),
+        ["pages/bent.html", "pages/table.html", "pages/two.html", "pages/index.html"]
+    );
+    std::fs::create_dir(trial.path("empty")).unwrap();
+    trial.refuses("check empty", "there is no robot in this folder");
+}
+
+#[test]
+fn an_arm_with_a_hand_ends_at_its_tool() {
+    let trial = Trial::new().with_robot("panda.urdf", "franka/panda.urdf");
+    let run = trial.run("fk panda.urdf");
+    assert!(
+        run.stderr.contains("the chain ends at \"panda_hand_tcp\"") && run.stderr.contains("--tip"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.succeeded().starts_with("panda_link0 → panda_hand_tcp"));
+    assert!(trial.run("chains panda.urdf").succeeded().contains("* panda_link0 → panda_hand_tcp"));
+    assert!(!trial.run("fk panda.urdf --tip panda_leftfinger").stderr.contains("--tip"));
+}
