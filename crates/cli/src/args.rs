@@ -34,8 +34,8 @@ Examples:
   denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
   denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
 
-ROBOT is a URDF, a xacro file, a D-H table or screw axes (CSV or JSON), a kinematics file of a UR, xArm or Franka arm (yaml), - for
-standard input, or git:REVISION:PATH.
+ROBOT is a URDF, a xacro file, a D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), the kinematics file
+of a UR, xArm or Franka arm (yaml), - for standard input, or git:REVISION:PATH.
 Exit codes: 0 done or the same, 1 different or found, 2 trouble.";
 
 /// The commands.
@@ -80,8 +80,8 @@ pub enum Command {
 /// Which robot, and which chain of it.
 #[derive(Debug, Clone, Args)]
 pub struct RobotArguments {
-    /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka arm (yaml), - for standard input, or
-    /// git:REVISION:PATH
+    /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka
+    /// arm (yaml), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
     #[arg(long, value_name = "LINK")]
