@@ -34,8 +34,8 @@ Examples:
   denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
   denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
 
-ROBOT is a URDF, a xacro file, a D-H table or screw axes (CSV or JSON), a UR kinematics file (yaml), - for
-standard input, or git:REVISION:PATH.
+ROBOT is a URDF, a xacro file, a D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), the kinematics file
+of a UR, xArm or Franka arm (yaml), - for standard input, or git:REVISION:PATH.
 Exit codes: 0 done or the same, 1 different or found, 2 trouble.";
 
 /// The commands.
@@ -82,8 +82,8 @@ pub enum Command {
 /// Which robot, and which chain of it.
 #[derive(Debug, Clone, Args)]
 pub struct RobotArguments {
-    /// URDF, xacro, D-H table or screw axes (CSV, JSON), UR kinematics file (yaml), - for standard input, or
-    /// git:REVISION:PATH
+    /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka
+    /// arm (yaml), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
     #[arg(long, value_name = "LINK")]
@@ -121,6 +121,14 @@ pub struct SourceArguments {
     /// reads them, so as a robot that ROS drives moves]
     #[arg(long)]
     pub vendor_angles: bool,
+    /// How a D-H table's file groups its rows, where it does not say so itself: distal, proximal, paper or hayati
+    /// [default: distal]
+    #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true)]
+    pub table_convention: Option<ConventionName>,
+    /// Units of a D-H table's numbers, where the file does not say so itself: m or mm, deg or rad [default: what the
+    /// numbers can be]
+    #[arg(long, value_name = "UNITS")]
+    pub table_units: Option<String>,
 }
 
 impl RobotArguments {
@@ -167,6 +175,18 @@ pub enum ConventionName {
     Hayati,
 }
 
+impl ConventionName {
+    /// The convention of this name.
+    pub fn convention(self) -> denavit_dh::Convention {
+        match self {
+            Self::Distal => denavit_dh::Convention::Distal,
+            Self::Proximal => denavit_dh::Convention::Proximal,
+            Self::Paper => denavit_dh::Convention::Paper,
+            Self::Hayati => denavit_dh::Convention::Hayati,
+        }
+    }
+}
+
 /// Names of gauges on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GaugeName {
@@ -194,9 +214,10 @@ pub struct TableArguments {
     /// How to choose what the geometry leaves free
     #[arg(long, value_enum)]
     pub gauge: Option<GaugeName>,
-    /// Compare with a vendor's table (CSV or JSON): find the senses, zeros, base and tool frames in which the robot
-    /// equals it, print it in the vendor's form, say where they differ; exit code 1 unless exact or rounded
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["convention", "gauge"])]
+    /// Compare with a vendor's table (CSV, Markdown or JSON, as manuals print it): find the senses, zeros, base and tool
+    /// frames in which the robot equals it, print it in the vendor's form, say where they differ; exit code 1 unless
+    /// exact or rounded. --convention and --table-units say how the table is to be read; what nobody says is tried
+    #[arg(long, value_name = "TABLE", conflicts_with = "gauge")]
     pub r#match: Option<String>,
     /// Units of text.
     #[command(flatten)]

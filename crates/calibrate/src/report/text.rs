@@ -126,6 +126,14 @@ pub fn parameters<E>(fit: &Fit<E>) -> String {
     table(&rows)
 }
 
+/// The parameters of the last stage: with effects, where there are some.
+pub fn final_parameters(result: &Calibration) -> String {
+    match &result.trace {
+        Some(trace) => parameters(&trace.fit),
+        None => parameters(&result.identification.geometric),
+    }
+}
+
 /// Pairs of parameters of the robot that are correlated more than `above`, the strongest first, `most` at most.
 pub fn correlations<E>(fit: &Fit<E>, above: f64, most: usize) -> Vec<(String, String, f64)> {
     let robot = |kind: ParameterKind| crate::identifiability::of_robot(kind);

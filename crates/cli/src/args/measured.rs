@@ -34,7 +34,7 @@ Examples:
   denavit calibrate arm.urdf --data train.csv --test test.csv
   denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
   denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
-  denavit calibrate ur5e.urdf --data d.csv --dh ur_kinematics.yaml       for ur_description
+  denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
   some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
 
 See docs/calibration.md and docs/effects.md.";
@@ -98,6 +98,9 @@ pub struct CalibrateArguments {
     /// file of a UR arm; -: text)
     #[arg(long, value_name = "FILE")]
     pub dh: Option<PathBuf>,
+    /// Write what a maker's controller or ROS package takes: ur, xarm, franka, robot-calibration; see docs/makers.md
+    #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
+    pub out_for: Vec<String>,
     /// Write the effects as JSON, for fk, compensate and simulate
     #[arg(long, value_name = "FILE")]
     pub effects_out: Option<PathBuf>,

@@ -14,6 +14,7 @@ use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
+use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
@@ -55,6 +56,7 @@ struct Places {
     urdf: Option<Slot>,
     dh: Option<Slot>,
     effects: Option<Slot>,
+    makers: Vec<(Slot, &'static Maker)>,
 }
 
 impl Places {
@@ -62,7 +64,14 @@ impl Places {
         let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
         let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
+        let pairs = arguments.out_for.chunks_exact(2);
+        let makers = pairs.map(|pair| {
+            let maker = makers::named(&pair[0])?;
+            Ok((outputs.add("--out-for", Path::new(&pair[1]))?, maker))
+        });
+        let makers = makers.collect::<Result<Vec<_>, Failure>>()?;
         Ok(Self {
+            makers,
             json: outputs.add_if("--json", arguments.json.place())?,
             html: outputs.add_if("--html", arguments.html.as_deref())?,
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
@@ -147,6 +156,14 @@ fn texts(
     }
     if let (Some(slot), Some(format)) = (places.dh, products.dh) {
         texts.push((slot, dh_table(format, &calibrated, &arguments.robot.robot)?));
+    }
+    let found: Vec<String> = result.report.effects.iter().map(|effect| effect.kind.clone()).collect();
+    for (slot, maker) in &places.makers {
+        let drawn =
+            if let Loaded::Robot(tree) = &robot.loaded { Some((tree.as_ref(), reading(arguments))) } else { None };
+        let written = (maker.render)(&Calibrated { chain: &calibrated, drawn, effects: &found })?;
+        written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
+        texts.push((*slot, written.text));
     }
     if let Some(slot) = places.effects {
         texts.push((slot, result.effects(&robot.statics).to_json()));

@@ -60,7 +60,7 @@ fn twist_of(row: &RowOf) -> Result<Vector6<f64>, SourceError> {
 
 /// A chain from its JSON file.
 pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceError> {
-    let error = |element: String, kind| SourceError { place: place(file, 1, element), kind };
+    let error = |element: String, kind| SourceError::at(place(file, 1, element), kind);
     in_si(file, &content.units)?;
     let coordinates: Vec<Coordinate> = content.coordinates.iter().map(CoordinateEntry::coordinate).collect();
     let mut joints = Vec::new();
