@@ -25,11 +25,11 @@ impl<E> Fit<E> {
         self.values.iter().zip(&self.parameters_used).map(|(count, used)| missing_degrees(*count, *used)).sum()
     }
 
-    /// Whether the numbers are a result: the last step was too small to matter, or what is left is so small that nothing
-    /// could (data without noise).
+    /// Whether the numbers are a result: the last step was too small to matter, or so little is left of one kind of value
+    /// that its weight leaves no step for the others (data without noise).
     pub fn settled(&self) -> bool {
         let least = EXACT * self.arm.nominal.size();
-        self.converged || self.noise.levels.iter().all(|level| *level <= least)
+        self.converged || self.noise.levels.iter().any(|level| *level <= least)
     }
 
     /// Standard deviation of a parameter, in its unit.

@@ -100,7 +100,7 @@ fn bad_files_are_refused_with_their_place() {
     let error = |text: &str| read("k.yaml", text).unwrap_err().to_string();
     assert_eq!(
         error("kinematics:\n  shoulder: {x: 0, y: 0, z: 0.1, roll: 0, pitch: 0}\n"),
-        "k.yaml: kinematics.shoulder.yaw is missing; each of the six origins needs x, y, z, roll, pitch, yaw"
+        "k.yaml: kinematics.shoulder.yaw is missing; each origin needs x, y, z, roll, pitch, yaw"
     );
     assert_eq!(
         error("kinematics:\n  shoulder:\n    x: none\n"),

@@ -366,11 +366,11 @@ impl Mechanism {
             }
         }
         for element in &robot.elements {
-            let names = element.nodes.iter().flat_map(|node| {
+            let mut names = element.nodes.iter().flat_map(|node| {
                 let values = node.attributes.iter().map(|(_, value)| value.as_str());
                 values.chain([node.text.as_str()])
             });
-            let body = names.filter_map(|name| bodies.get(name)).next().copied().unwrap_or(0);
+            let body = names.find_map(|name| bodies.get(name)).copied().unwrap_or(0);
             add(None, element, body);
         }
         // Of elements that nothing else tells apart, the order in the file means nothing.

@@ -44,7 +44,7 @@ struct ReadAsEntry {
 }
 
 impl ReadAsEntry {
-    fn of(read_as: &ReadAs, tried: bool) -> Self {
+    fn of(read_as: ReadAs, tried: bool) -> Self {
         let angle = if read_as.units.angle == AngleUnit::Degree { "deg" } else { "rad" };
         Self { convention: read_as.convention.word(), angle, length: read_as.units.length_word(), tried }
     }
@@ -218,8 +218,8 @@ pub fn json(chain: &Chain, table: &str, result: &Found) -> String {
         robot: chain.name(),
         table,
         verdict: found.verdict.word(),
-        read_as: ReadAsEntry::of(&result.reading.read_as, result.reading.tried),
-        would_match_as: result.otherwise.as_ref().map(|(_, read_as)| ReadAsEntry::of(read_as, true)),
+        read_as: ReadAsEntry::of(result.reading.read_as, result.reading.tried),
+        would_match_as: result.otherwise.as_ref().map(|(_, read_as)| ReadAsEntry::of(*read_as, true)),
         position_error_m: placement.position_error,
         rotation_error_rad: placement.rotation_error,
         joints: placement

@@ -214,7 +214,7 @@ fn a_turn_and_its_slide_share_one_frame() {
 #[test]
 fn shortened_angles_are_mended_with_a_note_or_kept() {
     let exported = canonical(&robot(HAND), &Options::default()).unwrap();
-    assert!(exported.notes[0].to_string().starts_with("test.urdf:5: joint \"c\": 1.57 read as π/2; the tip moves by"));
+    assert!(exported.notes[0].to_string().starts_with("test.urdf:5: joint \"c\": 1.57 read as π/2; the tip turns by"));
     assert!(!exported.value.contains("1.57 "));
     let options = Options { reading: Reading::AsWritten, ..Options::default() };
     let kept = canonical(&robot(HAND), &options).unwrap();

@@ -245,10 +245,7 @@ impl JointKind {
 /// Every joint's drive: those that follow another behind the one that they follow, each once.
 fn drives(robot: &Robot) -> Vec<Result<Drive, NoDrive>> {
     let still = Drive { driver: None, scale: 1.0, offset: 0.0 };
-    let own = |index: usize| match robot.joints[index].kind.moves() {
-        true => Drive { driver: Some(index), ..still },
-        false => still,
-    };
+    let own = |index: usize| Drive { driver: robot.joints[index].kind.moves().then_some(index), ..still };
     if robot.joints.iter().all(|joint| joint.mimic.is_none()) {
         return (0..robot.joints.len()).map(|index| Ok(own(index))).collect();
     }
@@ -298,6 +295,7 @@ fn drives(robot: &Robot) -> Vec<Result<Drive, NoDrive>> {
 mod tests {
     use super::*;
     use crate::urdf;
+    use std::fmt::Write as _;
 
     const TREE: &str = r#"<robot name="r"><link name="root"/><link name="a"/><link name="b"><inertial><mass value="2"/>
         <origin xyz="0 1 0" rpy="0 0 1.57"/><inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -325,17 +323,16 @@ mod tests {
 
     #[test]
     fn long_rows_of_mimics_take_no_longer_than_their_length() {
-        let joints: String = (0..5000)
-            .map(|k| {
-                let mimic = if k < 4999 { format!("<mimic joint=\"j{}\"/>", k + 1) } else { String::new() };
-                format!(
-                    "<link name=\"l{}\"/><joint name=\"j{k}\" type=\"revolute\"><parent link=\"l{k}\"/><child \
-                     link=\"l{}\"/>{mimic}</joint>",
-                    k + 1,
-                    k + 1
-                )
-            })
-            .collect();
+        let mut joints = String::new();
+        for k in 0..5000 {
+            let next = k + 1;
+            let mimic = if k < 4999 { format!("<mimic joint=\"j{next}\"/>") } else { String::new() };
+            let _ = write!(
+                joints,
+                "<link name=\"l{next}\"/><joint name=\"j{k}\" type=\"revolute\"><parent link=\"l{k}\"/><child \
+                 link=\"l{next}\"/>{mimic}</joint>"
+            );
+        }
         let robot = urdf::read("r.urdf", &format!("<robot name=\"r\"><link name=\"l0\"/>{joints}</robot>")).unwrap();
         let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
         assert_eq!((chain.joints().len(), chain.coordinates().len()), (5000, 1));

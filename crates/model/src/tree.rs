@@ -117,6 +117,13 @@ impl Robot {
         listing(&placed, default_tip(&placed, None).0)
     }
 
+    /// The chain with the most coordinates, then the most links, then first in the file, a finger's where the arm carries a
+    /// hand.
+    pub fn longest_chain(&self) -> ChainListing {
+        let placed = PlacedRobot::new(self, Reading::AsWritten);
+        listing(&placed, longest_leaf(&placed))
+    }
+
     /// The chain from `base` to `tip`; where they are not named, those of [`Robot::default_chain`].
     ///
     /// Fixed joints are folded in. A mimic joint (also of a mimic joint, also of one outside the chain) is moved by its

@@ -2,6 +2,7 @@ use super::{By, COMPARED, listed};
 use crate::describe::describe;
 use crate::{Comparison, Options, Scope, Subject, Verdict, compare, fingerprint};
 use denavit_model::urdf;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -162,12 +163,13 @@ fn many(count: usize, in_a_row: bool, moved: f64) -> String {
     for k in 1..=count {
         let parent = if in_a_row { k - 1 } else { 0 };
         let x = if k == count / 2 { 0.01 + moved } else { 0.01 };
-        text.push_str(&format!(
+        let _ = write!(
+            text,
             "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" \
              iyz=\"0\"/></inertial><visual><geometry><sphere radius=\"0.1\"/></geometry></visual></link><joint \
              name=\"j{k}\" type=\"revolute\"><origin xyz=\"{x} 0 0\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" \
              velocity=\"1\" effort=\"1\"/><parent link=\"l{parent}\"/><child link=\"l{k}\"/></joint>"
-        ));
+        );
     }
     text + "</robot>"
 }
@@ -185,9 +187,9 @@ fn least_time(mut work: impl FnMut()) -> Duration {
 
 #[test]
 fn nothing_grows_with_the_square_of_the_robot() {
+    type Work = fn(&str, &str);
     // Eight times the joints: linear work takes 8 times as long, quadratic 64 times.
     let (small, large) = (400, 3200);
-    type Work = fn(&str, &str);
     let check = |text: &str, _: &str| {
         let lookup = |_: &str| crate::lint::Lookup::Unknown;
         drop(crate::lint::check("r", text, &lookup, &crate::lint::Config::default()));

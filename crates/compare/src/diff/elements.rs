@@ -3,7 +3,7 @@
 
 use crate::comparison::{PartDifference, PartKind};
 use crate::mechanism::{Mechanism, PlacedElement};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Numbers closer than this, relative, are one number written twice.
 const WRITTEN: f64 = 1e-9;
@@ -20,7 +20,7 @@ pub(crate) fn compare(
     let in_b: HashMap<&str, &PlacedElement> =
         b.elements.iter().map(|element| (element.label.as_str(), element)).collect();
     let mut found = Vec::new();
-    let mut met: HashMap<&str, ()> = HashMap::new();
+    let mut met: HashSet<&str> = HashSet::new();
     let difference = |part: &str, what: String, at: Option<usize>| PartDifference {
         part: part.to_owned(),
         what,
@@ -35,7 +35,7 @@ pub(crate) fn compare(
             found.push(difference(&element.label, "is gone".into(), None));
             continue;
         };
-        met.insert(&other.label, ());
+        met.insert(&other.label);
         let mut left: HashMap<&str, &str> =
             other.entries.iter().map(|(path, value)| (path.as_str(), value.as_str())).collect();
         for (path, value) in &element.entries {
@@ -53,7 +53,7 @@ pub(crate) fn compare(
             found.push(difference(&element.label, what, Some(other.at)));
         }
     }
-    for element in b.elements.iter().filter(|element| !met.contains_key(element.label.as_str())) {
+    for element in b.elements.iter().filter(|element| !met.contains(element.label.as_str())) {
         found.push(difference(&element.label, "is new".into(), Some(element.at)));
     }
     found

@@ -93,12 +93,11 @@ fn groups(a: &Mechanism, b: &Mechanism, at: &Alignment) -> Vec<Group> {
     let mut group_of: HashMap<usize, usize> = HashMap::new();
     for body in 0..a.bodies.len() {
         let owner = at.body_b[body];
-        match group_of.get(&owner) {
-            Some(group) => result[*group].in_a.push(body),
-            None => {
-                group_of.insert(owner, result.len());
-                result.push(Group { in_a: vec![body], in_b: std::mem::take(&mut in_b[owner]) });
-            }
+        if let Some(group) = group_of.get(&owner) {
+            result[*group].in_a.push(body);
+        } else {
+            group_of.insert(owner, result.len());
+            result.push(Group { in_a: vec![body], in_b: std::mem::take(&mut in_b[owner]) });
         }
     }
     result

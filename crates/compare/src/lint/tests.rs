@@ -1,4 +1,5 @@
 use super::*;
+use std::fmt::Write as _;
 use std::path::Path;
 
 fn robot(content: &str) -> String {
@@ -98,17 +99,17 @@ fn an_unreadable_file_has_findings_with_lines() {
 #[test]
 fn an_arm_with_a_gripper_has_its_frame() {
     let arm = |ends: &str| {
-        let mut text: String = (0..4)
-            .map(|k| {
-                format!(
-                    "<link name=\"l{k}\"/><joint name=\"j{k}\" type=\"continuous\"><axis xyz=\"0 {} {}\"/><parent \
-                     link=\"l{k}\"/><child link=\"l{}\"/></joint>",
-                    k % 2,
-                    1 - k % 2,
-                    k + 1
-                )
-            })
-            .collect();
+        let mut text = String::new();
+        for k in 0..4 {
+            let _ = write!(
+                text,
+                "<link name=\"l{k}\"/><joint name=\"j{k}\" type=\"continuous\"><axis xyz=\"0 {} {}\"/><parent \
+                 link=\"l{k}\"/><child link=\"l{}\"/></joint>",
+                k % 2,
+                1 - k % 2,
+                k + 1
+            );
+        }
         text.push_str("<link name=\"l4\"/>");
         codes(&robot(&(text + ends))).contains(&"D070")
     };

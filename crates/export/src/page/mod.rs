@@ -8,8 +8,8 @@
 //! The 3-D view is a script of our own, `templates/scene.js`: it draws line segments on a 2-D canvas. The plotly script
 //! that the crate plotly can embed makes each page 4.65 MB, needs WebGL, and writes to the console where there is none.
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "digits of a number")]
 mod climb;
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "digits of a number")]
 mod content;
 mod index;
 mod motion;

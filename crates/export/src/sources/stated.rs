@@ -79,7 +79,7 @@ impl Said {
             let pair = line.split_once(':').map(|(key, value)| (key.trim().to_lowercase(), value.trim().to_owned()));
             match pair {
                 Some((key, value)) if ["convention", "units", "robot"].contains(&key.as_str()) => {
-                    pairs.push((key, value))
+                    pairs.push((key, value));
                 }
                 // Who is quoted says nothing of how it is written here.
                 Some((key, _)) if ["source", "author", "title", "note"].contains(&key.as_str()) => {}

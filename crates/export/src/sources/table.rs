@@ -116,20 +116,19 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
             _ => AngleUnit::Radian,
         },
     };
-    let length = match stated.length {
-        Some(length) => length,
-        None => {
-            let lengths = bare(&["d", "a"])?;
-            match lengths.get(lengths.len() / 2) {
-                Some(middle) if *middle > LONG_LINK => {
-                    notes.push(format!(
-                        "{file}: the unit of lengths is not stated; they are read as mm, as links of {middle} m are no \
+    let length = if let Some(length) = stated.length {
+        length
+    } else {
+        let lengths = bare(&["d", "a"])?;
+        match lengths.get(lengths.len() / 2) {
+            Some(middle) if *middle > LONG_LINK => {
+                notes.push(format!(
+                    "{file}: the unit of lengths is not stated; they are read as mm, as links of {middle} m are no \
                          robot's (--table-units m reads them as m)"
-                    ));
-                    LengthUnit::Millimetre
-                }
-                _ => LengthUnit::Metre,
+                ));
+                LengthUnit::Millimetre
             }
+            _ => LengthUnit::Metre,
         }
     };
     Ok((ReadAs { convention, units: Units { length, angle } }, notes))

@@ -46,7 +46,7 @@ impl Plan {
                     .link_index(name)
                     .ok_or_else(|| ExportError::NoSuchLink { file: robot.source.file.clone(), name: name.clone() })?,
             ),
-            None => robot.link_index(&robot.default_chain().tip),
+            None => robot.link_index(&robot.longest_chain().tip),
         };
         let leaves = robot.leaves();
         loop {

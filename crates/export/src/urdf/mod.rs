@@ -86,7 +86,7 @@ pub struct Options {
     /// Which neighbours are too near to parallel for a D-H row.
     pub parallelism: Parallelism,
     /// Tip link of the chain whose table the frames follow where branches could differ; `None`: that of
-    /// [`Robot::default_chain`].
+    /// [`Robot::longest_chain`].
     pub tip: Option<String>,
 }
 

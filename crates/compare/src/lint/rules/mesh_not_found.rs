@@ -32,13 +32,14 @@ fn check(sheet: &Sheet) -> Vec<Found> {
                 let what = format!("mesh {name} is not there: {why}");
                 found.push(Found::at(mesh.range().start, super::owner(mesh), what));
             }
-            Lookup::NoPackage { package, why } => match packages.get_mut(&package) {
-                Some((_, _, count)) => *count += 1,
-                None => {
+            Lookup::NoPackage { package, why } => {
+                if let Some((_, _, count)) = packages.get_mut(&package) {
+                    *count += 1;
+                } else {
                     order.push(package.clone());
                     packages.insert(package, (mesh, why, 1));
                 }
-            },
+            }
             Lookup::Found | Lookup::Unknown => {}
         }
     }
