@@ -35,7 +35,7 @@ def best(work: Callable[[], object]) -> float:
 
 
 def own(path: str) -> Iterator[tuple[str, str, float]]:
-    """This package."""
+    """Time this package."""
     chain = dn.load(path).chain()
     q = chain.sample(COUNT)
     poses, tips, jacobians = np.empty((COUNT, 4, 4)), np.empty((COUNT, 3)), np.empty((COUNT, 6, q.shape[1]))

@@ -4,6 +4,7 @@
 
 use denavit_calibrate::NoEffects;
 use denavit_calibrate::compensate::{Wanted, compensate};
+use denavit_calibrate::measurements::Units;
 use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::plan::{PlanOptions, plan};
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
@@ -19,7 +20,7 @@ fn chosen_poses_are_more_observable_and_stay_in_the_box() {
             println!("{} {kind:?}\n{}", chain.name(), free.to_text());
             assert_eq!(free.poses.len(), 20);
             assert!(free.observability.o1 > free.at_random.o1, "{}", chain.name());
-            assert_eq!(free.to_csv().lines().filter(|line| !line.starts_with('#')).count(), 21);
+            assert_eq!(free.to_csv(chain, Units::default()).lines().filter(|line| !line.starts_with('#')).count(), 21);
         }
         let half = [Point3::new(0.0, -9.0, -9.0), Point3::new(9.0, 9.0, 9.0)];
         let options = PlanOptions { allowed: Some(half), ..PlanOptions::new(chain, 12, POSITION) };

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod delivery;
 mod failure;
+mod gather;
 mod measured;
 mod output;
 mod progress;

@@ -50,6 +50,17 @@ pub fn units(written: &str) -> Result<Units, Failure> {
     written.parse().map_err(|error| Failure::Argument(format!("--units: {error}")))
 }
 
+/// Reads a file by a reader that takes its name, its text and the units.
+pub fn read<T>(
+    file: &str,
+    written: &str,
+    reader: impl FnOnce(&str, &str, Units) -> Result<T, measurements::DataError>,
+) -> Result<T, Failure> {
+    let units = units(written)?;
+    let (name, text) = source::read_text(file)?;
+    Ok(reader(&name, &text, units)?)
+}
+
 /// Reads measurements and what their columns were taken for; what must be known of them is said.
 pub fn measurements(file: &str, chain: &Chain, written: &str) -> Result<(Measurements, Vec<ColumnUse>), Failure> {
     let units = units(written)?;

@@ -2,6 +2,7 @@
 
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
+use crate::gather;
 use crate::measured::{self, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
@@ -20,14 +21,14 @@ use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
-    measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
+    let mut inputs: Vec<Option<&str>> = arguments.data.iter().map(|file| Some(file.as_str())).collect();
+    inputs.extend([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]);
+    measured::one_standard_input(&inputs)?;
     let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
     let mut options = options(arguments, &robot.chain)?;
     let products = products(arguments, &robot)?;
-    let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
-    let (data, columns) = read(&arguments.data)?;
-    let test = arguments.test.as_deref().map(read).transpose()?.map(|(test, _)| test);
+    let gather::Rows { data, test, columns } = gather::rows(arguments, &robot.chain)?;
     options.other_chains = measured::other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
     let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
@@ -60,7 +61,8 @@ struct Places {
 
 impl Places {
     fn of(arguments: &CalibrateArguments) -> Result<Self, Failure> {
-        let inputs = std::iter::once(arguments.data.as_str()).chain(arguments.test.as_deref());
+        let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
+        let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
         Ok(Self {
             json: outputs.add_if("--json", arguments.json.place())?,
