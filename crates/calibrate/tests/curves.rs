@@ -114,7 +114,9 @@ fn a_saved_model_keeps_its_curves() {
     assert_eq!(model.curves.len(), 1);
     let again = EffectModel::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
     assert_eq!(again, *model);
-    let beyond = model.to_json().replace("\"joint\": 1,", "\"joint\": 9,");
+    let mut beyond: serde_json::Value = serde_json::from_str(&model.to_json()).unwrap();
+    beyond["curves"][0]["joint"] = 9.into();
+    let beyond = beyond.to_string();
     let refused = EffectModel::from_json("e.json", &beyond, &model.statics).unwrap_err().to_string();
     assert_eq!(refused, "e.json: curve 1: it names joint 9; joints are 0 to 5");
 }
