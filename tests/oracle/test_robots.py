@@ -46,6 +46,8 @@ class VendorUrdf:
 BAXTER_BASE = translation(0.055695, 0, 0.011038)
 TABLES = [
     Table("universal_robots/ur5e", "universal_robots/ur5e_dh", "base", "tool0"),
+    Table("universal_robots/ur5", "universal_robots/ur5_dh", "base", "tool0"),
+    Table("universal_robots/ur10", "universal_robots/ur10_dh", "base", "tool0"),
     Table("universal_robots/ur10e", "universal_robots/ur10e_dh", "base", "tool0"),
     Table("franka/panda", "franka/panda_dh", "panda_link0", "panda_link7"),
     Table("franka/panda", "franka/panda_dh", "panda_link0", "panda_link8", table_from_tip=translation(0, 0, 0.107)),

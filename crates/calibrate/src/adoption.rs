@@ -19,6 +19,8 @@ pub enum Adopted {
     Geometric,
     /// Axes and effects.
     Effects,
+    /// Axes and error curves of joints.
+    Curves,
 }
 
 /// Whether held-out rows are worse after a stage than before it, by more than chance.

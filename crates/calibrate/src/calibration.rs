@@ -7,17 +7,18 @@ use crate::drawing::{Departure, departures};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
 use crate::effects::recorded::needed;
-use crate::effects::survey::{with_run_order, with_run_order_after};
+use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::errors::{Errors, Residual, TestError, errors, lengths_found, placed, residuals};
 use crate::grid::{self, Rounding};
 use crate::identifiability::{Identifiability, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
+use crate::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::measurements::Measurements;
 use crate::parameters::{Effects, NoEffects};
 use crate::proportion::{OutOfProportion, within_proportion};
 use crate::redundancy::{Redundancy, different};
 use crate::report::contract::{
-    CalibrationReport, Counts, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
+    CalibrationReport, Counts, CurveEntry, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
     Unidentifiable,
 };
 use crate::solve::{Fit, outside};
@@ -27,6 +28,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
+
+/// Name of the stage with error curves.
+const CURVES: &str = "geometric + curves";
 
 /// Rows to hold out of a single file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +50,8 @@ pub struct CalibrateOptions {
     pub hold_out: Option<HoldOut>,
     /// Search for effects; `None`: geometry alone.
     pub trace: Option<TraceOptions>,
+    /// Fit error curves of the joints, where no effects are searched for.
+    pub curves: Option<CurveOptions>,
     /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
     pub other_chains: Vec<Chain>,
 }
@@ -53,7 +59,13 @@ pub struct CalibrateOptions {
 impl CalibrateOptions {
     /// Geometry alone, every axis, nothing held out.
     pub fn geometry(chain: &Chain) -> Self {
-        Self { identify: IdentifyOptions::axes(chain), hold_out: None, trace: None, other_chains: Vec::new() }
+        Self {
+            identify: IdentifyOptions::axes(chain),
+            hold_out: None,
+            trace: None,
+            curves: None,
+            other_chains: Vec::new(),
+        }
     }
 }
 
@@ -132,6 +144,8 @@ pub struct Calibration {
     pub identification: Identification,
     /// What the tracer found, if it was asked.
     pub trace: Option<Trace>,
+    /// Error curves of the joints, if they were asked for.
+    pub curves: Option<CurveFit>,
     /// Counts, and what is untold.
     pub identifiability: Identifiability,
     /// Rounded readings, where there are any.
@@ -147,19 +161,26 @@ pub struct Calibration {
 impl Calibration {
     /// The arm at the stage that was adopted.
     pub fn arm(&self) -> &Arm {
-        match (&self.trace, self.report.adopted) {
-            (_, Adopted::Nominal) => &self.identification.nominal.arm,
-            (Some(trace), Adopted::Effects) => &trace.fit.arm,
+        match (self.beyond_geometry(), self.report.adopted) {
+            (Some(fit), _) => &fit.arm,
+            (None, Adopted::Nominal) => &self.identification.nominal.arm,
             _ => &self.identification.geometric.arm,
         }
     }
 
-    /// The effects at the stage that was adopted; none where none was looked for.
-    pub fn effects(&self, statics: &Statics) -> EffectModel {
-        match &self.trace {
-            Some(trace) if self.report.adopted == Adopted::Effects => trace.fit.effects.clone(),
-            _ => EffectModel::new(statics.clone(), Vec::new()),
+    /// The fit that was adopted, if it holds more than geometry: effects or error curves.
+    pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
+        match self.report.adopted {
+            Adopted::Nominal | Adopted::Geometric => None,
+            Adopted::Effects => self.trace.as_ref().map(|trace| &trace.fit),
+            Adopted::Curves => self.curves.as_ref().map(|curves| &curves.fit),
         }
+    }
+
+    /// The effects and error curves at the stage that was adopted; none where none was looked for.
+    pub fn effects(&self, statics: &Statics) -> EffectModel {
+        let none = || EffectModel::new(statics.clone(), Vec::new());
+        self.beyond_geometry().map_or_else(none, |fit| fit.effects.clone())
     }
 }
 
@@ -170,6 +191,8 @@ pub enum Progress {
     Geometry,
     /// The search for effects.
     Effects,
+    /// Error curves of the joints.
+    Curves,
     /// Errors of every stage, what the data can tell.
     Judgement,
 }
@@ -234,6 +257,12 @@ pub fn calibrate_and_tell(
         let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
         recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
     }
+    let wanted = options.curves.as_ref().filter(|_| found.is_none() && redundancy.enough_for_effects);
+    let curves = wanted.map(|options| {
+        progress(Progress::Curves);
+        let survey = Survey::of(statics, &train, Vec::new());
+        fit_curves(&survey, &train, &geometric.with_model(statics), &geometric.arm, options)
+    });
     progress(Progress::Judgement);
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
@@ -243,12 +272,20 @@ pub fn calibrate_and_tell(
             stages.add(name, fit)?;
         }
     }
-    let adopted = stages.adopt(found.as_ref().is_some_and(|found| found.fit.settled()));
+    if let Some(curves) = curves.as_ref().filter(|curves| !curves.fit.effects.curves.is_empty()) {
+        stages.add(CURVES.into(), &curves.fit)?;
+    }
+    let beyond = match (&found, &curves) {
+        (Some(found), _) => Some((Adopted::Effects, &found.fit)),
+        (None, Some(curves)) => Some((Adopted::Curves, &curves.fit)),
+        (None, None) => None,
+    };
+    let adopted = stages.adopt(beyond.filter(|(_, fit)| fit.settled()).map(|(adopted, _)| adopted));
     let (stages, residuals) = (stages.done, stages.residuals);
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
-    let (weights, (parameters, differs)) = match (adopted, &found) {
+    let (weights, (parameters, differs)) = match (adopted, beyond) {
         (Adopted::Nominal, _) => (&identification.nominal.weights, identified(&identification.nominal)),
-        (Adopted::Effects, Some(found)) => (&found.fit.weights, identified(&found.fit)),
+        (Adopted::Effects | Adopted::Curves, Some((_, fit))) => (&fit.weights, identified(fit)),
         _ => (&geometric.weights, identified(geometric)),
     };
     let last = stages.iter().position(|stage| stage.adopted).unwrap_or(0);
@@ -282,6 +319,7 @@ pub fn calibrate_and_tell(
         parameters,
         differs_from_drawing: differs,
         effects: named.map_or_else(Vec::new, |found| found.findings.iter().map(entry).collect()),
+        curves: curves.as_ref().filter(|_| adopted == Adopted::Curves).map_or_else(Vec::new, CurveEntry::of_fit),
         unexplained: found.as_ref().map_or(
             Unexplained { structured: false, p_value: 1.0, places: Vec::new() },
             |found| Unexplained {
@@ -292,7 +330,17 @@ pub fn calibrate_and_tell(
         ),
     };
     let rounding = grid::rounding(&identification.geometric.arm, &train);
-    Ok(Calibration { report, identification, trace: found, identifiability: told, rounding, train, test, residuals })
+    Ok(Calibration {
+        report,
+        identification,
+        trace: found,
+        curves,
+        identifiability: told,
+        rounding,
+        train,
+        test,
+        residuals,
+    })
 }
 
 /// The joints' parameters of a fit with their intervals, and those that are far from the drawing.
@@ -429,7 +477,8 @@ impl Stages<'_> {
     }
 
     /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
-    fn adopt(&mut self, effects_settled: bool) -> Adopted {
+    /// `beyond`: what the last stage adds to geometry, if its fit settled.
+    fn adopt(&mut self, beyond: Option<Adopted>) -> Adopted {
         let (mut adopted, mut at) = (Adopted::Nominal, 0);
         let last = self.done.len() - 1;
         for stage in [1, last] {
@@ -438,9 +487,9 @@ impl Stages<'_> {
             }
             let worse = worse(&self.residuals[at].test, &self.residuals[stage].test);
             self.done[stage].worse_on_held_out = worse;
-            if !worse && (stage == 1 || effects_settled) {
-                adopted = if stage == 1 { Adopted::Geometric } else { Adopted::Effects };
-                at = stage;
+            let reached = if stage == 1 { Some(Adopted::Geometric) } else { beyond };
+            if let Some(reached) = reached.filter(|_| !worse) {
+                (adopted, at) = (reached, stage);
             }
         }
         self.done[at].adopted = true;

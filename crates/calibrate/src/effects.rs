@@ -3,6 +3,7 @@
 pub mod approach;
 pub mod carrier;
 pub mod catalogue;
+pub mod curve;
 pub mod drawn;
 pub mod driver;
 pub mod gravity;
@@ -13,6 +14,7 @@ pub mod survey;
 
 pub use carrier::Carrier;
 pub use catalogue::{KINDS, Kind};
+pub use curve::Curve;
 pub use driver::{Conditions, Driver, Statics};
 pub use gravity::Masses;
 pub use model::{Coupling, Effect, EffectModel, Term};

@@ -23,6 +23,7 @@ pub mod gauge;
 pub mod grid;
 pub mod identifiability;
 pub mod identify;
+pub mod infer;
 pub mod intervals;
 mod lanes;
 pub mod measurements;

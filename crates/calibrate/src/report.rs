@@ -3,6 +3,7 @@
 pub mod axes;
 pub mod commands;
 pub mod contract;
+pub mod curves;
 pub mod findings;
 pub mod html;
 pub mod plots;

@@ -1,6 +1,7 @@
 //! Levenberg-Marquardt over the normal equations: prior, gauge, noise levels and gross outliers.
 
 use crate::arm::Arm;
+use crate::effects::{EffectModel, Statics};
 use crate::gauge;
 use crate::measurements::{Measurements, Scene, Series};
 use crate::normal::Sums;
@@ -109,6 +110,25 @@ const FALSE_REJECTIONS: f64 = 0.01;
 const GROSS: f64 = 1.5;
 /// If more than this share lies outside, it is not outliers.
 const MOST_REJECTIONS: f64 = 0.3;
+
+impl<E> Fit<E> {
+    /// The same fit, seen as that of a model of effects which has none.
+    pub fn with_model(&self, statics: &Statics) -> Fit<EffectModel> {
+        Fit {
+            arm: self.arm.clone(),
+            effects: EffectModel::new(statics.clone(), Vec::new()),
+            layout: self.layout.clone(),
+            noise: self.noise.clone(),
+            weights: self.weights.clone(),
+            squares: self.squares.clone(),
+            covariance: self.covariance.clone(),
+            parameters_used: self.parameters_used.clone(),
+            values: self.values.clone(),
+            iterations: self.iterations,
+            converged: self.converged,
+        }
+    }
+}
 
 struct System {
     matrix: DMatrix<f64>,
@@ -395,18 +415,7 @@ impl Solver<'_> {
 
     /// 0 for gross outliers.
     fn kept(&self, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
-        let count = given.iter().filter(|weight| **weight > 0.0).count().max(1);
-        let limits = self.limits(1.0 - FALSE_REJECTIONS / count as f64);
-        let outside: Vec<bool> = self
-            .sizes(squares, noise)
-            .enumerate()
-            .map(|(at, size)| given[at] > 0.0 && size > GROSS * GROSS * limits[self.data.observed.series(at)])
-            .collect();
-        let rejected = outside.iter().filter(|outside| **outside).count();
-        if rejected as f64 > MOST_REJECTIONS * count as f64 {
-            return given.to_vec();
-        }
-        outside.iter().zip(given).map(|(outside, given)| if *outside { 0.0 } else { *given }).collect()
+        gross(self.data, squares, given, noise)
     }
 
     fn parameters_used<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Vec<f64> {
@@ -494,6 +503,27 @@ pub(crate) fn outside(scene: &Scene, squares: &[(usize, [f64; 2])]) -> Vec<usize
         noise.chi_squared(series, square) > GROSS * GROSS * limit
     };
     (0..squares.len()).filter(far).collect()
+}
+
+/// The given weights, 0 for gross outliers.
+pub(crate) fn gross(data: &Measurements, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
+    let count = given.iter().filter(|weight| **weight > 0.0).count().max(1);
+    let share = 1.0 - FALSE_REJECTIONS / count as f64;
+    let degrees = |series: &Series| quantile_of_chi_squared(series.kind.height() as f64, share);
+    let limits: Vec<f64> = data.scene.series.iter().map(degrees).collect();
+    let outside: Vec<bool> = squares
+        .iter()
+        .enumerate()
+        .map(|(at, square)| {
+            let size = noise.chi_squared(data.series_of(at), *square);
+            given[at] > 0.0 && size > GROSS * GROSS * limits[data.observed.series(at)]
+        })
+        .collect();
+    let rejected = outside.iter().filter(|outside| **outside).count();
+    if rejected as f64 > MOST_REJECTIONS * count as f64 {
+        return given.to_vec();
+    }
+    outside.iter().zip(given).map(|(outside, given)| if *outside { 0.0 } else { *given }).collect()
 }
 
 fn median(values: &mut [f64]) -> f64 {

@@ -13,7 +13,7 @@ mod drifts;
 mod findings;
 mod holdout;
 mod leftover;
-mod linear;
+pub(crate) mod linear;
 mod portrait;
 mod projector;
 mod refine;

@@ -1,6 +1,7 @@
 //! What the crate must do, seen from outside: one binary, a module for each subject.
 
 mod bad_input;
+mod curves;
 mod diagnosis;
 mod factory;
 mod identifiability;

@@ -3,6 +3,7 @@
 use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::catalogue::Kind;
+use crate::effects::curve::Curve;
 use crate::effects::driver::{Conditions, Driver, Posture, Statics};
 use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::Vector6;
@@ -112,12 +113,14 @@ pub struct EffectModel {
     pub statics: Statics,
     /// The effects; they add up.
     pub effects: Vec<Effect>,
+    /// Error curves of joints, no cause claimed; these add to the effects.
+    pub curves: Vec<Curve>,
 }
 
 impl EffectModel {
     /// The effects on this chain.
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
-        Self { statics, effects }
+        Self { statics, effects, curves: Vec::new() }
     }
 
     /// The same terms with every coefficient zero.
@@ -160,6 +163,10 @@ impl EffectModel {
                     action.add_to(amount * coefficient, out);
                 }
             }
+        }
+        for curve in &self.curves {
+            let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
+            out.twists[curve.joint] += joints[curve.joint].screw.twist() * curve.value(reading);
         }
     }
 
@@ -217,7 +224,7 @@ impl Effects for EffectModel {
     }
 
     fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool {
-        if self.effects.is_empty() {
+        if self.effects.is_empty() && self.curves.is_empty() {
             return false;
         }
         let recorded = |name: &str| row.covariate_named(name);

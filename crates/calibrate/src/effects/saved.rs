@@ -9,6 +9,7 @@
 //! by value of the driver. `drawn` is the robot that the effects were found on ([`Drawn`]); without it they are taken to be
 //! those of the robot at hand.
 
+use crate::effects::curve::Curve;
 use crate::effects::drawn::{Drawn, apart};
 use crate::effects::driver::Statics;
 use crate::effects::model::{Effect, EffectModel};
@@ -26,6 +27,8 @@ struct Saved {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     drawn: Option<Drawn>,
     effects: Vec<SavedEffect>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    curves: Vec<Curve>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -93,6 +96,16 @@ pub enum SavedError {
         /// What is wrong.
         why: String,
     },
+    /// A curve that the chain cannot have.
+    #[error("{file}: curve {index}: {why}")]
+    BadCurve {
+        /// The file.
+        file: String,
+        /// Counted from 1.
+        index: usize,
+        /// What is wrong, and what to do.
+        why: String,
+    },
     /// An effect that the chain cannot have.
     #[error("{file}: effect {index} ({kind}): {why}")]
     BadEffect {
@@ -126,6 +139,7 @@ impl EffectModel {
             joints: chain.joints().iter().map(|joint| joint.name.clone()).collect(),
             drawn: Some(Drawn::of(&self.statics)),
             effects: effects.collect(),
+            curves: self.curves.clone(),
         };
         serde_json::to_string_pretty(&saved).expect("names are texts and numbers are numbers") + "\n"
     }
@@ -174,7 +188,12 @@ impl EffectModel {
             }
             effects.push(effect);
         }
-        Ok(Self::new(statics.clone(), effects))
+        for (index, curve) in saved.curves.iter().enumerate() {
+            if let Some(why) = curve.fault(joints.len()) {
+                return Err(SavedError::BadCurve { file: file(), index: index + 1, why });
+            }
+        }
+        Ok(Self { curves: saved.curves, ..Self::new(statics.clone(), effects) })
     }
 }
 

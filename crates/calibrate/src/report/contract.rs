@@ -3,6 +3,7 @@
 use crate::adoption::Adopted;
 use crate::drawing::Departure;
 use crate::errors::{Errors, LengthFound};
+use crate::infer::lines::Line;
 use crate::measurements::ColumnUse;
 use crate::redundancy::Redundancy;
 use serde::Serialize;
@@ -44,6 +45,9 @@ pub struct CalibrationReport {
     pub differs_from_drawing: Vec<Departure>,
     /// Effects that the data ask for.
     pub effects: Vec<EffectEntry>,
+    /// Error curves of joints, no cause claimed; left out where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<CurveEntry>,
     /// What no effect explains.
     pub unexplained: Unexplained,
 }
@@ -167,6 +171,38 @@ pub struct Rival {
     pub kind: String,
     /// Where it acts: a joint, or `base`, `target`, …
     pub joint: String,
+}
+
+/// The error of a joint's value as a smooth function of its own reading, no cause claimed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveEntry {
+    /// The joint.
+    pub joint: String,
+    /// Of readings and errors: `rad` or `m`.
+    pub unit: &'static str,
+    /// Root mean square over the range of the data, about the mean.
+    pub rms: f64,
+    /// How far apart readings must be for the curve to differ: the length scale of its kernel.
+    pub length: f64,
+    /// How unsure the curve is where no data were: there it is taken as 0.
+    pub std_without_data: f64,
+    /// By how much the curve raises the logarithm of the marginal likelihood.
+    pub log_evidence: f64,
+    /// Sines that hold much of it, the strongest first.
+    pub lines: Vec<Line>,
+    /// The curve over the range of the data: add it to the reading to have the joint's true value.
+    pub table: Vec<CurvePoint>,
+}
+
+/// A curve at one reading.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// The reading.
+    pub at: f64,
+    /// What is added to it.
+    pub value: f64,
+    /// Standard deviation of that.
+    pub std: f64,
 }
 
 /// What no effect explains.

@@ -9,6 +9,7 @@ use crate::observe::Part;
 use crate::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
 use crate::report::contract::{Held, Stage};
+use crate::report::curves::curves;
 use crate::report::findings::findings;
 use crate::report::trust;
 use crate::solve::{DEGREES_FOR_NOISE, Fit, Noise};
@@ -225,6 +226,10 @@ pub fn calibration(result: &Calibration) -> String {
         }
         _ => {}
     }
+    text.push_str(&curves(&report.curves));
+    if result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
+        text.push_str("no joint has an error curve that the data ask for\n");
+    }
     let Floor { noise, parameters, values, assumed } = floor(result);
     let scene = &result.train.scene;
     for (channel, (part, level)) in scene.channels.iter().zip(&noise.levels).enumerate() {
@@ -273,10 +278,7 @@ fn floor(result: &Calibration) -> Floor<'_> {
             assumed: fit.assumed_degrees(),
         }
     }
-    match (&result.trace, result.report.adopted) {
-        (Some(trace), Adopted::Effects) => of(&trace.fit),
-        _ => of(&result.identification.geometric),
-    }
+    result.beyond_geometry().map_or_else(|| of(&result.identification.geometric), of)
 }
 
 fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, level: f64) {
@@ -293,9 +295,9 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
 
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
 pub fn report(result: &Calibration) -> String {
-    let axes = match (&result.trace, result.report.adopted) {
+    let axes = match (result.beyond_geometry(), result.report.adopted) {
         (_, Adopted::Nominal) => return calibration(result),
-        (Some(trace), Adopted::Effects) => axes(&trace.fit),
+        (Some(fit), _) => axes(fit),
         _ => axes(&result.identification.geometric),
     };
     format!("{}\n{axes}", calibration(result))

@@ -32,6 +32,10 @@ pub struct Linear {
     pub places: Vec<(Carrier, std::ops::Range<usize>)>,
     /// The data row that each value belongs to.
     pub rows: Vec<usize>,
+    /// The noise channel of each value.
+    pub channels: Vec<usize>,
+    /// The weight that each value has in residual and columns.
+    pub weights: Vec<f64>,
     /// The arm in every data row, as the model has it give way.
     pub postures: Vec<Posture>,
 }
@@ -111,6 +115,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         carriers: DMatrix::zeros(total, last - first),
         places,
         rows: Vec::with_capacity(values),
+        channels: Vec::with_capacity(values),
+        weights: Vec::with_capacity(values),
         postures: postures(model, &fit.arm, data),
     };
     let mut at = 0;
@@ -144,6 +150,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
                     result.carriers[(at, column)] = cell * factor;
                 }
                 result.rows.push(row);
+                result.channels.push(channel.unwrap_or(0));
+                result.weights.push(fit.weights[observation]);
                 at += 1;
                 line += 1;
             }

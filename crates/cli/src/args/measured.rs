@@ -76,7 +76,8 @@ pub struct CalibrateArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
-    /// Effects to look for behind the geometry: none, auto, or kinds such as backlash,joint_compliance
+    /// Effects to look for behind the geometry: none, curves (error curves of the joints alone), auto, or kinds such as
+    /// backlash,joint_compliance
     #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
     pub effects: Vec<String>,
     /// No more effects than this

@@ -10,6 +10,7 @@ use crate::source::Loaded;
 use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
+use denavit_calibrate::infer::CurveOptions;
 use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
@@ -35,6 +36,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         spinner.say(match progress {
             Progress::Geometry => "fitting the geometry",
             Progress::Effects => "searching for effects",
+            Progress::Curves => "fitting error curves of the joints",
             Progress::Judgement => "judging on rows held out",
         });
     })?;
@@ -175,7 +177,7 @@ fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOpt
     let freedom = measured::freedom(chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
     let identify = IdentifyOptions { freedom, ..IdentifyOptions::axes(chain) };
     let trace = match arguments.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["none"] => None,
+        ["none" | "curves"] => None,
         ["auto"] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, Failure>>()?),
     };
@@ -187,14 +189,15 @@ fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOpt
         ..TraceOptions::new(identify.clone())
     });
     let hold_out = arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed });
-    Ok(CalibrateOptions { identify, hold_out, trace, other_chains: Vec::new() })
+    let curves = (arguments.effects == ["curves"]).then(CurveOptions::default);
+    Ok(CalibrateOptions { identify, hold_out, trace, curves, other_chains: Vec::new() })
 }
 
 fn kind(word: &str) -> Result<Kind, Failure> {
     Kind::named(word).ok_or_else(|| {
         let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
         Failure::Argument(format!(
-            "--effects: \"{word}\" is no kind of effect; write none, auto, or of {}",
+            "--effects: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
             names.join(", ")
         ))
     })

@@ -4,8 +4,8 @@ use crate::args::SimulateArguments;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{Outputs, Slot, Status};
+use denavit_calibrate::effects::recorded;
 use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::{EffectModel, recorded};
 use denavit_calibrate::measurements::{Covariate, write};
 use denavit_calibrate::simulate::columns::columns;
 use denavit_calibrate::simulate::wish::{Wish, granted};
@@ -45,8 +45,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let bare = simulate(chain, &options, &NoEffects);
     let granted = granted(&wishes, &robot.statics, &bare, options.seed)
         .map_err(|error| Failure::Argument(format!("--effect {error}")))?;
-    let EffectModel { statics, effects } = loaded;
-    let model = EffectModel::new(statics, effects.into_iter().chain(granted.effects).collect());
+    let mut model = loaded;
+    model.effects.extend(granted.effects);
     let run = simulate(chain, &options, &model);
     let comments = |rows: usize, kind: ObservationKind| {
         vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]

@@ -9,7 +9,7 @@ use denavit_model::{examples, se3, urdf};
 use std::path::PathBuf;
 
 /// File, table, base, tip: chains where the table covers a part of the robot.
-const ROBOTS: [(&str, &str, &str, &str); 10] = [
+const ROBOTS: [(&str, &str, &str, &str); 12] = [
     ("abb/irb120.urdf", "abb/irb120_dh.csv", "root", "child link of joint_6"),
     ("adept/cobra600.urdf", "adept/cobra600_dh.csv", "root", "child link of joint_4"),
     ("franka/panda.urdf", "franka/panda_dh.csv", "root", "child link of panda_joint7"),
@@ -19,6 +19,8 @@ const ROBOTS: [(&str, &str, &str, &str); 10] = [
     ("stanford/stanford_arm.urdf", "stanford/stanford_arm_dh.csv", "root", "child link of hand_roll_joint"),
     ("ufactory/xarm7.urdf", "ufactory/xarm7_dh.csv", "root", "child link of joint7"),
     ("unimation/puma560.urdf", "unimation/puma560_dh.csv", "root", "child link of wrist_flange_joint"),
+    ("universal_robots/ur5.urdf", "universal_robots/ur5_dh.csv", "root", "child link of wrist_3_joint"),
+    ("universal_robots/ur10.urdf", "universal_robots/ur10_dh.csv", "root", "child link of wrist_3_joint"),
     ("universal_robots/ur10e.urdf", "universal_robots/ur10e_dh.csv", "root", "child link of wrist_3_joint"),
 ];
 

@@ -1,0 +1,19 @@
+//! Error curves of joints: geometry, frames and a smooth error of each joint's own reading fitted together, judged by the
+//! marginal likelihood.
+//!
+//! ```text
+//! y = G η + F φ + Σ_j C_j w_j + Σ_e A_e β_e + ε
+//! ```
+//! [`model`] says what each block of columns is and how large its numbers are expected to be, [`evidence`] scores a model,
+//! [`maximum`] finds the few numbers that the score leaves free, [`curves`] fits.
+
+pub mod curves;
+pub mod evidence;
+pub mod gram;
+pub mod lines;
+pub mod maximum;
+pub mod model;
+mod replicates;
+mod triangle;
+
+pub use curves::{CurveOptions, fit_curves};

@@ -1,0 +1,57 @@
+//! Error curves of joints as the report has them: entries of the JSON, lines of the text.
+
+use crate::effects::curve::Curve;
+use crate::infer::curves::CurveFit;
+use crate::infer::lines::{course, lines};
+use crate::report::contract::{CurveEntry, CurvePoint};
+use denavit_model::Screw;
+use std::fmt::Write;
+
+/// Readings in the table of a curve.
+const TABLE: usize = 73;
+
+impl CurveEntry {
+    /// An entry for each curve of a fit.
+    pub fn of_fit(found: &CurveFit) -> Vec<Self> {
+        let joints = found.fit.arm.nominal.joints();
+        let entry = |(curve, gain): (&Curve, &f64)| {
+            let (low, high) = curve.range;
+            let at = |k: usize| low + (high - low) * k as f64 / (TABLE - 1) as f64;
+            let point = |at: f64| CurvePoint { at, value: curve.value(at), std: curve.deviation(at) };
+            let joint = &joints[curve.joint];
+            Self {
+                joint: joint.name.clone(),
+                unit: if matches!(joint.screw, Screw::Prismatic(_)) { "m" } else { "rad" },
+                rms: course(curve).1,
+                length: curve.length,
+                std_without_data: curve.size,
+                log_evidence: *gain,
+                lines: lines(curve),
+                table: (0..TABLE).map(|k| point(at(k))).collect(),
+            }
+        };
+        found.fit.effects.curves.iter().zip(&found.gains).map(entry).collect()
+    }
+}
+
+/// The error curves, one line each.
+pub fn curves(curves: &[CurveEntry]) -> String {
+    let mut text = String::new();
+    for curve in curves {
+        let unit = if curve.unit == "m" { "mm" } else { "mrad" };
+        let most = curve.table.iter().map(|point| point.std).fold(0.0, f64::max);
+        let _ = write!(
+            text,
+            "error curve of joint {}, rms {:.3} {unit}, no cause claimed; standard deviation {:.3} {unit} at most",
+            curve.joint,
+            curve.rms * 1e3,
+            most * 1e3
+        );
+        for line in &curve.lines {
+            let share = 100.0 * line.share;
+            let _ = write!(text, "; order {:.2}: {:.3} {unit} ({share:.0} %)", line.order, line.amplitude * 1e3);
+        }
+        text.push('\n');
+    }
+    text
+}
