@@ -14,4 +14,5 @@ mod oracle;
 mod quirky;
 mod readme;
 mod support;
+mod tables;
 mod trials;

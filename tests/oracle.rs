@@ -145,7 +145,7 @@ fn every_chain_of_every_file_moves_as_the_oracle_says() {
                 .into_iter()
                 .map(|format| {
                     let text = (formats::named(format).unwrap().render)(&sheet).unwrap();
-                    (format, sources::read("table", &text).unwrap().chain().unwrap())
+                    (format, sources::read("table", &text, sources::Stated::default()).unwrap().chain().unwrap())
                 })
                 .collect();
             for sample in &witness.samples {

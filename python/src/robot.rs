@@ -43,7 +43,7 @@ impl Robot {
         allow_any_file: bool,
         vendor_angles: bool,
     ) -> PyResult<Self> {
-        let options = Options { arguments, package_path, allow_any_file, vendor_angles };
+        let options = Options { arguments, package_path, allow_any_file, vendor_angles, ..Options::default() };
         let opened = py.detach(|| denavit_load::from_text(file, text, &options)).map_err(|error| load(&error))?;
         let notes = opened.notes.iter().map(ToString::to_string).collect();
         let file: Arc<str> = match &opened.robot {

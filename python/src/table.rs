@@ -1,7 +1,6 @@
 //! A Denavit-Hartenberg table, and whether it is the vendor's.
 
 use crate::errors::{Class, Spot, argument, error};
-use denavit_dh::matching;
 use denavit_export::{Sheet, Units, formats, matched, sources};
 use denavit_load::Made;
 use denavit_model::Chain;
@@ -61,11 +60,12 @@ impl Table {
 
     /// How a vendor's table lies on the robot: JSON, and text.
     fn r#match(&self, py: Python<'_>, file: &str, text: &str) -> PyResult<(String, String)> {
-        let vendor = sources::read_vendor_table(file, text);
-        let vendor = vendor.map_err(|failure| error(Class::Robot, &failure.to_string(), (&failure.place).into()))?;
-        let found = py.detach(|| matching::match_table(&self.chain, &vendor));
+        let readings = sources::read_vendor_table(file, text, sources::Stated::default());
+        let readings =
+            readings.map_err(|failure| error(Class::Robot, &failure.to_string(), (&failure.place).into()))?;
+        let found = py.detach(|| matched::best(&self.chain, &readings));
         let found = found.map_err(|failure| error(Class::Argument, &format!("{file}: {failure}"), Spot::file(file)))?;
-        let words = matched::text(&self.chain, file, &vendor, &found, Units::default());
+        let words = matched::text(&self.chain, file, &found, Units::default());
         Ok((matched::json(&self.chain, file, &found), words))
     }
 }

@@ -54,18 +54,10 @@ impl Across {
     #[must_use]
     pub fn carried(&self, nominal: &Screw, actual: &Screw) -> Self {
         let (from, to) = (nominal.direction().into_inner(), actual.direction().into_inner());
-        let turn = least_rotation(&from, &to);
-        let rotation = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, 0.0, 0.0, 0.0)).rotation;
+        let rotation = se3::least_rotation(&from, &to);
         let centre = actual.line().map_or(self.centre, |line| line.nearest_to(&self.centre));
         Self { a: rotation * self.a, b: rotation * self.b, centre }
     }
-}
-
-/// The rotation vector (rad) that takes one unit direction to another on the shortest way.
-fn least_rotation(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
-    let cross = from.cross(to);
-    let sine = cross.norm();
-    if sine == 0.0 { Vector3::zeros() } else { cross * (sine.atan2(from.dot(to)) / sine) }
 }
 
 /// How far a joint's axis is from nominal: the numbers that calibration reports.
@@ -104,7 +96,7 @@ impl Arm {
     pub fn change(&self, index: usize) -> AxisChange {
         let (nominal, actual) = (&self.nominal.joints()[index], &self.joints[index]);
         let across = Across::of(&nominal.screw);
-        let turn = least_rotation(&nominal.screw.direction(), &actual.screw.direction());
+        let turn = se3::least_rotation_vector(&nominal.screw.direction(), &actual.screw.direction());
         let moved = actual.screw.line().map_or([0.0; 2], |line| {
             let offset = line.nearest_to(&across.centre) - across.centre;
             [offset.dot(&across.a), offset.dot(&across.b)]

@@ -8,7 +8,7 @@ use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
 use crate::effects::recorded::needed;
 use crate::effects::survey::{with_run_order, with_run_order_after};
-use crate::errors::{Errors, Residual, TestError, errors, placed, residuals};
+use crate::errors::{Errors, Residual, TestError, errors, lengths_found, placed, residuals};
 use crate::grid::{self, Rounding};
 use crate::identifiability::{Identifiability, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
@@ -404,17 +404,22 @@ impl Stages<'_> {
     fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
         let mut train = residuals(&fit.arm, &fit.effects, self.train);
         train.retain(|residual| fit.weights[residual.observation] > 0.0);
+        let train_lengths = lengths_found(&fit.arm, &fit.effects, self.train);
+        let mut test_lengths = Vec::new();
         let mut held_out = Vec::new();
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
             let arm = placed(fit, self.train, test)?;
             held_out = residuals(&arm, &fit.effects, test);
+            test_lengths = lengths_found(&arm, &fit.effects, test);
             test_errors = Some(errors(&held_out, &test.scene));
         }
         self.done.push(Stage {
             name: name.clone(),
             train: errors(&train, &self.train.scene),
             test: test_errors,
+            train_lengths,
+            test_lengths,
             converged: fit.settled(),
             adopted: false,
             worse_on_held_out: false,

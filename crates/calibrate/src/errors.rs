@@ -1,7 +1,7 @@
 //! How far predictions are from measured values, on the rows of a fit and on rows that it never saw.
 
 use crate::arm::{Arm, Deviation, Row, RowState};
-use crate::measurements::{Measurements, Scene};
+use crate::measurements::{Measurements, Scene, label_of};
 use crate::observe::{Discrepancy, Part, Seen};
 use crate::parameters::Effects;
 use crate::solve::Fit;
@@ -61,6 +61,19 @@ pub enum TestError {
         found: String,
         /// What was fitted.
         expected: String,
+    },
+    /// A setup whose instrument the fit does not know.
+    #[error(
+        "{file}: setup \"{setup}\" is not among the fitted ones ({known}), so nobody knows where its instrument stands; \
+         fit some of its rows, too"
+    )]
+    UnplacedSetup {
+        /// The test file.
+        file: String,
+        /// The setup.
+        setup: String,
+        /// Those of the fit.
+        known: String,
     },
     /// The rows that were fitted.
     #[error(
@@ -181,6 +194,8 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
         let point = fitted_place(&known.points, name).map(|point| arm.points[point]);
         placed.points.push(point.unwrap_or_else(Vector3::zeros));
     }
+    let unplaced: Vec<usize> =
+        (0..here.points.len()).filter(|&point| fitted_place(&known.points, &here.points[point]).is_none()).collect();
     for (target, name) in here.targets.iter().enumerate() {
         let located = locate(fit, fitted, data, target);
         let own = fitted_place(&known.targets, name).map(|index| arm.targets[index]);
@@ -201,7 +216,66 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
         };
         placed.targets.push(pose);
     }
+    for series in here.series.iter().filter(|series| series.kind.unknowns().instrument) {
+        if !known.setups.contains(&here.setups[series.setup]) {
+            let (file, setup) = (data.source.clone(), here.setups[series.setup].clone());
+            return Err(TestError::UnplacedSetup { file, setup, known: known.setups.join(", ") });
+        }
+    }
+    place_points(&mut placed, &fit.effects, data, &unplaced);
     Ok(placed)
+}
+
+/// Puts points that no fit has seen where the rows that see them have them.
+fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, points: &[usize]) {
+    let (mut state, mut deviation) = (RowState::default(), Deviation::none(arm.joints.len()));
+    for &point in points {
+        let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
+        for row in 0..data.len() {
+            for observation in data.of_row(row) {
+                let series = data.series_of(observation);
+                if series.point == Some(point) {
+                    stand(arm, effects, data, row, &mut state, &mut deviation);
+                    let own = data.observed.values(observation);
+                    predicted.push(Seen::new(arm, &state.tip, &deviation, series, own, false).predicted);
+                    values.push(own);
+                    kind = Some(series.kind);
+                }
+            }
+        }
+        if let Some(place) = kind.and_then(|kind| kind.points(&predicted, &values).first().copied()) {
+            arm.points[point] = place;
+        }
+    }
+}
+
+/// A known distance between two points, and what the rows that see them say of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LengthFound {
+    /// The points' labels.
+    pub between: [String; 2],
+    /// As known, m.
+    pub known_m: f64,
+    /// Between the mean places, m.
+    pub found_m: f64,
+}
+
+/// The known distances as the rows alone say them, each point standing where its own rows have it.
+pub fn lengths_found<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<LengthFound> {
+    if data.scene.lengths.is_empty() {
+        return Vec::new();
+    }
+    let mut arm = arm.clone();
+    place_points(&mut arm, effects, data, &(0..data.scene.points.len()).collect::<Vec<usize>>());
+    let found = data.scene.lengths.iter().map(|known| {
+        let [a, b] = known.points;
+        LengthFound {
+            between: known.points.map(|point| label_of(&data.scene.points[point]).to_owned()),
+            known_m: known.length,
+            found_m: (arm.points[a] - arm.points[b]).norm(),
+        }
+    });
+    found.collect()
 }
 
 /// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows.

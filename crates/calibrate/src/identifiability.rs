@@ -108,6 +108,8 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     // With residuals of 0 the common frame is exactly free; with measured ones it would be told by them.
     let predicted = predicted(data, arm, effects);
     let triangle = triangle(&Problem { data: &predicted, layout: &layout, effects }, arm);
+    let unread = data.scene.kinds().iter().any(|kind| kind.numbers() == 0);
+    let triangle = if unread { without(&triangle, &gauge::common_motions(&layout, arm)) } else { triangle };
     let analysis = analyse(&triangle, &gauge::conditions(&layout, arm));
     let untold = name(&layout, data, arm, &analysis);
     Identifiability {
@@ -147,6 +149,11 @@ fn triangle<E: Effects>(problem: &Problem<'_, E>, arm: &Arm) -> DMatrix<f64> {
     let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
     let mut pending: Vec<f64> = Vec::new();
     let mut triangle = DMatrix::<f64>::zeros(0, columns);
+    for known in problem.layout.known_lengths(&data.scene, arm) {
+        let start = pending.len();
+        pending.resize(start + columns, 0.0);
+        known.columns.iter().for_each(|(column, value)| pending[start + column] = *value);
+    }
     for row in 0..data.len() {
         problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
         pending.extend_from_slice(&jacobian[..problem.height_of(row) * columns]);
@@ -164,6 +171,13 @@ fn stacked(above: &DMatrix<f64>, below: &DMatrix<f64>) -> DMatrix<f64> {
     matrix.rows_mut(0, above.nrows()).copy_from(above);
     matrix.rows_mut(above.nrows(), below.nrows()).copy_from(below);
     matrix
+}
+
+/// A Jacobian that these motions leave as it is: where nothing is read, no prediction makes the residuals 0, and what is
+/// left of them would tell the common frame.
+fn without(triangle: &DMatrix<f64>, motions: &DMatrix<f64>) -> DMatrix<f64> {
+    let basis = motions.clone().qr().q();
+    triangle - triangle * &basis * basis.transpose()
 }
 
 struct Analysis {
@@ -276,7 +290,8 @@ fn drawn() -> SimulationOptions {
 }
 
 fn measured(chain: &Chain, freedom: &Freedom, options: &SimulationOptions) -> Vec<Identifiability> {
-    let found = KINDS.into_iter().map(|kind| {
+    let read = KINDS.into_iter().filter(|kind| kind.numbers() > 0);
+    let found = read.map(|kind| {
         let run = simulate(chain, &SimulationOptions { kind, ..options.clone() }, &NoEffects);
         identifiability(&run.data, &run.arm, &NoEffects, freedom)
     });

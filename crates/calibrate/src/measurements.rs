@@ -2,6 +2,7 @@
 
 pub mod columns;
 mod header;
+mod join;
 mod near_miss;
 mod observations;
 mod plausible;
@@ -13,10 +14,11 @@ mod units;
 mod write;
 
 pub use columns::ColumnUse;
+pub use join::read_socket;
 pub use observations::Observations;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read};
-pub use scene::{Scene, Series};
+pub use scene::{KnownLength, Scene, Series, label_of};
 pub use units::{Units, UnitsError};
 pub use write::write;
 
@@ -203,16 +205,31 @@ impl Measurements {
 
     /// Leaves out the targets for which `keep` is false, and what was observed of them.
     pub fn keep_targets(&mut self, keep: &[bool]) {
+        let series = self.scene.series.clone();
+        self.keep_series(|index| keep[series[index].target]);
+    }
+
+    /// Leaves out series, and what only they speak of.
+    fn keep_series(&mut self, keep: impl Fn(usize) -> bool) {
         let old = std::mem::take(&mut self.scene);
-        let mut kept = Vec::new();
-        for series in &old.series {
-            let point = series.point.map(|point| old.points[point].clone());
-            let point = point.as_deref().and_then(|name| name.split_once(' ').map(|(_, own)| own));
-            let target = &old.targets[series.target];
-            kept.push(
-                keep[series.target].then(|| self.scene.add(series.kind, &old.setups[series.setup], target, point)),
-            );
-        }
+        let series = old.series.iter().enumerate();
+        let kept: Vec<Option<usize>> =
+            series.map(|(index, series)| keep(index).then(|| self.scene.adopt(&old, series))).collect();
         self.observed = self.observed.subset(0..self.lines.len(), |series| kept[series]);
+        for known in &old.lengths {
+            let [a, b] = known.points.map(|point| self.scene.points.iter().position(|name| *name == old.points[point]));
+            if let (Some(a), Some(b)) = (a, b) {
+                self.scene.lengths.push(KnownLength { points: [a, b], ..known.clone() });
+            }
+        }
+    }
+
+    /// Leaves out what no row speaks of.
+    #[must_use]
+    pub fn pruned(mut self) -> Self {
+        let mut seen = vec![false; self.scene.series.len()];
+        (0..self.observations()).for_each(|observation| seen[self.observed.series(observation)] = true);
+        self.keep_series(|series| seen[series]);
+        self
     }
 }

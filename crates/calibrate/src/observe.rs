@@ -7,6 +7,7 @@
 mod distance;
 mod pose;
 mod position;
+mod socket;
 
 use crate::arm::{Arm, Deviation};
 use crate::measurements::{Problem, Series};
@@ -23,8 +24,11 @@ pub const POSITION: ObservationKind = ObservationKind(&position::Position);
 /// Distance of a target from an anchor.
 pub const DISTANCE: ObservationKind = ObservationKind(&distance::Distance);
 
+/// A ball in a socket.
+pub const SOCKET: ObservationKind = ObservationKind(&socket::Socket);
+
 /// Every kind; of those whose columns a file has, the first is meant.
-pub const KINDS: [ObservationKind; 3] = [POSE, POSITION, DISTANCE];
+pub const KINDS: [ObservationKind; 4] = [POSE, POSITION, DISTANCE, SOCKET];
 
 /// A kind of observation, by reference to its definition.
 #[derive(Clone, Copy)]
@@ -248,7 +252,12 @@ pub trait Observe: Sync {
     /// Adds errors to such a reading.
     fn disturb(&self, values: &mut [f64], errors: &mut Disturbance<'_>);
 
-    /// Names of its columns in a file.
+    /// The target that it is of, where that is another than instruments see; it is the same in every setup.
+    fn own_target(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Names of its columns in a file; none where the label of its point says it all.
     fn columns(&self, target: &str) -> Vec<String>;
 
     /// Whether several targets can be observed at once, some of them not in every row.

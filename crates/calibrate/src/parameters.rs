@@ -1,7 +1,7 @@
 //! The numbers that a fit may change, and their order.
 
 use crate::arm::{Across, Arm, Deviation, Row, RowState};
-use crate::measurements::Scene;
+use crate::measurements::{KnownLength, Scene};
 use crate::prior;
 use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
@@ -174,6 +174,15 @@ pub struct Layout {
     pub prior: DMatrix<f64>,
 }
 
+/// A value known beforehand: its residual over its standard deviation, and the derivatives that are not 0, by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// Known less predicted.
+    pub residual: f64,
+    /// Columns and derivatives of the residual.
+    pub columns: Vec<(usize, f64)>,
+}
+
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The name of a direction: a base axis where it is one, else the given letter.
@@ -240,16 +249,22 @@ impl Layout {
             (1..3).for_each(|component| _ = add(component));
         }
         let start = self.joints.end + 6 * self.instruments.iter().flatten().count() + 3 * self.points.len();
+        // Numbers follow the word, names stand apart from it.
+        let called = |name: &str| {
+            let space = if name.starts_with(|c: char| c.is_alphabetic()) { " " } else { "" };
+            format!("target{space}{name}")
+        };
         for (target, name) in scene.targets.iter().enumerate() {
+            let name = called(name);
             let mut add = |component: usize| {
-                free(format!("target{name}.{}", AXES[component]), ParameterKind::Target { target, component }, "m")
+                free(format!("{name}.{}", AXES[component]), ParameterKind::Target { target, component }, "m")
             };
             self.places.push(add(0));
             (1..3).for_each(|component| _ = add(component));
         }
         for (target, name) in scene.targets.iter().enumerate() {
             let mut add = |component: usize| {
-                let name = format!("target{name}.turn_{}", AXES[component]);
+                let name = format!("{}.turn_{}", called(name), AXES[component]);
                 free(name, ParameterKind::TargetTurn { target, component }, "rad")
             };
             let first = scene.turns(target).then(|| add(0));
@@ -259,6 +274,21 @@ impl Layout {
             self.turns.push(first);
         }
         self.targets = start..self.parameters.len();
+    }
+
+    /// What the known distances between points ask of the parameters.
+    pub fn known_lengths(&self, scene: &Scene, arm: &Arm) -> Vec<Known> {
+        let of = |known: &KnownLength| {
+            let [a, b] = known.points;
+            let apart = arm.points[b] - arm.points[a];
+            let length = apart.norm();
+            let along = if length > 0.0 { apart / length } else { Vector3::zeros() };
+            let column =
+                |point: usize, sign: f64| (0..3).map(move |k| (self.points[point] + k, sign * along[k] / known.std));
+            let columns = column(a, 1.0).chain(column(b, -1.0)).collect();
+            Known { residual: (known.length - length) / known.std, columns }
+        };
+        scene.lengths.iter().map(of).collect()
     }
 
     /// The layout with other effects in it.

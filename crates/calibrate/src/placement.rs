@@ -42,6 +42,9 @@ pub(crate) fn some_rows(data: &Measurements) -> Option<Measurements> {
 
 /// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.
 fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -> Arm {
+    if data.scene.setups.len() > 1 {
+        return assembled(chain, data, weights);
+    }
     let rows = usable_rows(data, weights);
     let few = data.subset(&rows);
     let weights: Vec<f64> =
@@ -61,6 +64,28 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
         }
     }
     best.map_or_else(|| Arm::new(chain, &data.scene), |(_, arm)| arm)
+}
+
+/// A start for each setup by itself, put together.
+fn assembled(chain: &Chain, data: &Measurements, weights: &[f64]) -> Arm {
+    let mut arm = Arm::new(chain, &data.scene);
+    for setup in 0..data.scene.setups.len() {
+        let (part, observations) = data.of_one_setup(setup);
+        let weights: Vec<f64> = observations.iter().map(|&observation| weights[observation]).collect();
+        let freedom = Freedom::placement(chain.joints().len());
+        let layout = Layout::new(chain, &part.scene, &freedom, &Tolerances::default(), Vec::new());
+        let own = start(chain, &part, &weights, &layout);
+        arm.instruments[setup] = own.instruments.first().copied().unwrap_or_else(Pose::identity);
+        for (name, target) in part.scene.targets.iter().zip(&own.targets) {
+            let index = data.scene.targets.iter().position(|known| known == name);
+            index.into_iter().for_each(|index| arm.targets[index] = *target);
+        }
+        for (name, point) in part.scene.points.iter().zip(&own.points) {
+            let index = data.scene.points.iter().position(|known| known == name);
+            index.into_iter().for_each(|index| arm.points[index] = *point);
+        }
+    }
+    arm
 }
 
 /// The largest noise level of the lengths, m.

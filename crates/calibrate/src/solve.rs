@@ -5,7 +5,7 @@ use crate::gauge;
 use crate::measurements::{Measurements, Scene, Series};
 use crate::normal::Sums;
 use crate::observe::Part;
-use crate::parameters::{Effects, Layout};
+use crate::parameters::{Effects, Known, Layout};
 use crate::residual::Problem;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -235,13 +235,18 @@ impl Solver<'_> {
         &self.data.scene
     }
 
+    fn known(&self, arm: &Arm) -> Vec<Known> {
+        self.layout.known_lengths(self.scene(), arm)
+    }
+
     fn unused(&self) -> Vec<f64> {
         vec![0.0; self.scene().channels.len()]
     }
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
         let sums = Problem { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
-        let prior = self.layout.prior_cost(&arm, &self.reference);
+        let known: f64 = self.known(&arm).iter().map(|known| known.residual.powi(2)).sum();
+        let prior = self.layout.prior_cost(&arm, &self.reference) + known;
         State { arm, effects, sums, prior }
     }
 
@@ -261,6 +266,14 @@ impl Solver<'_> {
                 gradient[i] -= weight * channel.gradient[i];
                 for k in i..n {
                     matrix[(i, k)] += weight * channel.matrix[i * n + k];
+                }
+            }
+        }
+        for known in self.known(&state.arm) {
+            for (i, a) in &known.columns {
+                gradient[*i] -= a * known.residual;
+                for (k, b) in known.columns.iter().filter(|(k, _)| k >= i) {
+                    matrix[(*i, *k)] += a * b;
                 }
             }
         }

@@ -11,7 +11,7 @@ use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::report::text;
 use denavit_calibrate::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::{Measurements, NoEffects, ObservationKind};
-use denavit_export::sources::{self, Source};
+use denavit_export::sources::{self, Source, Stated};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::tree::Reading;
@@ -204,7 +204,7 @@ fn clean_runs_and_rough_robots_are_left_alone() {
 }
 
 fn table(text: &str) -> Chain {
-    match sources::read("table.csv", text).unwrap() {
+    match sources::read("table.csv", text, Stated::default()).unwrap() {
         Source::Table { table, .. } => table.chain().unwrap(),
         Source::Poe(chain) => chain,
     }

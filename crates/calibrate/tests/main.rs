@@ -6,6 +6,7 @@ mod factory;
 mod identifiability;
 mod jacobian;
 mod measured;
+mod mixes;
 mod oracle;
 mod page;
 mod placing;

@@ -59,6 +59,10 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     assert!(square(|point| point.partial - point.model) < 0.2 * square(|point| point.model));
     let text = page(&result).unwrap();
     assert_eq!(text.matches("<svg").count(), 13);
+    // One result, many views: the parameters are those of the stage with the effect, as on the terminal.
+    let last = denavit_calibrate::report::text::parameters(&result.trace.as_ref().unwrap().fit);
+    let geometric = denavit_calibrate::report::text::parameters(&result.identification.geometric);
+    assert!(last != geometric && text.contains(&last), "{last}");
     assert!(text.contains("transmission_error at joint_3") && text.contains("Everything that was tried"));
     assert!(text.contains("<td>helical_pitch</td>"));
     if let Ok(folder) = std::env::var("DENAVIT_SHOW") {

@@ -34,8 +34,8 @@ Examples:
   denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
   denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
 
-ROBOT is a URDF, a xacro file, a D-H table or screw axes (CSV or JSON), a UR kinematics file (yaml), - for
-standard input, or git:REVISION:PATH.
+ROBOT is a URDF, a xacro file, a D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), the kinematics file
+of a UR, xArm or Franka arm (yaml), - for standard input, or git:REVISION:PATH.
 Exit codes: 0 done or the same, 1 different or found, 2 trouble.";
 
 /// The commands.
@@ -51,6 +51,8 @@ pub enum Command {
     Poe(PoeArguments),
     /// Say how two robots differ: per joint, and at the tips
     Diff(DiffArguments),
+    /// Print a robot line by line, everything that `diff` compares: for `git diff`
+    Describe(DescribeArguments),
     /// Expand a xacro file to URDF, without ROS
     Expand(ExpandArguments),
     /// Write the canonical URDF, whose link frames are the D-H frames; or a URDF from a D-H table
@@ -80,8 +82,8 @@ pub enum Command {
 /// Which robot, and which chain of it.
 #[derive(Debug, Clone, Args)]
 pub struct RobotArguments {
-    /// URDF, xacro, D-H table or screw axes (CSV, JSON), UR kinematics file (yaml), - for standard input, or
-    /// git:REVISION:PATH
+    /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka
+    /// arm (yaml), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
     #[arg(long, value_name = "LINK")]
@@ -119,6 +121,14 @@ pub struct SourceArguments {
     /// reads them, so as a robot that ROS drives moves]
     #[arg(long)]
     pub vendor_angles: bool,
+    /// How a D-H table's file groups its rows, where it does not say so itself: distal, proximal, paper or hayati
+    /// [default: distal]
+    #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true)]
+    pub table_convention: Option<ConventionName>,
+    /// Units of a D-H table's numbers, where the file does not say so itself: m or mm, deg or rad [default: what the
+    /// numbers can be]
+    #[arg(long, value_name = "UNITS")]
+    pub table_units: Option<String>,
 }
 
 impl RobotArguments {
@@ -165,6 +175,18 @@ pub enum ConventionName {
     Hayati,
 }
 
+impl ConventionName {
+    /// The convention of this name.
+    pub fn convention(self) -> denavit_dh::Convention {
+        match self {
+            Self::Distal => denavit_dh::Convention::Distal,
+            Self::Proximal => denavit_dh::Convention::Proximal,
+            Self::Paper => denavit_dh::Convention::Paper,
+            Self::Hayati => denavit_dh::Convention::Hayati,
+        }
+    }
+}
+
 /// Names of gauges on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GaugeName {
@@ -192,9 +214,10 @@ pub struct TableArguments {
     /// How to choose what the geometry leaves free
     #[arg(long, value_enum)]
     pub gauge: Option<GaugeName>,
-    /// Compare with a vendor's table (CSV or JSON): find the senses, zeros, base and tool frames in which the robot
-    /// equals it, print it in the vendor's form, say where they differ; exit code 1 unless exact or rounded
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["convention", "gauge"])]
+    /// Compare with a vendor's table (CSV, Markdown or JSON, as manuals print it): find the senses, zeros, base and tool
+    /// frames in which the robot equals it, print it in the vendor's form, say where they differ; exit code 1 unless
+    /// exact or rounded. --convention and --table-units say how the table is to be read; what nobody says is tried
+    #[arg(long, value_name = "TABLE", conflicts_with = "gauge")]
     pub r#match: Option<String>,
     /// Units of text.
     #[command(flatten)]
@@ -303,12 +326,27 @@ pub struct ExpandArguments {
 /// What `--only` restricts a comparison to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum OnlyName {
-    /// How and how far it moves: no inertials, shapes, speeds and efforts
+    /// How and how far it moves: no inertials, shapes, speeds, efforts, transmissions and settings
     Kinematics,
+}
+
+/// Arguments of `denavit describe`.
+#[derive(Debug, Args)]
+#[command(after_long_help = denavit_compare::compared::listed())]
+pub struct DescribeArguments {
+    /// Any source
+    pub robot: String,
+    /// What some sources need.
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// Arguments of `denavit diff`.
 #[derive(Debug, Args)]
+#[command(after_long_help = denavit_compare::compared::listed())]
 pub struct DiffArguments {
     /// The robot as it was: any source
     pub a: String,
@@ -425,6 +463,7 @@ pub struct DocArguments {
 
 /// Arguments of `denavit fingerprint`.
 #[derive(Debug, Args)]
+#[command(after_long_help = denavit_compare::compared::listed())]
 pub struct FingerprintArguments {
     /// Any source
     pub robot: String,
@@ -438,7 +477,7 @@ pub struct FingerprintArguments {
     /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
     #[arg(long, value_name = "FINGERPRINT")]
     pub expect: Option<String>,
-    /// With --expect: masses and shapes may differ
+    /// With --expect: what is not motion may differ: masses, shapes, speeds, transmissions, settings
     #[arg(long, requires = "expect")]
     pub only_motion: bool,
     /// JSON.

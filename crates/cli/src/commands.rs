@@ -5,6 +5,7 @@ pub mod chains;
 pub mod check;
 pub mod compensate;
 pub mod completions;
+pub mod describe;
 pub mod diff;
 pub mod doc;
 pub mod expand;

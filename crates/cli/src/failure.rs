@@ -49,6 +49,9 @@ pub enum Failure {
     /// Poses that cannot be chosen.
     #[error(transparent)]
     Plan(#[from] denavit_calibrate::plan::PlanError),
+    /// A calibration that a maker's form cannot hold.
+    #[error(transparent)]
+    Maker(#[from] denavit_export::makers::MakerError),
     /// Parts that make no chain.
     #[error("{file}: {source}")]
     Chain {

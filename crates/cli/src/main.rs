@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod delivery;
 mod failure;
+mod gather;
 mod measured;
 mod output;
 mod progress;
@@ -33,6 +34,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Chains(arguments) => commands::chains::run(&arguments),
         Command::Fk(arguments) => commands::fk::run(&arguments),
         Command::Poe(arguments) => commands::poe::run(&arguments),
+        Command::Describe(arguments) => commands::describe::run(&arguments),
         Command::Diff(arguments) => commands::diff::run(&arguments),
         Command::Expand(arguments) => commands::expand::run(&arguments),
         Command::Export(arguments) => commands::export::run(&arguments),

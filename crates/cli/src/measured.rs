@@ -33,7 +33,7 @@ pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
         )));
     }
     within_proportion(&chain)?;
-    let statics = loaded.statics(&chain);
+    let statics = loaded.statics(&chain, arguments.selection().reading);
     Ok(Robot { loaded, chain, statics })
 }
 
@@ -48,6 +48,17 @@ pub fn one_standard_input(files: &[Option<&str>]) -> Result<(), Failure> {
 /// Units of a file of data.
 pub fn units(written: &str) -> Result<Units, Failure> {
     written.parse().map_err(|error| Failure::Argument(format!("--units: {error}")))
+}
+
+/// Reads a file by a reader that takes its name, its text and the units.
+pub fn read<T>(
+    file: &str,
+    written: &str,
+    reader: impl FnOnce(&str, &str, Units) -> Result<T, measurements::DataError>,
+) -> Result<T, Failure> {
+    let units = units(written)?;
+    let (name, text) = source::read_text(file)?;
+    Ok(reader(&name, &text, units)?)
 }
 
 /// Reads measurements and what their columns were taken for; what must be known of them is said.

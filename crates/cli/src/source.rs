@@ -2,9 +2,10 @@
 
 mod folder;
 
-use crate::args::{RobotArguments, SourceArguments};
+use crate::args::{ConventionName, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
+use denavit_export::sources::Stated;
 use denavit_load::{Options, Selection};
 use denavit_model::Reading;
 
@@ -58,6 +59,15 @@ pub fn read_text(name: &str) -> Result<(String, String), Failure> {
     Ok(denavit_load::read_text(name)?)
 }
 
+/// What the options say of how a table's file is to be read.
+pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
+    let convention = arguments.table_convention.map(ConventionName::convention);
+    let stated = Stated { convention, ..Stated::default() };
+    stated.with_units(arguments.table_units.as_deref().unwrap_or_default()).map_err(|word| {
+        Failure::Argument(format!("--table-units: \"{word}\" is no unit; write m or mm, and deg or rad"))
+    })
+}
+
 fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
     let pair = |word: &String| {
         let split = word.split_once(":=").map(|(name, value)| (name.to_owned(), value.to_owned()));
@@ -68,6 +78,7 @@ fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
         package_path: arguments.package_path.clone(),
         allow_any_file: arguments.allow_any_file,
         vendor_angles: arguments.vendor_angles,
+        stated: stated(arguments)?,
     })
 }
 

@@ -139,6 +139,15 @@ pub enum JointChange {
         /// In b; `None` where b states none.
         to: Option<f64>,
     },
+    /// Damping, friction or a soft limit.
+    PropertyChanged {
+        /// Which.
+        property: &'static str,
+        /// In a.
+        from: String,
+        /// In b.
+        to: String,
+    },
     /// It follows another joint, or otherwise.
     MimicChanged {
         /// In a.
@@ -183,6 +192,7 @@ impl fmt::Display for JointChange {
             Self::LimitChanged { limit, from, to } => {
                 write!(f, "{limit} limit {} to {}", words::stated(*from), words::stated(*to))
             }
+            Self::PropertyChanged { property, from, to } => write!(f, "{property} {from} to {to}"),
             Self::MimicChanged { from, to } => write!(f, "mimic: {from} to {to}"),
             Self::CarriedByOther { from, to } => {
                 write!(f, "carried by {} instead of {}", words::carrier(to), words::carrier(from))
@@ -235,6 +245,7 @@ pub struct PartDifference {
 }
 
 /// Kinds of part.
+#[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartKind {
@@ -248,6 +259,8 @@ pub enum PartKind {
     Collision,
     /// A name.
     Name,
+    /// An element beside links and joints, or of them: a transmission, a simulator's settings, calibration.
+    Element,
 }
 
 impl Comparison {

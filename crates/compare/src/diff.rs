@@ -2,6 +2,7 @@
 
 mod alignment;
 mod bound;
+mod elements;
 mod features;
 mod joints;
 mod matter;
@@ -17,7 +18,7 @@ use crate::subject::Subject;
 use alignment::Alignment;
 use denavit_model::se3::Pose;
 use denavit_model::tree::TreeError;
-use joints::Reparametrised;
+use joints::{Names, Reparametrised};
 use matter::{Matter, TipPair};
 use steps::{Space, Way};
 
@@ -85,7 +86,8 @@ impl Found {
 
     fn under(a: &Mechanism, b: &Mechanism, base: Pose, options: &Options) -> Self {
         let at = Alignment::new(a, b, base, options);
-        let joints = (0..a.joints.len()).map(|joint| joints::changes(a, b, &at, joint, options)).collect();
+        let names = Names::of(a, b);
+        let joints = (0..a.joints.len()).map(|joint| joints::changes(a, b, &at, &names, joint, options)).collect();
         let runs = (0..a.joints.len()).map(|joint| joints::run(a, b, &at, joint, options)).collect();
         let matter = matter::compare(a, b, &at, options);
         Self { at, joints, runs, matter }
@@ -104,19 +106,21 @@ impl Found {
     ) -> Comparison {
         let tips = self.tips(in_a, in_b, options);
         let Self { at, joints, mut matter, .. } = self;
+        let lines = b.lines();
         let mut found: Vec<JointDifference> = Vec::new();
         for (index, changes) in joints.into_iter().enumerate().filter(|(_, changes)| !changes.is_empty()) {
             let joint = in_a.joints[index].name.clone();
             let other = at.joint_b[index].map(|other| in_b.joints[other].name.clone());
-            let line = b.joint_line(other.as_ref().unwrap_or(&joint));
+            let line = lines.joint(other.as_ref().unwrap_or(&joint));
             found.push(JointDifference { renamed: other.filter(|other| *other != joint), joint, line, changes });
         }
+        let fixed = Names::of(in_a, in_b);
         for (index, joint) in in_b.joints.iter().enumerate().filter(|(index, _)| at.joint_a[*index].is_none()) {
-            let changes = vec![Change::counted(joints::new_in_b(in_a, in_b, index))];
+            let changes = vec![Change::counted(joints::new_in_b(in_b, &fixed, index))];
             found.push(JointDifference {
                 joint: joint.name.clone(),
                 renamed: None,
-                line: b.joint_line(&joint.name),
+                line: lines.joint(&joint.name),
                 changes,
             });
         }
@@ -124,10 +128,15 @@ impl Found {
             let (name, other) = (&in_a.joints[index].name, &in_b.joints[(*other)?].name);
             (name != other).then(|| (name.clone(), other.clone()))
         });
-        let names = matter.name_notes(&renamed.collect::<Vec<_>>());
+        let renamed: Vec<(String, String)> = renamed.collect();
+        if options.scope == Scope::Everything && !in_a.bare && !in_b.bare {
+            let all = renamed.iter().chain(&matter.renamed).map(|(one, other)| (one.as_str(), other.as_str()));
+            matter.parts.extend(elements::compare(in_a, in_b, &all.collect(), &|at| b.line(at)));
+        }
+        let names = matter.name_notes(&renamed);
         let names_count = options.count_names && !names.is_empty();
         for part in &mut matter.parts {
-            part.line = part.link.as_ref().and_then(|link| b.link_line(link));
+            part.line = part.line.or_else(|| part.link.as_ref().and_then(|link| lines.link(link)));
         }
         let counted = found.iter().flat_map(|joint| &joint.changes).any(|change| change.counts)
             || matter.parts.iter().any(|part| part.counts);

@@ -1,7 +1,7 @@
 //! A short hash that says "the same robot" in CI: the same for every way to write the robot down.
 //!
 //! Hashed are screw axes, their kinds, pitches, limits and couplings, empty leaf frames, and apart from these what the
-//! links weigh and show - all in the root link's frame at zero, so that link frames, the order of elements and the
+//! links weigh and show and what controllers and simulators are told - all in the root link's frame at zero, so that link frames, the order of elements and the
 //! spelling of numbers are not in it. Names are not in it either; where the robot stands on its root link is.
 //!
 //! **Rounding.** A number x becomes its cell floor(x / grid + offset). The grid is tolerance / √3, for
@@ -22,6 +22,7 @@ use crate::subject::Subject;
 use denavit_model::tree::Reading;
 use serde::Serialize;
 use std::fmt;
+use thiserror::Error;
 
 /// Two hashes: of what moves how, and of what it weighs and shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +31,7 @@ pub struct Fingerprint {
     pub tolerance: f64,
     /// Of axes, kinds, pitches, limits, couplings and empty leaf frames; twelve hexadecimal digits.
     pub motion: String,
-    /// Of masses, shapes, speeds and efforts; twelve hexadecimal digits.
+    /// Of masses, shapes, speeds, efforts, damping, friction, soft limits, transmissions and settings; twelve hexadecimal digits.
     pub matter: String,
     /// What `motion` is if numbers beside a cell's border fall on its other side.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -41,7 +42,7 @@ pub struct Fingerprint {
 }
 
 /// The first field of a fingerprint: what is hashed, and how. Another number, another meaning.
-const FORMAT: &str = "d1";
+const FORMAT: &str = "d2";
 
 /// The fingerprint of a robot at a tolerance in m and rad, angles read as written.
 ///
@@ -67,7 +68,58 @@ pub fn fingerprint(subject: &Subject, tolerance: f64) -> Fingerprint {
     Fingerprint { tolerance, motion, matter, other_motions, other_matters }
 }
 
+/// Why a text is no fingerprint that can be compared.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum FingerprintError {
+    /// Not five fields between hyphens, the last two of hexadecimal digits.
+    #[error(
+        "\"{0}\" is no fingerprint; it reads like d2-1e-6-98f2c1a0b3d4-55e01f7a9c22, as `denavit fingerprint` prints it"
+    )]
+    NotAFingerprint(String),
+    /// Another version hashed other things.
+    #[error("\"{written}\" is of format {format}, and this version hashes more: {FORMAT}; take the fingerprint anew")]
+    OtherFormat {
+        /// The text.
+        written: String,
+        /// Its first field.
+        format: String,
+    },
+    /// Hashes of another cell size cannot be compared.
+    #[error("\"{written}\" has the tolerance {tolerance}; compare with --tolerance {tolerance}")]
+    OtherTolerance {
+        /// The text.
+        written: String,
+        /// Its second field.
+        tolerance: String,
+    },
+}
+
 impl Fingerprint {
+    /// Whether a text can be compared with this fingerprint at all.
+    ///
+    /// # Errors
+    /// It is no fingerprint, or one of another format or tolerance.
+    pub fn comparable(&self, written: &str) -> Result<(), FingerprintError> {
+        let text = written.trim();
+        let not = || FingerprintError::NotAFingerprint(text.to_owned());
+        let (head, matter) = text.rsplit_once('-').ok_or_else(not)?;
+        let (head, motion) = head.rsplit_once('-').ok_or_else(not)?;
+        let (format, tolerance) = head.split_once('-').ok_or_else(not)?;
+        let hash = |text: &str| text.len() == 12 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let known = format.strip_prefix('d').is_some_and(|version| version.parse::<u32>().is_ok());
+        if !(hash(matter) && hash(motion) && known && tolerance.parse::<f64>().is_ok()) {
+            return Err(not());
+        }
+        if format != FORMAT {
+            return Err(FingerprintError::OtherFormat { written: text.to_owned(), format: format.to_owned() });
+        }
+        if tolerance != format!("{:e}", self.tolerance) {
+            return Err(FingerprintError::OtherTolerance { written: text.to_owned(), tolerance: tolerance.to_owned() });
+        }
+        Ok(())
+    }
+
     /// Whether a fingerprint that was written down is that of this robot.
     pub fn matches(&self, written: &str) -> bool {
         let Some((head, matter)) = written.trim().rsplit_once('-') else { return false };
@@ -78,26 +130,6 @@ impl Fingerprint {
     /// Whether a fingerprint that was written down is that of a robot that moves as this one, whatever it weighs.
     pub fn moves_as(&self, written: &str) -> bool {
         written.trim().rsplit_once('-').is_some_and(|(head, _)| self.is_of(head, |motion| self.has_motion(motion)))
-    }
-
-    /// Why a text cannot be compared with this fingerprint: it is none, or one of another version or tolerance. `None` where
-    /// it can.
-    pub fn not_comparable(&self, written: &str) -> Option<String> {
-        let mut parts = written.trim().rsplitn(3, '-');
-        let hashes = [parts.next(), parts.next()];
-        let is_hash = |hash: &&str| hash.len() == self.motion.len() && hash.chars().all(|c| c.is_ascii_hexdigit());
-        let head = parts.next().and_then(|head| head.split_once('-'));
-        let head = head.filter(|_| hashes.iter().flatten().filter(|hash| is_hash(hash)).count() == hashes.len());
-        let Some((version, tolerance)) = head else {
-            return Some(format!("\"{written}\" is no fingerprint; that of this robot is {self}"));
-        };
-        if version != FORMAT {
-            return Some(format!("\"{written}\" was made by another version; that of this robot is now {self}"));
-        }
-        if tolerance != format!("{:e}", self.tolerance) {
-            return Some(format!("\"{written}\" was made with --tolerance {tolerance}; give that, too"));
-        }
-        None
     }
 
     fn is_of(&self, head: &str, has: impl Fn(&str) -> bool) -> bool {

@@ -7,7 +7,9 @@
 //! ```
 //! The crate opens no files; whoever calls it says how a mesh is looked up.
 
+pub mod compared;
 pub mod comparison;
+pub mod describe;
 pub mod diff;
 pub mod fingerprint;
 pub mod lint;
@@ -18,6 +20,6 @@ mod words;
 
 pub use comparison::{Change, Comparison, JointChange, JointDifference, PartDifference, TipDifference, Verdict};
 pub use diff::{Options, Range, Scope, compare};
-pub use fingerprint::{Fingerprint, fingerprint};
+pub use fingerprint::{Fingerprint, FingerprintError, fingerprint};
 pub use lint::Finding;
 pub use subject::Subject;

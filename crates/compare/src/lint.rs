@@ -49,11 +49,19 @@ impl std::fmt::Debug for Rule {
 
 /// What became of looking up a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Lookup {
     /// It is there.
     Found,
     /// It is not; where it was looked for, or what is missing to know where to look.
     NotFound(String),
+    /// Nor is its package.
+    NoPackage {
+        /// The package's name.
+        package: String,
+        /// Where it was looked for, and what to do.
+        why: String,
+    },
     /// It was not looked up.
     Unknown,
 }

@@ -5,11 +5,13 @@
 
 mod screws;
 
-use denavit_model::nalgebra::{Matrix3, Point3, Unit, Vector3};
-use denavit_model::robot::{Geometry, Inertial, Joint, JointKind, Origin};
+use denavit_model::chain::Coordinate;
+use denavit_model::nalgebra::{Matrix3, Point3, Vector3};
+use denavit_model::placed::PlacedMass;
+use denavit_model::robot::{Dynamics, Geometry, Joint, SoftLimits};
 use denavit_model::se3::{self, Pose};
-use denavit_model::{AxisLine, Chain, Limits, Robot, Screw, intended, tree::Reading};
-use std::f64::consts::PI;
+use denavit_model::{Chain, Element, Limits, PlacedRobot, Robot, Screw, tree::Reading};
+use std::collections::HashMap;
 
 /// The gauge-free form of a tree or a chain.
 #[derive(Debug, Clone)]
@@ -28,6 +30,24 @@ pub struct Mechanism {
     pub size: f64,
     /// Whether it came from a table, which is silent about limits and links.
     pub bare: bool,
+    /// What the source says beside links and joints, and of links and joints beyond what is understood, by the body
+    /// that it is about.
+    pub elements: Vec<PlacedElement>,
+}
+
+/// An element of the source that is compared value by value.
+#[derive(Debug, Clone)]
+pub struct PlacedElement {
+    /// What it belongs to and what it is, such as `link "foot"/contact` or `transmission "elbow"`.
+    pub label: String,
+    /// The same without names.
+    pub kind: String,
+    /// Every value by the path to it; see [`Element::entries`].
+    pub entries: Vec<(String, String)>,
+    /// The body of the joint or link that it is about; the root body where it names none.
+    pub body: usize,
+    /// Byte offset in the source text.
+    pub at: usize,
 }
 
 /// An interval of a coordinate, rad or m.
@@ -64,6 +84,10 @@ pub struct MovingJoint {
     pub limits: Limits,
     /// As the source states it: joint, multiplier, offset.
     pub mimic: Option<(String, f64, f64)>,
+    /// Damping and friction.
+    pub dynamics: Dynamics,
+    /// A controller's limits, where stated.
+    pub soft_limits: Option<SoftLimits>,
 }
 
 /// What moves a joint.
@@ -152,12 +176,10 @@ pub struct Share {
 }
 
 impl Mass {
-    fn of(link: &str, inertial: &Inertial, root_from_link: &Pose, reading: Reading) -> Self {
-        let placed = root_from_link * pose_of(&inertial.origin, reading);
-        let r = placed.rotation.matrix();
-        let (mass, centre) = (inertial.mass, Point3::from(placed.translation.vector));
-        let tensor = r * inertial.tensor * r.transpose();
-        Self { shares: vec![Share { link: link.to_owned(), mass, centre, tensor }], mass, centre, tensor }
+    fn of(placed: &PlacedRobot, link: usize) -> Option<Self> {
+        let PlacedMass { mass, centre, tensor } = placed.mass(link)?;
+        let link = placed.robot().links[link].name.clone();
+        Some(Self { shares: vec![Share { link, mass, centre, tensor }], mass, centre, tensor })
     }
 
     /// The whole as if it were one link's, under the first link's name.
@@ -198,40 +220,13 @@ fn steiner(mass: f64, d: &Vector3<f64>) -> Matrix3<f64> {
     (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass
 }
 
-/// parent_from_child of an origin, its angles as written or as intended.
-fn pose_of(origin: &Origin, reading: Reading) -> Pose {
-    let (Reading::Intended, Some(written)) = (reading, &origin.rpy_written) else { return origin.pose() };
-    let mut read = origin.clone();
-    for (angle, literal) in read.rpy.iter_mut().zip(written) {
-        if let Some(intended) = intended::read_as(literal) {
-            *angle = intended.angle;
-        }
-    }
-    read.pose()
-}
-
-fn screw_of(joint: &Joint, root_from_joint: &Pose) -> Option<Screw> {
-    let line = AxisLine { direction: joint.axis, point: Point3::origin() };
-    let screw = match &joint.kind {
-        JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line),
-        JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch },
-        JointKind::Prismatic | JointKind::Planar => Screw::Prismatic(joint.axis),
-        _ => return None,
-    };
-    Some(screw.moved(root_from_joint))
-}
-
-/// Whether a joint of this kind has one value.
-fn has_one_value(kind: &JointKind) -> bool {
-    matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Screw(_))
-}
-
 impl Mechanism {
     /// The gauge-free form of a tree.
     ///
     /// Planar and floating joints, joints of unknown kind and mimic joints without a driver are held at 0 when
     /// poses are sampled; what they carry is compared all the same.
     pub fn of_robot(robot: &Robot, reading: Reading) -> Self {
+        let placed = PlacedRobot::new(robot, reading);
         let mut result = Self {
             name: robot.name.clone(),
             joints: Vec::new(),
@@ -240,55 +235,44 @@ impl Mechanism {
             coordinates: Vec::new(),
             size: 0.0,
             bare: false,
+            elements: Vec::new(),
         };
         let mut moving = vec![None; robot.joints.len()];
-        let mut carried: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
-        for (index, joint) in robot.joints.iter().enumerate() {
-            carried[joint.parent].push(index);
-        }
-        let mut open = vec![(robot.root, 0, Pose::identity(), None)];
-        while let Some((link, body, pose, carrier)) = open.pop() {
-            result.add_link(robot, link, (body, pose, carrier), carried[link].is_empty(), reading);
-            for index in carried[link].iter().rev() {
+        // The body of each link, by the link that carries the body.
+        let mut body_of = vec![0; robot.links.len()];
+        for link in placed.order() {
+            let body = body_of[placed.body(*link)];
+            result.add_link(&placed, *link, body);
+            for index in placed.carried(*link).iter().rev() {
                 let joint = &robot.joints[*index];
-                let below = pose * pose_of(&joint.origin, reading);
                 result.size += Vector3::from(joint.origin.xyz).norm();
-                let next = if joint.kind.moves() {
-                    result.add_joint(robot, *index, body, &below);
+                if joint.kind.moves() {
+                    result.add_joint(&placed, *index, body);
                     moving[*index] = Some(result.joints.len() - 1);
-                    result.joints.len()
+                    body_of[joint.child] = result.joints.len();
                 } else {
                     result.fixed.push((joint.name.clone(), robot.links[joint.child].name.clone()));
-                    body
-                };
-                open.push((joint.child, next, below, Some(joint.name.clone())));
+                }
             }
         }
-        result.connect_drives(robot, &moving);
+        result.connect_drives(&placed, &moving);
+        result.add_elements(&placed, &body_of);
         result.size = if result.size > 0.0 { result.size } else { 1.0 };
         result
     }
 
-    fn add_link(
-        &mut self,
-        robot: &Robot,
-        link: usize,
-        (body, pose, carrier): (usize, Pose, Option<String>),
-        leaf: bool,
-        reading: Reading,
-    ) {
-        let link = &robot.links[link];
+    fn add_link(&mut self, placed: &PlacedRobot, index: usize, body: usize) {
+        let link = &placed.robot().links[index];
         let body = &mut self.bodies[body];
         for (role, shapes) in [(Role::Visual, &link.visuals), (Role::Collision, &link.collisions)] {
             body.shapes.extend(shapes.iter().map(|shape| PlacedShape {
                 link: link.name.clone(),
                 role,
                 geometry: shape.geometry.clone(),
-                pose: pose * pose_of(&shape.origin, reading),
+                pose: placed.part(index, &shape.origin),
             }));
         }
-        if let Some(inertial) = &link.inertial {
-            let share = Mass::of(&link.name, inertial, &pose, reading);
+        if let Some(share) = Mass::of(placed, index) {
             body.mass = Some(match body.mass.take() {
                 Some(mass) => mass.joined(share),
                 None => share,
@@ -296,47 +280,107 @@ impl Mechanism {
         }
         let weighs = link.inertial.as_ref().is_some_and(|inertial| inertial.mass != 0.0);
         let matter = weighs || !link.visuals.is_empty() || !link.collisions.is_empty();
-        body.frames.push(Frame { link: link.name.clone(), pose, carrier, leaf, matter });
+        let leaf = placed.carried(index).is_empty();
+        let carrier = placed.carrier(index).map(|joint| placed.robot().joints[joint].name.clone());
+        body.frames.push(Frame { link: link.name.clone(), pose: *placed.pose(index), carrier, leaf, matter });
     }
 
-    fn add_joint(&mut self, robot: &Robot, index: usize, body: usize, root_from_joint: &Pose) {
-        let joint = &robot.joints[index];
+    fn add_joint(&mut self, placed: &PlacedRobot, index: usize, body: usize) {
+        let joint = &placed.robot().joints[index];
         self.joints.push(MovingJoint {
             name: joint.name.clone(),
             kind: joint.kind.word().to_owned(),
-            screw: screw_of(joint, root_from_joint),
-            origin: Point3::from(root_from_joint.translation.vector),
+            screw: placed.screw(index),
+            origin: Point3::from(placed.pose(joint.child).translation.vector),
             parent: body.checked_sub(1),
-            child: robot.links[joint.child].name.clone(),
+            child: placed.robot().links[joint.child].name.clone(),
             drive: None,
             limits: joint.limits_in_force(),
             mimic: joint.mimic.as_ref().map(|mimic| (mimic.joint.clone(), mimic.multiplier, mimic.offset)),
+            dynamics: joint.dynamics(),
+            soft_limits: joint.soft_limits(),
         });
         self.bodies.push(Body::default());
     }
 
-    fn connect_drives(&mut self, robot: &Robot, moving: &[Option<usize>]) {
+    fn connect_drives(&mut self, placed: &PlacedRobot, moving: &[Option<usize>]) {
+        let robot = placed.robot();
         let mut coordinate_of = vec![None; robot.joints.len()];
         for (index, joint) in robot.joints.iter().enumerate() {
-            if joint.mimic.is_none() && has_one_value(&joint.kind) {
+            if joint.mimic.is_none() && joint.kind.has_one_value() {
                 coordinate_of[index] = Some(self.coordinates.len());
                 self.coordinates.push(interval_of(joint));
             }
         }
         for (index, moving) in moving.iter().enumerate() {
-            let Some(moving) = moving else { continue };
-            if !has_one_value(&robot.joints[index].kind) {
-                continue;
+            let Some(moving) = moving.filter(|_| robot.joints[index].kind.has_one_value()) else { continue };
+            let Ok(drive) = placed.drive(index) else { continue };
+            let coordinate = drive.driver.and_then(|driver| coordinate_of[driver]);
+            let (scale, offset) = (drive.scale, drive.offset);
+            self.joints[moving].drive = coordinate.map(|coordinate| Drive { coordinate, scale, offset });
+        }
+    }
+
+    /// Everything that the source says beyond links and joints, each with the body that it is about.
+    fn add_elements(&mut self, placed: &PlacedRobot, body_of: &[usize]) {
+        let robot = placed.robot();
+        if robot.elements.is_empty()
+            && robot
+                .links
+                .iter()
+                .all(|link| link.elements.is_empty() && link.collisions.iter().all(|shape| shape.elements.is_empty()))
+            && robot.joints.iter().all(|joint| joint.elements.is_empty())
+        {
+            return;
+        }
+        let mut bodies: HashMap<&str, usize> = HashMap::new();
+        for (index, link) in robot.links.iter().enumerate() {
+            bodies.insert(&link.name, body_of[placed.body(index)]);
+        }
+        for joint in &robot.joints {
+            bodies.insert(&joint.name, body_of[placed.body(joint.child)]);
+        }
+        let mut add = |owner: Option<(&str, &str)>, element: &Element, body: usize| {
+            if element.tag() == "material" {
+                return;
             }
-            let (mut at, mut scale, mut offset) = (Some(index), 1.0, 0.0);
-            for _ in 0..=robot.joints.len() {
-                let Some(mimic) = at.and_then(|at| robot.joints[at].mimic.as_ref()) else { break };
-                offset += scale * mimic.offset;
-                scale *= mimic.multiplier;
-                at = robot.joint_index(&mimic.joint);
+            let (label, kind) = match owner {
+                Some((tag, name)) => {
+                    (format!("{tag} \"{name}\"/{}", element.label()), format!("{tag}/{}", element.tag()))
+                }
+                None => (element.label(), element.tag().to_owned()),
+            };
+            self.elements.push(PlacedElement { label, kind, entries: element.entries(), body, at: element.at });
+        };
+        for (index, link) in robot.links.iter().enumerate() {
+            let on_collisions = link.collisions.iter().flat_map(|shape| &shape.elements);
+            for element in link.elements.iter().chain(on_collisions) {
+                add(Some(("link", &link.name)), element, body_of[placed.body(index)]);
             }
-            let coordinate = at.and_then(|at| coordinate_of[at]);
-            self.joints[*moving].drive = coordinate.map(|coordinate| Drive { coordinate, scale, offset });
+        }
+        for joint in &robot.joints {
+            // Read as numbers, with URDF's defaults: a joint's own fields.
+            let further = joint.elements.iter().filter_map(further_of_joint);
+            for element in further {
+                add(Some(("joint", &joint.name)), &element, body_of[placed.body(joint.child)]);
+            }
+        }
+        for element in &robot.elements {
+            let names = element.nodes.iter().flat_map(|node| {
+                let values = node.attributes.iter().map(|(_, value)| value.as_str());
+                values.chain([node.text.as_str()])
+            });
+            let body = names.filter_map(|name| bodies.get(name)).next().copied().unwrap_or(0);
+            add(None, element, body);
+        }
+        // Of elements that nothing else tells apart, the order in the file means nothing.
+        self.elements.sort_by(|one, other| (&one.label, &one.entries).cmp(&(&other.label, &other.entries)));
+        let mut seen: HashMap<String, usize> = HashMap::new();
+        for element in &mut self.elements {
+            let count = seen.entry(element.label.clone()).and_modify(|count| *count += 1).or_insert(1);
+            if *count > 1 {
+                element.label = format!("{} [{count}]", element.label);
+            }
         }
     }
 
@@ -363,7 +407,7 @@ impl Mechanism {
             }
             // A path that runs up the tree turns against the axis that the joint names.
             let (screw, scale) =
-                if own && joint.scale < 0.0 { (reversed(&screw), -joint.scale) } else { (screw, joint.scale) };
+                if own && joint.scale < 0.0 { (screw.reversed(), -joint.scale) } else { (screw, joint.scale) };
             joints.push(MovingJoint {
                 name: joint.name.clone(),
                 kind: word_of(&screw, own && coordinate.continuous).to_owned(),
@@ -374,6 +418,8 @@ impl Mechanism {
                 drive: Some(Drive { coordinate: joint.coordinate, scale, offset }),
                 limits: if own { coordinate.limits } else { Limits::default() },
                 mimic: (!own).then(|| (coordinate.name.clone(), joint.scale, joint.offset)),
+                dynamics: Dynamics::default(),
+                soft_limits: None,
             });
             bodies.push(Body::default());
         }
@@ -385,7 +431,7 @@ impl Mechanism {
             chain.tip().clone_into(&mut last.child);
         }
         let (name, coordinates, size) = (chain.name().to_owned(), coordinates.collect(), chain.size());
-        Self { name, joints, fixed: Vec::new(), bodies, coordinates, size, bare: true }
+        Self { name, joints, fixed: Vec::new(), bodies, coordinates, size, bare: true, elements: Vec::new() }
     }
 
     /// Joints from the root to the body that joint `last` carries.
@@ -395,9 +441,18 @@ impl Mechanism {
         path
     }
 
-    /// Index of the moving joint of this name.
-    pub fn joint_index(&self, name: &str) -> Option<usize> {
-        self.joints.iter().position(|joint| joint.name == name)
+    /// Where each moving joint is, by name.
+    pub fn joint_indices(&self) -> HashMap<&str, usize> {
+        self.joints.iter().enumerate().map(|(index, joint)| (joint.name.as_str(), index)).collect()
+    }
+
+    /// For each body the joints that hang on it.
+    pub fn joints_on(&self) -> Vec<Vec<usize>> {
+        let mut on = vec![Vec::new(); self.bodies.len()];
+        for (index, joint) in self.joints.iter().enumerate() {
+            on[joint.parent.map_or(0, |parent| parent + 1)].push(index);
+        }
+        on
     }
 }
 
@@ -414,23 +469,24 @@ fn word_of(screw: &Screw, continuous: bool) -> &'static str {
     }
 }
 
-/// The same axis with the opposite positive direction.
-pub(crate) fn reversed(screw: &Screw) -> Screw {
-    let flip = |direction: &Unit<Vector3<f64>>| -*direction;
-    match screw {
-        Screw::Revolute(line) => Screw::Revolute(AxisLine { direction: flip(&line.direction), point: line.point }),
-        Screw::Prismatic(direction) => Screw::Prismatic(flip(direction)),
-        Screw::Helical { axis, pitch } => {
-            Screw::Helical { axis: AxisLine { direction: flip(&axis.direction), point: axis.point }, pitch: *pitch }
-        }
-    }
+/// An element of a joint without what is read as numbers of its own.
+fn further_of_joint(element: &Element) -> Option<Element> {
+    let read: &[&str] = match element.tag() {
+        "dynamics" => &["damping", "friction"],
+        "safety_controller" => &["soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"],
+        _ => return Some(element.clone()),
+    };
+    let mut element = element.clone();
+    let own = element.nodes.first_mut()?;
+    own.attributes.retain(|(name, _)| !read.contains(&name.as_str()));
+    (element.nodes.len() > 1 || !element.entries().is_empty()).then_some(element)
 }
 
 fn interval_of(joint: &Joint) -> Interval {
-    let slides = joint.kind == JointKind::Prismatic;
-    let range = joint.limits_in_force().interval();
-    let (lower, upper) = range.unwrap_or(if slides { (-1.0, 1.0) } else { (-PI, PI) });
-    Interval { name: joint.name.clone(), lower, upper, limited: range.is_some() }
+    let limits = joint.limits_in_force();
+    let coordinate = Coordinate { limits, ..Coordinate::unlimited(joint.name.clone(), joint.kind.quantity()) };
+    let (lower, upper) = coordinate.range();
+    Interval { name: coordinate.name, lower, upper, limited: limits.range.is_some() }
 }
 
 /// Where two poses differ: angle (rad) and distance of origins (m).

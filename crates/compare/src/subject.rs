@@ -3,6 +3,7 @@
 use crate::mechanism::Mechanism;
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, Robot};
+use std::collections::HashMap;
 
 /// One side of a comparison.
 #[derive(Debug, Clone, Copy)]
@@ -35,15 +36,36 @@ impl Subject<'_> {
         }
     }
 
-    /// Line of a joint's element, counted from 1, where the source has lines.
-    pub(crate) fn joint_line(&self, name: &str) -> Option<usize> {
+    /// Line of a byte offset, counted from 1, where the source has lines.
+    pub(crate) fn line(&self, at: usize) -> Option<usize> {
         let Self::Robot(robot) = self else { return None };
-        robot.joint_index(name).map(|joint| robot.source.line(robot.joints[joint].at))
+        Some(robot.source.line(at))
     }
 
-    /// Line of a link's element, counted from 1, where the source has lines.
-    pub(crate) fn link_line(&self, name: &str) -> Option<usize> {
-        let Self::Robot(robot) = self else { return None };
-        robot.link_index(name).map(|link| robot.source.line(robot.links[link].at))
+    /// Where joints and links stand in the source, if it has lines.
+    pub(crate) fn lines(&self) -> Lines<'_> {
+        let Self::Robot(robot) = self else { return Lines::default() };
+        let line = |at: usize| robot.source.line(at);
+        Lines {
+            joints: robot.joints.iter().map(|joint| (joint.name.as_str(), line(joint.at))).collect(),
+            links: robot.links.iter().map(|link| (link.name.as_str(), line(link.at))).collect(),
+        }
+    }
+}
+
+/// Lines of elements, counted from 1, by name.
+#[derive(Debug, Default)]
+pub(crate) struct Lines<'a> {
+    joints: HashMap<&'a str, usize>,
+    links: HashMap<&'a str, usize>,
+}
+
+impl Lines<'_> {
+    pub(crate) fn joint(&self, name: &str) -> Option<usize> {
+        self.joints.get(name).copied()
+    }
+
+    pub(crate) fn link(&self, name: &str) -> Option<usize> {
+        self.links.get(name).copied()
     }
 }

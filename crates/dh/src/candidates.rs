@@ -18,14 +18,24 @@ pub(crate) struct Target {
     pub place_is_free: bool,
     /// The tool's x axis, for the last target.
     pub tool_x: Option<Vector3<f64>>,
+    /// How far ahead the first target is that is not parallel, or the last one; 0 for the last.
+    turns_after: usize,
+    /// How far ahead the first target is that has a place; 0 for the last.
+    placed_after: usize,
 }
 
 impl Target {
     /// Base z, the joint axes, the tool's z: n + 2 of them.
     pub fn all(chain: &Chain) -> Vec<Self> {
         let mut passed = denavit_model::nalgebra::Point3::origin();
-        let mut targets =
-            vec![Self { direction: Vector3::z(), point: Vector3::zeros(), place_is_free: false, tool_x: None }];
+        let mut targets = vec![Self {
+            direction: Vector3::z(),
+            point: Vector3::zeros(),
+            place_is_free: false,
+            tool_x: None,
+            turns_after: 0,
+            placed_after: 0,
+        }];
         for joint in chain.joints() {
             passed = place_of(&joint.screw, passed);
             targets.push(Self {
@@ -33,6 +43,8 @@ impl Target {
                 point: passed.coords,
                 place_is_free: matches!(joint.screw, Screw::Prismatic(_)),
                 tool_x: None,
+                turns_after: 0,
+                placed_after: 0,
             });
         }
         let rotation = chain.home().rotation.matrix();
@@ -41,9 +53,33 @@ impl Target {
             point: chain.home().translation.vector,
             place_is_free: false,
             tool_x: Some(rotation.column(0).into_owned()),
+            turns_after: 0,
+            placed_after: 0,
         });
+        Self::look_ahead(&mut targets);
         targets
     }
+}
+
+impl Target {
+    /// From the last one back, so that a long run of parallel axes is not walked for each of them.
+    fn look_ahead(targets: &mut [Self]) {
+        for index in (0..targets.len().saturating_sub(1)).rev() {
+            let (here, ahead) = (targets[index], &targets[index + 1..]);
+            let mut turns = 0;
+            while ahead[turns].turns_after > 0 && angle_of_lines(&here.direction, &ahead[turns].direction) <= ROUNDING {
+                turns += ahead[turns].turns_after;
+            }
+            let placed = if ahead[0].place_is_free { ahead[0].placed_after } else { 0 };
+            targets[index].turns_after = turns + 1;
+            targets[index].placed_after = placed + 1;
+        }
+    }
+}
+
+/// The first target ahead of `ahead[0]` that has a place.
+fn placed_ahead(ahead: &[Target]) -> Option<&Target> {
+    ahead.get(ahead[0].placed_after).filter(|_| ahead.len() > 1)
 }
 
 /// Candidate rows from `frame` (z along `here`) to the first of `ahead`.
@@ -98,7 +134,7 @@ const MEETS: f64 = 1e-12;
 fn free_places(frame: &Pose, normal: &Vector3<f64>, z: &Vector3<f64>, ahead: &[Target]) -> Vec<Vector3<f64>> {
     let origin = frame.translation.vector;
     let mut places = vec![origin];
-    if let Some(goal) = ahead[1..].iter().find(|target| !target.place_is_free) {
+    if let Some(goal) = placed_ahead(ahead) {
         let along = goal.direction;
         let nearest = goal.point + along * (origin - goal.point).dot(&along);
         for goal in [nearest, goal.point] {
@@ -116,7 +152,7 @@ fn parallel_rows(frame: &Pose, z: &Vector3<f64>, ahead: &[Target], paper: bool, 
     let next = &ahead[0];
     let origin = frame.translation.vector;
     let here_x = frame.rotation.matrix().column(0).into_owned();
-    let goal = ahead[1..].iter().find(|target| !target.place_is_free);
+    let goal = placed_ahead(ahead);
     let mut places = vec![next.point];
     if next.place_is_free {
         places = vec![origin];
@@ -157,9 +193,7 @@ fn stops(origin: &Vector3<f64>, z: &Vector3<f64>, place: &Vector3<f64>, ahead: &
     if ahead[0].tool_x.is_some() {
         return vec![level(&ahead[0].point)];
     }
-    let turning =
-        ahead[1..].iter().find(|target| target.tool_x.is_some() || angle_of_lines(z, &target.direction) > ROUNDING);
-    let Some(target) = turning else { return Vec::new() };
+    let target = &ahead[ahead[0].turns_after];
     if target.place_is_free || angle_of_lines(z, &target.direction) <= ROUNDING {
         return vec![level(&target.point)];
     }

@@ -10,9 +10,9 @@
 //! URDF that then reads them takes them as R = Rz(yaw) Ry(pitch) Rx(roll). For a real arm the two differ by up to tens
 //! of micrometres at the tip. So each reading says which is meant: [`AngleOrder`].
 
-use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3, Vector6};
+use crate::makers::yaml::Scalars;
+use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3};
 use denavit_model::{AxisLine, Chain, ChainError, ChainJoint, Coordinate, Pose, Quantity, Screw, se3};
-use saphyr_parser::{Event, Parser};
 use std::fmt::Write;
 use thiserror::Error;
 
@@ -62,12 +62,12 @@ pub enum KinematicsFileError {
         what: String,
     },
     /// A number is missing.
-    #[error("{file}: kinematics.{name}.{key} is missing; each of the six origins needs x, y, z, roll, pitch, yaw")]
+    #[error("{file}: {name}.{key} is missing; each origin needs x, y, z, roll, pitch, yaw")]
     Missing {
         /// The file.
         file: String,
         /// The origin.
-        name: &'static str,
+        name: String,
         /// Which number.
         key: &'static str,
     },
@@ -82,6 +82,15 @@ pub enum KinematicsFileError {
         path: String,
         /// The value.
         text: String,
+    },
+    /// No kinematics file that is known.
+    #[error(
+        "{file}: no kinematics file that is known: UR's has kinematics.shoulder …, an xArm's kinematics.joint1 …, Franka's \
+         joint1.kinematic …"
+    )]
+    Unknown {
+        /// The file.
+        file: String,
     },
     /// A chain of another make.
     #[error(
@@ -104,54 +113,12 @@ pub enum KinematicsFileError {
 /// # Errors
 /// The YAML does not parse, or a number is missing or not finite.
 pub fn read(file: &str, text: &str) -> Result<KinematicsFile, KinematicsFileError> {
-    let mut path: Vec<String> = Vec::new();
-    let mut key: Option<String> = None;
+    let scalars = Scalars::read(file, text)?;
     let mut found = KinematicsFile::default();
-    let mut seen = [[false; 6]; 6];
-    for event in Parser::new_from_str(text) {
-        let (event, span) = event.map_err(|error| KinematicsFileError::Yaml {
-            file: file.into(),
-            line: error.marker().line(),
-            what: error.info().into(),
-        })?;
-        match event {
-            Event::MappingStart(..) => path.push(key.take().unwrap_or_default()),
-            Event::MappingEnd => {
-                path.pop();
-            }
-            Event::Scalar(value, ..) => {
-                let Some(name) = key.take() else {
-                    key = Some(value.into_owned());
-                    continue;
-                };
-                let parts: Vec<&str> = path.iter().map(String::as_str).collect();
-                match parts.as_slice() {
-                    ["", "kinematics", origin] => {
-                        let place =
-                            NAMES.iter().position(|(own, _)| own == origin).zip(KEYS.iter().position(|k| *k == name));
-                        let Some((origin_index, key_index)) = place else { continue };
-                        let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
-                        found.origins[origin_index][key_index] =
-                            number.ok_or_else(|| KinematicsFileError::NotANumber {
-                                file: file.into(),
-                                line: span.start.line(),
-                                path: format!("kinematics.{origin}.{name}"),
-                                text: value.to_string(),
-                            })?;
-                        seen[origin_index][key_index] = true;
-                    }
-                    ["", "kinematics"] if name == "hash" => found.hash = Some(value.into_owned()),
-                    _ => {}
-                }
-            }
-            _ => {}
-        }
+    for (origin, (name, _)) in found.origins.iter_mut().zip(NAMES) {
+        *origin = scalars.origin(&["kinematics", name])?;
     }
-    for ((name, _), seen) in NAMES.iter().zip(&seen) {
-        if let Some(key) = seen.iter().position(|seen| !seen) {
-            return Err(KinematicsFileError::Missing { file: file.into(), name, key: KEYS[key] });
-        }
-    }
+    found.hash = scalars.text(&["kinematics", "hash"]).map(str::to_owned);
     Ok(found)
 }
 
@@ -209,29 +176,19 @@ impl KinematicsFile {
     /// # Errors
     /// The chain has other than six plain revolute joints.
     pub fn of(chain: &Chain, order: AngleOrder) -> Result<(Self, Pose), KinematicsFileError> {
-        let lines = lines(chain)?;
-        let tip = Point3::from(chain.home().translation.vector);
-        let mut before = Pose::identity();
-        let mut origins = [[0.0; 6]; 6];
-        for (index, line) in lines.iter().enumerate() {
-            let last = Point3::from(before.translation.vector);
-            let origin = match lines.get(index + 1) {
-                Some(next) => foot(line, next).unwrap_or_else(|| line.nearest_to(&last)),
-                None => line.nearest_to(&tip),
-            };
-            let z = before.rotation * Vector3::z();
-            let turn = least_turn(&z, &line.direction, &(before.rotation * Vector3::x()));
-            let rotation = se3::orthonormalised(&(turn * before.rotation));
-            let frame = se3::pose(rotation, origin.coords);
-            let step = before.inverse() * frame;
+        if plain_lines(chain).len() != 6 || chain.joints().len() != 6 {
+            let (joints, plain) = (chain.joints().len(), plain_lines(chain).len());
+            let found = format!("{joints} joints, {plain} of them plain revolute ones");
+            return Err(KinematicsFileError::OtherChain { robot: chain.name().into(), found });
+        }
+        let (steps, tool) = origins(chain);
+        let mut file = Self::default();
+        for (origin, step) in file.origins.iter_mut().zip(&steps) {
             let [roll, pitch, yaw] = angles(&step.rotation, order);
             let place = step.translation.vector;
-            origins[index] = [place.x, place.y, place.z, roll, pitch, yaw];
-            before = frame;
+            *origin = [place.x, place.y, place.z, roll, pitch, yaw];
         }
-        let file = Self { origins, hash: None };
-        let reached = file.poses(order).iter().fold(Pose::identity(), |reached, origin| reached * origin);
-        Ok((file, reached.inverse() * chain.home()))
+        Ok((file, tool))
     }
 
     /// The file's text, every number with all its digits; `comments` on top say which order of angles is meant.
@@ -260,18 +217,39 @@ impl KinematicsFile {
     }
 }
 
-fn lines(chain: &Chain) -> Result<Vec<AxisLine>, KinematicsFileError> {
+/// The axes of the revolute joints without scale or offset.
+fn plain_lines(chain: &Chain) -> Vec<AxisLine> {
     let plain = |joint: &ChainJoint| match joint.screw {
         Screw::Revolute(line) if joint.scale == 1.0 && joint.offset == 0.0 => Some(line),
         _ => None,
     };
-    let lines: Vec<AxisLine> = chain.joints().iter().filter_map(plain).collect();
-    let joints = chain.joints().len();
-    if lines.len() == 6 && joints == 6 {
-        return Ok(lines);
+    chain.joints().iter().filter_map(plain).collect()
+}
+
+/// Joint origins of a chain of plain revolute joints, placed as [`KinematicsFile::of`] says, and the pose of the tip in the
+/// last one's frame.
+pub(crate) fn origins(chain: &Chain) -> (Vec<Pose>, Pose) {
+    let lines = plain_lines(chain);
+    let tip = Point3::from(chain.home().translation.vector);
+    let mut before = Pose::identity();
+    let mut origins = Vec::new();
+    let mut reached = Pose::identity();
+    for (index, line) in lines.iter().enumerate() {
+        let last = Point3::from(before.translation.vector);
+        let origin = match lines.get(index + 1) {
+            Some(next) => foot(line, next).unwrap_or_else(|| line.nearest_to(&last)),
+            None => line.nearest_to(&tip),
+        };
+        let z = before.rotation * Vector3::z();
+        let turn = least_turn(&z, &line.direction, &(before.rotation * Vector3::x()));
+        let rotation = se3::orthonormalised(&(turn * before.rotation));
+        let frame = se3::pose(rotation, origin.coords);
+        let step = before.inverse() * frame;
+        origins.push(step);
+        reached *= step;
+        before = frame;
     }
-    let found = format!("{joints} joints, {} of them plain revolute ones", lines.len());
-    Err(KinematicsFileError::OtherChain { robot: chain.name().into(), found })
+    (origins, reached.inverse() * chain.home())
 }
 
 /// Axes closer to parallel than this have no common normal to speak of, rad.
@@ -288,12 +266,6 @@ fn foot(line: &AxisLine, other: &AxisLine) -> Option<Point3<f64>> {
 
 /// The least rotation from one direction to another; about `fallback` where they are opposite.
 fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>, fallback: &Vector3<f64>) -> Rotation3<f64> {
-    let cross = from.cross(to);
-    let (sine, cosine) = (cross.norm(), from.dot(to));
-    if sine == 0.0 {
-        let angle = if cosine > 0.0 { 0.0 } else { std::f64::consts::PI };
-        return se3::rotation_about(fallback, angle);
-    }
-    let vector = cross * (sine.atan2(cosine) / sine);
-    se3::exp(&Vector6::new(vector.x, vector.y, vector.z, 0.0, 0.0, 0.0)).rotation
+    let opposite = from.cross(to).norm() == 0.0 && from.dot(to) < 0.0;
+    if opposite { se3::rotation_about(fallback, std::f64::consts::PI) } else { se3::least_rotation(from, to) }
 }

@@ -9,6 +9,7 @@
 pub mod drawing;
 pub mod formats;
 pub mod kinematics_yaml;
+pub mod makers;
 pub mod matched;
 pub mod numbers;
 pub mod page;

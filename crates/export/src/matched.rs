@@ -1,9 +1,12 @@
 //! How a robot and a vendor's table agree, as documents: text and JSON.
 
-use crate::numbers::{Units, decimal};
+use crate::numbers::{AngleUnit, Units, decimal};
+use crate::sources::{ReadAs, VendorReading};
 use comfy_table::{CellAlignment, Table as Grid, presets};
 use denavit_dh::RowLabel;
-use denavit_dh::matching::{Difference, Match, Nature, Placement, RowMatch, Sense, VendorTable};
+use denavit_dh::matching::{
+    DhNumber, Difference, Match, MatchError, Nature, Placement, RowMatch, Sense, Verdict, match_table,
+};
 use denavit_model::Pose;
 use denavit_model::chain::{Chain, Quantity};
 use denavit_model::se3::rpy_from_rotation;
@@ -19,6 +22,9 @@ struct MatchFile<'a> {
     robot: &'a str,
     table: &'a str,
     verdict: &'a str,
+    read_as: ReadAsEntry,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    would_match_as: Option<ReadAsEntry>,
     position_error_m: f64,
     rotation_error_rad: f64,
     joints: Vec<JointEntry<'a>>,
@@ -26,6 +32,107 @@ struct MatchFile<'a> {
     tool: FrameEntry,
     rows: Vec<RowEntry>,
     differences: Vec<DifferenceEntry>,
+}
+
+/// How the table was read, and whether file or user state it or it was tried.
+#[derive(Serialize)]
+struct ReadAsEntry {
+    convention: &'static str,
+    angle: &'static str,
+    length: &'static str,
+    tried: bool,
+}
+
+impl ReadAsEntry {
+    fn of(read_as: &ReadAs, tried: bool) -> Self {
+        let angle = if read_as.units.angle == AngleUnit::Degree { "deg" } else { "rad" };
+        Self { convention: read_as.convention.word(), angle, length: read_as.units.length_word(), tried }
+    }
+}
+
+/// What came of the readings of a table.
+#[derive(Debug)]
+pub struct Found<'a> {
+    /// The match of the best reading.
+    pub found: Match,
+    /// That reading.
+    pub reading: &'a VendorReading,
+    /// Where it is a mismatch: how the table would match, against what file or user state.
+    pub otherwise: Option<(Verdict, ReadAs)>,
+}
+
+impl Found<'_> {
+    /// What must be said of how the table was read.
+    pub fn remark(&self) -> Option<String> {
+        if let Some((verdict, read_as)) = &self.otherwise {
+            return Some(format!(
+                "this looks like {}: read so, the match is {}; state it with --convention and --table-units, or in the \
+                 headings of the file",
+                read_as.words(),
+                verdict.word()
+            ));
+        }
+        if self.found.verdict == Verdict::Mismatch {
+            return self.looks_like();
+        }
+        let read_as = self.reading.read_as.words();
+        self.reading.tried.then(|| format!("read as {read_as}, which fits best of what the file leaves open"))
+    }
+}
+
+/// The reading that matches best of those that nothing stated contradicts; where it is a mismatch, what would match.
+///
+/// # Errors
+/// As [`match_table`].
+///
+/// # Panics
+/// There is no reading; [`crate::sources::read_vendor_table`] gives one at least.
+pub fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<Found<'a>, MatchError> {
+    let mut best: Option<(Match, &VendorReading)> = None;
+    let mut otherwise: Option<(Match, &VendorReading)> = None;
+    for reading in readings {
+        let settled = best.as_ref().is_some_and(|(found, _)| found.verdict <= Verdict::Rounded);
+        let hopeless = best.as_ref().is_none_or(|(found, _)| found.verdict == Verdict::Mismatch);
+        if settled || (reading.against_what_is_stated && !hopeless) {
+            break;
+        }
+        let found = match_table(chain, &reading.table)?;
+        let slot = if reading.against_what_is_stated { &mut otherwise } else { &mut best };
+        if slot.as_ref().is_none_or(|(known, _)| {
+            (found.verdict, found.placement.position_error) < (known.verdict, known.placement.position_error)
+                && (found.verdict < known.verdict || found.verdict == Verdict::Mismatch)
+        }) {
+            *slot = Some((found, reading));
+        }
+    }
+    let (found, reading) = best.expect("the first reading contradicts nothing");
+    let otherwise = otherwise.filter(|(other, _)| other.verdict < Verdict::Mismatch);
+    Ok(Found { found, reading, otherwise: otherwise.map(|(other, reading)| (other.verdict, reading.read_as)) })
+}
+
+/// Angles beyond a full turn (rad) and links beyond this (m) are no arm's.
+const FULL_TURN: f64 = 6.3;
+const LONG_LINK: f64 = 20.0;
+
+impl Found<'_> {
+    /// What the numbers of a table that does not match look like, where they are no arm's.
+    fn looks_like(&self) -> Option<String> {
+        let table = &self.reading.table;
+        let largest = |lengths: bool| {
+            let numbers = table.rows().flat_map(|(_, row)| DhNumber::ALL.map(|number| (number, row.number(number))));
+            let numbers = numbers.filter(|(number, _)| number.is_length() == lengths);
+            numbers.filter_map(|(_, number)| Some(number?.value.abs())).fold(0.0, f64::max)
+        };
+        let (angle, length) = (largest(false), largest(true));
+        let mut looks = Vec::new();
+        if angle > FULL_TURN {
+            looks.push(format!("angles up to {} rad look like degrees (--table-units deg)", decimal(angle, 3)));
+        }
+        if length > LONG_LINK {
+            looks.push(format!("lengths up to {} m look like millimetres (--table-units mm)", decimal(length, 3)));
+        }
+        (!looks.is_empty()).then(|| looks.join("; "))
+    }
 }
 
 #[derive(Serialize)]
@@ -82,7 +189,8 @@ fn differences(found: &Match) -> &[Difference] {
 }
 
 /// JSON in m and rad. `table` is the table's file.
-pub fn json(chain: &Chain, table: &str, found: &Match) -> String {
+pub fn json(chain: &Chain, table: &str, result: &Found) -> String {
+    let found = &result.found;
     let placement = &found.placement;
     let row = |row: &RowMatch| RowEntry {
         row: label(row.label),
@@ -110,6 +218,8 @@ pub fn json(chain: &Chain, table: &str, found: &Match) -> String {
         robot: chain.name(),
         table,
         verdict: found.verdict.word(),
+        read_as: ReadAsEntry::of(&result.reading.read_as, result.reading.tried),
+        would_match_as: result.otherwise.as_ref().map(|(_, read_as)| ReadAsEntry::of(read_as, true)),
         position_error_m: placement.position_error,
         rotation_error_rad: placement.rotation_error,
         joints: placement
@@ -130,7 +240,8 @@ pub fn json(chain: &Chain, table: &str, found: &Match) -> String {
 }
 
 /// Text: the verdict, what the match needed, the table in the vendor's own form, and where the robot differs.
-pub fn text(chain: &Chain, table: &str, vendor: &VendorTable, found: &Match, units: Units) -> String {
+pub fn text(chain: &Chain, table: &str, result: &Found, units: Units) -> String {
+    let found = &result.found;
     let placement = &found.placement;
     let mut out = format!(
         "{} against {table}: {}\nlargest tip error {} mm, {:.1e} rad over random joint values\n\n",
@@ -139,11 +250,14 @@ pub fn text(chain: &Chain, table: &str, vendor: &VendorTable, found: &Match, uni
         decimal(placement.position_error * 1e3, 6),
         placement.rotation_error,
     );
+    if let Some(remark) = result.remark() {
+        let _ = writeln!(out, "{remark}\n");
+    }
     out.push_str(&needed(chain, placement, units));
     let _ = writeln!(
         out,
         "\nthe table in the vendor's form ({}); * marks a number of the robot's that differs:\n",
-        vendor.convention.word()
+        result.reading.table.convention.word()
     );
     out.push_str(&rows(found));
     if found.prints_back() {

@@ -1,18 +1,28 @@
-//! Tables and screw axes as sources: CSV and JSON back to a chain.
+//! Tables and screw axes as sources: CSV, Markdown and JSON back to a chain.
 //!
-//! What a file is, its content says: JSON by its `schema`, CSV by its columns (`theta, d, alpha, a` or `wx … vz`).
+//! What a file is, its content says: JSON by its `schema`, all else by the headings of its columns (`theta, d, alpha, a` or
+//! `wx … vz`) as people write them. Units stand in cells (`90°`), headings (`a (mm)`), comments or prose above the table,
+//! or are stated by the user; where nobody states them the numbers decide, and the choice is returned as a sentence.
 
+mod cell;
+mod header;
 mod poe;
 mod rows;
+mod stated;
 mod table;
+mod units;
 
 use crate::formats::json::UnitsEntry;
-use denavit_dh::Table;
+use crate::numbers::{AngleUnit, LengthUnit, Units};
 use denavit_dh::matching::VendorTable;
+use denavit_dh::{Convention, Table};
 use denavit_model::chain::{Chain, ChainError, Coordinate};
 use denavit_model::notes::Place;
 use denavit_model::screw::TwistError;
+use std::fmt;
 use thiserror::Error;
+
+pub use stated::{ReadAs, Stated};
 
 /// A robot read from a table or from screw axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +32,9 @@ pub enum Source {
         /// The numbers.
         table: Table,
         /// How the file groups them.
-        convention: denavit_dh::Convention,
+        convention: Convention,
+        /// A sentence for everything that nobody states and that was taken as its numbers suggest.
+        assumed: Vec<String>,
     },
     /// Screw axes.
     Poe(Chain),
@@ -35,20 +47,43 @@ impl Source {
     /// As [`Chain::new`].
     pub fn chain(&self) -> Result<Chain, ChainError> {
         match self {
-            Self::Table { table, .. } => table.chain(),
+            Self::Table { table, .. } => table.chain()?.within_reach(),
             Self::Poe(chain) => Ok(chain.clone()),
         }
     }
 }
 
 /// Why a file is no table and no set of screw axes.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{place}: {kind}")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SourceError {
     /// Where.
     pub place: Place,
+    /// Where in the line a cell begins, counted from 1.
+    pub column: Option<usize>,
     /// What, with the mend.
     pub kind: SourceErrorKind,
+}
+
+impl SourceError {
+    fn at(place: Place, kind: SourceErrorKind) -> Self {
+        Self { place, column: None, kind }
+    }
+}
+
+impl fmt::Display for SourceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { file, line, element } = &self.place;
+        match self.column {
+            Some(column) => write!(f, "{file}:{line}:{column}: {element}: {}", self.kind),
+            None => write!(f, "{}: {}", self.place, self.kind),
+        }
+    }
+}
+
+impl std::error::Error for SourceError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        std::error::Error::source(&self.kind)
+    }
 }
 
 /// What can be wrong with a table's file.
@@ -56,17 +91,30 @@ pub struct SourceError {
 #[non_exhaustive]
 pub enum SourceErrorKind {
     /// Nothing in it.
-    #[error("the file is empty; a robot is a URDF, or a D-H table or screw axes in CSV or JSON")]
+    #[error("the file is empty; a robot is a URDF, or a D-H table or screw axes in CSV, Markdown or JSON")]
     Empty,
-    /// Neither kind of CSV.
-    #[error("columns are {found}; a D-H table has theta, d, alpha, a and screw axes have wx, wy, wz, vx, vy, vz")]
+    /// Neither kind of table.
+    #[error("columns are {found}; a D-H table has {accepted}", accepted = header::ACCEPTED)]
     Columns {
         /// What there is.
         found: String,
     },
-    /// The CSV reader stopped.
-    #[error("not CSV: {0}")]
-    Csv(String),
+    /// A column that books use for two things.
+    #[error(
+        "\"{0}\" is the link length in some books and the link offset in others (Khalil); name the columns a and d"
+    )]
+    Ambiguous(String),
+    /// Two columns of one meaning.
+    #[error("\"{first}\" and \"{second}\" name the same column; rename or remove one")]
+    Twice {
+        /// A heading.
+        first: String,
+        /// Another.
+        second: String,
+    },
+    /// Commas and points as decimal marks in one file.
+    #[error("this number has another decimal mark than those before it; write all with a point, or all with a comma")]
+    DecimalMarks,
     /// The JSON reader stopped.
     #[error("not this JSON: {0}")]
     Json(String),
@@ -74,7 +122,7 @@ pub enum SourceErrorKind {
     #[error("schema \"{0}\" is not a robot; denavit.table/1 and denavit.poe/1 are")]
     Schema(String),
     /// A cell that should be a number.
-    #[error("{column} is \"{value}\"; write a finite number")]
+    #[error("{column} is \"{value}\"; write a finite number, such as 0.1625, -90°, π/2 or q1 + 90°")]
     Number {
         /// Column.
         column: String,
@@ -99,8 +147,16 @@ pub enum SourceErrorKind {
         pitch: f64,
     },
     /// An unknown convention.
-    #[error("convention is \"{0}\"; write distal, proximal, paper or hayati")]
+    #[error("convention is \"{0}\"; write distal (standard), proximal (modified, craig), paper or hayati")]
     Convention(String),
+    /// File and user say different things.
+    #[error("the file says {file} and the options say {user}; leave the option out, or correct the file")]
+    Contradiction {
+        /// What the file says.
+        file: String,
+        /// What the user says.
+        user: String,
+    },
     /// Units that this file cannot have.
     #[error("units are {0}; files are in m and rad")]
     Units(String),
@@ -121,63 +177,181 @@ pub enum SourceErrorKind {
     Chain(#[from] ChainError),
 }
 
-/// Reads a robot from CSV or JSON text; `file` is used in messages, and its stem where the text gives no robot's name.
+/// Whether a text without telling name holds a table: the headings of its columns stand in it.
+pub fn holds_table(text: &str) -> bool {
+    rows::holds_header(text)
+}
+
+/// Reads a robot from CSV, Markdown or JSON text; `file` is used in messages, and its stem where the text gives no robot's
+/// name. `given` counts where the file states nothing.
 ///
 /// # Errors
-/// The first thing that is wrong, with file, line and element.
-pub fn read(file: &str, text: &str) -> Result<Source, SourceError> {
+/// The first thing that is wrong, with file, line, column and element.
+///
+/// # Examples
+/// ```
+/// use denavit_export::sources::{self, Source, Stated};
+/// let text = "Joint;Alpha [deg];a (mm);d (mm);θ\n1;90;0;162,5;q1\n2;0;-425;0;q2 - 90°\n";
+/// let Source::Table { table, .. } = sources::read("manual.csv", text, Stated::default())? else { panic!() };
+/// assert_eq!((table.rows[1].a(), table.rows[2].a()), (0.0, -0.425));
+/// # Ok::<(), sources::SourceError>(())
+/// ```
+pub fn read(file: &str, text: &str, given: Stated) -> Result<Source, SourceError> {
+    match content(file, text)? {
+        Content::Whole(source) => Ok(source),
+        Content::Rows(rows) => table::of_rows(&rows, given),
+    }
+}
+
+/// What a file holds.
+enum Content<'a> {
+    /// Something that needs no choice.
+    Whole(Source),
+    /// A D-H table as rows.
+    Rows(rows::Rows<'a>),
+}
+
+fn content<'a>(file: &'a str, text: &str) -> Result<Content<'a>, SourceError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let trimmed = text.trim_start();
     if trimmed.is_empty() {
-        return Err(SourceError { place: place(file, 1, "file"), kind: SourceErrorKind::Empty });
+        return Err(SourceError::at(place(file, 1, "file"), SourceErrorKind::Empty));
     }
     if trimmed.starts_with('{') {
-        return json(file, text);
+        return json(file, text).map(Content::Whole);
     }
     let rows = rows::Rows::read(file, text)?;
     if rows.has("wx") {
-        return poe::of_rows(&rows).map(Source::Poe);
+        return poe::of_rows(&rows).map(|chain| Content::Whole(Source::Poe(chain)));
     }
-    if rows.has("theta") && rows.has("a") {
-        return table::of_rows(&rows);
+    let wrong = |kind| Err(SourceError::at(place(file, rows.header_line(), "header"), kind));
+    if let Some(heading) = rows.heading("r").filter(|_| !(rows.has("a") && rows.has("d"))) {
+        return wrong(SourceErrorKind::Ambiguous(heading.written.clone()));
     }
-    let found = rows.columns().join(", ");
-    Err(SourceError { place: place(file, rows.header_line(), "header"), kind: SourceErrorKind::Columns { found } })
+    let turns = rows.has("theta") || rows.has("offset");
+    if turns && ["d", "alpha", "a"].iter().all(|name| rows.has(name)) {
+        return Ok(Content::Rows(rows));
+    }
+    wrong(SourceErrorKind::Columns { found: rows.columns().join(", ") })
 }
 
-/// Reads a table to match a robot against: numbers keep the text that they are written as; base and tool frames are
-/// free, whatever the file says of them.
+/// The same, in the units that the headings of alpha and a state.
+fn as_headed(rows: &rows::Rows, read_as: ReadAs) -> ReadAs {
+    let unit = |name| rows.heading(name).and_then(|heading| heading.unit);
+    let angle = match unit("alpha") {
+        Some(units::Unit::Degree) => AngleUnit::Degree,
+        Some(units::Unit::Radian) => AngleUnit::Radian,
+        _ => read_as.units.angle,
+    };
+    let length = match unit("a") {
+        Some(units::Unit::Metre) => LengthUnit::Metre,
+        Some(units::Unit::Millimetre) => LengthUnit::Millimetre,
+        _ => read_as.units.length,
+    };
+    ReadAs { units: Units { length, angle }, ..read_as }
+}
+
+/// A table to match a robot against, read in one of the ways that it can be read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VendorReading {
+    /// The numbers.
+    pub table: VendorTable,
+    /// How they are read.
+    pub read_as: ReadAs,
+    /// Whether this is a choice among several that nobody made.
+    pub tried: bool,
+    /// Whether file or user state otherwise.
+    pub against_what_is_stated: bool,
+}
+
+/// Reads a table to match a robot against: numbers keep the text that they are written as; base and tool frames are free,
+/// whatever the file says of them. The first reading is the one that [`read`] takes; then those that differ in convention
+/// or units where nobody states them; last those that contradict what is stated.
 ///
 /// # Errors
 /// As [`read`]. Screw axes count as their distal table.
-pub fn read_vendor_table(file: &str, text: &str) -> Result<VendorTable, SourceError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    match read(file, text)? {
-        Source::Table { table, convention } if text.trim_start().starts_with('{') => {
-            Ok(VendorTable::of(&table, convention, false))
+pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<VendorReading>, SourceError> {
+    let alone = |table, convention| {
+        let units = Units { length: LengthUnit::Metre, angle: AngleUnit::Radian };
+        vec![VendorReading {
+            table,
+            read_as: ReadAs { convention, units },
+            tried: false,
+            against_what_is_stated: false,
+        }]
+    };
+    match content(file, text)? {
+        Content::Whole(Source::Table { table, convention, .. }) => {
+            Ok(alone(VendorTable::of(&table, convention, false), convention))
         }
-        Source::Table { table: read, convention } => {
-            table::vendor_of_rows(&rows::Rows::read(file, text)?, &read, convention)
+        Content::Whole(Source::Poe(chain)) => {
+            let made = denavit_dh::convert::table(&chain, &denavit_dh::Options::default())
+                .map_err(|error| SourceError::at(place(file, 1, "file"), error.into()))?;
+            Ok(alone(VendorTable::of(&made.value, Convention::Distal, false), Convention::Distal))
         }
-        Source::Poe(chain) => {
-            let options = denavit_dh::Options::default();
-            let table = denavit_dh::convert::table(&chain, &options)
-                .map_err(|error| SourceError { place: place(file, 1, "file"), kind: error.into() })?;
-            Ok(VendorTable::of(&table.value, denavit_dh::Convention::Distal, false))
-        }
+        Content::Rows(rows) => readings(&rows, given),
     }
 }
 
+fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, SourceError> {
+    let stated = table::stated(rows, given)?;
+    let (first, _) = table::assumed(rows, stated)?;
+    let heads =
+        |names: &[&str]| names.iter().all(|name| rows.heading(name).is_none_or(|heading| heading.unit.is_some()));
+    let angles_in_headings = heads(&["theta", "offset", "alpha", "beta"]);
+    let lengths_in_headings = heads(&["d", "a"]);
+    let mut found: Vec<VendorReading> = Vec::new();
+    let conventions = match first.convention {
+        Convention::Distal | Convention::Proximal => vec![Convention::Distal, Convention::Proximal],
+        other => vec![other],
+    };
+    for convention in conventions {
+        for angle in [AngleUnit::Radian, AngleUnit::Degree] {
+            for length in [LengthUnit::Metre, LengthUnit::Millimetre] {
+                let read_as = ReadAs { convention, units: Units { length, angle } };
+                let contradicts = stated.convention.is_some_and(|stated| stated != convention)
+                    || (stated.angle.is_some_and(|stated| stated != angle) && !angles_in_headings)
+                    || (stated.length.is_some_and(|stated| stated != length) && !lengths_in_headings);
+                let table = table::vendor_of_rows(rows, read_as, true)?;
+                let known = found.iter().any(|other| other.table == table);
+                if !known || read_as == first {
+                    found.retain(|other| other.table != table);
+                    found.push(VendorReading {
+                        table,
+                        read_as: as_headed(rows, read_as),
+                        tried: read_as != first,
+                        against_what_is_stated: contradicts,
+                    });
+                }
+            }
+        }
+    }
+    // What headings state may be a slip, too.
+    for angle in [AngleUnit::Radian, AngleUnit::Degree] {
+        for length in [LengthUnit::Metre, LengthUnit::Millimetre] {
+            let read_as = ReadAs { units: Units { length, angle }, ..first };
+            let table = table::vendor_of_rows(rows, read_as, false)?;
+            if !found.iter().any(|other| other.table == table) {
+                found.push(VendorReading { table, read_as, tried: true, against_what_is_stated: true });
+            }
+        }
+    }
+    found.sort_by_key(|reading| (reading.against_what_is_stated, reading.tried));
+    Ok(found)
+}
+
 fn json(file: &str, text: &str) -> Result<Source, SourceError> {
-    let at = |error: &serde_json::Error| place(file, error.line(), "file");
-    let wrong =
-        |error: serde_json::Error| SourceError { place: at(&error), kind: SourceErrorKind::Json(error.to_string()) };
+    let wrong = |error: serde_json::Error| {
+        let column = (error.column() > 0).then(|| error.column());
+        let kind = SourceErrorKind::Json(error.to_string());
+        SourceError { column, ..SourceError::at(place(file, error.line(), "file"), kind) }
+    };
     let value: serde_json::Value = serde_json::from_str(text).map_err(wrong)?;
     let schema = value.get("schema").and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
     match schema.as_str() {
         crate::formats::json::SCHEMA => table::of_file(file, &serde_json::from_str(text).map_err(wrong)?),
         crate::poe::SCHEMA => poe::of_file(file, &serde_json::from_str(text).map_err(wrong)?).map(Source::Poe),
-        _ => Err(SourceError { place: place(file, 1, "schema"), kind: SourceErrorKind::Schema(schema) }),
+        _ => Err(SourceError::at(place(file, 1, "schema"), SourceErrorKind::Schema(schema))),
     }
 }
 
@@ -191,14 +365,14 @@ fn in_si(file: &str, units: &UnitsEntry) -> Result<(), SourceError> {
         return Ok(());
     }
     let units = format!("{} and {}", units.length, units.angle);
-    Err(SourceError { place: place(file, 1, "units"), kind: SourceErrorKind::Units(units) })
+    Err(SourceError::at(place(file, 1, "units"), SourceErrorKind::Units(units)))
 }
 
 /// Index of the coordinate that a JSON joint names.
 fn coordinate_of(file: &str, joint: &str, name: &str, coordinates: &[Coordinate]) -> Result<usize, SourceError> {
-    coordinates.iter().position(|coordinate| coordinate.name == name).ok_or_else(|| SourceError {
-        place: place(file, 1, format!("joint \"{joint}\"")),
-        kind: SourceErrorKind::Coordinate(name.to_owned()),
+    coordinates.iter().position(|coordinate| coordinate.name == name).ok_or_else(|| {
+        let kind = SourceErrorKind::Coordinate(name.to_owned());
+        SourceError::at(place(file, 1, format!("joint \"{joint}\"")), kind)
     })
 }
 

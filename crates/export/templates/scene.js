@@ -72,6 +72,18 @@
   const frameRobot = () => {
     const lower = [0, 0, 0], upper = [0, 0, 0];
     for (const chain of scene.chains) {
+      // The arrows of the frames want room, too.
+      for (const { pose } of chain.frames) {
+        for (const axis of [0, 2]) {
+          for (let i = 0; i < 3; i++) {
+            const tip = pose[9 + i] + 0.13 * scene.size * pose[3 * i + axis];
+            if (Math.abs(tip) < 3 * scene.size) {
+              lower[i] = Math.min(lower[i], tip);
+              upper[i] = Math.max(upper[i], tip);
+            }
+          }
+        }
+      }
       for (const { from, to } of chain.links) {
         for (const [p] of [from, to]) {
           for (let i = 0; i < 3; i++) {
@@ -187,30 +199,48 @@
     }
   };
 
-  const words = (tags) => {
+  // Every name off the others and inside the canvas, near what it names; where there is no room it is left out until the
+  // reader comes nearer.
+  const words = (tags, marks, width, height) => {
     const taken = [];
     pen.textAlign = "center";
     pen.textBaseline = "middle";
     pen.font = "600 12px system-ui, sans-serif";
     pen.lineJoin = "round";
     for (const { text, at, out, colour } of tags) {
-      const wide = pen.measureText(text).width / 2 + 2;
-      const middle = [0, 1].map((i) => at[i] + out[i] * (3 + Math.abs(out[0]) * wide + Math.abs(out[1]) * 8));
-      let [x, y] = middle;
-      for (let k = 0; k < 12; k++) {
-        const hit = taken.some((t) => Math.abs(t[0] - x) < t[2] + wide && Math.abs(t[1] - y) < 13);
-        if (!hit) break;
-        const turn = (k * Math.PI) / 4;
-        x = middle[0] + (10 + 2 * k) * Math.cos(turn);
-        y = middle[1] + (10 + 2 * k) * Math.sin(turn);
+      const wide = pen.measureText(text).width / 2 + 2, high = 8;
+      const forward = Math.atan2(out[1], out[0]);
+      let best = null;
+      for (const far of [3, 10, 19, 30, 44]) {
+        for (let k = 0; k < 24; k++) {
+          const aside = (k * Math.PI) / 12, [c, s] = [Math.cos(forward + aside), Math.sin(forward + aside)];
+          const x = at[0] + c * (far + Math.abs(c) * wide + Math.abs(s) * high);
+          const y = at[1] + s * (far + Math.abs(s) * high);
+          if (x - wide < 3 || x + wide > width - 3 || y - high < 3 || y + high > height - 3) continue;
+          if (taken.some((t) => Math.abs(t.x - x) < t.wide + wide + 1 && Math.abs(t.y - y) < 2 * high - 2)) continue;
+          const covered = marks.filter((m) => Math.abs(m[0] - x) < wide && Math.abs(m[1] - y) < high).length;
+          const cost = far + 3 * Math.min(aside, 2 * Math.PI - aside) + 5 * covered;
+          if (!best || cost < best.cost) best = { cost, x, y, far };
+        }
       }
-      taken.push([x, y, wide]);
+      if (!best) continue;
+      const { x, y, far } = best;
+      taken.push({ text, x, y, wide, high });
+      if (far > 15) {
+        pen.strokeStyle = "#b4bbc4";
+        pen.lineWidth = 0.8;
+        pen.beginPath();
+        pen.moveTo(at[0], at[1]);
+        pen.lineTo(Math.max(x - wide, Math.min(x + wide, at[0])), Math.max(y - high, Math.min(y + high, at[1])));
+        pen.stroke();
+      }
       pen.strokeStyle = "rgb(255 255 255 / 0.9)";
       pen.lineWidth = 3;
       pen.strokeText(text, x, y);
       pen.fillStyle = colour;
       pen.fillText(text, x, y);
     }
+    canvas.dataset.named = JSON.stringify({ asked: tags.length, width, height, words: taken });
   };
 
   const draw = () => {
@@ -226,6 +256,8 @@
     grid(project);
     const { items, line, body } = drawing(project);
     const tags = [];
+    // What a name should not lie on, px.
+    const marks = [];
     scene.chains.forEach((chain, index) => {
       const reached = motions(chain);
       const mine = index === shown;
@@ -235,6 +267,7 @@
         const parts = Math.min(24, Math.ceil(length / (0.06 * radius)));
         for (let k = 0; k < parts; k++) {
           const at = (part) => add(a, [b[0] - a[0], b[1] - a[1], b[2] - a[2]], part / parts);
+          if (mine) marks.push(project(at(k)));
           line(at(k), at(k + 1), mine ? INK.link : INK.other, mine ? 5 : 3.5, mine ? 0 : -0.05 * radius);
         }
       }
@@ -251,6 +284,7 @@
           line(at, add(at, tip.map((t, i) => t - at[i]), 0.5), INK[colour], 2.2, 2e-3 * radius);
           line(add(at, tip.map((t, i) => t - at[i]), 0.5), tip, INK[colour], 2.2, 2e-3 * radius);
           const [p, r] = [project(at), project(tip)];
+          for (let k = 0; k <= 6; k++) marks.push([0, 1].map((i) => p[i] + ((r[i] - p[i]) * k) / 6));
           const reach = Math.hypot(r[0] - p[0], r[1] - p[1]);
           const head = Math.min(9, 0.7 * reach), [dx, dy] = reach > 1 ? [(r[0] - p[0]) / reach, (r[1] - p[1]) / reach] : [0, 0];
           items.push({ depth: r[2] + 2e-3 * radius, paint: () => {
@@ -273,7 +307,7 @@
       }
     });
     items.sort((a, b) => a.depth - b.depth).forEach((item) => item.paint());
-    words(tags);
+    words(tags, marks, width, height);
   };
 
   let waiting = false;

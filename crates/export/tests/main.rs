@@ -1,5 +1,6 @@
 //! Pages and URDF as they are written, seen from outside: one binary, a module for each subject.
 
+mod makers;
 mod page_content;
 mod page_written;
 mod urdf_calibrated;

@@ -13,12 +13,11 @@ use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Note, Quantity, Scr
 fn document(chain: Chain, options: &Options) -> Document {
     let table = convert::table(&chain, options).unwrap();
     Document {
-        main: ChainPart { chain, table: table.value, notes: table.notes },
+        main: ChainPart { chain, table: table.value, notes: table.notes, gauge: "Fewest numbers.".into() },
         others: Vec::new(),
         robot: None,
         source: "arm.urdf".into(),
         fingerprint: Some("4f1d0a".into()),
-        gauge: "Fewest numbers.".into(),
         units: Units::default(),
     }
 }

@@ -18,7 +18,7 @@ fn workspace() -> PathBuf {
 fn part(chain: Chain, mut notes: Vec<denavit_model::Note>) -> ChainPart {
     let table = convert::table(&chain, &Options::default()).unwrap();
     notes.extend(table.notes);
-    ChainPart { chain, table: table.value, notes }
+    ChainPart { chain, table: table.value, notes, gauge: "The fewest numbers that are not zero.".into() }
 }
 
 fn of_example(chain: Chain) -> Document {
@@ -28,7 +28,6 @@ fn of_example(chain: Chain) -> Document {
         robot: None,
         source: "examples".into(),
         fingerprint: Some("example".into()),
-        gauge: "The fewest numbers that are not zero.".into(),
         units: Units::default(),
     }
 }

@@ -4,7 +4,7 @@ use crate::{LoadError, read_text};
 use denavit_compare::Finding;
 use denavit_compare::lint::config::FILE_NAME;
 use denavit_compare::lint::{self, Config, ConfigError, Lookup};
-use denavit_xacro::{Environment, PackagePath};
+use denavit_xacro::{Environment, PackageError, PackagePath};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -66,6 +66,10 @@ impl Rules {
         let lookup = |mesh: &str| match self.packages.resolve(mesh, Some(Path::new(file))) {
             Ok(path) if path.is_file() => Lookup::Found,
             Ok(path) => Lookup::NotFound(format!("there is no file {}", path.display())),
+            Err(error @ PackageError::NotFound { .. }) => {
+                let package = mesh.split("://").nth(1).and_then(|path| path.split('/').next()).unwrap_or(mesh);
+                Lookup::NoPackage { package: package.to_owned(), why: error.to_string() }
+            }
             Err(error) => Lookup::NotFound(error.to_string()),
         };
         lint::check(file, text, &lookup, &self.config)

@@ -1,4 +1,5 @@
-//! Any source to a robot: URDF, xacro, D-H table or screw axes in CSV or JSON, UR kinematics file, a revision in git.
+//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown or JSON, screw axes in CSV or JSON, a maker's kinematics
+//! file, a revision in git.
 //!
 //! ```text
 //! name ──► text ──► what is it? ──► Loaded ──► chain · table · canonical URDF · subject of a comparison
@@ -20,7 +21,7 @@ pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_text};
 pub use robot::{Listing, Loaded, Selection};
 pub use table::{Made, TableOptions};
 
-use denavit_xacro::Note;
+use denavit_export::sources::Stated;
 use std::path::PathBuf;
 
 /// What some sources need; a URDF needs none of it.
@@ -34,6 +35,8 @@ pub struct Options {
     pub allow_any_file: bool,
     /// Whether the angles of a UR kinematics file are read as the vendor's tool means them, Rx Ry Rz.
     pub vendor_angles: bool,
+    /// Convention and units of a D-H table whose file does not state them.
+    pub stated: Stated,
 }
 
 /// A robot, and what must be said of how it was read.
@@ -41,6 +44,6 @@ pub struct Options {
 pub struct Opened {
     /// The robot.
     pub robot: Loaded,
-    /// What the expansion of a xacro file has to say.
-    pub notes: Vec<Note>,
+    /// What the expansion of a xacro file has to say, and what nobody states of a table.
+    pub notes: Vec<String>,
 }

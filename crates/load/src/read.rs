@@ -1,7 +1,8 @@
 //! From a name to text, and from text to what it is.
 
 use crate::{LoadError, Loaded, Opened, Options};
-use denavit_export::kinematics_yaml::{self, AngleOrder};
+use denavit_export::kinematics_yaml::AngleOrder;
+use denavit_export::makers;
 use denavit_export::sources::{self, Source};
 use denavit_xacro::{Environment, FileAccess, PackagePath, Source as Document};
 use std::io::Read as _;
@@ -30,19 +31,20 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     let start = text.trim_start_matches('\u{feff}').trim_start();
     if is_kinematics_file(file, start) {
         let order = if options.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
-        return plain(Loaded::Poe(kinematics_yaml::read(file, text)?.chain(&stem(file), order)?));
+        return plain(Loaded::Poe(makers::read(file, &stem(file), text, order)?));
     }
-    let is_table = [".csv", ".json"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
+    let is_table = [".csv", ".json", ".tsv"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
         || start.starts_with('{')
-        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'));
+        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'))
+        || (!start.starts_with('<') && sources::holds_table(start));
     if is_table {
-        return plain(match sources::read(file, text)? {
-            Source::Table { table, convention } => {
+        return match sources::read(file, text, options.stated)? {
+            Source::Table { table, convention, assumed } => {
                 let chain = table.chain().map_err(|source| LoadError::Chain { file: file.to_owned(), source })?;
-                Loaded::Table { table, convention, chain }
+                Ok(Opened { robot: Loaded::Table { table, convention, chain }, notes: assumed })
             }
-            Source::Poe(chain) => Loaded::Poe(chain),
-        });
+            Source::Poe(chain) => plain(Loaded::Poe(chain)),
+        };
     }
     let is_xacro = denavit_xacro::is_xacro(text);
     let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !options.arguments.is_empty());
@@ -56,6 +58,7 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     }
     let Expanded { urdf, notes, .. } = expanded(file, text, options)?;
     let robot = denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?;
+    let notes = notes.iter().map(ToString::to_string).collect();
     Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes })
 }
 
@@ -63,7 +66,8 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
 fn is_kinematics_file(file: &str, start: &str) -> bool {
     let name = file.to_ascii_lowercase();
     let first = || start.lines().map(str::trim_end).find(|line| !line.is_empty() && !line.starts_with(['#', '-']));
-    [".yaml", ".yml"].iter().any(|end| name.ends_with(end)) || first().is_some_and(|line| line == "kinematics:")
+    [".yaml", ".yml"].iter().any(|end| name.ends_with(end))
+        || first().is_some_and(|line| ["kinematics:", "joint1:"].contains(&line))
 }
 
 /// The name of a file without folders and extension.

@@ -6,7 +6,7 @@ use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::tree::ChainListing;
-use denavit_model::{Chain, Reading, Robot};
+use denavit_model::{Chain, PlacedRobot, Reading, Robot};
 
 /// A robot as its source gives it.
 #[derive(Debug, Clone)]
@@ -96,10 +96,10 @@ impl Loaded {
         }
     }
 
-    /// The chain and what gravity acts on.
-    pub fn statics(&self, chain: &Chain) -> Statics {
+    /// What gravity acts on, angles read as for the chain.
+    pub fn statics(&self, chain: &Chain, reading: Reading) -> Statics {
         match self {
-            Self::Robot(robot) => Statics::of(robot, chain),
+            Self::Robot(robot) => Statics::placed(&PlacedRobot::new(robot, reading), chain),
             Self::Table { .. } | Self::Poe(_) => Statics::of_chain(chain),
         }
     }

@@ -26,12 +26,12 @@ pub struct Made {
     pub table: Noted<Table>,
     /// How they are grouped.
     pub convention: Convention,
-    /// How the gauge was chosen, in a word.
+    /// How the gauge was chosen: `file` where the numbers stand in the source, `simple` or `paper`.
     pub gauge: &'static str,
 }
 
 impl Loaded {
-    /// The table of a chain: a file's own numbers regrouped, or new ones.
+    /// The table of a chain, the same in every command and page: a file's own numbers regrouped, or new ones.
     ///
     /// # Errors
     /// There is no such chain.
@@ -40,37 +40,29 @@ impl Loaded {
             Self::Table { convention, .. } => *convention,
             _ => Convention::Distal,
         });
-        let gauge = if options.gauge == Some(Gauge::Paper) { "paper" } else { "simple" };
-        Ok(Made { table: self.numbers(selection, options, convention)?, convention, gauge })
-    }
-
-    fn numbers(
-        &self,
-        selection: &Selection,
-        options: &TableOptions,
-        convention: Convention,
-    ) -> Result<Noted<Table>, LoadError> {
-        if let (Self::Table { table, .. }, None) = (self, options.gauge) {
-            let hayati = table.rows.iter().any(|row| row.beta().is_some());
-            if hayati == (convention == Convention::Hayati) {
-                return Ok(Noted { value: table.clone(), notes: Vec::new() });
-            }
+        let hayati = convention == Convention::Hayati;
+        // Hayati's rows are for those who ask for them, or for nothing; who asks for others gets others.
+        let as_asked =
+            |table: &Table| options.convention.is_none() || table.rows.iter().any(|row| row.beta().is_some()) == hayati;
+        let own = |value, notes| Ok(Made { table: Noted { value, notes }, convention, gauge: "file" });
+        if let (Self::Table { table, .. }, None) = (self, options.gauge)
+            && as_asked(table)
+        {
+            return own(table.clone(), Vec::new());
         }
         let Noted { value: chain, mut notes } = self.chain(selection)?;
-        if let (Self::Robot(tree), None, false) = (self, options.gauge, convention == Convention::Hayati) {
+        if let (Self::Robot(tree), None, false) = (self, options.gauge, hayati) {
             // A file whose joint origins are D-H rows has chosen its gauge.
-            if let Some(table) = read_off(tree, selection.base, selection.tip, selection.reading) {
-                return Ok(Noted { value: table, notes });
+            let table = read_off(tree, selection.base, selection.tip, selection.reading);
+            if let Some(table) = table.filter(as_asked) {
+                return own(table, notes);
             }
         }
         let made = table(&chain, &conversion(selection, options, convention))
             .map_err(|source| LoadError::Chain { file: selection.file.to_owned(), source })?;
-        notes.extend(
-            made.notes
-                .into_iter()
-                .filter(|note| !(convention == Convention::Hayati && matches!(note, Note::FarNumber { .. }))),
-        );
-        Ok(Noted { value: made.value, notes })
+        notes.extend(made.notes.into_iter().filter(|note| !(hayati && matches!(note, Note::FarNumber { .. }))));
+        let gauge = if options.gauge == Some(Gauge::Paper) { "paper" } else { "simple" };
+        Ok(Made { table: Noted { value: made.value, notes }, convention, gauge })
     }
 }
 

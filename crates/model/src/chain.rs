@@ -2,7 +2,7 @@
 
 use crate::screw::Screw;
 use crate::se3::{self, Pose};
-use nalgebra::Point3;
+use nalgebra::{Matrix3, Point3, Vector3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -137,13 +137,54 @@ pub enum ChainError {
     /// The home pose has a number that is not finite.
     #[error("the home pose has a number that is not finite")]
     BadHome,
+    /// The upper left of the home pose is no rotation.
+    #[error(
+        "the home pose is no rotation: its columns are not of length 1 and at right angles, or are left-handed; correct its first three columns"
+    )]
+    HomeNotARotation,
+    /// Something lies farther away than any robot reaches.
+    #[error(
+        "{what} lies {metres} m from the base; give every length in m (this file may be in mm, or a number is garbage)"
+    )]
+    TooFar {
+        /// Which joint, or the tip.
+        what: String,
+        /// How far.
+        metres: String,
+    },
 }
 
+/// A rotation written to three decimals is off from orthonormal by no more than this.
+const NO_ROTATION: f64 = 5e-3;
+
+/// Farther from the base than this, m, nothing of a robot is: a double has then fewer digits left below the millimetre
+/// than arithmetic along an arm needs.
+const FARTHEST: f64 = 1e5;
+
 impl Chain {
+    /// Refuses a chain that was read from a file and reaches absurdly far: what is computed of it would be garbage.
+    ///
+    /// # Errors
+    /// A joint or the tip lies farther from the base than 100 km.
+    pub fn within_reach(self) -> Result<Self, ChainError> {
+        let too_far = |what: String, at: &Vector3<f64>| {
+            let metres = at.amax();
+            (metres > FARTHEST).then(|| ChainError::TooFar { what, metres: format!("{metres:.3e}") })
+        };
+        let of_joint = |joint: &ChainJoint| {
+            too_far(format!("the axis of joint \"{}\"", joint.name), &joint.screw.line()?.point.coords)
+        };
+        let found = self.joints.iter().find_map(of_joint);
+        match found.or_else(|| too_far("the tip".into(), &self.home.translation.vector)) {
+            Some(error) => Err(error),
+            None => Ok(self),
+        }
+    }
+
     /// A chain from its parts; axis points are moved next to the arm, the home rotation is made orthonormal.
     ///
     /// # Errors
-    /// A coordinate is missing or named twice, or a number is not finite.
+    /// A coordinate is missing or named twice, a number is not finite, or the home pose is no rotation.
     pub fn new(
         (name, base, tip): (impl Into<String>, impl Into<String>, impl Into<String>),
         coordinates: Vec<Coordinate>,
@@ -176,6 +217,11 @@ impl Chain {
         }
         if !home.to_homogeneous().iter().all(|x| x.is_finite()) {
             return Err(ChainError::BadHome);
+        }
+        let r = home.rotation.matrix();
+        let skewed = (r.transpose() * r - Matrix3::identity()).amax();
+        if skewed > NO_ROTATION || r.determinant() < 0.0 {
+            return Err(ChainError::HomeNotARotation);
         }
         let home = se3::pose(se3::orthonormalised(&home.rotation), home.translation.vector);
         Ok(Self { name: name.into(), base: base.into(), tip: tip.into(), coordinates, joints, home })
@@ -261,5 +307,36 @@ impl Chain {
         let (lower, upper) = self.coordinates[joint.coordinate].range();
         let value = |q: f64| (joint.scale * q + joint.offset).abs();
         per_value * value(lower).max(value(upper))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples;
+    use nalgebra::Rotation3;
+
+    fn with_home(change: impl Fn(&mut Matrix3<f64>, &mut Vector3<f64>)) -> Result<Chain, ChainError> {
+        let chain = examples::puma_like();
+        let (mut r, mut t) = (*chain.home().rotation.matrix(), chain.home().translation.vector);
+        change(&mut r, &mut t);
+        let home = se3::pose(Rotation3::from_matrix_unchecked(r), t);
+        let parts = (chain.coordinates().to_vec(), chain.joints().to_vec());
+        Chain::new(("r", "base", "tip"), parts.0, parts.1, home)
+    }
+
+    #[test]
+    fn a_home_pose_that_is_no_rotation_is_refused_and_a_rounded_one_is_not() {
+        assert_eq!(with_home(|r, _| *r *= 1.1).unwrap_err(), ChainError::HomeNotARotation);
+        assert_eq!(with_home(|r, _| r.swap_columns(0, 1)).unwrap_err(), ChainError::HomeNotARotation);
+        assert_eq!(with_home(|r, _| r.fill(0.0)).unwrap_err(), ChainError::HomeNotARotation);
+        assert!(with_home(|r, _| r.iter_mut().for_each(|x| *x = (*x * 1e3).round() / 1e3)).is_ok());
+    }
+
+    #[test]
+    fn what_lies_absurdly_far_is_named() {
+        let error = with_home(|_, t| t.x = 1e155).unwrap().within_reach().unwrap_err().to_string();
+        assert!(error.starts_with("the tip lies 1.000e155 m from the base"), "{error}");
+        assert!(with_home(|_, t| t.x = 1e3).unwrap().within_reach().is_ok());
     }
 }

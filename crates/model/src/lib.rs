@@ -7,11 +7,13 @@
 
 pub mod chain;
 pub mod compiled;
+pub mod element;
 pub mod examples;
 mod fk;
 pub mod forms;
 pub mod intended;
 pub mod notes;
+pub mod placed;
 pub mod problems;
 pub mod robot;
 pub mod screw;
@@ -19,11 +21,14 @@ pub mod se3;
 pub mod tree;
 pub mod urdf;
 mod well_formed;
+pub mod write;
 
 pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity};
 pub use compiled::{CompiledChain, JacobianFrame};
+pub use element::Element;
 pub use nalgebra;
 pub use notes::{Note, Noted, Place};
+pub use placed::PlacedRobot;
 pub use problems::{Problem, ProblemKind, UrdfError};
 pub use robot::{Joint, JointKind, Link, Robot};
 pub use screw::{AxisLine, Pitch, Screw, TwistError};

@@ -1,8 +1,11 @@
 //! A robot as its URDF gives it: links, joints, and the text that they came from.
 
 use crate::chain::Limits;
+use crate::element::Element;
+use crate::intended::{self, IntendedAngle};
 use crate::notes::{Note, Place};
 use crate::se3::{self, Pose};
+use crate::tree::Reading;
 use nalgebra::{Matrix3, Unit, Vector3};
 use std::sync::OnceLock;
 
@@ -17,6 +20,8 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// Index of the one link that no joint carries.
     pub root: usize,
+    /// What stands beside links and joints in the file: transmissions, simulators' and controllers' settings, materials.
+    pub elements: Vec<Element>,
     /// What was mended or taken as meant while reading.
     pub notes: Vec<Note>,
     /// Where it came from.
@@ -74,6 +79,8 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// What collides.
     pub collisions: Vec<Shape>,
+    /// What else the file says of it: contact parameters, sensors.
+    pub elements: Vec<Element>,
     /// Byte offset of its element in the source text.
     pub at: usize,
 }
@@ -89,8 +96,40 @@ pub struct Origin {
     pub rpy_written: Option<[String; 3]>,
 }
 
-impl Origin {
+/// An origin as it was read: its angles as written, or as intended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadOrigin {
+    /// Translation, m.
+    pub xyz: [f64; 3],
+    /// Fixed-axis angles roll, pitch, yaw, rad.
+    pub rpy: [f64; 3],
+    /// Literals that were read as another number than stands there, with that number.
+    pub reread: Vec<(String, IntendedAngle)>,
+}
+
+impl ReadOrigin {
     /// parent_from_child.
+    pub fn pose(&self) -> Pose {
+        se3::pose(se3::rotation_from_rpy(self.rpy), Vector3::from(self.xyz))
+    }
+}
+
+impl Origin {
+    /// The origin with its angles as written or as intended.
+    pub fn read(&self, reading: Reading) -> ReadOrigin {
+        let mut read = ReadOrigin { xyz: self.xyz, rpy: self.rpy, reread: Vec::new() };
+        if let (Reading::Intended, Some(written)) = (reading, &self.rpy_written) {
+            for (angle, literal) in read.rpy.iter_mut().zip(written) {
+                if let Some(intended) = intended::read_as(literal) {
+                    *angle = intended.angle;
+                    read.reread.push((literal.clone(), intended));
+                }
+            }
+        }
+        read
+    }
+
+    /// parent_from_child, its angles as written.
     pub fn pose(&self) -> Pose {
         se3::pose(se3::rotation_from_rpy(self.rpy), Vector3::from(self.xyz))
     }
@@ -116,6 +155,8 @@ pub struct Shape {
     pub origin: Origin,
     /// What it is.
     pub geometry: Geometry,
+    /// What else the file says of it: its material.
+    pub elements: Vec<Element>,
 }
 
 /// Kinds of shape; lengths in m.
@@ -172,11 +213,55 @@ pub struct Joint {
     pub limits: Limits,
     /// Which joint it follows, where it is a mimic joint.
     pub mimic: Option<Mimic>,
+    /// What else the file says of it: damping and friction, soft limits, calibration.
+    pub elements: Vec<Element>,
     /// Byte offset of its element in the source text.
     pub at: usize,
 }
 
+/// Viscous damping and Coulomb friction; URDF's defaults are 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Dynamics {
+    /// N·m·s/rad, or N·s/m.
+    pub damping: f64,
+    /// N·m, or N.
+    pub friction: f64,
+}
+
+/// The soft limits of a controller: URDF's `safety_controller`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SoftLimits {
+    /// Where the controller begins to slow down, lower and upper, rad or m.
+    pub range: Option<(f64, f64)>,
+    /// Of position and velocity bounds.
+    pub k_position: f64,
+    /// Of effort and velocity bounds.
+    pub k_velocity: f64,
+}
+
 impl Joint {
+    fn element(&self, tag: &str) -> Option<&Element> {
+        self.elements.iter().find(|element| element.tag() == tag)
+    }
+
+    /// Damping and friction; 0 where the file states none.
+    pub fn dynamics(&self) -> Dynamics {
+        let number = |name| self.element("dynamics").and_then(|element| element.number(name)).unwrap_or(0.0);
+        Dynamics { damping: number("damping"), friction: number("friction") }
+    }
+
+    /// Soft limits, where stated; of a range of which one end is stated the other is 0.
+    pub fn soft_limits(&self) -> Option<SoftLimits> {
+        let element = self.element("safety_controller")?;
+        let (lower, upper) = (element.number("soft_lower_limit"), element.number("soft_upper_limit"));
+        let stated = lower.is_some() || upper.is_some();
+        Some(SoftLimits {
+            range: stated.then_some((lower.unwrap_or(0.0), upper.unwrap_or(0.0))),
+            k_position: element.number("k_position").unwrap_or(0.0),
+            k_velocity: element.number("k_velocity").unwrap_or(0.0),
+        })
+    }
+
     /// The limits that hold: a joint that turns without end has no range, whatever its element states.
     pub fn limits_in_force(&self) -> Limits {
         match self.kind {
@@ -240,6 +325,14 @@ pub struct Mimic {
     pub offset: f64,
 }
 
+impl Link {
+    /// A link of which nothing but its name and its place in the text is known.
+    pub fn named(name: impl Into<String>, at: usize) -> Self {
+        let (visuals, collisions, elements) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name: name.into(), inertial: None, visuals, collisions, elements, at }
+    }
+}
+
 impl Robot {
     /// Index of the link of this name.
     pub fn link_index(&self, name: &str) -> Option<usize> {
@@ -260,19 +353,13 @@ impl Robot {
         carriers
     }
 
-    /// Every link, parents before their children.
-    pub fn parents_first(&self) -> Vec<usize> {
-        let mut children = vec![Vec::new(); self.links.len()];
-        for joint in &self.joints {
-            children[joint.parent].push(joint.child);
+    /// For each link the joints that it carries, in the order of the file.
+    pub fn carried(&self) -> Vec<Vec<usize>> {
+        let mut carried = vec![Vec::new(); self.links.len()];
+        for (index, joint) in self.joints.iter().enumerate() {
+            carried[joint.parent].push(index);
         }
-        let mut order = vec![self.root];
-        let mut at = 0;
-        while at < order.len() {
-            order.extend(&children[order[at]]);
-            at += 1;
-        }
-        order
+        carried
     }
 
     /// Links that carry no joint, in the order of the file.

@@ -192,6 +192,17 @@ impl Screw {
         }
     }
 
+    /// The same axis with the opposite positive direction.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let turned = |line: &AxisLine| AxisLine { direction: -line.direction, point: line.point };
+        match self {
+            Self::Revolute(line) => Self::Revolute(turned(line)),
+            Self::Prismatic(direction) => Self::Prismatic(-*direction),
+            Self::Helical { axis, pitch } => Self::Helical { axis: turned(axis), pitch: *pitch },
+        }
+    }
+
     /// The same screw whose line is given by its point nearest to `reference`.
     #[must_use]
     pub fn about(&self, reference: &Point3<f64>) -> Self {

@@ -137,6 +137,19 @@ pub fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }
 
+/// The rotation vector (rad) that takes one direction to another on the shortest way; 0 where they are opposite.
+pub fn least_rotation_vector(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+    let cross = from.cross(to);
+    let sine = cross.norm();
+    if sine == 0.0 { Vector3::zeros() } else { cross * (sine.atan2(from.dot(to)) / sine) }
+}
+
+/// The rotation that takes one direction to another on the shortest way; none where they are opposite.
+pub fn least_rotation(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
+    let vector = least_rotation_vector(from, to);
+    exp(&Vector6::new(vector.x, vector.y, vector.z, 0.0, 0.0, 0.0)).rotation
+}
+
 /// exp of the twist `[omega; v]` (rad, m): the motion after unit time.
 ///
 /// R = exp\[omega\], p = (I + B \[omega\] + C \[omega\]²) v, B = (1 - cos t)/t², C = (t - sin t)/t³, t = |omega|.

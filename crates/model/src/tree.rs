@@ -5,8 +5,9 @@ mod hand;
 
 use crate::chain::Chain;
 use crate::notes::{Note, Noted, Place};
+use crate::placed::PlacedRobot;
 use crate::problems::nearest_name;
-use crate::robot::{Joint, JointKind, Robot};
+use crate::robot::{JointKind, Robot};
 use assembly::Assembly;
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
@@ -102,87 +103,18 @@ struct Step {
     upwards: bool,
 }
 
-/// What moves a joint: value = scale · value of joint `driver` + offset; `driver` is `None` where it stands still.
-#[derive(Clone, Copy)]
-struct Drive {
-    driver: Option<usize>,
-    scale: f64,
-    offset: f64,
-}
-
-/// Where joints are by name, if any joint follows another.
-struct DriverNames<'a>(HashMap<&'a str, usize>);
-
-impl<'a> DriverNames<'a> {
-    fn of(robot: &'a Robot) -> Self {
-        if robot.joints.iter().all(|joint| joint.mimic.is_none()) {
-            return Self(HashMap::new());
-        }
-        Self(robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.as_str(), index)).collect())
-    }
-}
-
 impl Robot {
     /// Every chain from the root (or from below the last floating joint on the way) to a leaf link, in file order.
     pub fn leaf_chains(&self) -> Vec<ChainListing> {
-        let (to_parent, names) = (self.carriers(), DriverNames::of(self));
-        self.leaves().into_iter().map(|leaf| self.listing(leaf, &to_parent, &names)).collect()
-    }
-
-    fn listing(&self, leaf: usize, to_parent: &[Option<usize>], names: &DriverNames) -> ChainListing {
-        let base = self.start_below_floating(leaf, to_parent);
-        let steps = Self::way(&self.joints, base, leaf, to_parent);
-        let mut coordinates: Vec<String> = Vec::new();
-        let mut known: HashSet<String> = HashSet::new();
-        for step in &steps {
-            let joint = &self.joints[step.joint];
-            let name = match self.drive(step.joint, names) {
-                Ok(Drive { driver: Some(driver), .. }) => &self.joints[driver].name,
-                _ => &joint.name,
-            };
-            let names: Vec<String> = match joint.kind {
-                JointKind::Fixed => Vec::new(),
-                JointKind::Planar => PLANAR_PARTS.iter().map(|part| format!("{name}{part}")).collect(),
-                _ => vec![name.clone()],
-            };
-            for name in names {
-                if known.insert(name.clone()) {
-                    coordinates.push(name);
-                }
-            }
-        }
-        let name = |link: usize| self.links[link].name.clone();
-        ChainListing { base: name(base), tip: name(leaf), coordinates, links: steps.len() + 1 }
+        let placed = PlacedRobot::new(self, Reading::AsWritten);
+        self.leaves().into_iter().map(|leaf| listing(&placed, leaf)).collect()
     }
 
     /// The chain that is meant when none is named: most coordinates, then most links, then first in the file; an arm that
     /// carries a hand ends at its tool frame or flange, not at a finger.
     pub fn default_chain(&self) -> ChainListing {
-        let (to_parent, names) = (self.carriers(), DriverNames::of(self));
-        let (tip, _) = self.default_tip(None, &to_parent);
-        self.listing(tip, &to_parent, &names)
-    }
-
-    /// The end of the chain that is meant when no tip is named, and the finger that it is not where a hand is carried.
-    fn default_tip(&self, base: Option<usize>, to_parent: &[Option<usize>]) -> (usize, Option<usize>) {
-        let leaf = match base {
-            Some(base) => self.farthest_below(base, to_parent),
-            None => self.longest_leaf(to_parent),
-        };
-        let start = base.unwrap_or_else(|| self.start_below_floating(leaf, to_parent));
-        match self.tool_above_fingers(&Self::way(&self.joints, start, leaf, to_parent)) {
-            Some(tool) => (tool, Some(leaf)),
-            None => (leaf, None),
-        }
-    }
-
-    fn longest_leaf(&self, to_parent: &[Option<usize>]) -> usize {
-        let names = DriverNames::of(self);
-        let longest = self.leaves().into_iter().rev().max_by_key(|leaf| {
-            let listing = self.listing(*leaf, to_parent, &names);
-            (listing.coordinates.len(), listing.links)
-        });
-        longest.unwrap_or(self.root)
+        let placed = PlacedRobot::new(self, Reading::AsWritten);
+        listing(&placed, default_tip(&placed, None).0)
     }
 
     /// The chain from `base` to `tip`; where they are not named, those of [`Robot::default_chain`].
@@ -190,23 +122,12 @@ impl Robot {
     /// Fixed joints are folded in. A mimic joint (also of a mimic joint, also of one outside the chain) is moved by its
     /// driver's coordinate. A turn and a slide of one coordinate along one axis are one helical joint. A planar joint
     /// stands as two slides and a turn. A chain may run up the tree and down again; joints walked from child to parent
-    /// have scale -1.
+    /// have scale -1. For many chains of one robot: [`PlacedRobot::chain`].
     ///
     /// # Errors
     /// A link or a mimic joint's driver does not exist, or a floating or unknown joint lies in between.
     pub fn chain(&self, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Result<Noted<Chain>, TreeError> {
-        let to_parent = self.carriers();
-        let base_link = base.map(|name| self.named_link(name)).transpose()?;
-        let (tip_link, finger) = match tip {
-            Some(name) => (self.named_link(name)?, None),
-            None => self.default_tip(base_link, &to_parent),
-        };
-        let base_link = base_link.unwrap_or_else(|| self.start_below_floating(tip_link, &to_parent));
-        let steps = Self::way(&self.joints, base_link, tip_link, &to_parent);
-        let mut read = Assembly::new(self, reading).walk(base_link, tip_link, &steps)?;
-        let name = |link: usize| self.links[link].name.clone();
-        read.notes.extend(finger.map(|finger| Note::EndsAtTool { tip: name(tip_link), finger: name(finger) }));
-        Ok(read)
+        PlacedRobot::new(self, reading).chain(base, tip)
     }
 
     fn named_link(&self, name: &str) -> Result<usize, TreeError> {
@@ -216,101 +137,181 @@ impl Robot {
             near: nearest_name(name, self.links.iter().map(|link| link.name.as_str())).map(str::to_owned),
         })
     }
+}
 
-    /// The link to start at on the way from the root to `tip`: below the last joint that no chain can hold.
-    fn start_below_floating(&self, tip: usize, to_parent: &[Option<usize>]) -> usize {
-        let mut at = tip;
-        while let Some(joint) = to_parent[at] {
-            if self.joints[joint].kind == JointKind::Floating {
-                break;
-            }
-            at = self.joints[joint].parent;
-        }
-        at
+/// As [`Robot::chain`].
+pub(crate) fn chain(placed: &PlacedRobot, base: Option<&str>, tip: Option<&str>) -> Result<Noted<Chain>, TreeError> {
+    let robot = placed.robot();
+    let base_link = base.map(|name| robot.named_link(name)).transpose()?;
+    let (tip_link, finger) = match tip {
+        Some(name) => (robot.named_link(name)?, None),
+        None => default_tip(placed, base_link),
+    };
+    let base_link = base_link.unwrap_or_else(|| start_below_floating(placed, tip_link));
+    let steps = way(placed, base_link, tip_link);
+    let mut read = Assembly::new(placed).walk(base_link, tip_link, &steps)?;
+    let name = |link: usize| robot.links[link].name.clone();
+    read.notes.extend(finger.map(|finger| Note::EndsAtTool { tip: name(tip_link), finger: name(finger) }));
+    Ok(read)
+}
+
+/// The end of the chain that is meant when no tip is named, and the finger that it is not where a hand is carried.
+fn default_tip(placed: &PlacedRobot, base: Option<usize>) -> (usize, Option<usize>) {
+    let leaf = base.map_or_else(|| longest_leaf(placed), |base| farthest_below(placed, base));
+    let start = base.unwrap_or_else(|| start_below_floating(placed, leaf));
+    match hand::tool_above_fingers(placed, &way(placed, start, leaf)) {
+        Some(tool) => (tool, Some(leaf)),
+        None => (leaf, None),
     }
+}
 
-    fn farthest_below(&self, base: usize, to_parent: &[Option<usize>]) -> usize {
-        let below = |mut link: usize| loop {
-            if link == base {
-                return true;
-            }
-            match to_parent[link] {
-                Some(joint) => link = self.joints[joint].parent,
-                None => return false,
-            }
+fn listing(placed: &PlacedRobot, leaf: usize) -> ChainListing {
+    let robot = placed.robot();
+    let base = start_below_floating(placed, leaf);
+    let steps = way(placed, base, leaf);
+    let mut coordinates: Vec<String> = Vec::new();
+    let mut known: HashSet<String> = HashSet::new();
+    for step in &steps {
+        let name = &robot.joints[mover(placed, step.joint)].name;
+        let names: Vec<String> = match robot.joints[step.joint].kind {
+            JointKind::Fixed => Vec::new(),
+            JointKind::Planar => PLANAR_PARTS.iter().map(|part| format!("{name}{part}")).collect(),
+            _ => vec![name.clone()],
         };
-        let candidates = (0..self.links.len()).filter(|link| below(*link)).rev();
-        let longest = candidates.max_by_key(|link| {
-            let steps = Self::way(&self.joints, base, *link, to_parent);
-            (steps.iter().filter(|step| self.joints[step.joint].kind.moves()).count(), steps.len())
-        });
-        longest.unwrap_or(base)
-    }
-
-    fn way(joints: &[Joint], base: usize, tip: usize, to_parent: &[Option<usize>]) -> Vec<Step> {
-        let upwards = |mut link: usize| {
-            let mut way = Vec::new();
-            while let Some(joint) = to_parent[link] {
-                way.push(joint);
-                link = joints[joint].parent;
+        for name in names {
+            if known.insert(name.clone()) {
+                coordinates.push(name);
             }
-            way
-        };
-        let (mut up, mut down) = (upwards(base), upwards(tip));
-        while let (Some(a), Some(b)) = (up.last(), down.last()) {
-            if a != b {
-                break;
-            }
-            up.pop();
-            down.pop();
         }
-        let up = up.into_iter().map(|joint| Step { joint, upwards: true });
-        up.chain(down.into_iter().rev().map(|joint| Step { joint, upwards: false })).collect()
     }
+    let name = |link: usize| robot.links[link].name.clone();
+    ChainListing { base: name(base), tip: name(leaf), coordinates, links: steps.len() + 1 }
+}
 
-    /// Follows mimic joints to the joint whose value is free.
-    fn drive(&self, joint: usize, names: &DriverNames) -> Result<Drive, TreeError> {
-        let mut drive = Drive { driver: Some(joint), scale: 1.0, offset: 0.0 };
-        let mut at = joint;
-        for _ in 0..=self.joints.len() {
-            let follower = &self.joints[at];
-            if !follower.kind.moves() {
-                return Ok(Drive { driver: None, ..drive });
-            }
-            let Some(mimic) = &follower.mimic else { return Ok(Drive { driver: Some(at), ..drive }) };
-            drive.offset += drive.scale * mimic.offset;
-            drive.scale *= mimic.multiplier;
-            let place = || self.joint_place(joint);
-            let bad = |why| TreeError::BadDriver { place: place(), driver: mimic.joint.clone(), why };
-            at = names.0.get(mimic.joint.as_str()).copied().ok_or_else(|| TreeError::NoDriver {
-                place: place(),
-                driver: mimic.joint.clone(),
-                near: nearest_name(&mimic.joint, self.joints.iter().map(|joint| joint.name.as_str()))
-                    .map(str::to_owned),
-            })?;
-            match self.joints[at].kind {
-                JointKind::Planar | JointKind::Floating | JointKind::Unknown(_) => {
-                    return Err(bad("it has more than one value; follow a revolute or prismatic joint"));
+/// The joint whose value moves a joint; the joint itself where none does.
+fn mover(placed: &PlacedRobot, joint: usize) -> usize {
+    placed.driver(joint).unwrap_or(joint)
+}
+
+/// The leaf with the most coordinates on the way to it, then the most links, then first in the file.
+fn longest_leaf(placed: &PlacedRobot) -> usize {
+    /// What was counted before a link was entered, to go back to when it is left.
+    enum Visit {
+        Enter(usize),
+        Leave { counted: Option<usize>, coordinates: usize, links: usize },
+    }
+    let robot = placed.robot();
+    let mut best: Option<((usize, usize), usize)> = None;
+    // How often each joint moves something on the way to here, below the last floating joint: counts of an older
+    // stretch are of another generation.
+    let mut uses: Vec<HashMap<usize, usize>> = vec![HashMap::new()];
+    let (mut coordinates, mut links) = (0, 1);
+    let mut open = vec![Visit::Enter(robot.root)];
+    while let Some(visit) = open.pop() {
+        let link = match visit {
+            Visit::Enter(link) => link,
+            Visit::Leave { counted, coordinates: before, links: above } => {
+                (coordinates, links) = (before, above);
+                match counted {
+                    Some(joint) if joint == usize::MAX => drop(uses.pop()),
+                    Some(joint) => {
+                        if let Some(count) = uses.last_mut().and_then(|uses| uses.get_mut(&joint)) {
+                            *count -= 1;
+                        }
+                    }
+                    None => {}
                 }
-                _ => {}
+                continue;
             }
-            if drive.scale == 0.0 {
-                return Ok(Drive { driver: None, ..drive });
+        };
+        let before = (coordinates, links);
+        let mut counted = None;
+        if let Some(index) = placed.carrier(link) {
+            links += 1;
+            match robot.joints[index].kind {
+                JointKind::Floating => {
+                    (coordinates, links) = (0, 1);
+                    uses.push(HashMap::new());
+                    counted = Some(usize::MAX);
+                }
+                JointKind::Fixed => {}
+                ref kind => {
+                    let joint = mover(placed, index);
+                    let parts = if *kind == JointKind::Planar { PLANAR_PARTS.len() } else { 1 };
+                    if let Some(uses) = uses.last_mut() {
+                        let count = uses.entry(joint).or_insert(0);
+                        coordinates += if *count == 0 { parts } else { 0 };
+                        *count += 1;
+                    }
+                    counted = Some(joint);
+                }
             }
         }
-        let driver = self.joints[joint].mimic.as_ref().map(|mimic| mimic.joint.clone()).unwrap_or_default();
-        Err(TreeError::BadDriver {
-            place: self.joint_place(joint),
-            driver,
-            why: "the two follow each other; free one of them",
-        })
+        if placed.carried(link).is_empty() {
+            let found = ((coordinates, links), link);
+            let better =
+                |(length, first): ((usize, usize), usize)| found.0 > length || found.0 == length && link < first;
+            if best.is_none_or(better) {
+                best = Some(found);
+            }
+        }
+        open.push(Visit::Leave { counted, coordinates: before.0, links: before.1 });
+        open.extend(placed.carried(link).iter().map(|joint| Visit::Enter(robot.joints[*joint].child)));
     }
+    best.map_or(robot.root, |(_, link)| link)
+}
+
+/// The link to start at on the way from the root to `tip`: below the last joint that no chain can hold.
+fn start_below_floating(placed: &PlacedRobot, tip: usize) -> usize {
+    let mut at = tip;
+    while let Some(joint) = placed.carrier(at).map(|joint| &placed.robot().joints[joint]) {
+        if joint.kind == JointKind::Floating {
+            break;
+        }
+        at = joint.parent;
+    }
+    at
+}
+
+/// The link below `base` with the most moving joints on the way to it, then the most links, then first in the file.
+fn farthest_below(placed: &PlacedRobot, base: usize) -> usize {
+    let robot = placed.robot();
+    let mut best = ((0, 0), base);
+    let mut open = vec![(base, (0, 0))];
+    while let Some((link, length)) = open.pop() {
+        if length > best.0 || length == best.0 && link < best.1 {
+            best = (length, link);
+        }
+        let below = placed.carried(link).iter().map(|joint| &robot.joints[*joint]);
+        open.extend(below.map(|joint| (joint.child, (length.0 + usize::from(joint.kind.moves()), length.1 + 1))));
+    }
+    best.1
+}
+
+fn way(placed: &PlacedRobot, base: usize, tip: usize) -> Vec<Step> {
+    let upwards = |mut link: usize| {
+        let mut way = Vec::new();
+        while let Some(joint) = placed.carrier(link) {
+            way.push(joint);
+            link = placed.robot().joints[joint].parent;
+        }
+        way
+    };
+    let (mut up, mut down) = (upwards(base), upwards(tip));
+    while let (Some(a), Some(b)) = (up.last(), down.last()) {
+        if a != b {
+            break;
+        }
+        up.pop();
+        down.pop();
+    }
+    let up = up.into_iter().map(|joint| Step { joint, upwards: true });
+    up.chain(down.into_iter().rev().map(|joint| Step { joint, upwards: false })).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::notes::Note;
     use crate::se3;
     use crate::urdf;
     use nalgebra::Vector3;

@@ -1,6 +1,7 @@
 //! Reading URDF: text to [`Robot`], every problem reported at once, what is surely meant mended with a note.
 
 use crate::chain::Limits;
+use crate::element::Element;
 use crate::notes::{Note, Place};
 use crate::problems::{Problem, ProblemKind, UrdfError, nearest_name};
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Mimic, Origin, Robot, Shape, SourceText};
@@ -44,8 +45,8 @@ pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
     let parts = reader.robot(document.root_element());
     let Reader { problems, notes, .. } = reader;
     let Some(parts) = parts.filter(|_| problems.is_empty()) else { return Err(UrdfError { problems }) };
-    let Parts { name, links, joints, root } = parts;
-    Ok(Robot { name, links, joints, root, notes, source })
+    let Parts { name, links, joints, root, elements } = parts;
+    Ok(Robot { name, links, joints, root, elements, notes, source })
 }
 
 fn xml_error(source: &SourceText, original: &str, error: &roxmltree::Error) -> UrdfError {
@@ -61,11 +62,20 @@ fn xml_error(source: &SourceText, original: &str, error: &roxmltree::Error) -> U
     UrdfError { problems: vec![Problem { place, kind }] }
 }
 
+/// What a `<limit>` states beyond URDF's four: accelerations, jerks.
+fn further_limits(limit: Node) -> Option<Element> {
+    let known = ["lower", "upper", "velocity", "effort"];
+    let further = limit.attributes().filter(|attribute| !known.contains(&attribute.name()));
+    let further: Vec<_> = further.map(|limit| (limit.name().to_owned(), limit.value().to_owned())).collect();
+    (!further.is_empty()).then(|| Element { at: limit.range().start, ..Element::empty("limit", further) })
+}
+
 struct Parts {
     name: String,
     links: Vec<Link>,
     joints: Vec<Joint>,
     root: usize,
+    elements: Vec<Element>,
 }
 
 /// A joint whose ends are still names.
@@ -111,15 +121,14 @@ impl Reader<'_> {
         let namespace = root.tag_name().namespace();
         let ours = |node: &Node| {
             let found = node.tag_name().namespace();
-            node.is_element() && (found.is_none() || found == namespace || found == Some(DRAKE))
+            found.is_none() || found == namespace || found == Some(DRAKE)
         };
-        let mut links = Vec::new();
-        let mut loose = Vec::new();
-        for node in root.children().filter(ours) {
+        let (mut links, mut loose, mut elements) = (Vec::new(), Vec::new(), Vec::new());
+        for node in root.children().filter(Node::is_element) {
             match node.tag_name().name() {
-                "link" => links.extend(self.link(node)),
-                "joint" => loose.extend(self.joint(node)),
-                _ => {}
+                "link" if ours(&node) => links.extend(self.link(node)),
+                "joint" if ours(&node) => loose.extend(self.joint(node)),
+                _ => elements.push(Element::of(node, &self.source.text)),
             }
         }
         if links.is_empty() && self.problems.is_empty() {
@@ -132,7 +141,7 @@ impl Reader<'_> {
         self.declare_world(&mut links, &loose);
         let joints = self.connect(&links, loose);
         let root = self.root_of(&links, &joints)?;
-        Some(Parts { name, links, joints, root })
+        Some(Parts { name, links, joints, root, elements })
     }
 
     fn unique<'n>(&mut self, named: impl Iterator<Item = (&'static str, &'n str, usize)>) {
@@ -154,13 +163,7 @@ impl Reader<'_> {
         let place = self.source.place(user.joint.at, format!("joint \"{}\"", user.joint.name));
         self.notes
             .push(Note::Mended { place, what: "parent link \"world\" is not declared; taken as an empty link".into() });
-        links.push(Link {
-            name: "world".into(),
-            inertial: None,
-            visuals: Vec::new(),
-            collisions: Vec::new(),
-            at: user.joint.at,
-        });
+        links.push(Link::named("world", user.joint.at));
     }
 
     fn connect(&mut self, links: &[Link], loose: Vec<LooseJoint>) -> Vec<Joint> {
@@ -243,20 +246,14 @@ impl Reader<'_> {
             return None;
         };
         let owner = element_of(node);
-        let mut link = Link {
-            name: name.to_owned(),
-            inertial: None,
-            visuals: Vec::new(),
-            collisions: Vec::new(),
-            at: node.range().start,
-        };
+        let mut link = Link::named(name, node.range().start);
         for child in node.children().filter(Node::is_element) {
             match child.tag_name().name() {
                 "inertial" if link.inertial.is_none() => link.inertial = Some(self.inertial(child, &owner)),
                 "inertial" => self.mended(child, &*owner, "a second <inertial> is ignored"),
                 "visual" => link.visuals.push(self.shape(child, &owner)),
                 "collision" => link.collisions.push(self.shape(child, &owner)),
-                _ => {}
+                _ => link.elements.push(Element::of(child, &self.source.text)),
             }
         }
         Some(link)
@@ -280,7 +277,10 @@ impl Reader<'_> {
         let shape =
             self.only_child(node, "geometry", owner).and_then(|geometry| geometry.children().find(Node::is_element));
         let geometry = shape.map_or_else(|| Geometry::Other(String::new()), |shape| self.geometry(shape, owner));
-        Shape { name: node.attribute("name").map(str::to_owned), origin, geometry }
+        let known = ["origin", "geometry"];
+        let further = node.children().filter(|child| child.is_element() && !known.contains(&child.tag_name().name()));
+        let elements = further.map(|child| Element::of(child, &self.source.text)).collect();
+        Shape { name: node.attribute("name").map(str::to_owned), origin, geometry, elements }
     }
 
     fn geometry(&mut self, shape: Node, owner: &str) -> Geometry {
@@ -337,8 +337,8 @@ impl Reader<'_> {
                 Vector3::x_axis()
             }),
         };
-        let limits =
-            self.only_child(node, "limit", &owner).map_or_else(Limits::default, |limit| self.limits(limit, &owner));
+        let limit = self.only_child(node, "limit", &owner);
+        let limits = limit.map_or_else(Limits::default, |limit| self.limits(limit, &owner));
         let mimic = self.only_child(node, "mimic", &owner).and_then(|mimic| {
             let joint = mimic.attribute("joint").unwrap_or_default().to_owned();
             let multiplier = self.number(mimic, "multiplier", &owner).unwrap_or(1.0);
@@ -348,7 +348,12 @@ impl Reader<'_> {
         if self.problems.len() > before {
             return None;
         }
+        let known = ["origin", "parent", "child", "axis", "limit", "mimic", "screw_thread_pitch"];
+        let further = node.children().filter(|child| child.is_element() && !known.contains(&child.tag_name().name()));
+        let mut elements: Vec<Element> = further.map(|child| Element::of(child, &self.source.text)).collect();
+        elements.extend(limit.and_then(further_limits));
         let joint = Joint {
+            elements,
             name: name.to_owned(),
             kind,
             origin,

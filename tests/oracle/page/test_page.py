@@ -104,3 +104,37 @@ def test_page_asks_for_no_other_file(name):
 def test_index_leads_to_every_page():
     text = (PAGES / "index.html").read_text(encoding="utf-8")
     assert set(re.findall(r'<a href="([^"]+)\.html">', text)) == set(NAMES)
+
+
+@needs_chromium
+@needs_pages
+@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
+@pytest.mark.parametrize("name", NAMES)
+def test_names_in_the_3d_view_lie_inside_and_off_each_other(name, size, opened):
+    page = opened((PAGES / f"{name}.html").as_uri(), size)
+    for view in ("isometric", "front", "side", "top"):
+        page.click(f'button[data-view="{view}"]')
+        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+        named = json.loads(page.evaluate("() => document.getElementById('view').dataset.named"))
+        words = named["words"]
+        assert len(words) >= 1 or named["asked"] == 0
+        for index, one in enumerate(words):
+            assert 0 <= one["x"] - one["wide"] and one["x"] + one["wide"] <= named["width"], (view, one)
+            assert 0 <= one["y"] - one["high"] and one["y"] + one["high"] <= named["height"], (view, one)
+            for other in words[:index]:
+                apart = abs(one["x"] - other["x"]) >= one["wide"] + other["wide"] or abs(one["y"] - other["y"]) >= 12
+                assert apart, (view, one, other)
+
+
+@needs_chromium
+@needs_pages
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_wider_than_a_phone_shows_that_it_scrolls(name, opened):
+    page = opened((PAGES / f"{name}.html").as_uri(), PHONE)
+    found = page.evaluate(
+        """() => [...document.querySelectorAll(".wide")].filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => {
+          const style = getComputedStyle(part);
+          return [style.overflowX, style.backgroundImage.split("gradient").length - 1, style.scrollbarWidth];
+        })"""
+    )
+    assert all(overflow in ("auto", "scroll") and shades == 4 and bar == "thin" for overflow, shades, bar in found), found

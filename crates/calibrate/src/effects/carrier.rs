@@ -5,8 +5,9 @@
 
 use crate::arm::{Across, Deviation};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
-use denavit_model::{Chain, ChainJoint, Pose, Robot, Screw};
+use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
 /// Where an effect acts. Joints are counted from 0, base to tip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -91,19 +92,15 @@ fn shift(direction: &Vector3<f64>) -> Vector6<f64> {
 /// Points on the arm at home, m: `points[i]` on joint i where the URDF places it, the last at the tip.
 ///
 /// Joints that the tree does not know by name stand as in [`axis_points`].
-pub fn link_points(robot: &Robot, chain: &Chain) -> Vec<Point3<f64>> {
+pub fn link_points(placed: &PlacedRobot, chain: &Chain) -> Vec<Point3<f64>> {
+    let robot = placed.robot();
     let mut points = axis_points(chain);
     let Some(base) = robot.link_index(chain.base()) else { return points };
+    let base_from_root = placed.pose(base).inverse();
+    let links: HashMap<&str, usize> = robot.joints.iter().map(|joint| (joint.name.as_str(), joint.child)).collect();
     for (point, joint) in points.iter_mut().zip(chain.joints()) {
-        let Some(index) = robot.joint_index(&joint.name) else { continue };
-        let mut base_from_joint = Pose::identity();
-        let mut at = Some(index);
-        while let Some(joint) = at {
-            base_from_joint = robot.joints[joint].origin.pose() * base_from_joint;
-            let parent = robot.joints[joint].parent;
-            at = if parent == base { None } else { robot.joint_to(parent) };
-        }
-        let placed = Point3::from(base_from_joint.translation.vector);
+        let Some(link) = links.get(joint.name.as_str()) else { continue };
+        let placed = base_from_root * Point3::from(placed.pose(*link).translation.vector);
         // Where the joint's line does not pass the place, the path runs another way than up the tree.
         let passes = joint.screw.line().is_none_or(|line| (line.nearest_to(&placed) - placed).norm() < 1e-6);
         if passes {

@@ -60,7 +60,7 @@ impl Drawn {
     /// The chain cannot be, or a mass or a point does not belong to it.
     pub fn statics(&self, file: &str) -> Result<Statics, DrawnError> {
         let text = serde_json::to_string(&self.chain).map_err(|error| DrawnError::Parts(error.to_string()))?;
-        let chain = sources::read(&format!("{file} (drawn.json)"), &text)?;
+        let chain = sources::read(&format!("{file} (drawn.json)"), &text, sources::Stated::default())?;
         let chain = chain.chain().map_err(|error| DrawnError::Parts(error.to_string()))?;
         let joints = chain.joints().len();
         if let Some(mass) = self.masses.iter().find(|mass| mass.joint >= joints) {

@@ -8,7 +8,7 @@ use crate::arm::{Across, Deviation, RowState};
 use crate::effects::carrier::{axis_points, link_points};
 use crate::effects::gravity::{Load, Masses};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
-use denavit_model::{Chain, Robot, Screw, se3};
+use denavit_model::{Chain, PlacedRobot, Reading, Robot, Screw, se3};
 use serde::{Deserialize, Serialize};
 
 /// Name of the covariate that counts rows in run order.
@@ -164,8 +164,13 @@ pub struct Statics {
 }
 
 impl Statics {
-    /// For a chain of this robot.
+    /// For a chain of this robot, its angles as intended.
     pub fn of(robot: &Robot, chain: &Chain) -> Self {
+        Self::placed(&PlacedRobot::new(robot, Reading::Intended), chain)
+    }
+
+    /// For a chain of this robot, its angles read as for the chain.
+    pub fn placed(robot: &PlacedRobot, chain: &Chain) -> Self {
         Self { chain: chain.clone(), masses: Masses::of(robot, chain), points: link_points(robot, chain) }
     }
 

@@ -3,6 +3,7 @@
 use crate::effects::approach::{side_after, still};
 use crate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, Statics};
 use crate::measurements::{Covariate, Measurements};
+use crate::observe::ObservationKind;
 use denavit_model::Screw;
 use std::f64::consts::PI;
 
@@ -74,7 +75,8 @@ impl Survey {
             sorted.sort_by(f64::total_cmp);
             (sorted.len() > 3 * ROWS_BESIDE_STEP).then(|| Clock { name: name.into(), sorted })
         });
-        let (instrument, anchor) = (data.scene.has_instruments(), !data.scene.points.is_empty());
+        let anchored = |kind: &ObservationKind| kind.unknowns().point.is_some() && kind.own_target().is_none();
+        let (instrument, anchor) = (data.scene.has_instruments(), data.scene.kinds().iter().any(anchored));
         let statics = statics.clone();
         Self { statics, instrument, anchor, ranges, temperatures, clock, recorded, gear_ratios }
     }

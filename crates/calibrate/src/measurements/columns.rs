@@ -47,6 +47,7 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
                     format!("{} of {target}", group.kind.name())
                 }
             }
+            Role::Spread(_) => "standard deviation".into(),
             Role::Locate => "rows that place a target".into(),
             Role::Other => other(name),
         },

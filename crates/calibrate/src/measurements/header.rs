@@ -12,6 +12,8 @@ pub(super) enum Role {
     Joint(usize),
     /// A number of this group: which group, which of its columns.
     Value(usize, usize),
+    /// Standard deviation of the lengths of this group and column, or of all lengths of the row.
+    Spread(Option<(usize, usize)>),
     /// Whether the row only places targets.
     Locate,
     /// Something else: a number or a text.
@@ -24,6 +26,8 @@ pub(super) struct Header {
     pub names: Vec<String>,
     pub roles: Vec<Role>,
     pub groups: Vec<Group>,
+    /// The column that says which setup a row belongs to.
+    pub setup: Option<usize>,
 }
 
 /// Columns that make up one observation.
@@ -32,6 +36,8 @@ pub(super) struct Group {
     pub kind: ObservationKind,
     pub target: String,
     pub columns: Vec<String>,
+    /// The column that tells its points apart.
+    pub label: Option<usize>,
 }
 
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
@@ -63,7 +69,8 @@ impl Header {
         if !problems.is_empty() {
             return Err(problems);
         }
-        Ok(Self { names, roles, groups })
+        let setup = names.iter().position(|name| name == "setup");
+        Ok(Self { names, roles, groups, setup })
     }
 }
 
@@ -119,8 +126,11 @@ fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
             let columns = kind.columns(&target);
             let free =
                 |column: &String| names.contains(column) && !groups.iter().any(|group| group.columns.contains(column));
-            if !columns.is_empty() && columns.iter().all(free) {
-                groups.push(Group { kind, target, columns });
+            let label = kind.unknowns().point.and_then(|word| names.iter().position(|name| name == word));
+            let known = groups.iter().any(|group| group.kind == kind && columns.is_empty());
+            if columns.iter().all(free) && !known && (label.is_some() || !columns.is_empty()) {
+                let target = kind.own_target().map_or(target, String::from);
+                groups.push(Group { kind, target, columns, label });
             }
         }
     }
@@ -137,7 +147,19 @@ fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<
                 return Role::Value(group, column);
             }
         }
-        if name == "locate" { Role::Locate } else { Role::Other }
+        let spread = |column: &str| {
+            let at = |(group, of): (usize, &Group)| {
+                let column = of.columns.iter().position(|own| own == column)?;
+                (column < of.kind.lengths()).then_some((group, column))
+            };
+            groups.iter().enumerate().find_map(at)
+        };
+        match (name.as_str(), name.strip_suffix(".std").and_then(spread)) {
+            ("locate", _) => Role::Locate,
+            ("std", _) => Role::Spread(None),
+            (_, Some(of)) => Role::Spread(Some(of)),
+            _ => Role::Other,
+        }
     };
     names.iter().map(role).collect()
 }

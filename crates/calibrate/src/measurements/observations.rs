@@ -37,6 +37,15 @@ impl Observations {
         }
     }
 
+    /// Appends an observation of others, as sure as it is there.
+    pub fn adopt(&mut self, series: usize, others: &Self, observation: usize) {
+        self.push(series, others.values(observation));
+        if let Some(level) = others.level(observation) {
+            self.levels.resize(self.len(), Matrix3::identity());
+            self.levels[self.series.len() - 1] = *level;
+        }
+    }
+
     /// Ends the row.
     pub fn end_row(&mut self) {
         self.starts.push(self.series.len());

@@ -16,7 +16,8 @@ const SAME_TARGET: f64 = 1e-9;
 /// Leaves out targets that repeat another one or that no row sees.
 pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
     let count = data.scene.targets.len();
-    if !data.scene.kinds().iter().all(|kind| kind.of_several()) {
+    // Targets of several setups are never seen in one row: they are no twins.
+    if data.scene.setups.len() > 1 || !data.scene.kinds().iter().all(|kind| kind.of_several()) {
         return;
     }
     let mut keep: Vec<usize> = Vec::new();

@@ -110,6 +110,26 @@ pub enum Problem {
         /// The group.
         group: String,
     },
+    /// A row of a bare file of readings with another number of values.
+    #[error(
+        "the row has {found} values; a file of readings without a header has one for each of {expected} joints: {joints}"
+    )]
+    NotReadings {
+        /// Its values.
+        found: usize,
+        /// The joints' number.
+        expected: usize,
+        /// The joints.
+        joints: String,
+    },
+    /// A standard deviation that is none.
+    #[error("column \"{column}\": {value} is no standard deviation; write a positive number")]
+    NotADeviation {
+        /// The column.
+        column: String,
+        /// The cell.
+        value: f64,
+    },
     /// A quaternion with several targets.
     #[error("a quaternion goes with one target x,y,z, and there are {0} targets; remove qx,qy,qz,qw")]
     QuaternionOfSeveral(usize),

@@ -2,11 +2,13 @@
 
 use super::columns::{self, ColumnUse};
 use super::header::{Header, Role, quantity_of};
+use super::join::in_setup;
 use super::near_miss::KNOWN_COVARIATES;
 use super::plausible;
 use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene};
+use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::{Chain, Quantity};
 use std::fmt;
 use std::io::{BufRead as _, Read};
@@ -265,6 +267,10 @@ struct Table<'a> {
     data: Measurements,
     others: Vec<OtherColumn>,
     normalised_by: f64,
+    /// Which series a group's observations in a setup, with a label, belong to.
+    series: Vec<(usize, String, String, usize)>,
+    /// Standard deviations of the lengths of each observation, m.
+    spreads: Vec<[f64; 3]>,
 }
 
 impl<'a> Table<'a> {
@@ -275,28 +281,36 @@ impl<'a> Table<'a> {
             Role::Joint(index) => of(coordinates[*index].quantity),
             Role::Value(group, column) if *column < header.groups[*group].kind.lengths() => units.length,
             Role::Other => quantity_of(name, coordinates).map_or(1.0, of),
+            Role::Spread(_) => units.length,
             Role::Value(..) | Role::Locate => 1.0,
         };
         let factors: Vec<f64> = header.names.iter().zip(&header.roles).map(factor).collect();
+        let tells_apart = |name: &String| {
+            let columns = header.groups.iter().filter_map(|group| group.label).chain(header.setup);
+            columns.into_iter().any(|column| header.names[column] == *name)
+        };
         let other = |((name, role), factor): ((&String, &Role), &f64)| {
             (*role == Role::Other).then(|| OtherColumn {
                 name: name.clone(),
                 factor: *factor,
                 numbers: Vec::new(),
                 texts: Vec::new(),
-                first_text: None,
+                first_text: tells_apart(name).then(|| (0, 0, String::new())),
                 must_be_numeric: KNOWN_COVARIATES.contains(&name.as_str())
                     || name.rsplit_once('.').is_some_and(|(joint, _)| coordinates.iter().any(|c| c.name == joint)),
             })
         };
         let others = header.names.iter().zip(&header.roles).zip(&factors).filter_map(other).collect();
         let joints = coordinates.iter().map(|coordinate| coordinate.name.clone()).collect();
-        let mut scene = Scene::default();
-        for group in &header.groups {
-            scene.add(group.kind, "", &group.target, None);
+        let mut data = Measurements::empty(source, joints, Scene::default());
+        let mut series = Vec::new();
+        // What no label tells apart is there although no row may see it.
+        for (group, of) in header.groups.iter().enumerate() {
+            if header.setup.is_none() && of.label.is_none() {
+                series.push((group, String::new(), String::new(), data.scene.add(of.kind, "", &of.target, None)));
+            }
         }
-        let data = Measurements::empty(source, joints, scene);
-        Self { header, factors, data, others, normalised_by: 0.0 }
+        Self { header, factors, data, others, normalised_by: 0.0, series, spreads: Vec::new() }
     }
 
     fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
@@ -310,6 +324,7 @@ impl<'a> Table<'a> {
         let mut cells: Vec<Vec<Option<f64>>> =
             self.header.groups.iter().map(|of| vec![None; of.columns.len()]).collect();
         let mut unreadable = vec![false; cells.len()];
+        let mut spreads = vec![[f64::NAN; 3]; cells.len()];
         let mut locate = false;
         let mut other = 0;
         for (column, cell) in record.iter().enumerate() {
@@ -339,6 +354,15 @@ impl<'a> Table<'a> {
             match role {
                 Role::Joint(index) => reading[index] = value,
                 Role::Value(group, column) => cells[group][column] = Some(value),
+                Role::Spread(of) => {
+                    if value <= 0.0 && !cell.is_empty() {
+                        problems.add(line, Problem::NotADeviation { column: name.clone(), value });
+                    }
+                    match of {
+                        Some((group, column)) => spreads[group][column] = value,
+                        None => spreads.iter_mut().for_each(|spread| *spread = [value; 3]),
+                    }
+                }
                 Role::Locate => {
                     if value != 0.0 && value != 1.0 {
                         problems.add(line, Problem::NotAFlag(value));
@@ -349,16 +373,27 @@ impl<'a> Table<'a> {
             }
         }
         for (group, cells) in cells.iter().enumerate().filter(|(group, _)| !unreadable[*group]) {
-            self.observation(line, group, cells, problems);
+            let label = |column: Option<usize>| column.and_then(|column| record.get(column)).unwrap_or("");
+            let of = &self.header.groups[group];
+            let labels = [label(self.header.setup), label(of.label)];
+            self.observation(line, group, labels, cells, spreads[group], problems);
         }
         self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
     }
 
     /// What the cells of a group say; all of them empty: not seen.
-    fn observation(&mut self, line: u64, group: usize, cells: &[Option<f64>], problems: &mut Problems<'_>) {
+    fn observation(
+        &mut self,
+        line: u64,
+        group: usize,
+        [setup, label]: [&str; 2],
+        cells: &[Option<f64>],
+        spread: [f64; 3],
+        problems: &mut Problems<'_>,
+    ) {
         let of = &self.header.groups[group];
         let there: Vec<f64> = cells.iter().flatten().copied().collect();
-        if there.is_empty() {
+        if there.is_empty() && (!cells.is_empty() || label.is_empty()) {
             return;
         }
         if there.len() < cells.len() {
@@ -369,10 +404,47 @@ impl<'a> Table<'a> {
         match of.kind.of_cells(&there, &mut values) {
             Ok(changed) => {
                 self.normalised_by = self.normalised_by.max(changed);
-                self.data.observed.push(group, &values);
+                let series = self.series_of(group, setup, label);
+                self.data.observed.push(series, &values);
+                self.spreads.push(spread);
             }
             Err(problem) => problems.add(line, problem),
         }
+    }
+
+    fn series_of(&mut self, group: usize, setup: &str, label: &str) -> usize {
+        let same = |known: &&(usize, String, String, usize)| known.0 == group && known.1 == setup && known.2 == label;
+        if let Some(known) = self.series.iter().find(same) {
+            return known.3;
+        }
+        let of = &self.header.groups[group];
+        let (own, target, point) = in_setup(of.kind.own_target().is_some(), setup, &of.target, label);
+        let series = self.data.scene.add(of.kind, &own, &target, Some(&point));
+        self.series.push((group, setup.into(), label.into(), series));
+        series
+    }
+
+    /// How sure each observation is, beside the others of its channel.
+    fn levels(&mut self) {
+        if !self.header.roles.iter().any(|role| matches!(role, Role::Spread(_))) {
+            return;
+        }
+        let channels = self.data.scene.channels.len();
+        let (mut sums, mut counts) = (vec![0.0; channels], vec![0.0; channels]);
+        let channel = |observation: usize| self.data.series_of(observation).channels[0].unwrap_or(0);
+        let known = |spread: &[f64; 3]| spread.iter().filter(|s| s.is_finite()).map(|s| s.ln()).collect::<Vec<f64>>();
+        for (observation, spread) in self.spreads.iter().enumerate() {
+            let logarithms = known(spread);
+            sums[channel(observation)] += logarithms.iter().sum::<f64>();
+            counts[channel(observation)] += logarithms.len() as f64;
+        }
+        let level = |observation: usize, spread: &[f64; 3]| {
+            let usual = (sums[channel(observation)] / f64::max(counts[channel(observation)], 1.0)).exp();
+            let factor = |k: usize| if spread[k].is_finite() { usual / spread[k] } else { 1.0 };
+            Matrix3::from_diagonal(&Vector3::new(factor(0), factor(1), factor(2)))
+        };
+        let levels = self.spreads.iter().enumerate().map(|(at, spread)| level(at, spread)).collect();
+        self.data.observed.set_levels(levels);
     }
 
     fn finish(mut self, chain: &Chain, mut problems: Problems<'_>) -> Result<Loaded, DataError> {
@@ -390,6 +462,7 @@ impl<'a> Table<'a> {
         if self.normalised_by > 1e-5 {
             notes.push(DataNote::Normalised { by: self.normalised_by });
         }
+        self.levels();
         plausible::drop_targets(&mut self.data, &mut notes);
         for (line, problem) in plausible::problems(&self.data, chain) {
             problems.add(line, problem);

@@ -22,7 +22,7 @@ pub struct Series {
 ///
 /// A setup is an instrument standing at one place. A target sits on the tip. A point stands still in the base frame: an
 /// anchor that distances are measured from. What a target or a point is called is its name in the fit's parameters.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
     /// Names of the setups; one empty name where there is one alone.
     pub setups: Vec<String>,
@@ -34,6 +34,19 @@ pub struct Scene {
     pub series: Vec<Series>,
     /// What shares a noise level.
     pub channels: Vec<Part>,
+    /// Distances between points that are known beforehand.
+    pub lengths: Vec<KnownLength>,
+}
+
+/// A known distance between two points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownLength {
+    /// Indices of the points.
+    pub points: [usize; 2],
+    /// m.
+    pub length: f64,
+    /// How sure it is: standard deviation, m.
+    pub std: f64,
 }
 
 fn index_of(names: &mut Vec<String>, name: &str) -> usize {
@@ -86,6 +99,32 @@ impl Scene {
         self.series.len() - 1
     }
 
+    /// Adds a series of another scene; its index here.
+    pub fn adopt(&mut self, other: &Self, series: &Series) -> usize {
+        let point = series.point.map(|point| label_of(&other.points[point]).to_owned());
+        let (setup, target) = (&other.setups[series.setup], &other.targets[series.target]);
+        self.add(series.kind, setup, target, point.as_deref())
+    }
+
+    /// The point of a label, such as `front/0`, whatever sort of point it is.
+    pub fn point_of(&self, label: &str) -> Option<usize> {
+        self.points.iter().position(|name| label_of(name) == label)
+    }
+
+    /// States the distance between two points, for a `*` in both labels between all pairs that it may stand for; how many
+    /// there are.
+    pub fn know_length(&mut self, labels: [&str; 2], length: f64, std: f64) -> usize {
+        let mut found = Vec::new();
+        for (first, name) in self.points.iter().enumerate() {
+            let Some(meaning) = meaning(labels[0], label_of(name)) else { continue };
+            if let Some(second) = self.point_of(&labels[1].replacen('*', meaning, 1)) {
+                found.push(KnownLength { points: [first, second], length, std });
+            }
+        }
+        self.lengths.extend_from_slice(&found);
+        found.len()
+    }
+
     /// The kinds that are observed, each once.
     pub fn kinds(&self) -> Vec<ObservationKind> {
         let mut kinds: Vec<ObservationKind> = Vec::new();
@@ -127,5 +166,18 @@ impl Scene {
         let seen: BTreeSet<usize> =
             self.series.iter().filter(|series| series.setup == setup).map(|series| series.target).collect();
         seen.into_iter().collect()
+    }
+}
+
+/// What tells a point from others of its sort.
+pub fn label_of(name: &str) -> &str {
+    name.split_once(' ').map_or("", |(_, label)| label)
+}
+
+/// What the `*` of a pattern stands for in a label; `""` for a label that is the pattern.
+fn meaning<'a>(pattern: &str, label: &'a str) -> Option<&'a str> {
+    match pattern.split_once('*') {
+        Some((before, after)) => label.strip_prefix(before)?.strip_suffix(after).filter(|meaning| !meaning.is_empty()),
+        None => (pattern == label).then_some(""),
     }
 }

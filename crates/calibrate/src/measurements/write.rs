@@ -13,9 +13,17 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = data.joints.clone();
     let targets = &data.scene.targets;
-    for series in &data.scene.series {
-        header.extend(series.kind.columns(&targets[series.target]));
+    // The same columns serve all setups.
+    let mut groups: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
+    for (index, series) in data.scene.series.iter().enumerate() {
+        let target = targets[series.target].split('@').next().unwrap_or("");
+        let columns = series.kind.columns(target);
+        match groups.iter_mut().find(|group| group.0 == columns) {
+            Some(group) => group.1.push(index),
+            None => groups.push((columns, vec![index])),
+        }
     }
+    groups.iter().for_each(|group| header.extend_from_slice(&group.0));
     header.extend(data.covariates.iter().map(|column| column.name.clone()));
     header.extend(data.labels.iter().map(|column| column.name.clone()));
     let locates = data.locate.contains(&true);
@@ -26,13 +34,13 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
     writer.write_record(&header).expect(to_memory);
     for row in 0..data.len() {
         let mut cells: Vec<String> = data.reading(row).iter().map(f64::to_string).collect();
-        for (index, series) in data.scene.series.iter().enumerate() {
-            match data.of_row(row).find(|&observation| data.observed.series(observation) == index) {
+        for (columns, series) in &groups {
+            match data.of_row(row).find(|&observation| series.contains(&data.observed.series(observation))) {
                 Some(observation) => {
-                    let values = series.kind.to_cells(data.observed.values(observation));
+                    let values = data.series_of(observation).kind.to_cells(data.observed.values(observation));
                     cells.extend(values.iter().map(f64::to_string));
                 }
-                None => cells.extend(series.kind.columns(&targets[series.target]).iter().map(|_| String::new())),
+                None => cells.extend(columns.iter().map(|_| String::new())),
             }
         }
         cells.extend(data.covariates.iter().map(|column| column.values[row].to_string()));

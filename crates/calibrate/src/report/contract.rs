@@ -2,7 +2,7 @@
 
 use crate::adoption::Adopted;
 use crate::drawing::Departure;
-use crate::errors::Errors;
+use crate::errors::{Errors, LengthFound};
 use crate::measurements::ColumnUse;
 use crate::redundancy::Redundancy;
 use serde::Serialize;
@@ -122,6 +122,12 @@ pub struct Stage {
     /// On the held-out rows; absent without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub test: Option<Errors>,
+    /// Known distances between points as the fitted rows alone say them; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub train_lengths: Vec<LengthFound>,
+    /// The same of the held-out rows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub test_lengths: Vec<LengthFound>,
     /// Whether the fit settled.
     pub converged: bool,
     /// Whether this is the calibrated robot that is handed on.

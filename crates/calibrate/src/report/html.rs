@@ -56,7 +56,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 effects => Value::from(Serde(effects(result)?)),
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),
-                parameters => text::parameters(&result.identification.geometric),
+                parameters => text::final_parameters(result),
             },
         )
         .map_err(|error| PageError::Template(Box::new(error)))

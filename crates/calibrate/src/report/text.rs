@@ -3,7 +3,7 @@
 use crate::adoption::Adopted;
 use crate::calibration::Calibration;
 use crate::effects::driver::RUN_ORDER;
-use crate::errors::Errors;
+use crate::errors::{Errors, LengthFound};
 use crate::measurements::{Measurements, Scene, columns};
 use crate::observe::Part;
 use crate::parameters::{Parameter, ParameterKind};
@@ -87,6 +87,17 @@ fn one_table(stages: &[Stage], title: String, of: [Option<&Part>; 2]) -> String 
     table(&rows)
 }
 
+/// Known distances beside what the rows say of them.
+fn lengths(rows: &str, found: &[LengthFound]) -> String {
+    if found.is_empty() {
+        return String::new();
+    }
+    let off: Vec<f64> = found.iter().map(|length| (length.found_m - length.known_m).abs() * 1e3).collect();
+    let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
+    let most = off.iter().fold(0.0f64, |most, off| most.max(*off));
+    format!("known distances, {rows}: {} off by {rms:.4} mm rms, {most:.4} mm at most\n", off.len())
+}
+
 /// Value, standard deviation and unit as a person reads them.
 fn in_words(parameter: &Parameter, value: f64, deviation: f64) -> [String; 3] {
     let (factor, unit) = match parameter.unit {
@@ -113,6 +124,14 @@ pub fn parameters<E>(fit: &Fit<E>) -> String {
         rows.push(row);
     }
     table(&rows)
+}
+
+/// The parameters of the last stage: with effects, where there are some.
+pub fn final_parameters(result: &Calibration) -> String {
+    match &result.trace {
+        Some(trace) => parameters(&trace.fit),
+        None => parameters(&result.identification.geometric),
+    }
 }
 
 /// Pairs of parameters of the robot that are correlated more than `above`, the strongest first, `most` at most.
@@ -192,6 +211,11 @@ pub fn calibration(result: &Calibration) -> String {
     text.push_str(&trust::differs(report));
     text.push('\n');
     text.push_str(&stages(&report.stages, &result.train.scene));
+    if let Some(last) = report.stages.last() {
+        for (rows, found) in [("fitted", &last.train_lengths), ("held out", &last.test_lengths)] {
+            text.push_str(&lengths(rows, found));
+        }
+    }
     text.push_str(&trust::not_adopted(report));
     text.push('\n');
     match &result.trace {

@@ -100,7 +100,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     // changes no measured value would stand in for it.
     let held =
         if layout.joints.is_empty() { DMatrix::zeros(columns, 0) } else { gauge::conditions(&layout, reference) };
-    let total = values + priors + held.ncols();
+    let lengths = layout.known_lengths(&data.scene, &fit.arm);
+    let total = values + priors + held.ncols() + lengths.len();
     let (first, last) = (layout.effects.start + own, layout.effects.end);
     let geometry_columns: Vec<usize> = (0..layout.effects.start).chain(last..columns).collect();
     let mut result = Linear {
@@ -152,6 +153,15 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         let departure = DVector::from_vec(layout.departure(&fit.arm, reference)[layout.joints.clone()].to_vec());
         result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
+    }
+    for (k, known) in lengths.iter().enumerate() {
+        let row = total - lengths.len() + k;
+        result.residual[row] = known.residual;
+        for (from, value) in &known.columns {
+            if let Some(column) = geometry_columns.iter().position(|column| column == from) {
+                result.geometry[(row, column)] = *value;
+            }
+        }
     }
     let norms: Vec<f64> = result.geometry.column_iter().map(|column| column.norm()).collect();
     let scale: Vec<f64> = norms.iter().map(|norm| if *norm > 0.0 { 1.0 / norm } else { 0.0 }).collect();

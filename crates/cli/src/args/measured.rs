@@ -34,7 +34,7 @@ Examples:
   denavit calibrate arm.urdf --data train.csv --test test.csv
   denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
   denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
-  denavit calibrate ur5e.urdf --data d.csv --dh ur_kinematics.yaml       for ur_description
+  denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
   some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
 
 See docs/calibration.md and docs/effects.md.";
@@ -46,12 +46,24 @@ pub struct CalibrateArguments {
     /// Which robot.
     #[command(flatten)]
     pub robot: RobotArguments,
-    /// Measurements to fit, or - for standard input
-    #[arg(long, value_name = "FILE")]
-    pub data: String,
-    /// Measurements to judge by, never fitted
+    /// Measurements to fit, or - for standard input; several files are several setups: each has its own instrument frame
+    /// and targets
+    #[arg(long, value_name = "FILE", required_unless_present = "socket")]
+    pub data: Vec<String>,
+    /// Joint readings taken with a ball on the tip in the socket of this label: a bare CSV without header, a column per
+    /// joint, such as front/0=front_0.csv
+    #[arg(long, value_name = "LABEL=FILE")]
+    pub socket: Vec<String>,
+    /// A known distance between two sockets: front/0,front/1=50mm, or '*/0,*/1=50mm' for every placement; how sure it is may
+    /// follow as +-0.1mm (else 0.05 mm)
+    #[arg(long, value_name = "PAIR=LENGTH")]
+    pub distance: Vec<String>,
+    /// Measurements to judge by, never fitted; sockets in it are new places
     #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
     pub test: Option<String>,
+    /// Setups, or placements of sockets, to keep for judging
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["hold_out", "test"])]
+    pub hold_out_setups: Vec<String>,
     /// Without --test: share of the rows to keep for judging
     #[arg(long, value_name = "SHARE", value_parser = numbers::part)]
     pub hold_out: Option<f64>,
@@ -86,6 +98,9 @@ pub struct CalibrateArguments {
     /// file of a UR arm; -: text)
     #[arg(long, value_name = "FILE")]
     pub dh: Option<PathBuf>,
+    /// Write what a maker's controller or ROS package takes: ur, xarm, franka, robot-calibration; see docs/makers.md
+    #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
+    pub out_for: Vec<String>,
     /// Write the effects as JSON, for fk, compensate and simulate
     #[arg(long, value_name = "FILE")]
     pub effects_out: Option<PathBuf>,

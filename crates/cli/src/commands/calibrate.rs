@@ -2,6 +2,7 @@
 
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
+use crate::gather;
 use crate::measured::{self, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
@@ -13,20 +14,21 @@ use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
+use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_model::{Chain, Reading};
 use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
-    measured::one_standard_input(&[Some(&arguments.robot.robot), Some(&arguments.data), arguments.test.as_deref()])?;
+    let mut inputs: Vec<Option<&str>> = arguments.data.iter().map(|file| Some(file.as_str())).collect();
+    inputs.extend([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]);
+    measured::one_standard_input(&inputs)?;
     let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
     let mut options = options(arguments, &robot.chain)?;
     let products = products(arguments, &robot)?;
-    let read = |file: &str| measured::measurements(file, &robot.chain, &arguments.units);
-    let (data, columns) = read(&arguments.data)?;
-    let test = arguments.test.as_deref().map(read).transpose()?.map(|(test, _)| test);
+    let gather::Rows { data, test, columns } = gather::rows(arguments, &robot.chain)?;
     options.other_chains = measured::other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
     let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
@@ -54,13 +56,22 @@ struct Places {
     urdf: Option<Slot>,
     dh: Option<Slot>,
     effects: Option<Slot>,
+    makers: Vec<(Slot, &'static Maker)>,
 }
 
 impl Places {
     fn of(arguments: &CalibrateArguments) -> Result<Self, Failure> {
-        let inputs = std::iter::once(arguments.data.as_str()).chain(arguments.test.as_deref());
+        let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
+        let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
+        let pairs = arguments.out_for.chunks_exact(2);
+        let makers = pairs.map(|pair| {
+            let maker = makers::named(&pair[0])?;
+            Ok((outputs.add("--out-for", Path::new(&pair[1]))?, maker))
+        });
+        let makers = makers.collect::<Result<Vec<_>, Failure>>()?;
         Ok(Self {
+            makers,
             json: outputs.add_if("--json", arguments.json.place())?,
             html: outputs.add_if("--html", arguments.html.as_deref())?,
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
@@ -145,6 +156,14 @@ fn texts(
     }
     if let (Some(slot), Some(format)) = (places.dh, products.dh) {
         texts.push((slot, dh_table(format, &calibrated, &arguments.robot.robot)?));
+    }
+    let found: Vec<String> = result.report.effects.iter().map(|effect| effect.kind.clone()).collect();
+    for (slot, maker) in &places.makers {
+        let drawn =
+            if let Loaded::Robot(tree) = &robot.loaded { Some((tree.as_ref(), reading(arguments))) } else { None };
+        let written = (maker.render)(&Calibrated { chain: &calibrated, drawn, effects: &found })?;
+        written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
+        texts.push((*slot, written.text));
     }
     if let Some(slot) = places.effects {
         texts.push((slot, result.effects(&robot.statics).to_json()));

@@ -28,6 +28,11 @@ pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
 }
 
 fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
+    for (option, value) in [("--tolerance-m", arguments.tolerance_m), ("--tolerance-rad", arguments.tolerance_rad)] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(Failure::Argument(format!("{option} {value}: write a finite number, 0 or more")));
+        }
+    }
     let q_range = arguments.q_range.iter().map(|written| range(written)).collect::<Result<Vec<Range>, Failure>>()?;
     Ok(Options {
         tolerance_m: arguments.tolerance_m,

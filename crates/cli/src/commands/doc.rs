@@ -5,12 +5,9 @@ use crate::failure::Failure;
 use crate::output::{self, OutputFolder, Status};
 use crate::source::{self, Loaded};
 use denavit_compare::fingerprint;
-use denavit_dh::convert::table;
-use denavit_dh::{Options, Parallelism};
 use denavit_export::Units;
 use denavit_export::page::{self, Card, ChainPart, Document};
-use denavit_model::notes::Noted;
-use denavit_model::{Chain, Reading};
+use denavit_load::TableOptions;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -58,9 +55,18 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     Ok(Status::Same)
 }
 
+/// A file's name without its folders; what names a revision stays whole.
+fn shown_source(name: &str) -> String {
+    let file = Path::new(name).file_name().filter(|_| !name.starts_with("git:"));
+    file.map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned())
+}
+
 /// The file's name without extensions, numbered where another robot has it.
 fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
-    let name = Path::new(robot).file_name().map_or_else(|| "robot".into(), |name| name.to_string_lossy().into_owned());
+    // Of git:REVISION:PATH the path; a colon in a file's name would read as a scheme in a link.
+    let path = robot.strip_prefix("git:").and_then(|object| object.rsplit_once(':')).map_or(robot, |(_, path)| path);
+    let name = Path::new(path).file_name().map_or_else(|| "robot".into(), |name| name.to_string_lossy().into_owned());
+    let name = name.replace(':', "-");
     let stem = name.split('.').next().filter(|stem| !stem.is_empty() && *stem != "-").unwrap_or("robot").to_owned();
     let taken =
         |stem: &str| files.iter().any(|(name, _)| name == &format!("{stem}.html") || name == &format!("{stem}.md"));
@@ -82,17 +88,15 @@ fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, unit
         tolerance: 1e-6,
         source: source.clone(),
     };
-    let main = part(arguments, name, loaded.chain(&robot.selection())?)?;
-    let reading = if arguments.exact { Reading::AsWritten } else { Reading::Intended };
+    let main = part(&robot, &loaded)?;
     let mut others = Vec::new();
     if let Loaded::Robot(tree) = &loaded {
         let others_of = |listing: &denavit_model::tree::ChainListing| {
             listing.tip != main.chain.tip() && !listing.coordinates.is_empty()
         };
         for listing in tree.leaf_chains().iter().filter(|listing| others_of(listing)) {
-            if let Ok(noted) = tree.chain(Some(&listing.base), Some(&listing.tip), reading) {
-                others.push(part(arguments, name, noted)?);
-            }
+            let (base, tip) = (Some(listing.base.clone()), Some(listing.tip.clone()));
+            others.extend(part(&RobotArguments { base, tip, ..robot.clone() }, &loaded).ok());
         }
     }
     let fingerprint = fingerprint(&loaded.subject(name), denavit_compare::fingerprint::DEFAULT_TOLERANCE).to_string();
@@ -103,18 +107,21 @@ fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, unit
             Loaded::Robot(tree) => Some(*tree),
             _ => None,
         },
-        source: Path::new(name).file_name().map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned()),
+        source: shown_source(name),
         fingerprint: Some(fingerprint),
-        gauge: "the fewest numbers that are not zero, quarter turns before other angles".into(),
         units,
     })
 }
 
-fn part(arguments: &DocArguments, name: &str, noted: Noted<Chain>) -> Result<ChainPart, Failure> {
-    let Noted { value: chain, mut notes } = noted;
-    let parallelism = if arguments.exact { Parallelism::Exact } else { Parallelism::default() };
-    let made = table(&chain, &Options { parallelism, ..Options::default() })
-        .map_err(|source| Failure::Chain { file: name.to_owned(), source })?;
-    notes.extend(made.notes);
-    Ok(ChainPart { chain, table: made.value, notes })
+fn part(robot: &RobotArguments, loaded: &Loaded) -> Result<ChainPart, Failure> {
+    let selection = robot.selection();
+    let chain = loaded.chain(&selection)?.value;
+    let options = TableOptions { convention: None, gauge: None, tolerance: robot.tolerance };
+    let made = loaded.table(&selection, &options)?;
+    let gauge = if made.gauge == "file" {
+        "As the file has them: its joint origins, or its rows, are Denavit-Hartenberg numbers."
+    } else {
+        "The fewest numbers that are not zero, quarter turns before other angles."
+    };
+    Ok(ChainPart { chain, table: made.table.value, notes: made.table.notes, gauge: gauge.into() })
 }

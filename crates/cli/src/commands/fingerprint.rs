@@ -21,8 +21,8 @@ pub fn run(arguments: &FingerprintArguments) -> Result<Status, Failure> {
     let delivery = Delivery::of(None, &arguments.json, inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
     let found = fingerprint(&loaded.subject(&arguments.robot), arguments.tolerance);
-    if let Some(why) = arguments.expect.as_ref().and_then(|written| found.not_comparable(written)) {
-        return Err(Failure::Argument(format!("--expect: {why}")));
+    if let Some(written) = &arguments.expect {
+        found.comparable(written).map_err(|error| Failure::Argument(format!("--expect: {error}")))?;
     }
     let answer = || super::stamped("denavit.fingerprint/1", &Answer { fingerprint: found.to_string(), parts: &found });
     delivery.deliver(|| Ok(format!("{found}\n")), || Ok(answer()))?;

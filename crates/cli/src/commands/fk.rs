@@ -45,7 +45,10 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
             return Err(Failure::Argument("--given is for what effects follow; give --effects, too".into()));
         }
         None => chain.fk(&q),
-        Some(file) => with_effects(file, &loaded.statics(chain), chain, &arguments.given, &q)?,
+        Some(file) => {
+            let statics = loaded.statics(chain, arguments.robot.selection().reading);
+            with_effects(file, &statics, chain, &arguments.given, &q)?
+        }
     };
     let rpy = se3::rpy_from_rotation(&pose.rotation);
     let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);

@@ -5,9 +5,10 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source::{self, Loaded};
-use denavit_dh::matching::{self, Verdict};
-use denavit_dh::{Convention, Gauge};
+use denavit_dh::Gauge;
+use denavit_dh::matching::Verdict;
 use denavit_export::formats::json;
+use denavit_export::sources::Stated;
 use denavit_export::{Sheet, formats, matched, sources};
 use denavit_load::TableOptions;
 use denavit_model::notes::Noted;
@@ -36,29 +37,25 @@ pub fn run(arguments: &TableArguments) -> Result<Status, Failure> {
 fn matched(arguments: &TableArguments, delivery: &Delivery, loaded: &Loaded, vendor: &str) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
     let (file, text) = source::read_text(vendor)?;
-    let vendor = sources::read_vendor_table(&file, &text)?;
+    let convention = arguments.convention.map(ConventionName::convention);
+    let given = Stated { convention, ..Stated::default() }.or(source::stated(&arguments.robot.source)?);
+    let readings = sources::read_vendor_table(&file, &text, given).map_err(denavit_load::LoadError::from)?;
     let Noted { value: chain, notes } = loaded.chain(&arguments.robot.selection())?;
-    let found =
-        matching::match_table(&chain, &vendor).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
+    let found = matched::best(&chain, &readings).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
     let json = || Ok(matched::json(&chain, &file, &found));
     let own = || match arguments.format.as_str() {
-        "text" => Ok(matched::text(&chain, &file, &vendor, &found, units)),
+        "text" => Ok(matched::text(&chain, &file, &found, units)),
         "json" => json(),
         other => Err(Failure::Argument(format!("--match prints text or json, not {other}"))),
     };
     output::remark(&notes);
     delivery.deliver(own, json)?;
-    Ok(if found.verdict <= Verdict::Rounded { Status::Same } else { Status::Different })
+    Ok(if found.found.verdict <= Verdict::Rounded { Status::Same } else { Status::Different })
 }
 
 fn options(arguments: &TableArguments) -> TableOptions {
     TableOptions {
-        convention: arguments.convention.map(|name| match name {
-            ConventionName::Distal => Convention::Distal,
-            ConventionName::Proximal => Convention::Proximal,
-            ConventionName::Paper => Convention::Paper,
-            ConventionName::Hayati => Convention::Hayati,
-        }),
+        convention: arguments.convention.map(ConventionName::convention),
         gauge: arguments.gauge.map(|name| match name {
             GaugeName::Simple => Gauge::Simple,
             GaugeName::Paper => Gauge::Paper,

@@ -6,7 +6,7 @@
 
 use crate::diff::Options;
 use crate::diff::features::{Features, Precision};
-use crate::mechanism::{Mechanism, MovingJoint, apart};
+use crate::mechanism::{Mechanism, apart};
 use denavit_model::Screw;
 use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use denavit_model::se3::{self, Pose};
@@ -31,6 +31,10 @@ const UNMOVED_FREE: f64 = 0.3;
 const FRAMES: f64 = 0.25;
 /// Where this share of all features agrees to rounding, one robot was made from the other by a few edits.
 const MOSTLY: f64 = 0.5;
+/// Joints on one body that no name pairs are paired by their axes, so many at most: each is held against each.
+const PAIRED: usize = 100;
+/// Frames of a body that are held against those of b, at most.
+const FRAMES_HELD: usize = 100;
 /// Frames and shapes of a body that are tried as what carried the body along.
 const TRIED: usize = 6;
 
@@ -52,12 +56,14 @@ impl Alignment {
             moved: vec![root; a.bodies.len()],
             body_b: vec![0; a.bodies.len()],
         };
+        let named = b.joint_indices();
         for (index, joint) in a.joints.iter().enumerate() {
-            if let Some(other) = b.joint_index(&joint.name) {
-                result.pair(index, other);
+            if let Some(other) = named.get(joint.name.as_str()) {
+                result.pair(index, *other);
             }
         }
-        result.pair_children(a, b, None, options);
+        let on = (a.joints_on(), b.joints_on());
+        result.pair_children(a, b, &on, None, options);
         for index in 0..a.joints.len() {
             let (body, carrier) = (index + 1, a.joints[index].parent.map_or(0, |parent| parent + 1));
             match result.joint_b[index] {
@@ -67,10 +73,10 @@ impl Alignment {
                 }
                 Some(other) => {
                     result.body_b[body] = other + 1;
-                    result.moved[body] = result.motion_of(a, b, features, index, options);
+                    result.moved[body] = result.motion_of(a, b, features, &on.0, index, options);
                 }
             }
-            result.pair_children(a, b, Some(index), options);
+            result.pair_children(a, b, &on, Some(index), options);
         }
         result
     }
@@ -82,7 +88,14 @@ impl Alignment {
     }
 
     /// Pairs joints that hang on the same body under different names: the nearest axes first.
-    fn pair_children(&mut self, a: &Mechanism, b: &Mechanism, parent: Option<usize>, options: &Options) {
+    fn pair_children(
+        &mut self,
+        a: &Mechanism,
+        b: &Mechanism,
+        on: &(Vec<Vec<usize>>, Vec<Vec<usize>>),
+        parent: Option<usize>,
+        options: &Options,
+    ) {
         let parent_b = match parent {
             None => None,
             Some(parent) => match self.joint_b[parent] {
@@ -90,11 +103,14 @@ impl Alignment {
                 None => return,
             },
         };
-        let free = |joints: &[MovingJoint], paired: &[Option<usize>], parent| -> Vec<usize> {
-            (0..joints.len()).filter(|k| joints[*k].parent == parent && paired[*k].is_none()).collect()
+        let free = |on: &[Vec<usize>], paired: &[Option<usize>], parent: Option<usize>| -> Vec<usize> {
+            let hanging = &on[parent.map_or(0, |parent| parent + 1)];
+            hanging.iter().copied().filter(|joint| paired[*joint].is_none()).collect()
         };
-        let mut in_a = free(&a.joints, &self.joint_b, parent);
-        let mut in_b = free(&b.joints, &self.joint_a, parent_b);
+        let mut in_a = free(&on.0, &self.joint_b, parent);
+        let mut in_b = free(&on.1, &self.joint_a, parent_b);
+        in_a.truncate(PAIRED);
+        in_b.truncate(PAIRED);
         let moved = self.moved[parent.map_or(0, |parent| parent + 1)];
         while let Some((cost, one, other)) = in_a
             .iter()
@@ -113,11 +129,19 @@ impl Alignment {
         }
     }
 
-    fn motion_of(&self, a: &Mechanism, b: &Mechanism, features: &Features, joint: usize, options: &Options) -> Pose {
+    fn motion_of(
+        &self,
+        a: &Mechanism,
+        b: &Mechanism,
+        features: &Features,
+        on: &[Vec<usize>],
+        joint: usize,
+        options: &Options,
+    ) -> Pose {
         let body = joint + 1;
         let carried = self.moved[a.joints[joint].parent.map_or(0, |parent| parent + 1)];
         let mut candidates = vec![carried];
-        for candidate in self.candidates(a, b, body, &carried) {
+        for candidate in self.candidates(a, b, on, body, &carried) {
             let new = candidates.iter().all(|known| {
                 let (turned, moved) = apart(known, &candidate);
                 turned > TIGHT || moved > TIGHT * a.size
@@ -144,7 +168,16 @@ impl Alignment {
     }
 
     /// Motions that something of this body made between a and b.
-    pub fn candidates(&self, a: &Mechanism, b: &Mechanism, body: usize, carried: &Pose) -> Vec<Pose> {
+    ///
+    /// `on`: the joints of a that hang on each body.
+    pub fn candidates(
+        &self,
+        a: &Mechanism,
+        b: &Mechanism,
+        on: &[Vec<usize>],
+        body: usize,
+        carried: &Pose,
+    ) -> Vec<Pose> {
         let (in_a, in_b) = (&a.bodies[body], &b.bodies[self.body_b[body]]);
         let mut result = Vec::new();
         let named = in_a.frames.iter().filter_map(|frame| {
@@ -170,7 +203,7 @@ impl Alignment {
             return result;
         };
         let (Some(one), Some(two)) = (a.joints[joint].screw, b.joints[other].screw) else { return result };
-        result.extend(self.axis_pairs(a, b, joint, (&one, &two), carried));
+        result.extend(self.axis_pairs(a, b, &on[body], (joint, &one, &two), carried));
         let origins = (a.joints[joint].origin, b.joints[other].origin);
         result.push(least_motion(&one.moved(carried), &(carried * origins.0), &two) * carried);
         result
@@ -181,13 +214,13 @@ impl Alignment {
         &self,
         a: &Mechanism,
         b: &Mechanism,
-        joint: usize,
-        axes: (&Screw, &Screw),
+        behind: &[usize],
+        (joint, in_a, in_b): (usize, &Screw, &Screw),
         carried: &Pose,
     ) -> Vec<Pose> {
-        let behind = (0..a.joints.len()).filter(|k| a.joints[*k].parent == Some(joint));
+        let axes = (in_a, in_b);
         let mut result = Vec::new();
-        for child in behind.take(2) {
+        for child in behind.iter().copied().take(2) {
             let Some(other) = self.joint_b[child] else { continue };
             let (Some(one), Some(two)) = (a.joints[child].screw, b.joints[other].screw) else { continue };
             let near = a.joints[joint].origin;
@@ -211,12 +244,13 @@ impl Alignment {
     fn frames_on(&self, a: &Mechanism, b: &Mechanism, body: usize, moved: &Pose) -> f64 {
         let in_b = &b.bodies[self.body_b[body]].frames;
         let on = |frame: &&crate::mechanism::Frame| {
-            in_b.iter().any(|other| {
+            in_b.iter().filter(|other| other.link == frame.link).any(|other| {
                 let (turned, distance) = apart(&other.pose, &(moved * frame.pose));
-                other.link == frame.link && turned < TIGHT * 10.0 && distance < TIGHT * 10.0 * a.size
+                turned < TIGHT * 10.0 && distance < TIGHT * 10.0 * a.size
             })
         };
         let frames = &a.bodies[body].frames;
+        let frames = &frames[..frames.len().min(FRAMES_HELD)];
         frames.iter().filter(on).count() as f64 / frames.len().max(1) as f64
     }
 }
@@ -224,12 +258,12 @@ impl Alignment {
 /// Motions of the base that are worth a try: those of the root body's frames and shapes, and those that take the first
 /// two axes of a branch to where b has them.
 pub(crate) fn bases(a: &Mechanism, b: &Mechanism, named: &Alignment) -> Vec<Pose> {
-    let mut result = named.candidates(a, b, 0, &Pose::identity());
-    let roots = (0..a.joints.len()).filter(|joint| a.joints[*joint].parent.is_none());
-    for joint in roots.take(2) {
+    let on = a.joints_on();
+    let mut result = named.candidates(a, b, &on, 0, &Pose::identity());
+    for joint in on[0].iter().copied().take(2) {
         let Some(other) = named.joint_b[joint] else { continue };
         let (Some(one), Some(two)) = (a.joints[joint].screw, b.joints[other].screw) else { continue };
-        let mut pairs = named.axis_pairs(a, b, joint, (&one, &two), &Pose::identity());
+        let mut pairs = named.axis_pairs(a, b, &on[joint + 1], (joint, &one, &two), &Pose::identity());
         pairs.push(least_motion(&one, &a.joints[joint].origin, &two));
         result.extend(pairs.iter().filter_map(|base| slid_to_tip(a, b, base, &two)));
         result.extend(pairs);
@@ -305,10 +339,7 @@ pub(crate) fn least_motion(one: &Screw, at: &Point3<f64>, other: &Screw) -> Pose
     if u.dot(&w) < 0.0 {
         w = -w;
     }
-    let across = u.cross(&w);
-    let turn = across
-        .try_normalize(0.0)
-        .map_or_else(Rotation3::identity, |axis| se3::rotation_about(&axis, se3::angle_between(&u, &w)));
+    let turn = se3::least_rotation(&u, &w);
     let start = one.line().map_or(*at, |line| line.nearest_to(at));
     let end = other.line().map_or(start, |line| line.nearest_to(&start));
     se3::pose(turn, end.coords - turn * start.coords)

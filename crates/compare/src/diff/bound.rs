@@ -21,10 +21,19 @@ use std::collections::BinaryHeap;
 const CLOSE: f64 = 1.1;
 /// Or after so many halvings per joint: a bound stays a bound.
 const HALVINGS: usize = 1500;
+/// Joint motions that are worth computing for one tip; of a way so long and so changed that one look at each step costs
+/// more, only the gap between where both tips can be at all is known.
+const MOTIONS: usize = 20_000_000;
 
 /// An upper bound for [`Way::displacement`] over the intervals, m.
 pub(crate) fn upper(way: &Way, intervals: &[Interval]) -> f64 {
-    let steps: f64 = (0..way.steps.len()).map(|index| step_upper(way, index, intervals)).sum();
+    let changed = way.steps.iter().filter(|step| !step.still).count();
+    let halvings = (MOTIONS / (way.steps.len() * changed).max(1)).min(HALVINGS);
+    let steps = if halvings == 0 {
+        f64::INFINITY
+    } else {
+        (0..way.steps.len()).map(|index| step_upper(way, index, intervals, halvings)).sum()
+    };
     let cell: Vec<(f64, f64)> = intervals.iter().map(|interval| (interval.lower, interval.upper)).collect();
     let (mut one, mut other) = (Ball { centre: way.tip_a, radius: 0.0 }, Ball { centre: way.tip_b, radius: 0.0 });
     for step in way.steps.iter().rev() {
@@ -67,7 +76,7 @@ impl Ord for Cell {
     }
 }
 
-fn step_upper(way: &Way, index: usize, intervals: &[Interval]) -> f64 {
+fn step_upper(way: &Way, index: usize, intervals: &[Interval], halvings: usize) -> f64 {
     if way.steps[index].still {
         return 0.0;
     }
@@ -81,7 +90,7 @@ fn step_upper(way: &Way, index: usize, intervals: &[Interval]) -> f64 {
     let mut open = BinaryHeap::new();
     let (first, mut best) = look(box_of_all);
     open.push(first);
-    for _ in 0..HALVINGS {
+    for _ in 0..halvings {
         let Some(worst) = open.peek() else { break };
         if worst.upper <= CLOSE * best {
             break;

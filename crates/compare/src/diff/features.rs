@@ -25,7 +25,8 @@ enum Feature {
 pub(crate) struct Features {
     precision: Precision,
     of_body: Vec<Vec<Feature>>,
-    behind: Vec<Vec<usize>>,
+    /// For each body those that hang on it directly.
+    next: Vec<Vec<usize>>,
 }
 
 /// How well features must agree to tell where a body is.
@@ -37,6 +38,8 @@ pub(crate) enum Precision {
     Tolerance,
 }
 
+/// Bodies behind one that are looked at to place it: of a longer arm, the far end says no more.
+const BEHIND: usize = 256;
 /// Shapes of a body that are looked at to place it; a robot made of hundreds of spheres needs no more.
 const SHAPES: usize = 8;
 
@@ -50,18 +53,13 @@ impl Features {
             features.extend(empty.map(|(index, _)| Feature::Tip(index)));
             of_body.push(features);
         }
-        let mut behind = vec![Vec::new(); a.bodies.len()];
+        let mut next = vec![Vec::new(); a.bodies.len()];
         for (index, joint) in a.joints.iter().enumerate() {
-            of_body[joint.parent.map_or(0, |parent| parent + 1)].push(Feature::Axis(index));
-            let mut at = Some(index);
-            while let Some(joint) = at {
-                behind[joint + 1].push(index + 1);
-                at = a.joints[joint].parent;
-            }
-            behind[0].push(index + 1);
+            let carrier = joint.parent.map_or(0, |parent| parent + 1);
+            of_body[carrier].push(Feature::Axis(index));
+            next[carrier].push(index + 1);
         }
-        behind[0].insert(0, 0);
-        Self { precision, of_body, behind }
+        Self { precision, of_body, next }
     }
 
     /// The share of all features that agree to rounding where the bodies were found to be.
@@ -71,6 +69,20 @@ impl Features {
         let exact = all()
             .filter(|(body, feature)| self.agreement(at, a, b, (*body, *feature), &at.moved[*body], options) > 0.5);
         exact.count() as f64 / all().count().max(1) as f64
+    }
+
+    /// A body and those behind it, the nearest first, as many as are looked at.
+    fn behind(&self, body: usize) -> Vec<usize> {
+        let mut result = vec![body];
+        let mut at = 0;
+        while at < result.len() && result.len() < BEHIND {
+            result.extend(&self.next[result[at]]);
+            at += 1;
+        }
+        result.truncate(BEHIND);
+        // In the order of the joints, so that sums do not depend on the way here.
+        result.sort_unstable();
+        result
     }
 
     /// How many features of a body and of those behind it a motion takes to where b has them; those that agree to
@@ -87,7 +99,7 @@ impl Features {
         let of_body = |body: &usize| -> f64 {
             self.of_body[*body].iter().map(|feature| self.agreement(at, a, b, (*body, *feature), moved, options)).sum()
         };
-        self.behind[body].iter().map(of_body).sum()
+        self.behind(body).iter().map(of_body).sum()
     }
 
     /// 1 to rounding, 0.9 within tolerance, 0 else; a little less for an axis of reversed sense.

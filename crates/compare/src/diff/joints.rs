@@ -4,10 +4,12 @@ use crate::comparison::{Change, JointChange};
 use crate::diff::alignment::{Alignment, least_motion};
 use crate::diff::features::axes_apart;
 use crate::diff::{Options, Scope};
-use crate::mechanism::{Mechanism, MovingJoint, reversed};
+use crate::mechanism::{Mechanism, MovingJoint};
+use crate::words;
 use denavit_model::Screw;
 use denavit_model::nalgebra::Point3;
 use denavit_model::se3::{self, Pose};
+use std::collections::{HashMap, HashSet};
 
 /// How a joint of b runs against its like in a: q_b = sense · q_a + shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,9 +27,16 @@ impl Reparametrised {
 }
 
 /// Everything that changed between joint `index` of a and its like in b.
-pub(crate) fn changes(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, options: &Options) -> Vec<Change> {
+pub(crate) fn changes(
+    a: &Mechanism,
+    b: &Mechanism,
+    at: &Alignment,
+    names: &Names,
+    index: usize,
+    options: &Options,
+) -> Vec<Change> {
     let Some(other) = at.joint_b[index] else {
-        return vec![Change::counted(gone(a, b, index))];
+        return vec![Change::counted(gone(a, names, index))];
     };
     let (one, two) = (&a.joints[index], &b.joints[other]);
     let mut found = Vec::new();
@@ -42,7 +51,58 @@ pub(crate) fn changes(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize
     found.extend(carried(a, b, at, index, other).map(Change::counted));
     let run = if options.up_to_zeros { geometry.run } else { Reparametrised { sense: 1.0, shift: 0.0 } };
     found.extend(limits(a, b, one, two, run, options));
-    found.extend(mimic(a, b, at, one, two).map(Change::counted));
+    found.extend(mimic(b, at, names, one, two).map(Change::counted));
+    if options.scope == Scope::Everything && !a.bare && !b.bare {
+        found.extend(controller(one, two, run, options).into_iter().map(Change::counted));
+    }
+    found
+}
+
+/// Names of both robots, looked up for every joint.
+pub(crate) struct Names<'a> {
+    in_a: HashMap<&'a str, usize>,
+    fixed_in_a: HashSet<&'a str>,
+    fixed_in_b: HashSet<&'a str>,
+}
+
+impl<'a> Names<'a> {
+    pub fn of(a: &'a Mechanism, b: &'a Mechanism) -> Self {
+        let fixed = |mechanism: &'a Mechanism| {
+            let names = mechanism.fixed.iter().flat_map(|(name, child)| [name.as_str(), child.as_str()]);
+            names.collect()
+        };
+        Self { in_a: a.joint_indices(), fixed_in_a: fixed(a), fixed_in_b: fixed(b) }
+    }
+}
+
+/// Damping, friction and soft limits.
+fn controller(one: &MovingJoint, two: &MovingJoint, run: Reparametrised, options: &Options) -> Vec<JointChange> {
+    let mut found = Vec::new();
+    let mut compare = |property: &'static str, from: Option<f64>, to: Option<f64>, tolerance: f64| {
+        let same = match (from, to) {
+            (Some(x), Some(y)) => (x - y).abs() <= tolerance,
+            (None, None) => true,
+            _ => false,
+        };
+        if !same {
+            found.push(JointChange::PropertyChanged { property, from: words::stated(from), to: words::stated(to) });
+        }
+    };
+    let relative = |x: f64| options.tolerance_mass * x.abs();
+    let (x, y) = (one.dynamics, two.dynamics);
+    compare("damping", Some(x.damping), Some(y.damping), relative(x.damping));
+    compare("friction", Some(x.friction), Some(y.friction), relative(x.friction));
+    let position =
+        if matches!(one.screw, Some(Screw::Prismatic(_))) { options.tolerance_m } else { options.tolerance_rad };
+    let (x, y) = (one.soft_limits, two.soft_limits);
+    let from = x.and_then(|soft| soft.range);
+    let to = y.and_then(|soft| soft.range).map(|range| run.range_in_a(range));
+    compare("soft lower limit", from.map(|range| range.0), to.map(|range| range.0), position);
+    compare("soft upper limit", from.map(|range| range.1), to.map(|range| range.1), position);
+    let (x, y) = (x.map(|soft| soft.k_position), y.map(|soft| soft.k_position));
+    compare("soft limit k_position", x, y, relative(x.unwrap_or(0.0)));
+    let (x, y) = (one.soft_limits.map(|soft| soft.k_velocity), two.soft_limits.map(|soft| soft.k_velocity));
+    compare("soft limit k_velocity", x, y, relative(x.unwrap_or(0.0)));
     found
 }
 
@@ -54,16 +114,16 @@ pub(crate) fn run(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, op
     })
 }
 
-fn gone(a: &Mechanism, b: &Mechanism, index: usize) -> JointChange {
+fn gone(a: &Mechanism, names: &Names, index: usize) -> JointChange {
     let joint = &a.joints[index];
-    let fixed = b.fixed.iter().any(|(name, child)| *name == joint.name || *child == joint.child);
+    let fixed = [&joint.name, &joint.child].iter().any(|name| names.fixed_in_b.contains(name.as_str()));
     if fixed { JointChange::KindChanged { from: joint.kind.clone(), to: "fixed".into() } } else { JointChange::Removed }
 }
 
 /// A joint that only b has.
-pub(crate) fn new_in_b(a: &Mechanism, b: &Mechanism, index: usize) -> JointChange {
+pub(crate) fn new_in_b(b: &Mechanism, names: &Names, index: usize) -> JointChange {
     let joint = &b.joints[index];
-    let fixed = a.fixed.iter().any(|(name, child)| *name == joint.name || *child == joint.child);
+    let fixed = [&joint.name, &joint.child].iter().any(|name| names.fixed_in_a.contains(name.as_str()));
     if fixed { JointChange::KindChanged { from: "fixed".into(), to: joint.kind.clone() } } else { JointChange::Added }
 }
 
@@ -92,7 +152,7 @@ pub(crate) fn geometry(
     };
     let (screw_b, origin_b) = (screw_b.moved(&back), back * two.origin);
     let (turned, distance, opposed) = axes_apart(screw, &one.origin, &screw_b, &origin_b);
-    let screw_b = if opposed { reversed(&screw_b) } else { screw_b };
+    let screw_b = if opposed { screw_b.reversed() } else { screw_b };
     if turned > options.tolerance_rad {
         result.changes.push(JointChange::AxisTurned { rad: turned });
     }
@@ -241,11 +301,12 @@ fn limits(
     found
 }
 
-fn mimic(a: &Mechanism, b: &Mechanism, at: &Alignment, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
+fn mimic(b: &Mechanism, at: &Alignment, names: &Names, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
     let same = match (&one.mimic, &two.mimic) {
         (None, None) => true,
         (Some((driver, factor, offset)), Some((driver_b, factor_b, offset_b))) => {
-            let paired = a.joint_index(driver).and_then(|joint| at.joint_b[joint]).map(|joint| &b.joints[joint].name);
+            let driver_a = names.in_a.get(driver.as_str());
+            let paired = driver_a.and_then(|joint| at.joint_b[*joint]).map(|joint| &b.joints[joint].name);
             let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * x.abs().max(1.0);
             (driver == driver_b || paired == Some(driver_b)) && close(*factor, *factor_b) && close(*offset, *offset_b)
         }

@@ -9,6 +9,7 @@ use crate::words;
 use denavit_model::nalgebra::Point3;
 use denavit_model::robot::Geometry;
 use denavit_model::se3::Pose;
+use std::collections::{HashMap, HashSet};
 
 /// What was found.
 #[derive(Default)]
@@ -61,12 +62,13 @@ struct Group {
 pub(crate) fn compare(a: &Mechanism, b: &Mechanism, at: &Alignment, options: &Options) -> Matter {
     let mut found = Matter::default();
     let mut replaced = Vec::new();
+    let links = (links_of(a), links_of(b));
     for group in groups(a, b, at) {
         if !(options.scope == Scope::Kinematics || a.bare || b.bare) {
             masses(&mut found, a, b, at, &group, options);
         }
         let off = shapes(&mut found, a, b, at, &group, options);
-        frames(&mut found, &mut replaced, (a, b, at), &group, &off, options);
+        frames(&mut found, &mut replaced, (a, b, at), &links, &group, &off, options);
     }
     if !replaced.is_empty() {
         found.notes.push(format!("same motion: link frames re-placed: {}", replaced.join(", ")));
@@ -74,21 +76,29 @@ pub(crate) fn compare(a: &Mechanism, b: &Mechanism, at: &Alignment, options: &Op
     found
 }
 
+fn links_of(mechanism: &Mechanism) -> HashSet<&str> {
+    mechanism.bodies.iter().flat_map(|body| &body.frames).map(|frame| frame.link.as_str()).collect()
+}
+
 fn groups(a: &Mechanism, b: &Mechanism, at: &Alignment) -> Vec<Group> {
     let mut in_b: Vec<Vec<usize>> = vec![Vec::new(); b.bodies.len()];
+    // A body's owner: the nearest body before it, itself counted, that stands for one of a; parents come first.
+    let mut owners = vec![0; b.bodies.len()];
     for body in 0..b.bodies.len() {
-        let mut owner = body;
-        while owner > 0 && at.joint_a[owner - 1].is_none() {
-            owner = b.joints[owner - 1].parent.map_or(0, |parent| parent + 1);
-        }
-        in_b[owner].push(body);
+        let new = body > 0 && at.joint_a[body - 1].is_none();
+        owners[body] = if new { owners[b.joints[body - 1].parent.map_or(0, |parent| parent + 1)] } else { body };
+        in_b[owners[body]].push(body);
     }
     let mut result: Vec<Group> = Vec::new();
+    let mut group_of: HashMap<usize, usize> = HashMap::new();
     for body in 0..a.bodies.len() {
         let owner = at.body_b[body];
-        match result.iter_mut().find(|group| group.in_b.first() == Some(&owner)) {
-            Some(group) => group.in_a.push(body),
-            None => result.push(Group { in_a: vec![body], in_b: std::mem::take(&mut in_b[owner]) }),
+        match group_of.get(&owner) {
+            Some(group) => result[*group].in_a.push(body),
+            None => {
+                group_of.insert(owner, result.len());
+                result.push(Group { in_a: vec![body], in_b: std::mem::take(&mut in_b[owner]) });
+            }
         }
     }
     result
@@ -164,30 +174,42 @@ fn shapes(
     at: &Alignment,
     group: &Group,
     options: &Options,
-) -> Vec<String> {
+) -> HashSet<String> {
     if a.bare || b.bare {
-        return Vec::new();
+        return HashSet::new();
     }
     let in_a = group.in_a.iter().flat_map(|body| {
         let moved = at.moved[*body];
         a.bodies[*body].shapes.iter().map(move |shape| PlacedShape { pose: moved * shape.pose, ..shape.clone() })
     });
-    let mut left_b: Vec<&PlacedShape> = group.in_b.iter().flat_map(|body| &b.bodies[*body].shapes).collect();
+    let of_b: Vec<&PlacedShape> = group.in_b.iter().flat_map(|body| &b.bodies[*body].shapes).collect();
+    let mut on_link: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (index, shape) in of_b.iter().enumerate() {
+        on_link.entry(&shape.link).or_default().push(index);
+    }
+    let mut taken = vec![false; of_b.len()];
     let mut left_a = Vec::new();
     for shape in in_a {
-        let same = left_b.iter().position(|other| {
+        let same = |index: &usize| {
+            let other = of_b[*index];
             let (turned, distance) = shape_apart(&shape.geometry, &shape.pose, &other.pose);
             alike(&shape, other) && turned <= options.tolerance_rad && distance <= options.tolerance_m
-        });
-        match same {
-            Some(index) => drop(left_b.remove(index)),
+        };
+        // On its own link first: where nothing changed, that ends the search.
+        let own = on_link.get(shape.link.as_str()).map_or(&[][..], Vec::as_slice);
+        let own = own.iter().copied().find(|index| !taken[*index] && same(index));
+        match own.or_else(|| (0..of_b.len()).find(|index| !taken[*index] && same(index))) {
+            Some(index) => taken[index] = true,
             None => left_a.push(shape),
         }
     }
-    let mut off = Vec::new();
+    let mut taken = taken.into_iter();
+    let mut left_b = of_b;
+    left_b.retain(|_| !taken.next().unwrap_or(false));
+    let mut off = HashSet::new();
     let counts = options.scope == Scope::Everything;
     for shape in left_a {
-        off.push(shape.link.clone());
+        off.insert(shape.link.clone());
         let other = left_b
             .iter()
             .position(|other| alike(&shape, other) && other.link == shape.link)
@@ -246,21 +268,27 @@ fn frames(
     found: &mut Matter,
     replaced: &mut Vec<String>,
     (a, b, at): (&Mechanism, &Mechanism, &Alignment),
+    (links_a, links_b): &(HashSet<&str>, HashSet<&str>),
     group: &Group,
-    off: &[String],
+    off: &HashSet<String>,
     options: &Options,
 ) {
     let mut left_b: Vec<&Frame> = group.in_b.iter().flat_map(|body| &b.bodies[*body].frames).collect();
+    let by_name: HashMap<&str, usize> =
+        left_b.iter().enumerate().map(|(index, frame)| (frame.link.as_str(), index)).collect();
+    let mut paired = vec![false; left_b.len()];
     let mut left_a = Vec::new();
     for (body, frame) in group.in_a.iter().flat_map(|body| a.bodies[*body].frames.iter().map(|frame| (*body, frame))) {
-        match left_b.iter().position(|other| other.link == frame.link) {
+        match by_name.get(frame.link.as_str()) {
             Some(index) => {
-                let other = left_b.remove(index);
-                pair(found, replaced, (body, frame, other), &at.moved[body], off, options);
+                paired[*index] = true;
+                pair(found, replaced, (body, frame, left_b[*index]), &at.moved[body], off, options);
             }
             None => left_a.push((body, frame)),
         }
     }
+    let mut paired = paired.into_iter();
+    left_b.retain(|_| !paired.next().unwrap_or(false));
     let close = |moved: &Pose, frame: &Frame, other: &Frame| {
         let (turned, distance) = apart(&(moved * frame.pose), &other.pose);
         turned <= options.tolerance_rad && distance <= options.tolerance_m
@@ -281,18 +309,29 @@ fn frames(
                 found.renamed.push((frame.link.clone(), other.link.clone()));
             }
             pair(found, replaced, (body, frame, other), moved, off, options);
-        } else if b.bodies.iter().flat_map(|body| &body.frames).any(|other| other.link == frame.link) {
+        } else if links_b.contains(frame.link.as_str()) {
             found.parts.push(part(&frame.link, PartKind::Frame, "it hangs on another moving body".into()));
         } else if !(a.bare || b.bare) {
             found.gone.push(frame.link.clone());
+            // A frame that nothing hangs on was put there for whoever uses it.
+            if frame.leaf && !frame.matter {
+                found.parts.push(part(&frame.link, PartKind::Frame, format!("frame is gone{}", carried_by(frame))));
+            }
         }
     }
+    let counts = options.scope == Scope::Everything;
     for frame in left_b {
-        let elsewhere = a.bodies.iter().flat_map(|body| &body.frames).any(|other| other.link == frame.link);
-        if !(elsewhere || a.bare || b.bare) {
+        if !(links_a.contains(frame.link.as_str()) || a.bare || b.bare) {
             found.new.push(frame.link.clone());
+            if frame.leaf && !frame.matter && counts {
+                found.parts.push(part(&frame.link, PartKind::Frame, format!("frame is new{}", carried_by(frame))));
+            }
         }
     }
+}
+
+fn carried_by(frame: &Frame) -> String {
+    frame.carrier.as_ref().map_or_else(String::new, |joint| format!(" (joint \"{joint}\")"))
 }
 
 /// Compares two frames that stand for each other.
@@ -304,7 +343,7 @@ fn pair(
     replaced: &mut Vec<String>,
     (body, frame, other): (usize, &Frame, &Frame),
     moved: &Pose,
-    off: &[String],
+    off: &HashSet<String>,
     options: &Options,
 ) {
     let carried = moved * frame.pose;
@@ -314,7 +353,7 @@ fn pair(
     if !same && free {
         replaced.push(format!("\"{}\"", frame.link));
     } else if !same {
-        let on = frame.carrier.as_ref().map_or_else(String::new, |joint| format!(" (joint \"{joint}\")"));
+        let on = carried_by(frame);
         let by = words::displacement((turned, distance), options.tolerance_rad, options.tolerance_m);
         let what = format!("frame {by}{on}");
         found.parts.push(part(&frame.link, PartKind::Frame, what));

@@ -54,6 +54,9 @@ const STARTS: usize = 3;
 const BATCH: usize = 1024;
 /// Displacements this close, relative, are the same.
 const ALIKE: f64 = 1e-9;
+/// Joint motions that are worth computing for one tip: more than any arm needs, a second or two for a chain of
+/// thousands of joints, of which then fewer configurations are looked at.
+const MOTIONS: usize = 40_000_000;
 /// Rounds over all coordinates; each ends early when nothing is gained.
 const ROUNDS: usize = 12;
 
@@ -62,6 +65,8 @@ pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u
     let zero: Vec<f64> = intervals.iter().map(|i| 0.0f64.clamp(i.lower, i.upper)).collect();
     let used = way.coordinates();
     let at_zero = Largest { displacement: way.displacement(&zero), q: zero.clone() };
+    let configurations = MOTIONS / way.steps.len().max(1);
+    let samples = samples.min(configurations / 2);
     let places = if used.is_empty() { Vec::new() } else { sampled(way, intervals, &used, samples, seed) };
     let starts = places.into_iter().map(|start| {
         let mut q = zero.clone();
@@ -73,7 +78,9 @@ pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u
     let mut best: Vec<Largest> = std::iter::once(at_zero.clone()).chain(starts).collect();
     best.sort_by(|one, other| other.displacement.total_cmp(&one.displacement));
     best.truncate(STARTS);
-    let climbed = best.into_iter().map(|start| climb(way, intervals, &used, start));
+    // Each coordinate of each start has its share of what is left; where that is too little, the samples stand alone.
+    let tries = configurations / (2 * STARTS) / PER_COORDINATE;
+    let climbed = best.into_iter().map(|start| climb(way, intervals, &used, start, tries));
     let larger = |one: Largest, other: Largest| if other.displacement > one.displacement { other } else { one };
     let found = climbed.fold(at_zero.clone(), larger);
     // Where the displacement is the same everywhere, rounding would choose the place.
@@ -144,10 +151,14 @@ impl<'a> Displacements<'a> {
 }
 
 /// Coordinate by coordinate to the best value on the whole interval, until nothing is gained.
-fn climb(way: &Way, intervals: &[Interval], used: &[usize], mut at: Largest) -> Largest {
+fn climb(way: &Way, intervals: &[Interval], used: &[usize], mut at: Largest, mut tries: usize) -> Largest {
     for _ in 0..ROUNDS {
         let before = at.displacement;
         for coordinate in used {
+            if tries == 0 {
+                return at;
+            }
+            tries -= 1;
             improve(way, &intervals[*coordinate], *coordinate, &mut at);
         }
         if at.displacement <= before * (1.0 + 1e-9) {
@@ -156,6 +167,9 @@ fn climb(way: &Way, intervals: &[Interval], used: &[usize], mut at: Largest) -> 
     }
     at
 }
+
+/// Configurations that [`improve`] looks at.
+const PER_COORDINATE: usize = 57;
 
 /// The best of a grid on the interval, then golden section beside it.
 fn improve(way: &Way, interval: &Interval, coordinate: usize, at: &mut Largest) {

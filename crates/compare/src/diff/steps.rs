@@ -13,6 +13,7 @@ use crate::mechanism::{Drive, Interval, Mechanism};
 use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::se3::{self, Pose};
 use denavit_model::{Chain, ChainJoint, CompiledChain, Coordinate, Quantity, Screw};
+use std::collections::HashMap;
 
 /// A screw axis and what moves it.
 #[derive(Debug, Clone, Copy)]
@@ -59,8 +60,9 @@ impl Space {
     pub fn new(a: &Mechanism, b: &Mechanism, at: &Alignment, runs: &[Reparametrised], options: &Options) -> Self {
         let mut intervals = a.coordinates.clone();
         let mut of_b = Vec::new();
+        let named = b.joint_indices();
         for interval in &b.coordinates {
-            let own = b.joint_index(&interval.name).and_then(|joint| at.joint_a[joint]);
+            let own = named.get(interval.name.as_str()).and_then(|joint| at.joint_a[*joint]);
             let shared = own.and_then(|joint| {
                 let drive = a.joints[joint].drive.filter(|_| a.joints[joint].mimic.is_none())?;
                 Some((drive.coordinate, joint))
@@ -170,9 +172,10 @@ impl Way {
     pub fn compiled(&self, used: &[usize]) -> Option<[CompiledChain; 2]> {
         let coordinates: Vec<Coordinate> =
             (0..used.len()).map(|k| Coordinate::unlimited(k.to_string(), Quantity::Angle)).collect();
+        let places: HashMap<usize, usize> = used.iter().enumerate().map(|(place, used)| (*used, place)).collect();
         let joint = |motor: &Motor, carrier: &Pose| {
             let Drive { coordinate, scale, offset } = motor.drive;
-            let coordinate = used.iter().position(|other| *other == coordinate)?;
+            let coordinate = *places.get(&coordinate)?;
             Some(ChainJoint { name: String::new(), screw: motor.screw.moved(carrier), coordinate, scale, offset })
         };
         let (mut in_a, mut in_b, mut carrier) = (Vec::new(), Vec::new(), Pose::identity());

@@ -1,10 +1,11 @@
 //! What is hashed: a tree of joints, each hashed with what hangs on it; what has no order is sorted by its hash.
 
 use crate::fingerprint::cells::Cells;
-use crate::mechanism::{Frame, Mass, Mechanism, MovingJoint, PlacedShape, Role};
+use crate::mechanism::{Frame, Mass, Mechanism, MovingJoint, PlacedElement, PlacedShape, Role};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::robot::Geometry;
 use sha2::{Digest, Sha256};
+use std::collections::{HashMap, HashSet};
 
 type Hash = [u8; 32];
 
@@ -69,9 +70,10 @@ impl Words {
 
 /// Axes, kinds, pitches, limits, couplings, empty leaf frames.
 pub(super) fn motion(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
-    tree(mechanism, cells, None, &|words, mechanism, cells, body| {
+    let named = mechanism.joint_indices();
+    tree(mechanism, cells, &|words, cells, body| {
         if let Some(joint) = body.checked_sub(1) {
-            joint_motion(words, mechanism, cells, &mechanism.joints[joint]);
+            joint_motion(words, mechanism, cells, &named, &mechanism.joints[joint]);
         }
         let empty = mechanism.bodies[body].frames.iter().filter(|frame| frame.leaf && !frame.matter);
         let tips = empty.map(|frame| tip(cells, frame)).collect();
@@ -79,12 +81,30 @@ pub(super) fn motion(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
     })
 }
 
-/// Masses, shapes, speeds, efforts.
+/// Masses, shapes, speeds, efforts, damping, friction, soft limits, and what stands beside links and joints.
 pub(super) fn matter(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
-    tree(mechanism, cells, None, &|words, mechanism, cells, body| {
-        if let Some(limits) = body.checked_sub(1).map(|joint| mechanism.joints[joint].limits) {
+    let mut elements: Vec<Vec<&PlacedElement>> = vec![Vec::new(); mechanism.bodies.len()];
+    for element in &mechanism.elements {
+        elements[element.body].push(element);
+    }
+    let names = names(mechanism);
+    tree(mechanism, cells, &|words, cells, body| {
+        if let Some(joint) = body.checked_sub(1) {
+            let MovingJoint { limits, dynamics, soft_limits, .. } = &mechanism.joints[joint];
             for bound in [limits.velocity, limits.effort] {
                 words.cells(bound.map_or([0, 1], |bound| cells.relative(bound)));
+            }
+            for loss in [dynamics.damping, dynamics.friction] {
+                words.cells(cells.relative(loss));
+            }
+            if let Some(soft) = soft_limits {
+                words.text("soft");
+                if let Some((lower, upper)) = soft.range {
+                    words.cells([cells.of(lower), cells.of(upper)]);
+                }
+                for factor in [soft.k_position, soft.k_velocity] {
+                    words.cells(cells.relative(factor));
+                }
             }
         }
         if let Some(mass) = &mechanism.bodies[body].mass {
@@ -92,22 +112,69 @@ pub(super) fn matter(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
         }
         let shapes = mechanism.bodies[body].shapes.iter().map(|placed| shape(cells, placed)).collect();
         words.unordered(shapes);
+        let further = elements[body].iter().map(|found| element(cells, &names, found)).collect();
+        words.unordered(further);
     })
 }
 
-type Contents<'a> = dyn Fn(&mut Words, &Mechanism, &mut Cells, usize) + 'a;
+/// Names of links and joints, which are not hashed.
+fn names(mechanism: &Mechanism) -> HashSet<&str> {
+    let links = mechanism.bodies.iter().flat_map(|body| &body.frames).map(|frame| frame.link.as_str());
+    let joints = mechanism.joints.iter().map(|joint| joint.name.as_str());
+    let fixed = mechanism.fixed.iter().map(|(name, _)| name.as_str());
+    links.chain(joints).chain(fixed).collect()
+}
 
-/// A body, then the bodies behind it.
-fn tree(mechanism: &Mechanism, cells: &mut Cells, joint: Option<usize>, contents: &Contents) -> Hash {
-    let mut words = Words::of("body");
-    contents(&mut words, mechanism, cells, joint.map_or(0, |joint| joint + 1));
-    let behind = (0..mechanism.joints.len()).filter(|behind| mechanism.joints[*behind].parent == joint);
-    let behind = behind.map(|behind| tree(mechanism, cells, Some(behind), contents)).collect();
-    words.unordered(behind);
+/// An element's kind and values: numbers as numbers, names of links and joints as no more than that.
+fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) -> Hash {
+    let mut words = Words::of(&element.kind);
+    for (path, value) in &element.entries {
+        // Every second piece of a path stands in quotes: a name.
+        words.text(&path.split('"').step_by(2).collect::<String>());
+        if names.contains(value.as_str()) {
+            words.text("name");
+            continue;
+        }
+        for word in value.split_whitespace() {
+            match word.parse::<f64>() {
+                Ok(number) if number.is_finite() => words.cells(cells.relative(number)),
+                _ => words.text(word),
+            }
+        }
+    }
     words.hash()
 }
 
-fn joint_motion(words: &mut Words, mechanism: &Mechanism, cells: &mut Cells, joint: &MovingJoint) {
+type Contents<'a> = dyn Fn(&mut Words, &mut Cells, usize) + 'a;
+
+/// A body, then the bodies behind it: what each has is hashed from the root on, then each hash goes into the one before.
+fn tree(mechanism: &Mechanism, cells: &mut Cells, contents: &Contents) -> Hash {
+    let mut open: Vec<Words> = Vec::with_capacity(mechanism.bodies.len());
+    for body in 0..mechanism.bodies.len() {
+        let mut words = Words::of("body");
+        contents(&mut words, cells, body);
+        open.push(words);
+    }
+    let mut behind: Vec<Vec<Hash>> = vec![Vec::new(); mechanism.bodies.len()];
+    while let Some(mut words) = open.pop() {
+        let body = open.len();
+        words.unordered(std::mem::take(&mut behind[body]));
+        let hash = words.hash();
+        match body.checked_sub(1) {
+            Some(joint) => behind[mechanism.joints[joint].parent.map_or(0, |parent| parent + 1)].push(hash),
+            None => return hash,
+        }
+    }
+    [0; 32]
+}
+
+fn joint_motion(
+    words: &mut Words,
+    mechanism: &Mechanism,
+    cells: &mut Cells,
+    named: &HashMap<&str, usize>,
+    joint: &MovingJoint,
+) {
     words.text(&joint.kind);
     axis(words, cells, joint);
     words.text(if joint.limits.range.is_some() { "limits" } else { "unlimited" });
@@ -119,8 +186,8 @@ fn joint_motion(words: &mut Words, mechanism: &Mechanism, cells: &mut Cells, joi
         words.cells(cells.relative(*factor));
         words.cells([cells.of(*offset)]);
         // By its axis, since names are not hashed.
-        match mechanism.joint_index(driver) {
-            Some(driver) => axis(words, cells, &mechanism.joints[driver]),
+        match named.get(driver.as_str()) {
+            Some(driver) => axis(words, cells, &mechanism.joints[*driver]),
             None => words.text("nothing"),
         }
     }

@@ -3,7 +3,7 @@
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use denavit_model::nalgebra::Vector3;
-use denavit_model::{ProblemKind, Robot};
+use denavit_model::{PlacedRobot, ProblemKind, Reading, Robot};
 use roxmltree::Node;
 
 mod axis_missing;
@@ -15,6 +15,7 @@ mod duplicate_name;
 mod effort_or_velocity;
 mod inertia;
 mod inertia_scale;
+mod inertia_zero;
 mod inertial_missing;
 mod limits_empty;
 mod limits_missing;
@@ -26,6 +27,7 @@ mod mimic_unknown;
 mod missing_part;
 mod nearly_parallel;
 mod not_a_tree;
+mod origin_far;
 mod root_inertia;
 mod rounded_pi;
 mod shared_name;
@@ -54,6 +56,7 @@ pub const RULES: &[Rule] = &[
     zero_axis::RULE,
     axis_missing::RULE,
     unknown_kind::RULE,
+    origin_far::RULE,
     limits_missing::RULE,
     limits_reversed::RULE,
     limits_empty::RULE,
@@ -64,6 +67,7 @@ pub const RULES: &[Rule] = &[
     inertia_scale::RULE,
     centre_of_mass::RULE,
     inertial_missing::RULE,
+    inertia_zero::RULE,
     mimic_unknown::RULE,
     mimic_loop::RULE,
     mesh_not_found::RULE,
@@ -90,11 +94,11 @@ fn owner(node: Node) -> String {
 
 /// How large the robot is, m: the longest way of joint origins from the root to a leaf, at least 1 m.
 fn size(robot: &Robot) -> f64 {
-    let carriers = robot.carriers();
+    let placed = PlacedRobot::new(robot, Reading::AsWritten);
     let mut lengths = vec![0.0; robot.links.len()];
-    for link in robot.parents_first() {
-        if let Some(joint) = carriers[link].map(|joint| &robot.joints[joint]) {
-            lengths[link] = lengths[joint.parent] + Vector3::from(joint.origin.xyz).norm();
+    for link in placed.order() {
+        if let Some(joint) = placed.carrier(*link).map(|joint| &robot.joints[joint]) {
+            lengths[*link] = lengths[joint.parent] + Vector3::from(joint.origin.xyz).norm();
         }
     }
     lengths.into_iter().fold(1.0, f64::max)

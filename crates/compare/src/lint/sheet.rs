@@ -3,7 +3,9 @@
 use crate::lint::{Edit, Lookup};
 use denavit_model::robot::{Joint, Link, SourceText};
 use denavit_model::{Place, Problem, Robot, UrdfError};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node, NodeId, ParsingOptions};
+use std::cell::OnceCell;
+use std::collections::HashMap;
 
 /// A file as the rules see it.
 pub struct Sheet<'a> {
@@ -11,6 +13,8 @@ pub struct Sheet<'a> {
     read: &'a Result<Robot, UrdfError>,
     document: Option<Document<'a>>,
     lookup: &'a dyn Fn(&str) -> Lookup,
+    /// Elements by the byte offset at which they start.
+    starts: OnceCell<HashMap<usize, NodeId>>,
 }
 
 impl<'a> Sheet<'a> {
@@ -19,7 +23,7 @@ impl<'a> Sheet<'a> {
             let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
             Document::parse_with_options(&robot.source.text, options).ok()
         });
-        Self { file, read, document, lookup }
+        Self { file, read, document, lookup, starts: OnceCell::new() }
     }
 
     /// The robot, where the file is one.
@@ -49,7 +53,8 @@ impl<'a> Sheet<'a> {
 
     /// The element that starts at a byte offset.
     pub(super) fn element_at(&self, offset: usize) -> Option<Node<'_, 'a>> {
-        self.elements().find(|node| node.range().start == offset)
+        let starts = self.starts.get_or_init(|| self.elements().map(|node| (node.range().start, node.id())).collect());
+        self.document.as_ref()?.get_node(*starts.get(&offset)?)
     }
 
     /// The first element below the one at `offset` along a path of tags, or the farthest that there is.

@@ -94,3 +94,34 @@ fn an_unreadable_file_has_findings_with_lines() {
     assert!(found[0].starts_with("r.urdf:2: D001 file: not well-formed XML"), "{found:?}");
     assert!(fails(&findings));
 }
+
+#[test]
+fn an_arm_with_a_gripper_has_its_frame() {
+    let arm = |ends: &str| {
+        let mut text: String = (0..4)
+            .map(|k| {
+                format!(
+                    "<link name=\"l{k}\"/><joint name=\"j{k}\" type=\"continuous\"><axis xyz=\"0 {} {}\"/><parent \
+                     link=\"l{k}\"/><child link=\"l{}\"/></joint>",
+                    k % 2,
+                    1 - k % 2,
+                    k + 1
+                )
+            })
+            .collect();
+        text.push_str("<link name=\"l4\"/>");
+        codes(&robot(&(text + ends))).contains(&"D070")
+    };
+    let hand =
+        "<link name=\"hand\"/><joint name=\"mount\" type=\"fixed\"><parent link=\"l4\"/><child link=\"hand\"/></joint>";
+    let finger = |name: &str, parent: &str| {
+        format!(
+            "<link name=\"{name}\"/><joint name=\"{name}_joint\" type=\"prismatic\"><axis xyz=\"1 0 0\"/><limit \
+             lower=\"0\" upper=\"1\"/><parent link=\"{parent}\"/><child link=\"{name}\"/></joint>"
+        )
+    };
+    assert!(arm(""));
+    assert!(!arm(&[hand, &finger("a", "hand"), &finger("b", "hand")].concat()));
+    assert!(!arm(&[hand, &finger("left_jaw", "hand")].concat()));
+    assert!(arm(&finger("a", "l4")));
+}

@@ -14,20 +14,44 @@ impl Mechanism {
 
     /// Makes one screw joint of each such pair with nothing but a link frame in between.
     pub(crate) fn join_screws(&mut self) {
-        while let Some((first, second, joined)) = (0..self.joints.len()).find_map(|second| self.screw_ending_in(second))
-        {
+        let mut hanging: Vec<usize> = self.joints_on().iter().map(Vec::len).collect();
+        // For each joint that goes into the one behind it, that one.
+        let mut into: Vec<Option<usize>> = vec![None; self.joints.len()];
+        for second in 0..self.joints.len() {
+            let Some((first, joined)) = self.screw_ending_in(second, &hanging) else { continue };
             let between = std::mem::take(&mut self.bodies[first + 1].frames);
             self.bodies[second + 1].frames.extend(between);
             self.joints[second] = joined;
-            self.joints.remove(first);
-            self.bodies.remove(first + 1);
-            for joint in &mut self.joints {
-                joint.parent = joint.parent.map(|parent| parent - usize::from(parent > first));
+            hanging[first + 1] = 0;
+            into[first] = Some(second);
+        }
+        if into.iter().all(Option::is_none) {
+            return;
+        }
+        // Body 0 stays; every other body goes with its joint.
+        let mut new = vec![0; self.bodies.len()];
+        let mut kept = 0;
+        for (joint, into) in into.iter().enumerate() {
+            if into.is_none() {
+                kept += 1;
+                new[joint + 1] = kept;
             }
         }
+        for element in &mut self.elements {
+            let carrier = element.body.checked_sub(1).and_then(|joint| into[joint]);
+            element.body = new[carrier.map_or(element.body, |joint| joint + 1)];
+        }
+        for joint in &mut self.joints {
+            joint.parent = joint.parent.and_then(|parent| new[parent + 1].checked_sub(1));
+        }
+        let mut gone = into.iter().map(Option::is_some);
+        self.joints.retain(|_| !gone.next().unwrap_or(false));
+        let mut gone = std::iter::once(false).chain(into.iter().map(Option::is_some));
+        self.bodies.retain(|_| !gone.next().unwrap_or(false));
     }
 
-    fn screw_ending_in(&self, second: usize) -> Option<(usize, usize, MovingJoint)> {
+    /// The joint before `second` that makes a screw with it, and the screw; `hanging`: how many joints hang on each body.
+    fn screw_ending_in(&self, second: usize, hanging: &[usize]) -> Option<(usize, MovingJoint)> {
         let behind = &self.joints[second];
         let first = behind.parent?;
         let before = &self.joints[first];
@@ -40,7 +64,7 @@ impl Mechanism {
         let (turns, slides) = (turn.drive?, slide.drive?);
         let body = &self.bodies[first + 1];
         let empty = body.shapes.is_empty() && body.mass.is_none() && body.frames.iter().all(|frame| !frame.leaf);
-        let alone = self.joints.iter().filter(|joint| joint.parent == Some(first)).count() == 1;
+        let alone = hanging[first + 1] == 1;
         let coupled = turns.coordinate == slides.coordinate && turns.offset == 0.0 && slides.offset == 0.0;
         if !(empty && alone && coupled) || line.direction.cross(&along).norm() > SAME_AXIS {
             return None;
@@ -57,7 +81,7 @@ impl Mechanism {
             origin: turn.origin,
             ..owner.clone()
         };
-        Some((first, second, joined))
+        Some((first, joined))
     }
 }
 

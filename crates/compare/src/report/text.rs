@@ -54,5 +54,10 @@ fn line(report: &Report, entry: &Entry, paint: &dyn Fn(&str) -> String) -> Strin
         return format!("  {}", if entry.level == Level::Error { text } else { paint(&text) });
     }
     let place = format!("{}:{}", entry.file, entry.line.unwrap_or(1));
-    format!("{place}: {} {}: {}", paint(&entry.code), entry.subject, entry.message)
+    let level = match entry.level {
+        Level::Error => "error",
+        Level::Warning => "warning",
+        Level::Note => "note",
+    };
+    format!("{place}: {} {}: {}", paint(&format!("{level} {}", entry.code)), entry.subject, entry.message)
 }

@@ -3,8 +3,8 @@
 use super::axes::Axis;
 use super::fit::Sample;
 use denavit_model::chain::Chain;
-use denavit_model::nalgebra::{Unit, Vector3};
-use denavit_model::screw::{AxisLine, Screw};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::screw::Screw;
 use denavit_model::se3::Pose;
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ impl Arm {
         let size = chain.size();
         for joint in chain.joints() {
             let screw = joint.screw.moved(&moved);
-            screws.push(if joint.scale < 0.0 { reversed(&screw) } else { screw });
+            screws.push(if joint.scale < 0.0 { screw.reversed() } else { screw });
             moved *= joint.screw.motion(joint.offset);
             reaches.push(match joint.screw {
                 Screw::Prismatic(_) => match chain.greatest_slide(joint) {
@@ -69,15 +69,5 @@ impl Arm {
             turns: screw.line().is_some(),
         };
         self.screws.iter().map(axis).collect()
-    }
-}
-
-/// The same axis counted the other way; a screw stays as right- or left-handed as it is.
-fn reversed(screw: &Screw) -> Screw {
-    let turned = |axis: &AxisLine| AxisLine { direction: Unit::new_unchecked(-axis.direction.into_inner()), ..*axis };
-    match screw {
-        Screw::Revolute(axis) => Screw::Revolute(turned(axis)),
-        Screw::Prismatic(direction) => Screw::Prismatic(-*direction),
-        Screw::Helical { axis, pitch } => Screw::Helical { axis: turned(axis), pitch: *pitch },
     }
 }

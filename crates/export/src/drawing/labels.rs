@@ -60,6 +60,12 @@ impl Area {
             * shared(self.y - other.y, self.half_height + other.half_height)
     }
 
+    /// Whether it hides some of the other.
+    fn lies_on(&self, other: &Self) -> bool {
+        (self.x - other.x).abs() < self.half_width + other.half_width - 3.0
+            && (self.y - other.y).abs() < self.half_height + other.half_height - 5.0
+    }
+
     /// How far it sticks out of the sheet, px.
     fn outside(&self, frame: &Frame) -> f64 {
         let beyond = |at: f64, half: f64, size: f64| (EDGE + half - at).max(0.0) + (at + half + EDGE - size).max(0.0);
@@ -144,7 +150,48 @@ fn width(text: &str) -> f64 {
     text.chars().map(em).sum::<f64>() * SIZE
 }
 
-/// Every word with a place: axes first, then lengths, then angles; then each once more with all others in place.
+/// The words that have a place so far, by the band of the sheet that their middles lie in.
+struct Bands {
+    words: Vec<Vec<(usize, Area)>>,
+    areas: Vec<Option<Area>>,
+}
+
+impl Bands {
+    fn of(count: usize, frame: &Frame) -> Self {
+        let bands = (frame.height / HEIGHT).ceil() as usize + 1;
+        Self { words: vec![Vec::new(); bands], areas: vec![None; count] }
+    }
+
+    fn band(&self, y: f64) -> usize {
+        ((y / HEIGHT).max(0.0) as usize).min(self.words.len() - 1)
+    }
+
+    fn put(&mut self, index: usize, area: Area) {
+        let band = self.band(area.y);
+        self.words[band].push((index, area));
+        self.areas[index] = Some(area);
+    }
+
+    fn take(&mut self, index: usize) {
+        if let Some(area) = self.areas[index].take() {
+            let band = self.band(area.y);
+            self.words[band].retain(|(other, _)| *other != index);
+        }
+    }
+
+    /// The words that come near rows from `top` to `bottom`: a word is no higher than a band.
+    fn near(&self, top: f64, bottom: f64) -> impl Iterator<Item = &Area> {
+        let bands = self.band(top - HEIGHT)..=self.band(bottom + HEIGHT);
+        self.words[bands].iter().flatten().map(|(_, area)| area)
+    }
+
+    fn overlap(&self, area: &Area) -> f64 {
+        self.near(area.y, area.y).map(|other| area.overlap(other)).sum()
+    }
+}
+
+/// Every word with a place: axes first, then lengths, then angles; then each once more with all others in place. Those that
+/// would still lie on another one are left out.
 pub(crate) fn placed(asks: &[Ask], strokes: &[Stroke], frame: &Frame) -> Vec<Label> {
     let ink = Ink::of(strokes, frame);
     let inside = |ask: &&Ask| {
@@ -153,13 +200,21 @@ pub(crate) fn placed(asks: &[Ask], strokes: &[Stroke], frame: &Frame) -> Vec<Lab
     };
     let mut order: Vec<&Ask> = asks.iter().filter(inside).collect();
     order.sort_by_key(|ask| ask.kind);
-    let mut areas: Vec<Option<Area>> = vec![None; order.len()];
+    let mut bands = Bands::of(order.len(), frame);
     for _ in 0..3 {
-        for index in 0..order.len() {
-            areas[index] = None;
-            areas[index] = Some(best(order[index], &areas, &ink, frame));
+        for (index, ask) in order.iter().enumerate() {
+            bands.take(index);
+            bands.put(index, best(ask, &bands, &ink, frame));
         }
     }
+    let mut kept = Bands::of(order.len(), frame);
+    for (index, area) in bands.areas.iter().enumerate() {
+        let free = |area: &&Area| kept.near(area.y, area.y).all(|other| !area.lies_on(other));
+        if let Some(area) = area.as_ref().filter(free) {
+            kept.put(index, *area);
+        }
+    }
+    let areas = kept.areas;
     let label = |(ask, area): (&&Ask, Option<Area>)| {
         let area = area?;
         let anchor = frame.place(&ask.at);
@@ -178,7 +233,7 @@ pub(crate) fn placed(asks: &[Ask], strokes: &[Stroke], frame: &Frame) -> Vec<Lab
     order.iter().zip(areas).filter_map(label).collect()
 }
 
-fn best(ask: &Ask, others: &[Option<Area>], ink: &Ink, frame: &Frame) -> Area {
+fn best(ask: &Ask, others: &Bands, ink: &Ink, frame: &Frame) -> Area {
     let anchor = frame.place(&ask.at);
     let (half_width, half_height) = (width(&ask.text) / 2.0 + 1.5, HEIGHT / 2.0);
     let stray = match ask.kind {
@@ -189,15 +244,21 @@ fn best(ask: &Ask, others: &[Option<Area>], ink: &Ink, frame: &Frame) -> Area {
     // An axis is named at its tip, which already stands off the arrow.
     let start = if ask.kind == Kind::Axis { -(0.7 * half_height) } else { 0.0 };
     for distance in DISTANCES {
+        let leader = if distance > LEADER { 5.0 } else { 0.0 };
+        if stray * distance + leader >= chosen.0 {
+            break;
+        }
         for k in 0..DIRECTIONS {
             let (s, c) = (f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS)).sin_cos();
             let reach = distance + start + c.abs() * half_width + s.abs() * half_height;
             let area = Area { x: anchor.x + c * reach, y: anchor.y + s * reach, half_width, half_height };
-            let overlap: f64 = others.iter().flatten().map(|other| area.overlap(other)).sum();
-            let mut cost = 1.2 * overlap + 4.5 * ink.under(&area) + stray * distance + 40.0 * area.outside(frame);
-            if distance > LEADER {
-                let (x, y) = area.border_towards(&anchor);
-                cost += 5.0 + 25.0 * crossings((x, y), (anchor.x, anchor.y), others);
+            let mut cost = leader + stray * distance + 40.0 * area.outside(frame) + 4.5 * ink.under(&area);
+            if cost >= chosen.0 {
+                continue;
+            }
+            cost += 1.2 * others.overlap(&area);
+            if leader > 0.0 && cost < chosen.0 {
+                cost += 25.0 * crossings(area.border_towards(&anchor), (anchor.x, anchor.y), others);
             }
             if cost < chosen.0 {
                 chosen = (cost, area);
@@ -208,7 +269,7 @@ fn best(ask: &Ask, others: &[Option<Area>], ink: &Ink, frame: &Frame) -> Area {
 }
 
 /// How many words a leader would run through.
-fn crossings(from: (f64, f64), to: (f64, f64), others: &[Option<Area>]) -> f64 {
+fn crossings(from: (f64, f64), to: (f64, f64), others: &Bands) -> f64 {
     let runs_through = |area: &&Area| {
         (1..20).any(|k| {
             let part = f64::from(k) / 20.0;
@@ -216,5 +277,5 @@ fn crossings(from: (f64, f64), to: (f64, f64), others: &[Option<Area>]) -> f64 {
             (x - area.x).abs() < area.half_width && (y - area.y).abs() < area.half_height
         })
     };
-    others.iter().flatten().filter(runs_through).count() as f64
+    others.near(from.1.min(to.1), from.1.max(to.1)).filter(runs_through).count() as f64
 }

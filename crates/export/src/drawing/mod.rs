@@ -89,11 +89,13 @@ fn trimmed(frame: &view::Frame, strokes: &[Stroke], labels: &[Label]) -> [f64; 4
     let drawn = strokes.iter().flat_map(|stroke| &stroke.places).map(|place| (place.x, place.y, 0.0));
     let written = labels.iter().map(|label| (label.x, label.y, label.half_width));
     let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
-    for (x, y, half) in drawn.chain(written) {
+    // What runs off the sheet is cut at its edge; words are not.
+    let on_sheet =
+        drawn.map(|(x, y, half)| (x.clamp(EDGE, frame.width - EDGE), y.clamp(EDGE, frame.height - EDGE), half));
+    for (x, y, half) in on_sheet.chain(written) {
         let high = if half > 0.0 { labels::HEIGHT / 2.0 } else { 0.0 };
         bounds = [bounds[0].min(x - half), bounds[1].min(y - high), bounds[2].max(x + half), bounds[3].max(y + high)];
     }
-    let (left, top) = ((bounds[0] - EDGE).max(0.0).floor(), (bounds[1] - EDGE).max(0.0).floor());
-    let (right, bottom) = ((bounds[2] + EDGE).min(frame.width).ceil(), (bounds[3] + EDGE).min(frame.height).ceil());
-    [left, top, right - left, bottom - top]
+    let (left, top) = ((bounds[0] - EDGE).floor(), (bounds[1] - EDGE).floor());
+    [left, top, (bounds[2] + EDGE).ceil() - left, (bounds[3] + EDGE).ceil() - top]
 }

@@ -8,6 +8,7 @@ use crate::numbers::{Units, decimal};
 use denavit_dh::{Motion, Row, Table};
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
 use denavit_model::se3::{self, Pose, rotation_about};
+use std::collections::BTreeMap;
 
 /// Sizes on the sheet, px.
 const ARROW: f64 = 50.0;
@@ -47,6 +48,8 @@ pub(crate) struct Scene {
     pub labels: Vec<Ask>,
     /// Middles of the joints' bodies.
     joints: Vec<Point3<f64>>,
+    /// The same by the cells of space that they lie in.
+    bodies: BTreeMap<[i64; 3], Vec<Point3<f64>>>,
 }
 
 /// Whether the table has lengths that no figure of the robot can show to scale.
@@ -141,11 +144,22 @@ impl Scene {
 
     /// A joint's body at its frame, or farther along its axis where another joint's body is in the way.
     fn joint(&mut self, motion: Motion, frame: &Pose, pixel: f64) {
-        let taken = |at: &Point3<f64>| self.joints.iter().any(|other| (other - at).norm() < APART * pixel);
+        let cell = |at: &Point3<f64>, k: usize| (at[k] / (APART * pixel)).floor();
+        let around = |at: &Point3<f64>| {
+            let [x, y, z] = [0, 1, 2].map(|k| cell(at, k) as i64);
+            let near = [-1, 0, 1];
+            near.into_iter()
+                .flat_map(move |dx| near.into_iter().flat_map(move |dy| near.map(|dz| [x + dx, y + dy, z + dz])))
+        };
+        let taken = |at: &Point3<f64>| {
+            let mut near = around(at).filter_map(|cell| self.bodies.get(&cell)).flatten();
+            near.any(|other| (other - at).norm() < APART * pixel)
+        };
         let along = |offset: f64| frame * Point3::new(0.0, 0.0, offset * APART * pixel);
         let origin = along(0.0);
         let middle = [0.0, -1.1, 1.1, -2.2, 2.2].map(along).into_iter().find(|at| !taken(at)).unwrap_or(origin);
         self.lines.push(Line { points: vec![origin, middle], class: "reference", arrow: false });
+        self.bodies.entry([0, 1, 2].map(|k| cell(&middle, k) as i64)).or_default().push(middle);
         self.joints.push(middle);
         let body = se3::pose(frame.rotation, middle.coords);
         self.solids.push(Solid::joint(motion, &body, pixel));

@@ -30,7 +30,7 @@ pub struct TableFile {
     pub source: String,
     /// `distal`, `proximal`, `paper` or `hayati`.
     pub convention: String,
-    /// How the gauge was chosen.
+    /// How the gauge was chosen: `simple`, `paper`, or `file` where the numbers stand in the source.
     #[serde(default)]
     pub gauge: String,
     /// Always `m` and `rad`.

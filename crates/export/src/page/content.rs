@@ -1,7 +1,7 @@
 //! What a document says, as text ready for the templates.
 
 use super::outline::outline_svg;
-use super::workspace::{POSTURES, SEED, Workspace};
+use super::workspace::{SEED, Workspace};
 use super::{ChainPart, Document};
 use crate::drawing::{Detail, View, far_from_scale, skeleton};
 use crate::numbers::{AngleUnit, LengthUnit, Units, decimal};
@@ -12,6 +12,7 @@ use denavit_model::forms::BaseForm;
 use denavit_model::robot::Robot;
 use denavit_model::se3::rpy_from_rotation;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Everything that a page shows but its 3-D view.
 #[derive(Serialize)]
@@ -39,6 +40,8 @@ pub(super) struct Chapter {
     pub slug: String,
     pub freedom: usize,
     pub far: bool,
+    /// Too many joints to name in a figure.
+    pub many: bool,
     pub figures: Vec<Named>,
     pub tables: Vec<Grid>,
     pub gauge: String,
@@ -120,15 +123,20 @@ impl Content {
     }
 }
 
+/// A figure of more joints than this has no room for their names.
+const NAMED: usize = 60;
+
 impl Chapter {
     fn of(part: &ChainPart, document: &Document, index: usize) -> Self {
         let units = document.units;
         let views: &[View] = if index == 0 { &View::ALL } else { &[View::Isometric] };
         let slug = if index == 0 { String::new() } else { format!("chain-{index}-") };
+        let many = part.table.joints.len() > NAMED;
+        let detail = if many { Detail::Plain } else { Detail::Dimensioned };
         let figures = views.iter().map(|view| Named {
             view: view.word(),
             name: format!("{slug}{}", view.word()),
-            svg: skeleton(&part.table, *view, Detail::Dimensioned, units),
+            svg: skeleton(&part.table, *view, detail, units),
         });
         let hayati = part.table.rows.iter().any(|row| row.beta().is_some());
         let conventions: &[Convention] =
@@ -142,9 +150,10 @@ impl Chapter {
             title: part.title(),
             freedom: part.chain.coordinates().len(),
             far: far_from_scale(&part.table),
+            many,
             figures: figures.collect(),
             tables: conventions.iter().map(|convention| grid(&sheet(part, document, *convention))).collect(),
-            gauge: document.gauge.clone(),
+            gauge: part.gauge.clone(),
             screws: screws(&part.chain, &form, units),
             home: home(&form, units),
             home_words: format!("x {x}, y {y}, z {z}; roll {roll}, pitch {pitch}, yaw {yaw}"),
@@ -165,7 +174,7 @@ fn sheet<'a>(part: &'a ChainPart, document: &'a Document, convention: Convention
         units: document.units,
         notes: &part.notes,
         source: &document.source,
-        gauge: &document.gauge,
+        gauge: &part.gauge,
     }
 }
 
@@ -253,11 +262,9 @@ fn limits(document: &Document) -> Vec<Vec<String>> {
     };
     let mut listed: Vec<&Coordinate> = document.main.chain.coordinates().iter().collect();
     let own = listed.len();
-    for coordinate in document.others.iter().flat_map(|part| part.chain.coordinates()) {
-        if !listed.iter().any(|known| known.name == coordinate.name) {
-            listed.push(coordinate);
-        }
-    }
+    let mut known: BTreeSet<&str> = listed.iter().map(|coordinate| coordinate.name.as_str()).collect();
+    let others = document.others.iter().flat_map(|part| part.chain.coordinates());
+    listed.extend(others.filter(|coordinate| known.insert(&coordinate.name)));
     let symbol = |k: usize| if k < own { variable(k + 1) } else { String::new() };
     listed.iter().enumerate().map(|(k, coordinate)| row(symbol(k), coordinate)).collect()
 }
@@ -353,8 +360,9 @@ fn envelope(workspace: &Workspace, units: Units) -> Envelope {
         beside: outline_svg(&workspace.beside(), across, "z", units),
         above: outline_svg(&workspace.above(), "x", "y", units),
         words: format!(
-            "Outline of the tip's places at {POSTURES} postures (low-discrepancy sequence, seed {SEED}), some of them moved on to the border: {}. \
+            "Outline of the tip's places at {} postures (low-discrepancy sequence, seed {SEED}), some of them moved on to the border: {}. \
              Farthest from the base's origin: {}.",
+            workspace.postures,
             bounds.join(", "),
             reach_words(workspace.reach, units)
         ),

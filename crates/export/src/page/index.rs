@@ -36,7 +36,7 @@ impl Card {
             units: document.units,
             notes: &part.notes,
             source: &document.source,
-            gauge: &document.gauge,
+            gauge: &document.main.gauge,
         };
         let moves = !part.chain.joints().is_empty();
         Self {

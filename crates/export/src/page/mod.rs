@@ -9,6 +9,7 @@
 //! that the crate plotly can embed makes each page 4.65 MB, needs WebGL, and writes to the console where there is none.
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "digits of a number")]
+mod climb;
 mod content;
 mod index;
 mod motion;
@@ -37,6 +38,8 @@ pub struct ChainPart {
     pub table: Table,
     /// What was read otherwise than it is written, and other findings, of this chain.
     pub notes: Vec<Note>,
+    /// How the gauge was chosen, a sentence.
+    pub gauge: String,
 }
 
 /// What a robot's document is made from.
@@ -52,8 +55,6 @@ pub struct Document {
     pub source: String,
     /// Hash of the gauge-free invariants, where it was computed.
     pub fingerprint: Option<String>,
-    /// How the gauge was chosen, in words.
-    pub gauge: String,
     /// Of the tables and figures.
     pub units: Units,
 }

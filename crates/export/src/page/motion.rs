@@ -8,6 +8,7 @@ use denavit_model::nalgebra::Point3;
 use denavit_model::screw::Screw;
 use denavit_model::se3::Pose;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 #[derive(Serialize)]
 struct Scene {
@@ -69,20 +70,20 @@ struct Link {
 /// The data of the 3-D view, safe inside a script element.
 pub(super) fn json(document: &Document) -> String {
     let parts = document.parts_from_one_base();
-    let mut coordinates: Vec<Coordinate> = Vec::new();
-    for part in &parts {
-        for coordinate in part.chain.coordinates() {
-            if !coordinates.iter().any(|known| known.name == coordinate.name) {
-                coordinates.push(coordinate.clone());
-            }
-        }
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut coordinates: Vec<&Coordinate> = Vec::new();
+    for coordinate in parts.iter().flat_map(|part| part.chain.coordinates()) {
+        places.entry(&coordinate.name).or_insert_with(|| {
+            coordinates.push(coordinate);
+            coordinates.len() - 1
+        });
     }
     let size = parts.iter().map(|part| part.chain.size()).fold(0.0, f64::max);
     let scene = Scene {
         robot: document.main.chain.name().to_owned(),
         size,
-        coordinates: coordinates.iter().map(slider).collect(),
-        chains: parts.iter().map(|part| moving(part, &coordinates)).collect(),
+        coordinates: coordinates.into_iter().map(slider).collect(),
+        chains: parts.iter().map(|part| moving(part, &places)).collect(),
     };
     // A name may hold "</script>".
     serde_json::to_string(&scene).expect("every number of a chain is finite").replace('<', "\\u003c")
@@ -99,10 +100,9 @@ fn twelve(pose: &Pose) -> [f64; 12] {
     [r[(0, 0)], r[(0, 1)], r[(0, 2)], r[(1, 0)], r[(1, 1)], r[(1, 2)], r[(2, 0)], r[(2, 1)], r[(2, 2)], t.x, t.y, t.z]
 }
 
-fn moving(part: &ChainPart, coordinates: &[Coordinate]) -> Moving {
+fn moving(part: &ChainPart, places: &BTreeMap<&str, usize>) -> Moving {
     let chain = &part.chain;
-    let place = |own: &Coordinate| coordinates.iter().position(|known| known.name == own.name);
-    let indices: Vec<usize> = chain.coordinates().iter().filter_map(place).collect();
+    let indices: Vec<usize> = chain.coordinates().iter().map(|own| places[own.name.as_str()]).collect();
     let frames = part.table.frames();
     let mut zero = Pose::identity();
     let mut joints = Vec::new();

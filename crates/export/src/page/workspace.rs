@@ -1,11 +1,14 @@
 //! Where the tip can go: sampled over the joint ranges, as outlines seen from the side and from above.
 
+use super::climb::Climb;
 use denavit_model::chain::Chain;
 use denavit_model::nalgebra::{Point3, Vector3};
 use std::fmt::Write as _;
 
-/// Postures that are tried.
-pub(super) const POSTURES: usize = 40_000;
+/// Postures that are tried, fewer where a chain has so many joints that their motions would be more than these.
+const POSTURES: usize = 40_000;
+const FEWEST: usize = 1_000;
+const MOTIONS: usize = 4_000_000;
 /// Start of the sequence of postures.
 pub(super) const SEED: u32 = 1;
 /// Cells along the longer side of an outline.
@@ -14,6 +17,8 @@ const CELLS: usize = 96;
 /// The places of the tip, and the farthest.
 pub(super) struct Workspace {
     places: Vec<Point3<f64>>,
+    /// Postures that were tried.
+    pub postures: usize,
     /// Farthest place of the tip from the base's origin, m: found, so the true one is not smaller.
     pub reach: f64,
     /// Smallest and largest coordinates of the tip, m.
@@ -42,10 +47,11 @@ impl Workspace {
         let steps = additive_steps(ranges.len() * 2);
         let mut at: Vec<f64> = steps.iter().map(|step| (step * f64::from(SEED)).fract()).collect();
         let mut q = vec![0.0; ranges.len()];
-        let mut places = Vec::with_capacity(POSTURES);
+        let postures = (MOTIONS / chain.joints().len().max(1)).clamp(FEWEST, POSTURES);
+        let mut places = Vec::with_capacity(postures);
         let mut farthest = (0.0, q.clone());
         let mut pushed = Vec::new();
-        for posture in 0..POSTURES {
+        for posture in 0..postures {
             for (value, step) in at.iter_mut().zip(&steps) {
                 *value = (*value + step).fract();
             }
@@ -76,7 +82,7 @@ impl Workspace {
             let near = line.nearest_to(&Point3::origin());
             line.direction.z.abs() > 1.0 - 1e-6 && near.x.hypot(near.y) < 1e-6 * chain.size()
         });
-        Self { places, reach, bounds, turns_about_z }
+        Self { places, postures, reach, bounds, turns_about_z }
     }
 
     /// Height over the distance from the z axis, or where the first joint does not turn about z, over x.
@@ -110,35 +116,19 @@ fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &
     let sum = places.iter().fold(Vector3::zeros(), |sum, place| sum + place.coords);
     let middle = sum / places.len().max(1) as f64;
     for (index, posture) in postures.iter().enumerate() {
-        let mut q = posture.clone();
-        let mut outwards = chain.fk(&q).translation.vector - middle;
+        let mut outwards = chain.fk(posture).translation.vector - middle;
         if index % 2 == 0 {
             outwards.z = 0.0;
         }
-        let along = |q: &[f64]| chain.fk(q).translation.vector.dot(&outwards);
-        let mut best = along(&q);
+        let mut climb = Climb::new(chain, ranges, posture.clone());
         for step in [0.15, 0.1, 0.06, 0.04, 0.03, 0.02, 0.015, 0.01, 0.006, 0.004, 0.002, 0.001] {
-            for (k, (lower, upper)) in ranges.iter().enumerate() {
-                for sign in [1.0, -1.0] {
-                    let old = q[k];
-                    q[k] = (old + sign * step * (upper - lower)).clamp(*lower, *upper);
-                    let moved = along(&q);
-                    if moved > best {
-                        best = moved;
-                        break;
-                    }
-                    q[k] = old;
-                }
-            }
+            climb.pass(step, |place| place.coords.dot(&outwards), |_| {});
         }
-        places.push(Point3::from(chain.fk(&q).translation.vector));
-        if let (Some(first), Some((lower, upper))) = (q.first().copied(), ranges.first()) {
+        places.push(climb.place());
+        if let Some((lower, upper)) = ranges.first() {
             let spacing = (upper - lower) / f64::from(SWEEP);
-            let offset = (first - lower).rem_euclid(spacing.max(f64::MIN_POSITIVE));
-            for k in 0..SWEEP {
-                q[0] = lower + offset + spacing * f64::from(k);
-                places.push(Point3::from(chain.fk(&q).translation.vector));
-            }
+            let offset = (climb.values()[0] - lower).rem_euclid(spacing.max(f64::MIN_POSITIVE));
+            places.extend((0..SWEEP).map(|k| climb.with_first(lower + offset + spacing * f64::from(k))));
         }
     }
 }
@@ -152,31 +142,22 @@ fn additive_steps(count: usize) -> Vec<f64> {
     (1..=count).map(|k| phi.powi(-i32::try_from(k).unwrap_or(i32::MAX))).collect()
 }
 
+/// Passes of the climb to the farthest place; arms of few joints need some dozens.
+const PASSES: usize = 400;
+
 /// Climbs from the farthest posture, one coordinate at a time, with smaller and smaller steps.
-fn farther(chain: &Chain, ranges: &[(f64, f64)], mut q: Vec<f64>, places: &mut Vec<Point3<f64>>) -> f64 {
-    let mut reach = chain.fk(&q).translation.vector.norm();
+fn farther(chain: &Chain, ranges: &[(f64, f64)], q: Vec<f64>, places: &mut Vec<Point3<f64>>) -> f64 {
+    let mut climb = Climb::new(chain, ranges, q);
     let mut step = 0.25;
-    while step > 1e-6 {
-        let mut better = false;
-        for (k, (lower, upper)) in ranges.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                let old = q[k];
-                q[k] = (old + sign * step * (upper - lower)).clamp(*lower, *upper);
-                let place = Point3::from(chain.fk(&q).translation.vector);
-                if place.coords.norm() > reach {
-                    reach = place.coords.norm();
-                    places.push(place);
-                    better = true;
-                } else {
-                    q[k] = old;
-                }
-            }
+    for _ in 0..PASSES {
+        if step <= 1e-6 {
+            break;
         }
-        if !better {
+        if !climb.pass(step, |place| place.coords.norm(), |place| places.push(place)) {
             step *= 0.5;
         }
     }
-    reach
+    climb.place().coords.norm()
 }
 
 fn outline(points: Vec<(f64, f64)>) -> Outline {

@@ -41,7 +41,9 @@ pub(super) fn of_rows(rows: &Rows) -> Result<Chain, SourceError> {
     }
     let name = rows.comment("robot").map_or_else(|| stem(rows.file), str::to_owned);
     let home = home.unwrap_or_else(Pose::identity);
-    Chain::new((name, "base", "tool"), coordinates, joints, home).map_err(|error| rows.error(error.into()))
+    Chain::new((name, "base", "tool"), coordinates, joints, home)
+        .and_then(Chain::within_reach)
+        .map_err(|error| rows.error(error.into()))
 }
 
 fn quantity(screw: &Screw) -> Quantity {
@@ -58,7 +60,7 @@ fn twist_of(row: &RowOf) -> Result<Vector6<f64>, SourceError> {
 
 /// A chain from its JSON file.
 pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceError> {
-    let error = |element: String, kind| SourceError { place: place(file, 1, element), kind };
+    let error = |element: String, kind| SourceError::at(place(file, 1, element), kind);
     in_si(file, &content.units)?;
     let coordinates: Vec<Coordinate> = content.coordinates.iter().map(CoordinateEntry::coordinate).collect();
     let mut joints = Vec::new();
@@ -79,5 +81,6 @@ pub(super) fn of_file(file: &str, content: &PoeFile) -> Result<Chain, SourceErro
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|row, column| m[row][column]));
     let home = se3::pose(rotation, Vector3::new(m[0][3], m[1][3], m[2][3]));
     Chain::new((&*content.robot, &*content.base, &*content.tip), coordinates, joints, home)
+        .and_then(Chain::within_reach)
         .map_err(|kind| error("chain".into(), kind.into()))
 }

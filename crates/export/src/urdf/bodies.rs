@@ -1,5 +1,6 @@
 //! A robot's links at joint values 0, grouped into rigid bodies.
 
+use denavit_model::PlacedRobot;
 use denavit_model::intended;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::notes::Note;
@@ -33,46 +34,54 @@ pub(crate) struct Bodies {
 
 /// Whether a joint has one value: it turns, slides, or does both by a screw.
 pub(crate) fn has_axis(kind: &JointKind) -> bool {
-    matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Screw(_))
+    kind.has_one_value()
 }
 
 impl Bodies {
     pub fn of(robot: &Robot, reading: Reading) -> Self {
-        let (order, to_parent) = (robot.parents_first(), robot.carriers());
-        let reach = reach_below(robot, &order, &to_parent);
+        let placed = PlacedRobot::new(robot, reading);
+        let links = 0..robot.links.len();
+        let reach = reach_below(&placed);
         let (mut origins, mut reread, mut notes) = (Vec::new(), Vec::new(), Vec::new());
-        for index in 0..robot.joints.len() {
-            let (numbers, found) = read_origin(robot, index, reading, &reach);
-            origins.push(numbers);
-            reread.push(!found.is_empty());
-            notes.extend(found);
-        }
-        let mut poses = vec![Pose::identity(); robot.links.len()];
-        let mut body: Vec<usize> = (0..robot.links.len()).collect();
-        for link in &order {
-            let Some(index) = to_parent[*link] else { continue };
-            let joint = &robot.joints[index];
-            poses[*link] = poses[joint.parent] * origins[index].pose();
-            if !joint.kind.moves() {
-                body[*link] = body[joint.parent];
-            }
+        for (index, joint) in robot.joints.iter().enumerate() {
+            let read = placed.origin(index);
+            origins.push(Numbers { xyz: read.xyz, rpy: read.rpy });
+            reread.push(!read.reread.is_empty());
+            notes.extend(read.reread.iter().map(|(written, intended)| Note::IntendedAngle {
+                place: robot.joint_place(index),
+                written: written.clone(),
+                read_as: intended.read_as.clone(),
+                change: intended.change,
+                tip_moves: intended.change.abs() * reach[joint.child],
+            }));
         }
         let mut on_the_way = vec![false; robot.links.len()];
-        for link in order.iter().rev() {
-            let Some(index) = to_parent[*link] else { continue };
+        for link in placed.order().iter().rev() {
+            let Some(index) = placed.carrier(*link) else { continue };
             let joint = &robot.joints[index];
             on_the_way[joint.parent] |= has_axis(&joint.kind) || !joint.kind.moves() && on_the_way[*link];
         }
         let size = if reach[robot.root] > 0.0 { reach[robot.root] } else { 1.0 };
-        Self { origins, reread, poses, to_parent, body, on_the_way, order, size, notes }
+        Self {
+            origins,
+            reread,
+            poses: links.clone().map(|link| *placed.pose(link)).collect(),
+            to_parent: links.clone().map(|link| placed.carrier(link)).collect(),
+            body: links.map(|link| placed.body(link)).collect(),
+            on_the_way,
+            order: placed.order().to_vec(),
+            size,
+            notes,
+        }
     }
 }
 
 /// For each link the longest way down from it, m: origins walked and slides passed.
-fn reach_below(robot: &Robot, order: &[usize], to_parent: &[Option<usize>]) -> Vec<f64> {
+fn reach_below(placed: &PlacedRobot) -> Vec<f64> {
+    let robot = placed.robot();
     let mut reach = vec![0.0; robot.links.len()];
-    for link in order.iter().rev() {
-        let Some(index) = to_parent[*link] else { continue };
+    for link in placed.order().iter().rev() {
+        let Some(index) = placed.carrier(*link) else { continue };
         let joint = &robot.joints[index];
         let slide = match (&joint.kind, joint.limits.range) {
             (JointKind::Prismatic, Some((lower, upper))) => lower.abs().max(upper.abs()),
@@ -82,26 +91,6 @@ fn reach_below(robot: &Robot, order: &[usize], to_parent: &[Option<usize>]) -> V
         reach[joint.parent] = length.max(reach[joint.parent]);
     }
     reach
-}
-
-fn read_origin(robot: &Robot, index: usize, reading: Reading, reach: &[f64]) -> (Numbers, Vec<Note>) {
-    let joint = &robot.joints[index];
-    let mut numbers = Numbers::read(&joint.origin);
-    let mut notes = Vec::new();
-    if let (Reading::Intended, Some(written)) = (reading, &joint.origin.rpy_written) {
-        for (literal, angle) in written.iter().zip(&mut numbers.rpy) {
-            let Some(intended) = intended::read_as(literal) else { continue };
-            *angle = intended.angle;
-            notes.push(Note::IntendedAngle {
-                place: robot.joint_place(index),
-                written: literal.clone(),
-                read_as: intended.read_as,
-                change: intended.change,
-                tip_moves: intended.change.abs() * reach[joint.child],
-            });
-        }
-    }
-    (numbers, notes)
 }
 
 /// Whether a joint's origin has an angle that is read as another number and far fewer digits than a double has.

@@ -2,7 +2,6 @@
 //! of a quarter turn.
 
 use denavit_model::nalgebra::{Rotation3, Vector3};
-use denavit_model::robot::Origin;
 use denavit_model::se3::{self, Pose};
 use std::f64::consts::PI;
 
@@ -69,11 +68,6 @@ impl Numbers {
     pub fn of(pose: &Pose, scale: f64) -> Self {
         let t = pose.translation.vector;
         Self { xyz: [t.x, t.y, t.z].map(|x| clean(x, scale)), rpy: rpy(&pose.rotation) }
-    }
-
-    /// As a file has them.
-    pub fn read(origin: &Origin) -> Self {
-        Self { xyz: origin.xyz, rpy: origin.rpy }
     }
 
     pub fn pose(&self) -> Pose {

@@ -1,14 +1,14 @@
 //! A chain put together, joint by joint, along the way from base to tip.
 
-use super::{DriverNames, PLANAR_PARTS, Reading, Step, TreeError};
+use super::{PLANAR_PARTS, Step, TreeError};
 use crate::chain::{Chain, ChainJoint, Coordinate, Limits, Quantity};
 use crate::intended;
 use crate::notes::{Note, Noted, Place};
-use crate::robot::{Joint, JointKind, Origin, Robot};
+use crate::placed::PlacedRobot;
+use crate::robot::{Joint, JointKind, Robot};
 use crate::screw::{AxisLine, Pitch, Screw};
 use crate::se3::{self, Pose};
 use nalgebra::{Point3, Unit, Vector3};
-use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// Neighbouring turn and slide axes closer to parallel than this (rad) make a screw; above it they are two joints.
@@ -26,11 +26,10 @@ struct ReadLiteral {
 /// A chain in the making.
 pub(super) struct Assembly<'a> {
     robot: &'a Robot,
-    reading: Reading,
+    placed: &'a PlacedRobot<'a>,
     base_from_here: Pose,
     coordinates: Vec<Coordinate>,
     drivers: HashMap<(usize, &'static str), usize>,
-    names: DriverNames<'a>,
     joints: Vec<ChainJoint>,
     /// Sum of the lengths walked and the slides passed, m.
     reach: f64,
@@ -39,14 +38,13 @@ pub(super) struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    pub(super) fn new(robot: &'a Robot, reading: Reading) -> Self {
+    pub(super) fn new(placed: &'a PlacedRobot<'a>) -> Self {
         Self {
-            robot,
-            reading,
+            robot: placed.robot(),
+            placed,
             base_from_here: Pose::identity(),
             coordinates: Vec::new(),
             drivers: HashMap::new(),
-            names: DriverNames::of(robot),
             joints: Vec::new(),
             reach: 0.0,
             literals: Vec::new(),
@@ -60,13 +58,13 @@ impl<'a> Assembly<'a> {
             let length = Vector3::from(joint.origin.xyz).norm();
             if step.upwards {
                 self.moving(step.joint, true)?;
-                let origin = self.origin(step.joint, &joint.origin);
+                let pose = self.origin(step.joint);
                 self.reach += length;
-                self.base_from_here *= origin.pose().inverse();
+                self.base_from_here *= pose.inverse();
             } else {
                 self.reach += length;
-                let origin = self.origin(step.joint, &joint.origin);
-                self.base_from_here *= origin.pose();
+                let pose = self.origin(step.joint);
+                self.base_from_here *= pose;
                 self.moving(step.joint, false)?;
             }
         }
@@ -74,6 +72,7 @@ impl<'a> Assembly<'a> {
         self.join_screws();
         let names = (robot.name.as_str(), robot.links[base].name.as_str(), robot.links[tip].name.as_str());
         let chain = Chain::new(names, self.coordinates, self.joints, self.base_from_here)
+            .and_then(Chain::within_reach)
             .map_err(|source| TreeError::Chain { file: robot.source.file.clone(), source })?;
         let mut notes = self.notes;
         notes.extend(self.literals.into_iter().map(|literal| Note::IntendedAngle {
@@ -86,42 +85,35 @@ impl<'a> Assembly<'a> {
         Ok(Noted { value: chain, notes })
     }
 
-    /// The joint's origin, its angles as intended where that is asked for.
-    fn origin(&mut self, joint: usize, origin: &'a Origin) -> Cow<'a, Origin> {
-        let (Reading::Intended, Some(written)) = (self.reading, &origin.rpy_written) else {
-            return Cow::Borrowed(origin);
-        };
-        let mut read = Cow::Borrowed(origin);
-        for (index, literal) in written.iter().enumerate() {
-            if let Some(angle) = intended::read_as(literal) {
-                read.to_mut().rpy[index] = angle.angle;
-                let place = self.robot.joint_place(joint);
-                self.literals.push(ReadLiteral { place, written: literal.clone(), angle, reach_before: self.reach });
-            }
+    /// parent_from_child of a joint; what was read otherwise than it is written is noted.
+    fn origin(&mut self, joint: usize) -> Pose {
+        let read = self.placed.origin(joint);
+        for (written, angle) in &read.reread {
+            let place = self.robot.joint_place(joint);
+            let (written, angle) = (written.clone(), angle.clone());
+            self.literals.push(ReadLiteral { place, written, angle, reach_before: self.reach });
         }
-        read
+        read.pose()
     }
 
     fn moving(&mut self, index: usize, upwards: bool) -> Result<(), TreeError> {
         let joint = &self.robot.joints[index];
-        let line = AxisLine { direction: joint.axis, point: Point3::origin() };
-        let screw = match &joint.kind {
-            JointKind::Fixed => return Ok(()),
-            JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line),
-            JointKind::Prismatic => Screw::Prismatic(joint.axis),
-            JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch },
-            JointKind::Planar => {
-                self.planar(index, joint, upwards);
-                return Ok(());
-            }
-            JointKind::Floating | JointKind::Unknown(_) => {
-                let name = |link: usize| self.robot.links[link].name.clone();
-                let (below, above) = (name(joint.child), name(joint.parent));
-                let word = joint.kind.word().to_owned();
-                return Err(TreeError::Unsupported { place: self.robot.joint_place(index), word, below, above });
-            }
+        let Some(screw) = joint.kind.screw(joint) else {
+            return match joint.kind {
+                JointKind::Fixed => Ok(()),
+                JointKind::Planar => {
+                    self.planar(index, joint, upwards);
+                    Ok(())
+                }
+                _ => {
+                    let name = |link: usize| self.robot.links[link].name.clone();
+                    let (below, above) = (name(joint.child), name(joint.parent));
+                    let word = joint.kind.word().to_owned();
+                    Err(TreeError::Unsupported { place: self.robot.joint_place(index), word, below, above })
+                }
+            };
         };
-        let drive = self.robot.drive(index, &self.names)?;
+        let drive = self.placed.drive(index)?;
         let sign = if upwards { -1.0 } else { 1.0 };
         let Some(driver) = drive.driver else {
             // It follows a joint that never moves: a fixed displacement.

@@ -1,42 +1,42 @@
 //! Where an arm ends that carries a hand: the fingers are no part of it.
 
 use super::Step;
-use crate::robot::Robot;
+use crate::placed::PlacedRobot;
+use crate::robot::Joint;
 
 /// An arm has at least so many joints above its hand; with fewer, what branches is the robot itself.
 const AN_ARM: usize = 3;
 
-/// The joints that each link carries, and the moving joints on the longest way below it.
+/// The moving joints on the longest way below each link.
 struct Branches<'a> {
-    robot: &'a Robot,
-    carried: Vec<Vec<usize>>,
+    placed: &'a PlacedRobot<'a>,
     depth: Vec<usize>,
 }
 
 impl<'a> Branches<'a> {
-    fn of(robot: &'a Robot) -> Self {
-        let mut carried = vec![Vec::new(); robot.links.len()];
-        for (index, joint) in robot.joints.iter().enumerate() {
-            carried[joint.parent].push(index);
-        }
-        let mut branches = Self { robot, carried, depth: vec![0; robot.links.len()] };
-        for link in robot.parents_first().into_iter().rev() {
-            let longest = branches.carried[link].iter().map(|joint| branches.below(*joint)).max();
-            branches.depth[link] = longest.unwrap_or(0);
+    fn of(placed: &'a PlacedRobot<'a>) -> Self {
+        let mut branches = Self { placed, depth: vec![0; placed.robot().links.len()] };
+        for link in placed.order().iter().rev() {
+            let longest = placed.carried(*link).iter().map(|joint| branches.below(*joint)).max();
+            branches.depth[*link] = longest.unwrap_or(0);
         }
         branches
     }
 
+    fn joint(&self, index: usize) -> &Joint {
+        &self.placed.robot().joints[index]
+    }
+
     /// How many moving joints the longest way from a joint downwards has, itself counted.
     fn below(&self, joint: usize) -> usize {
-        let joint = &self.robot.joints[joint];
+        let joint = self.joint(joint);
         self.depth[joint.child] + usize::from(joint.kind.moves())
     }
 
     /// Whether two or more branches of a link are as deep as this joint's.
     fn fork_at(&self, joint: usize) -> bool {
         let depth = self.below(joint);
-        let carried = &self.carried[self.robot.joints[joint].parent];
+        let carried = self.placed.carried(self.joint(joint).parent);
         carried.iter().filter(|other| self.below(**other) == depth).nth(1).is_some()
     }
 
@@ -45,7 +45,7 @@ impl<'a> Branches<'a> {
         let mut found = None;
         let mut level = vec![link];
         while !level.is_empty() {
-            let joints = level.iter().flat_map(|link| &self.carried[*link]).map(|joint| &self.robot.joints[*joint]);
+            let joints = level.iter().flat_map(|link| self.placed.carried(*link)).map(|joint| self.joint(*joint));
             level = joints.filter(|joint| !joint.kind.moves()).map(|joint| joint.child).collect();
             found = level.iter().copied().find(|link| self.is_frame(*link)).or(found);
         }
@@ -53,42 +53,41 @@ impl<'a> Branches<'a> {
     }
 
     fn is_frame(&self, link: usize) -> bool {
-        let link = &self.robot.links[link];
+        let link = &self.placed.robot().links[link];
         link.inertial.is_none() && link.visuals.is_empty() && link.collisions.is_empty()
     }
 }
 
-impl Robot {
-    /// Where the arm ends on a chain to `leaf`, where that leaf is a finger of a hand that the arm carries.
-    ///
-    /// A hand is a link that carries two or more moving branches of equal depth, at the end of a way with more moving
-    /// joints above than below, at least three. The arm ends at a frame without a body that is fixed below the hand (its
-    /// tool centre point); without one, at the last such frame between the arm's last joint and the hand (its flange);
-    /// without that, at the hand itself.
-    pub(super) fn tool_above_fingers(&self, steps: &[Step]) -> Option<usize> {
-        let moves = |step: &Step| self.joints[step.joint].kind.moves();
-        if steps.iter().filter(|step| moves(step)).count() <= AN_ARM {
-            return None;
-        }
-        let branches = Branches::of(self);
-        let mut above = 0;
-        // The links that are rigidly one with the hand, from behind the last moving joint on.
-        let mut body: Vec<usize> = Vec::new();
-        for step in steps {
-            let below = branches.below(step.joint);
-            if above >= AN_ARM && (1..above).contains(&below) && branches.fork_at(step.joint) {
-                let flange = body.iter().rev().copied().find(|link| branches.is_frame(*link));
-                let hand = self.joints[step.joint].parent;
-                return Some(branches.frame_fixed_below(hand).or(flange).unwrap_or(hand));
-            }
-            if moves(step) {
-                above += 1;
-                body.clear();
-            }
-            body.push(self.joints[step.joint].child);
-        }
-        None
+/// Where the arm ends on a chain to `leaf`, where that leaf is a finger of a hand that the arm carries.
+///
+/// A hand is a link that carries two or more moving branches of equal depth, at the end of a way with more moving
+/// joints above than below, at least three. The arm ends at a frame without a body that is fixed below the hand (its
+/// tool centre point); without one, at the last such frame between the arm's last joint and the hand (its flange);
+/// without that, at the hand itself.
+pub(super) fn tool_above_fingers(placed: &PlacedRobot, steps: &[Step]) -> Option<usize> {
+    let joints = &placed.robot().joints;
+    let moves = |step: &Step| joints[step.joint].kind.moves();
+    if steps.iter().filter(|step| moves(step)).count() <= AN_ARM {
+        return None;
     }
+    let branches = Branches::of(placed);
+    let mut above = 0;
+    // The links that are rigidly one with the hand, from behind the last moving joint on.
+    let mut body: Vec<usize> = Vec::new();
+    for step in steps {
+        let below = branches.below(step.joint);
+        if above >= AN_ARM && (1..above).contains(&below) && branches.fork_at(step.joint) {
+            let flange = body.iter().rev().copied().find(|link| branches.is_frame(*link));
+            let hand = joints[step.joint].parent;
+            return Some(branches.frame_fixed_below(hand).or(flange).unwrap_or(hand));
+        }
+        if moves(step) {
+            above += 1;
+            body.clear();
+        }
+        body.push(joints[step.joint].child);
+    }
+    None
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ const FAR: f64 = 2.0;
 fn check(sheet: &Sheet) -> Vec<Found> {
     let Some(robot) = sheet.robot() else { return Vec::new() };
     let size = super::size(robot);
+    let carried = robot.carried();
     let mut found = Vec::new();
     for (index, link) in sheet.links().iter().enumerate() {
         let Some(inertial) = link.inertial.as_ref().filter(|inertial| inertial.mass != 0.0) else { continue };
@@ -35,7 +36,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             continue;
         }
         let centre = Point3::from(inertial.origin.xyz);
-        let (low, high) = extent(robot, index, link, size);
+        let (low, high) = extent(robot, &carried[index], link, size);
         let outside = Vector3::from_fn(|k, _| (low[k] - centre[k]).max(centre[k] - high[k]).max(0.0)).norm();
         let allowed = FAR * (high - low).norm();
         if outside > allowed.max(LEAST) {
@@ -54,7 +55,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
 const LEAST: f64 = 0.02;
 
 /// A box around the link's frame, the joints on it and its shapes, m; a mesh may reach half as far as the robot.
-fn extent(robot: &Robot, index: usize, link: &Link, size: f64) -> (Point3<f64>, Point3<f64>) {
+fn extent(robot: &Robot, carried: &[usize], link: &Link, size: f64) -> (Point3<f64>, Point3<f64>) {
     let (mut low, mut high) = (Point3::origin(), Point3::origin());
     let mut include = |point: Vector3<f64>, reach: f64| {
         for k in 0..3 {
@@ -62,8 +63,8 @@ fn extent(robot: &Robot, index: usize, link: &Link, size: f64) -> (Point3<f64>, 
             high[k] = f64::max(high[k], point[k] + reach);
         }
     };
-    for joint in robot.joints_from(index) {
-        include(Vector3::from(robot.joints[joint].origin.xyz), 0.0);
+    for joint in carried {
+        include(Vector3::from(robot.joints[*joint].origin.xyz), 0.0);
     }
     for shape in link.visuals.iter().chain(&link.collisions) {
         let reach = match &shape.geometry {

@@ -3,6 +3,8 @@
 use crate::lint::finding::Found;
 use crate::lint::{Lookup, Rule, Sheet};
 use crate::report::Level;
+use roxmltree::Node;
+use std::collections::HashMap;
 
 pub(super) const RULE: Rule = Rule {
     code: "D050",
@@ -19,13 +21,32 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(sheet: &Sheet) -> Vec<Found> {
-    let mut found = Vec::new();
+    let mut found: Vec<Found> = Vec::new();
+    // Of a package that is not there, one finding for all its meshes.
+    let mut packages: HashMap<String, (Node, String, usize)> = HashMap::new();
+    let mut order = Vec::new();
     for mesh in sheet.elements().filter(|node| node.tag_name().name() == "mesh") {
         let Some(name) = mesh.attribute("filename") else { continue };
-        if let Lookup::NotFound(why) = sheet.look_up(name) {
-            let what = format!("mesh {name} is not there: {why}");
-            found.push(Found::at(mesh.range().start, super::owner(mesh), what));
+        match sheet.look_up(name) {
+            Lookup::NotFound(why) => {
+                let what = format!("mesh {name} is not there: {why}");
+                found.push(Found::at(mesh.range().start, super::owner(mesh), what));
+            }
+            Lookup::NoPackage { package, why } => match packages.get_mut(&package) {
+                Some((_, _, count)) => *count += 1,
+                None => {
+                    order.push(package.clone());
+                    packages.insert(package, (mesh, why, 1));
+                }
+            },
+            Lookup::Found | Lookup::Unknown => {}
         }
+    }
+    for package in order {
+        let Some((mesh, why, count)) = packages.remove(&package) else { continue };
+        let meshes = if count == 1 { "a mesh is".to_owned() } else { format!("{count} meshes are") };
+        let what = format!("{meshes} in package {package}, which is not there: {why}");
+        found.push(Found::at(mesh.range().start, super::owner(mesh), what));
     }
     found
 }

@@ -3,6 +3,8 @@
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
+use denavit_model::placed::Follows;
+use denavit_model::{PlacedRobot, Reading};
 
 pub(super) const RULE: Rule = Rule {
     code: "D041",
@@ -17,26 +19,20 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(sheet: &Sheet) -> Vec<Found> {
-    let Some(robot) = sheet.robot() else { return Vec::new() };
+    let Some(robot) = sheet.robot().filter(|robot| robot.joints.iter().any(|joint| joint.mimic.is_some())) else {
+        return Vec::new();
+    };
+    let placed = PlacedRobot::new(robot, Reading::AsWritten);
     let mut found = Vec::new();
     for (index, joint) in robot.joints.iter().enumerate().filter(|(_, joint)| joint.kind.moves()) {
-        let driver = |joint: usize| robot.joint_index(&robot.joints[joint].mimic.as_ref()?.joint);
-        let mut at = driver(index);
-        let mut steps = 0;
-        while let Some(next) = at.and_then(driver) {
-            at = Some(next);
-            steps += 1;
-            if steps > robot.joints.len() {
-                break;
-            }
-        }
         let Some(mimic) = &joint.mimic else { continue };
-        let still = at.is_some_and(|at| !robot.joints[at].kind.moves());
-        if steps > robot.joints.len() || still {
-            let why = if still { "which never moves" } else { "which leads back to it" };
-            let what = format!("it mimics joint \"{}\", {why}; free one of them", mimic.joint);
-            found.push(Found::at(sheet.below(joint.at, &["mimic"]), format!("joint \"{}\"", joint.name), what));
-        }
+        let why = match placed.follows(index) {
+            Follows::Nothing if mimic.multiplier != 0.0 => "which never moves",
+            Follows::Itself => "which leads back to it",
+            _ => continue,
+        };
+        let what = format!("it mimics joint \"{}\", {why}; free one of them", mimic.joint);
+        found.push(Found::at(sheet.below(joint.at, &["mimic"]), format!("joint \"{}\"", joint.name), what));
     }
     found
 }

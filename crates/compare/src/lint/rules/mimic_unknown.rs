@@ -4,6 +4,7 @@ use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::problems::nearest_name;
+use std::collections::HashSet;
 
 pub(super) const RULE: Rule = Rule {
     code: "D040",
@@ -20,9 +21,10 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(sheet: &Sheet) -> Vec<Found> {
     let Some(robot) = sheet.robot() else { return Vec::new() };
+    let known: HashSet<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
     let mut found = Vec::new();
     for joint in &robot.joints {
-        let Some(mimic) = joint.mimic.as_ref().filter(|mimic| robot.joint_index(&mimic.joint).is_none()) else {
+        let Some(mimic) = joint.mimic.as_ref().filter(|mimic| !known.contains(mimic.joint.as_str())) else {
             continue;
         };
         let others = robot.joints.iter().map(|other| other.name.as_str()).filter(|other| *other != joint.name);

@@ -6,6 +6,7 @@ use crate::mechanism::Mechanism;
 use crate::report::Level;
 use denavit_model::se3::angle_between;
 use denavit_model::tree::Reading;
+use std::collections::HashMap;
 
 pub(super) const RULE: Rule = Rule {
     code: "D011",
@@ -26,18 +27,19 @@ const NEARLY: std::ops::Range<f64> = 1e-9..1e-3;
 fn check(sheet: &Sheet) -> Vec<Found> {
     let Some(robot) = sheet.robot() else { return Vec::new() };
     let mechanism = Mechanism::of_robot(robot, Reading::Intended);
+    let places: HashMap<&str, usize> = robot.joints.iter().map(|joint| (joint.name.as_str(), joint.at)).collect();
     let mut found = Vec::new();
     for joint in &mechanism.joints {
         let Some(parent) = joint.parent.map(|parent| &mechanism.joints[parent]) else { continue };
         let (Some(screw), Some(before)) = (&joint.screw, &parent.screw) else { continue };
         let (u, w) = (before.direction(), screw.direction());
         let angle = angle_between(&u, &w).min(angle_between(&-u.into_inner(), &w));
-        if let (true, Some(index)) = (NEARLY.contains(&angle), robot.joint_index(&joint.name)) {
+        if let (true, Some(at)) = (NEARLY.contains(&angle), places.get(joint.name.as_str())) {
             let what = format!(
                 "its axis is {angle:.1e} rad from parallel to that of joint \"{}\"; write more digits, or none",
                 parent.name
             );
-            found.push(Found::at(robot.joints[index].at, format!("joint \"{}\"", joint.name), what));
+            found.push(Found::at(*at, format!("joint \"{}\"", joint.name), what));
         }
     }
     found

@@ -3,6 +3,7 @@
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
+use std::collections::HashSet;
 
 pub(super) const RULE: Rule = Rule {
     code: "D060",
@@ -17,8 +18,8 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(sheet: &Sheet) -> Vec<Found> {
-    let links = sheet.links();
-    let shared = sheet.joints().iter().filter(|joint| links.iter().any(|link| link.name == joint.name));
+    let links: HashSet<&str> = sheet.links().iter().map(|link| link.name.as_str()).collect();
+    let shared = sheet.joints().iter().filter(|joint| links.contains(joint.name.as_str()));
     let what = "a link has the same name; rename one of the two";
     shared.map(|joint| Found::at(joint.at, format!("joint \"{}\"", joint.name), what)).collect()
 }

@@ -3,6 +3,7 @@
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
+use denavit_model::{PlacedRobot, Reading, Robot};
 
 pub(super) const RULE: Rule = Rule {
     code: "D070",
@@ -30,6 +31,31 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     if !joint.kind.moves() || joint.mimic.is_some() {
         return Vec::new();
     }
+    if has_gripper(robot, tip) {
+        return Vec::new();
+    }
     let what = format!("the arm ends here, right behind joint \"{}\"; add a fixed frame at the flange", joint.name);
     vec![Found::at(robot.links[tip].at, format!("link \"{}\"", chain.tip), what)]
+}
+
+/// Words in the names of what a gripper moves.
+const GRIPPER: [&str; 5] = ["grip", "finger", "jaw", "claw", "thumb"];
+
+/// Whether the chain to `tip` ends in a gripper that is mounted on a fixed frame: fingers that hang side by side on one
+/// body behind the arm, or a last joint that is called so.
+fn has_gripper(robot: &Robot, tip: usize) -> bool {
+    let placed = PlacedRobot::new(robot, Reading::AsWritten);
+    let way: Vec<usize> =
+        std::iter::successors(placed.carrier(tip), |joint| placed.carrier(robot.joints[*joint].parent)).collect();
+    let moving: Vec<usize> = way.into_iter().rev().filter(|joint| robot.joints[*joint].kind.moves()).collect();
+    moving.iter().skip(AN_ARM).any(|index| {
+        let joint = &robot.joints[*index];
+        let body = placed.body(joint.parent);
+        let links = || placed.order().iter().copied().filter(|link| placed.body(*link) == body);
+        let fingers =
+            links().flat_map(|link| placed.carried(link)).filter(|on| robot.joints[**on].kind.moves()).count();
+        let name = format!("{} {}", joint.name, robot.links[joint.child].name).to_lowercase();
+        let is_finger = fingers > 1 || GRIPPER.iter().any(|word| name.contains(word));
+        is_finger && links().count() > 1
+    })
 }

@@ -121,7 +121,9 @@ fn wrapped(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
 fn renamed(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
     if chance.below(2) == 0 {
         let link = chance.below(robot.links.len());
+        let name = robot.links[link].name.clone();
         robot.links[link].name.push_str("_renamed");
+        named_in_elements(robot, &name, &robot.links[link].name.clone());
         return Some(format!("link {}", robot.links[link].name));
     }
     let name = moving(robot, chance)?.name.clone();
@@ -136,7 +138,26 @@ fn renamed(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
             joint.clone_from(&new);
         }
     }
+    named_in_elements(robot, &name, &new);
     Some(format!("joint {new}"))
+}
+
+/// Whatever names a joint or link has to follow its name.
+fn named_in_elements(robot: &mut Robot, name: &str, new: &str) {
+    for node in robot.elements.iter_mut().flat_map(|element| &mut element.nodes) {
+        let values = node.attributes.iter_mut().map(|(_, value)| value).chain([&mut node.text]);
+        values.filter(|value| *value == name).for_each(|value| new.clone_into(value));
+    }
+}
+
+/// Whether something beside the links names a link, or the link itself says more than shapes and mass.
+fn is_spoken_of(robot: &Robot, link: usize) -> bool {
+    is_named(robot, &robot.links[link].name) || !robot.links[link].elements.is_empty()
+}
+
+fn is_named(robot: &Robot, name: &str) -> bool {
+    let mut nodes = robot.elements.iter().flat_map(|element| &element.nodes);
+    nodes.any(|node| node.text == name || node.attributes.iter().any(|(_, value)| value == name))
 }
 
 /// An empty link and a fixed joint between a joint and what it carries.
@@ -147,7 +168,7 @@ fn split(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
     let part = se3::pose(se3::rotation_about(&chance.direction(), 1.0), chance.direction().into_inner() * 0.2);
     let between = robot.links.len();
     let name = format!("{}_part", joint.name);
-    robot.links.push(Link { name: name.clone(), inertial: None, visuals: vec![], collisions: vec![], at: 0 });
+    robot.links.push(Link::named(name.clone(), 0));
     let before = Joint {
         name,
         kind: JointKind::Fixed,
@@ -156,6 +177,7 @@ fn split(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
         axis_written: None,
         limits: denavit_model::Limits::default(),
         mimic: None,
+        elements: Vec::new(),
         ..joint.clone()
     };
     robot.joints[index].parent = between;
@@ -168,7 +190,9 @@ fn split(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
 fn merged(robot: &mut Robot, chance: &mut Chance) -> Option<String> {
     let fixed: Vec<usize> = (0..robot.joints.len())
         .filter(|joint| {
-            robot.joints[*joint].kind == JointKind::Fixed && may_be_reframed(robot, robot.joints[*joint].child)
+            let Joint { name, kind, child, elements, .. } = &robot.joints[*joint];
+            let silent = elements.is_empty() && !is_spoken_of(robot, *child) && !is_named(robot, name);
+            *kind == JointKind::Fixed && may_be_reframed(robot, *child) && silent
         })
         .collect();
     let index = *fixed.get(chance.below(fixed.len().max(1)))?;

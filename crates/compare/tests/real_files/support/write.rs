@@ -2,7 +2,7 @@
 
 use super::chance::Chance;
 use denavit_model::robot::{Geometry, Inertial, Joint, Link, Origin, Shape};
-use denavit_model::{JointKind, Limits, Robot, urdf};
+use denavit_model::{Element, JointKind, Limits, Robot, urdf};
 use std::fmt::Write;
 
 /// How numbers are written; each reads back as the same number.
@@ -58,7 +58,8 @@ impl Style {
 pub fn text(robot: &Robot, style: &Style) -> String {
     let links = robot.links.iter().map(|link| link_text(link, style));
     let joints = robot.joints.iter().map(|joint| joint_text(robot, joint, style));
-    let mut elements: Vec<String> = links.chain(joints).collect();
+    let further = robot.elements.iter().map(element_text);
+    let mut elements: Vec<String> = links.chain(joints).chain(further).collect();
     if let Some(seed) = style.shuffled {
         Chance::new(seed).shuffle(&mut elements);
     }
@@ -71,7 +72,12 @@ fn link_text(link: &Link, style: &Style) -> String {
     children.extend(link.inertial.as_ref().map(|inertial| inertial_text(inertial, style)));
     children.extend(link.visuals.iter().map(|shape| shape_text(shape, "visual", style)));
     children.extend(link.collisions.iter().map(|shape| shape_text(shape, "collision", style)));
+    children.extend(link.elements.iter().map(element_text));
     format!("<link name=\"{}\">{}</link>", escaped(&link.name), children.concat())
+}
+
+fn element_text(element: &Element) -> String {
+    denavit_model::write::element(element)
 }
 
 fn inertial_text(inertial: &Inertial, style: &Style) -> String {
@@ -103,7 +109,8 @@ fn shape_text(shape: &Shape, tag: &str, style: &Style) -> String {
         Geometry::Other(element) => format!("<{element}/>"),
         _ => String::new(),
     };
-    format!("<{tag}>{}<geometry>{geometry}</geometry></{tag}>", style.origin(&shape.origin))
+    let further: String = shape.elements.iter().map(element_text).collect();
+    format!("<{tag}>{}<geometry>{geometry}</geometry>{further}</{tag}>", style.origin(&shape.origin))
 }
 
 fn joint_text(robot: &Robot, joint: &Joint, style: &Style) -> String {
@@ -121,7 +128,9 @@ fn joint_text(robot: &Robot, joint: &Joint, style: &Style) -> String {
         ("effort", effort),
     ];
     let stated = stated.iter().filter_map(|(name, value)| Some(format!(" {name}=\"{}\"", style.number((*value)?))));
-    let stated: String = stated.collect();
+    let further = joint.elements.iter().filter(|element| element.tag() == "limit").flat_map(|limit| &limit.nodes);
+    let further = further.flat_map(|node| &node.attributes).map(|(name, value)| format!(" {name}=\"{value}\""));
+    let stated: String = stated.chain(further).collect();
     if !stated.is_empty() {
         children.push(format!("<limit{stated}/>"));
     }
@@ -129,6 +138,7 @@ fn joint_text(robot: &Robot, joint: &Joint, style: &Style) -> String {
         let (factor, offset) = (style.number(mimic.multiplier), style.number(mimic.offset));
         format!("<mimic joint=\"{}\" multiplier=\"{factor}\" offset=\"{offset}\"/>", escaped(&mimic.joint))
     }));
+    children.extend(joint.elements.iter().filter(|element| element.tag() != "limit").map(element_text));
     let tag = if let JointKind::Screw(pitch) = &joint.kind {
         let lead = style.number(pitch.metres_per_radian() * std::f64::consts::TAU);
         children.push(format!("<drake:screw_thread_pitch value=\"{lead}\"/>"));

@@ -1,0 +1,208 @@
+//! Calibrations of single arms as makers and ROS packages keep them: read where a file holds a whole kinematics, written for
+//! what a controller or a package takes.
+//!
+//! Each form stands in a file with the public source that it was taken from; `docs/makers.md` lists those that are not
+//! public, which are not guessed.
+
+mod franka;
+mod origins;
+mod robot_calibration;
+mod ur;
+mod xarm;
+pub(crate) mod yaml;
+
+use crate::kinematics_yaml::{self, AngleOrder, KinematicsFileError};
+use crate::urdf::ExportError;
+use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate, Quantity};
+use denavit_model::nalgebra::{Point3, Unit, Vector3};
+use denavit_model::robot::Robot;
+use denavit_model::se3::{self, Pose};
+use denavit_model::tree::Reading;
+use denavit_model::{AxisLine, Screw};
+use thiserror::Error;
+
+/// A maker's form.
+#[derive(Debug, Clone, Copy)]
+pub struct Maker {
+    /// The word on the command line.
+    pub name: &'static str,
+    /// What takes the file, and under which name.
+    pub purpose: &'static str,
+    /// Writes it.
+    pub render: fn(&Calibrated) -> Result<Written, MakerError>,
+}
+
+/// Every form that can be written.
+pub const MAKERS: &[Maker] = &[ur::MAKER, xarm::MAKER, franka::MAKER, robot_calibration::MAKER];
+
+/// Forms that people ask for and that are not public, with what is to be done instead.
+const NOT_PUBLIC: [(&str, &str); 3] = [
+    ("pal", "what PAL's master_calibration.yaml means by <joint>_offset is not published"),
+    ("kinova", "Kinova's arms keep their calibration inside and publish no file of it"),
+    ("ros-industrial", "the drivers of ROS-Industrial read no file of offsets (industrial_core, issue 218)"),
+];
+
+/// The form of this name.
+///
+/// # Errors
+/// There is none; the message says why and what there is.
+pub fn named(name: &str) -> Result<&'static Maker, MakerError> {
+    if let Some(maker) = MAKERS.iter().find(|maker| maker.name == name) {
+        return Ok(maker);
+    }
+    let known: Vec<&str> = MAKERS.iter().map(|maker| maker.name).collect();
+    let why = NOT_PUBLIC.iter().find(|(own, _)| *own == name).map_or("no such form", |(_, why)| why);
+    Err(MakerError::Unknown { name: name.to_owned(), why, known: known.join(", ") })
+}
+
+/// What a form is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Calibrated<'a> {
+    /// The chain as it is.
+    pub chain: &'a Chain,
+    /// The tree that it belongs to, as drawn, and how it was read: its link frames are kept as nearly as can be.
+    pub drawn: Option<(&'a Robot, Reading)>,
+    /// Names of effects that were found beside the geometry.
+    pub effects: &'a [String],
+}
+
+/// A file's text, and what the form has no place for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The file.
+    pub text: String,
+    /// Sentences.
+    pub left_out: Vec<String>,
+}
+
+/// Why a calibration has no such form.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MakerError {
+    /// No form of this name.
+    #[error("--out-for: \"{name}\": {why}; there are {known}; --urdf writes the whole robot")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// Why not.
+        why: &'static str,
+        /// What there is.
+        known: String,
+    },
+    /// A chain of another make.
+    #[error("--out-for {maker}: the form has {wanted}, and the chain from {base} to {tip} has {found}")]
+    OtherChain {
+        /// The form.
+        maker: &'static str,
+        /// What it takes.
+        wanted: &'static str,
+        /// Base link.
+        base: String,
+        /// Tip link.
+        tip: String,
+        /// What the chain has.
+        found: String,
+    },
+    /// A joint turns about another axis than z of its link.
+    #[error(
+        "--out-for {maker}: joint \"{joint}\" does not turn about the z axis of its link's frame, as the form takes it"
+    )]
+    NotAboutZ {
+        /// The form.
+        maker: &'static str,
+        /// The joint.
+        joint: String,
+    },
+    /// The form needs the tree.
+    #[error("--out-for {maker}: the form changes joint origins of a URDF; give the robot as a URDF or xacro")]
+    NeedsTree {
+        /// The form.
+        maker: &'static str,
+    },
+    /// The calibrated tree could not be made.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The calibrated tree could not be read back.
+    #[error(transparent)]
+    Urdf(#[from] denavit_model::UrdfError),
+    /// A chain of the tree could not be made.
+    #[error(transparent)]
+    Tree(#[from] denavit_model::TreeError),
+    /// UR's form.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsFileError),
+}
+
+/// Reads a maker's kinematics file: UR's, an xArm's, a Franka arm's; `order` counts for UR's alone.
+///
+/// # Errors
+/// The YAML does not parse, is of none of these forms, or a number is missing or not finite.
+///
+/// # Examples
+/// ```
+/// use denavit_export::{kinematics_yaml::AngleOrder, makers};
+/// let text = "kinematics:\n  joint1: {x: 0, y: 0, z: 0.267, roll: 0, pitch: 0, yaw: 0}\n";
+/// let chain = makers::read("xarm1_kinematics_A.yaml", "xarm", text, AngleOrder::Urdf)?;
+/// assert_eq!(chain.home().translation.z, 0.267);
+/// # Ok::<(), denavit_export::kinematics_yaml::KinematicsFileError>(())
+/// ```
+pub fn read(file: &str, robot: &str, text: &str, order: AngleOrder) -> Result<Chain, KinematicsFileError> {
+    let scalars = yaml::Scalars::read(file, text)?;
+    if scalars.has(&["kinematics", "joint1"]) {
+        return xarm::read(&scalars, robot);
+    }
+    if scalars.has(&["joint1", "kinematic"]) {
+        return franka::read(&scalars, robot);
+    }
+    if scalars.has(&["kinematics"]) {
+        return kinematics_yaml::read(file, text)?.chain(robot, order);
+    }
+    Err(KinematicsFileError::Unknown { file: file.to_owned() })
+}
+
+/// The six numbers of an origin as URDF reads them.
+const KEYS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
+
+fn six(origin: &Pose) -> [f64; 6] {
+    let [roll, pitch, yaw] = se3::rpy_from_rotation(&origin.rotation);
+    let place = origin.translation.vector;
+    // Adding zero turns -0 into 0.
+    [place.x, place.y, place.z, roll, pitch, yaw].map(|value| value + 0.0)
+}
+
+fn pose_of([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Pose {
+    se3::pose(se3::rotation_from_rpy([roll, pitch, yaw]), Vector3::new(x, y, z))
+}
+
+/// A chain of revolute joints about z of their frames.
+fn chain_of(names: (&str, &str, &str), origins: &[(String, Pose)], tool: &Pose) -> Result<Chain, ChainError> {
+    let mut frame = Pose::identity();
+    let mut joints = Vec::new();
+    for (index, (name, origin)) in origins.iter().enumerate() {
+        frame *= origin;
+        let direction = Unit::new_normalize(frame.rotation * Vector3::z());
+        let line = AxisLine { direction, point: Point3::from(frame.translation.vector) };
+        let screw = Screw::Revolute(line);
+        joints.push(ChainJoint { name: name.clone(), screw, coordinate: index, scale: 1.0, offset: 0.0 });
+    }
+    let coordinates = origins.iter().map(|(name, _)| Coordinate::unlimited(name.clone(), Quantity::Angle));
+    Chain::new(names, coordinates.collect(), joints, frame * tool)
+}
+
+/// Sentences on effects, which no form has a place for.
+fn without_effects(calibrated: &Calibrated) -> Vec<String> {
+    if calibrated.effects.is_empty() {
+        return Vec::new();
+    }
+    let effects = calibrated.effects.join(", ");
+    vec![format!("this form holds geometry alone; not in it: {effects} (--effects-out keeps effects)")]
+}
+
+/// A pose in words, where it is one.
+pub(crate) fn tool_words(tool: &Pose, size: f64) -> Option<String> {
+    let (turned, moved) = se3::difference(tool, &Pose::identity());
+    (turned > 1e-12 || moved > 1e-12 * size).then(|| {
+        let [x, y, z, roll, pitch, yaw] = six(tool).map(crate::numbers::exact);
+        format!("xyz {x} {y} {z}, rpy {roll} {pitch} {yaw}")
+    })
+}

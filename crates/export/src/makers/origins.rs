@@ -1,0 +1,83 @@
+//! Joint origins that move as a calibrated chain does, each joint about z of its frame.
+
+use super::{Calibrated, MakerError};
+use crate::kinematics_yaml;
+use crate::urdf;
+use denavit_model::chain::Chain;
+use denavit_model::robot::Robot;
+use denavit_model::se3::Pose;
+use denavit_model::tree::Reading;
+use denavit_model::{Screw, UrdfError};
+
+/// A frame's z may miss the joint's axis by this, rad and times the robot's size.
+const ON_AXIS: f64 = 1e-9;
+
+/// The origins of a calibrated arm.
+pub(super) struct Origins {
+    /// Of each joint, in the frame of the link before.
+    pub joints: Vec<(String, Pose)>,
+    /// From the last joint's frame to the chain's tip.
+    pub tool: Pose,
+    /// From the last joint's frame to another link of the tree.
+    pub tree: Option<Robot>,
+}
+
+impl Origins {
+    /// Joint origins with the link frames of the drawn tree; without a tree with frames at the feet of common normals.
+    pub fn of(calibrated: &Calibrated, maker: &'static str, wanted: &'static str) -> Result<Self, MakerError> {
+        let chain = calibrated.chain;
+        let plain = |joint: &&denavit_model::ChainJoint| {
+            matches!(joint.screw, Screw::Revolute(_)) && joint.scale == 1.0 && joint.offset == 0.0
+        };
+        let revolute = chain.joints().iter().filter(plain).count();
+        if revolute != chain.joints().len() {
+            let found = format!("{} joints, {revolute} of them revolute without scale or offset", chain.joints().len());
+            return Err(other_chain(chain, maker, wanted, found));
+        }
+        let Some((drawn, reading)) = calibrated.drawn else {
+            let (origins, tool) = kinematics_yaml::origins(chain);
+            let names = chain.joints().iter().map(|joint| joint.name.clone());
+            return Ok(Self { joints: names.zip(origins).collect(), tool, tree: None });
+        };
+        let tree = calibrated_tree(drawn, chain, reading)?;
+        let mut before = Pose::identity();
+        let mut joints = Vec::new();
+        for joint in chain.joints() {
+            let frame = carried_by(&tree, chain, &joint.name)?;
+            let line = joint.screw.line().expect("every joint is revolute");
+            let z = frame.rotation.matrix().column(2).into_owned();
+            let origin = denavit_model::nalgebra::Point3::from(frame.translation.vector);
+            let off = (line.nearest_to(&origin) - origin).norm();
+            if (z - line.direction.into_inner()).norm() > ON_AXIS || off > ON_AXIS * chain.size() {
+                return Err(MakerError::NotAboutZ { maker, joint: joint.name.clone() });
+            }
+            joints.push((joint.name.clone(), before.inverse() * frame));
+            before = frame;
+        }
+        Ok(Self { joints, tool: before.inverse() * chain.home(), tree: Some(tree) })
+    }
+
+    /// From the last joint's frame to a link of the tree whose name ends so.
+    pub fn to_link(&self, chain: &Chain, end: &str) -> Result<Option<Pose>, MakerError> {
+        let (Some(tree), Some((last, _))) = (&self.tree, self.joints.last()) else { return Ok(None) };
+        let Some(link) = tree.links.iter().find(|link| link.name.ends_with(end)) else { return Ok(None) };
+        let reached = tree.chain(Some(chain.base()), Some(&link.name), Reading::AsWritten)?.value;
+        Ok(Some(carried_by(tree, chain, last)?.inverse() * reached.home()))
+    }
+}
+
+pub(super) fn other_chain(chain: &Chain, maker: &'static str, wanted: &'static str, found: String) -> MakerError {
+    MakerError::OtherChain { maker, wanted, base: chain.base().to_owned(), tip: chain.tip().to_owned(), found }
+}
+
+/// The tree whose chain moves as the calibrated one.
+pub(super) fn calibrated_tree(drawn: &Robot, chain: &Chain, reading: Reading) -> Result<Robot, MakerError> {
+    let text = urdf::with_chain(drawn, chain, reading)?.value;
+    denavit_model::urdf::read("the calibrated URDF", &text).map_err(|error: UrdfError| error.into())
+}
+
+/// base_from_link of the link that a joint carries, at zero.
+fn carried_by(tree: &Robot, chain: &Chain, joint: &str) -> Result<Pose, MakerError> {
+    let link = tree.joints.iter().find(|of| of.name == joint).map(|of| tree.links[of.child].name.clone());
+    Ok(*tree.chain(Some(chain.base()), link.as_deref(), Reading::AsWritten)?.value.home())
+}

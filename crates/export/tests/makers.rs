@@ -1,0 +1,200 @@
+//! Makers' forms of a calibration: what is written moves as the calibrated chain does, when it is read as its maker reads it.
+
+use denavit_export::kinematics_yaml::AngleOrder;
+use denavit_export::makers::{self, Calibrated, MakerError, Written, named};
+use denavit_model::nalgebra::Vector6;
+use denavit_model::robot::Robot;
+use denavit_model::{Chain, Pose, Reading, Screw, se3};
+
+fn robot(path: &str) -> Robot {
+    let path = format!("{}/../../robots/{path}", env!("CARGO_MANIFEST_DIR"));
+    denavit_model::urdf::read(&path, &std::fs::read_to_string(&path).unwrap()).unwrap()
+}
+
+/// The chain with each axis turned and moved by some tenths of a milliradian and a millimetre, and another tool.
+fn as_built(chain: &Chain) -> Chain {
+    let small = |k: usize| {
+        let number = |n: usize| 4e-4 * (((k * 7 + n * 3) % 11) as f64 / 5.0 - 1.0);
+        se3::exp(&Vector6::from_fn(|n, _| number(n)))
+    };
+    let screws: Vec<Screw> = chain.joints().iter().enumerate().map(|(k, joint)| joint.screw.moved(&small(k))).collect();
+    chain.with_geometry(&screws, small(20) * chain.home()).unwrap()
+}
+
+/// Largest distance (m) and angle (rad) of two motions over joint readings.
+fn apart(a: &Chain, b: impl Fn(&[f64]) -> Pose) -> (f64, f64) {
+    let n = a.coordinates().len();
+    (0..200).fold((0.0f64, 0.0f64), |largest, sample| {
+        let value = |k: usize| 5.0 * (f64::from(sample) * 0.618_033_988_7 * (k as f64 + 1.0).sqrt()).fract() - 2.5;
+        let q: Vec<f64> = (0..n).map(value).collect();
+        let (turned, moved) = se3::difference(&a.fk(&q), &b(&q));
+        (largest.0.max(moved), largest.1.max(turned))
+    })
+}
+
+fn written(maker: &str, tree: &Robot, chain: &Chain) -> Written {
+    let drawn = Some((tree, Reading::Intended));
+    (named(maker).unwrap().render)(&Calibrated { chain, drawn, effects: &[] }).unwrap()
+}
+
+#[test]
+fn what_is_written_for_a_maker_reads_back_to_the_last_digits() {
+    for (maker, path, tip, exact_tip) in [
+        ("franka", "franka/panda.urdf", "panda_link8", true),
+        ("xarm", "ufactory/xarm7.urdf", "link_eef", false),
+        ("ur", "universal_robots/ur5e.urdf", "tool0", false),
+    ] {
+        let tree = robot(path);
+        let tip = if tree.links.iter().any(|link| link.name == tip) { Some(tip) } else { None };
+        let chain = as_built(&tree.chain(None, tip, Reading::Intended).unwrap().value);
+        let file = written(maker, &tree, &chain);
+        let again = makers::read("arm.yaml", "arm", &file.text, AngleOrder::Urdf).unwrap();
+        assert_eq!(again.joints().len(), chain.joints().len());
+        // What the form has no place for stands between its last frame and the tip, and is said.
+        let tool = again.home().inverse() * chain.home();
+        assert_eq!(file.left_out.is_empty(), exact_tip, "{maker}: {:?}", file.left_out);
+        let (moved, turned) = apart(&chain, |q| if exact_tip { again.fk(q) } else { again.fk(q) * tool });
+        assert!(moved < 1e-12 && turned < 1e-12, "{maker}: {moved:e} m, {turned:e} rad");
+        // Read and written again it stays, digit for digit.
+        let calibrated = Calibrated { chain: &again, drawn: None, effects: &[] };
+        let third = (named(maker).unwrap().render)(&calibrated).unwrap();
+        let third = makers::read("arm.yaml", "arm", &third.text, AngleOrder::Urdf).unwrap();
+        let (moved, _) = apart(&again, |q| third.fk(q) * (third.home().inverse() * again.home()));
+        assert!(moved < 1e-12, "{maker}: {moved:e}");
+    }
+}
+
+#[test]
+fn an_arm_as_drawn_gives_the_makers_own_figures() {
+    // The figures of franka_description's robots/fer/kinematics.yaml.
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let published = [
+        [0.0, 0.0, 0.333, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -quarter, 0.0, 0.0],
+        [0.0, -0.316, 0.0, quarter, 0.0, 0.0],
+        [0.0825, 0.0, 0.0, quarter, 0.0, 0.0],
+        [-0.0825, 0.384, 0.0, -quarter, 0.0, 0.0],
+        [0.0, 0.0, 0.0, quarter, 0.0, 0.0],
+        [0.088, 0.0, 0.0, quarter, 0.0, 0.0],
+        [0.0, 0.0, 0.107, 0.0, 0.0, 0.0],
+    ];
+    let mut text = String::new();
+    for (index, origin) in published.iter().enumerate() {
+        text += &format!("joint{}:\n  kinematic:\n", index + 1);
+        for (key, value) in ["x", "y", "z", "roll", "pitch", "yaw"].iter().zip(origin) {
+            text += &format!("    {key}: {value}\n");
+        }
+    }
+    let tree = robot("franka/panda.urdf");
+    let chain = tree.chain(None, Some("panda_link8"), Reading::Intended).unwrap().value;
+    let read = makers::read("kinematics.yaml", "fer", &text, AngleOrder::Urdf).unwrap();
+    let (moved, turned) = apart(&chain, |q| read.fk(q));
+    assert!(moved < 1e-14 && turned < 1e-14, "{moved:e} {turned:e}");
+    let own: Vec<String> = written("franka", &tree, &chain)
+        .text
+        .lines()
+        .filter(|l| l.contains(": ") && !l.starts_with('#'))
+        .map(str::to_owned)
+        .collect();
+    let numbers = |lines: Vec<String>| -> Vec<f64> {
+        lines.iter().filter_map(|line| line.rsplit(": ").next()?.parse().ok()).collect()
+    };
+    let published: Vec<f64> = published.into_iter().flatten().collect();
+    for (own, published) in numbers(own).iter().zip(&published) {
+        assert!((own - published).abs() < 1e-15, "{own} {published}");
+    }
+    // What stays between flange and tool centre point is said, and no part of the file.
+    if tree.links.iter().any(|link| link.name == "panda_hand_tcp") {
+        let hand = tree.chain(None, Some("panda_hand_tcp"), Reading::Intended).unwrap().value;
+        let with_hand = written("franka", &tree, &hand);
+        assert!(with_hand.left_out[0].contains("ends at the flange; from there to panda_hand_tcp"), "{with_hand:?}");
+    }
+}
+
+/// As `updateURDF` of robot_calibration does it: origin' = origin · offset, the rotation an axis times its angle.
+#[test]
+fn offsets_applied_as_robot_calibration_does_give_the_calibrated_arm() {
+    for (path, tip) in [("universal_robots/ur5e.urdf", "tool0"), ("franka/panda.urdf", "panda_link8")] {
+        let tree = robot(path);
+        let chain = as_built(&tree.chain(None, Some(tip), Reading::AsWritten).unwrap().value);
+        let drawn = Some((&tree, Reading::AsWritten));
+        let file =
+            (named("robot-calibration").unwrap().render)(&Calibrated { chain: &chain, drawn, effects: &[] }).unwrap();
+        assert_eq!(file.left_out, Vec::<String>::new());
+        let value = |name: &str| -> f64 {
+            let line = file.text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(": "));
+            line.map_or(0.0, |number| number.parse().unwrap())
+        };
+        let mut changed = tree.clone();
+        for joint in &mut changed.joints {
+            let [x, y, z, a, b, c] = ["x", "y", "z", "a", "b", "c"].map(|end| value(&format!("{}_{end}", joint.name)));
+            let rotation = se3::exp(&Vector6::new(a, b, c, 0.0, 0.0, 0.0)).rotation;
+            let offset = se3::pose(rotation, denavit_model::nalgebra::Vector3::new(x, y, z));
+            let new = joint.origin.pose() * offset;
+            joint.origin.xyz = new.translation.vector.into();
+            joint.origin.rpy = se3::rpy_from_rotation(&new.rotation);
+            joint.origin.rpy_written = None;
+        }
+        let again = changed.chain(Some(chain.base()), Some(tip), Reading::AsWritten).unwrap().value;
+        let (moved, turned) = apart(&chain, |q| again.fk(q));
+        assert!(moved < 1e-10 && turned < 1e-10, "{path}: {moved:e} {turned:e}");
+    }
+}
+
+#[test]
+fn what_a_form_cannot_hold_is_said() {
+    let tree = robot("kuka/iiwa14.urdf");
+    let chain = tree.chain(None, None, Reading::Intended).unwrap().value;
+    let drawn = Some((&tree, Reading::Intended));
+    let effects = ["joint_compliance".to_owned()];
+    let of =
+        |maker: &str, drawn| (named(maker).unwrap().render)(&Calibrated { chain: &chain, drawn, effects: &effects });
+    let xarm = of("xarm", None).unwrap();
+    assert!(xarm.left_out[0].contains("not in it: joint_compliance"), "{:?}", xarm.left_out);
+    // Its second axis is -z of its link: the form has joints about z alone.
+    assert!(matches!(of("xarm", drawn), Err(MakerError::NotAboutZ { joint, .. }) if joint == "joint_a2"));
+    let rail = robot("kuka/kr16_2_on_rail.urdf");
+    let on_rail = rail.chain(None, None, Reading::Intended).unwrap().value;
+    let seven = (named("franka").unwrap().render)(&Calibrated { chain: &on_rail, drawn: None, effects: &[] });
+    assert!(seven.unwrap_err().to_string().contains("7 joints, 6 of them revolute"));
+    assert!(matches!(of("robot-calibration", None), Err(MakerError::NeedsTree { .. })));
+    assert!(of("ur", drawn).unwrap_err().to_string().contains("six revolute joints"));
+    let pal = named("pal").unwrap_err().to_string();
+    assert!(pal.contains("is not published") && pal.contains("ur, xarm, franka, robot-calibration"), "{pal}");
+    for (text, expected) in [
+        ("kinematics:\n  joint1: {x: 0, y: 0}\n", "arm.yaml: kinematics.joint1.z is missing"),
+        ("joint1:\n  kinematic: {x: 0, y: 0, z: a}\n", "arm.yaml:2: joint1.kinematic.z is \"a\", not a finite number"),
+        ("joints: 3\n", "no kinematics file that is known"),
+        ("a: [1\n", "not well-formed YAML"),
+    ] {
+        let error = makers::read("arm.yaml", "arm", text, AngleOrder::Urdf).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn golden_files() {
+    for (maker, path, tip) in [
+        ("franka", "franka/panda.urdf", Some("panda_link8")),
+        ("xarm", "ufactory/xarm7.urdf", None),
+        ("ur", "universal_robots/ur5e.urdf", Some("tool0")),
+        ("robot-calibration", "universal_robots/ur5e.urdf", Some("tool0")),
+    ] {
+        let tree = robot(path);
+        let chain = as_built(&tree.chain(None, tip, Reading::Intended).unwrap().value);
+        let file = written(maker, &tree, &chain);
+        // The last digits are the processor's.
+        let rounded: String = file
+            .text
+            .lines()
+            .map(|line| {
+                let number = line.rsplit_once(": ").and_then(|(key, number)| Some((key, number.parse::<f64>().ok()?)));
+                number.map_or_else(
+                    || line.split(": xyz").next().unwrap().to_owned(),
+                    |(key, number)| format!("{key}: {number:.9}"),
+                ) + "\n"
+            })
+            .collect();
+        insta::assert_snapshot!(format!("maker_{maker}"), rounded.replace("-0.000000000", "0.000000000"));
+    }
+}
