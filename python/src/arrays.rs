@@ -44,7 +44,7 @@ impl<'py> Configurations<'py> {
 
     /// How many.
     pub fn count(&self) -> usize {
-        if self.coordinates == 0 { self.leading().iter().product() } else { self.array.len() / self.coordinates }
+        self.array.len().checked_div(self.coordinates).unwrap_or_else(|| self.leading().iter().product())
     }
 
     /// The array's shape without its last axis.

@@ -19,6 +19,7 @@ type CoordinateEntry = (String, &'static str, Option<f64>, Option<f64>, Option<f
 
 /// A chain of joints from a base to a tip.
 #[pyclass(frozen, module = "denavit._denavit")]
+#[expect(clippy::struct_field_names, reason = "it wraps the chain of the library, under the same name")]
 pub struct Chain {
     pub loaded: Arc<Loaded>,
     pub file: Arc<str>,

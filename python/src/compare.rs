@@ -60,7 +60,11 @@ fn render(report: &Report<'_>, format: &str) -> PyResult<String> {
 /// How two robots differ.
 #[pyfunction]
 #[pyo3(signature = (a, b, tolerance_m, tolerance_rad, only_kinematics, up_to_base, up_to_zeros, count_names, q_range, samples, seed))]
-#[expect(clippy::fn_params_excessive_bools, reason = "each is a keyword of the Python function")]
+#[expect(
+    clippy::fn_params_excessive_bools,
+    clippy::too_many_arguments,
+    reason = "each is a keyword of the Python function"
+)]
 pub fn compare(
     py: Python<'_>,
     a: &Robot,

@@ -112,9 +112,8 @@ impl Robot {
 
     /// The chain between two links.
     #[pyo3(signature = (base, tip, exact))]
-    fn chain(&self, base: Option<String>, tip: Option<String>, exact: bool) -> PyResult<Chain> {
-        let selection =
-            Selection { file: &self.file, base: base.as_deref(), tip: tip.as_deref(), reading: reading(exact) };
+    fn chain(&self, base: Option<&str>, tip: Option<&str>, exact: bool) -> PyResult<Chain> {
+        let selection = Selection { file: &self.file, base, tip, reading: reading(exact) };
         let noted = self.loaded.chain(&selection).map_err(|error| load(&error))?;
         Ok(Chain::new(Arc::clone(&self.loaded), Arc::clone(&self.file), noted, exact))
     }
