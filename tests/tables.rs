@@ -1,6 +1,7 @@
 //! Tables as people write them, and one table in every view.
 
 use crate::support::{denavit, denavit_with_input, robot};
+use std::fmt::Write as _;
 
 struct Folder(tempfile::TempDir);
 
@@ -255,7 +256,7 @@ fn latex_tables_fit_two_columns() {
             let text = run.succeeded();
             let label = text.split("\\label{").nth(1).and_then(|rest| rest.split('}').next()).unwrap().to_owned();
             assert!(label.starts_with("tab:dh-") && text.find("\\caption") < text.find("\\label"), "{text}");
-            body += &format!("{}\\clearpage\n", text.replace(&label, &format!("{label}-{}", labels.len())));
+            let _ = writeln!(body, "{}\\clearpage", text.replace(&label, &format!("{label}-{}", labels.len())));
             labels.push(label);
         }
     }
@@ -290,7 +291,8 @@ fn long_arm(joints: usize, axes: &[&str]) -> String {
     let mut text = "<robot name='long'><link name='l0'/>".to_owned();
     for k in 1..=joints {
         let axis = axes[k % axes.len()];
-        text += &format!(
+        let _ = write!(
+            text,
             "<link name='l{k}'/><joint name='j{k}' type='revolute'><origin xyz='0.05 0 0.1'/><axis xyz='{axis}'/>\
              <parent link='l{}'/><child link='l{k}'/><limit lower='-2' upper='2' effort='1' velocity='1'/></joint>",
             k - 1

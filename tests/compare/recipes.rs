@@ -141,7 +141,7 @@ fn git_diff_shows_every_edit_of_a_robot_with_two_arms() {
     let baxter = support::robot("rethink/baxter.urdf");
     let text = std::fs::read_to_string(&baxter).unwrap();
     let vendor = support::top().join("../shared/vendor/robots");
-    let pr2 = vendor.is_dir().then(|| support::files(&vendor, "urdf")).unwrap_or_default();
+    let pr2 = if vendor.is_dir() { support::files(&vendor, "urdf") } else { Vec::new() };
     let pr2 = pr2.into_iter().find(|path| path.file_name().is_some_and(|name| name == "pr2.urdf"));
     if pr2.is_none() {
         println!("the PR2 is skipped, because ../shared/vendor is not beside this clone");
@@ -198,7 +198,7 @@ fn help_lists_what_is_compared() {
         let help = support::denavit(&[command, "--help"]).succeeded();
         for entry in denavit_compare::compared::COMPARED {
             assert!(
-                help.replace("\n", " ").contains(entry.what) || help.contains(&entry.what[..30]),
+                help.replace('\n', " ").contains(entry.what) || help.contains(&entry.what[..30]),
                 "{command}: {help}"
             );
         }

@@ -41,7 +41,8 @@ fn units_are_those_of_what_comes_out_too() {
 #[test]
 fn commands_keep_the_configuration_or_say_that_it_changes() {
     // Along a line, and then to where the arm's other side is nearer.
-    let line: String = (0..12u32).map(|k| format!("{},{},500,180,0,0\n", 400, -200 + 40 * i64::from(k))).collect();
+    let line: Vec<String> = (0..12u32).map(|k| format!("400,{},500,180,0,0\n", -200 + 40 * i64::from(k))).collect();
+    let line = line.concat();
     let trial = Trial::new().with("line.csv", &format!("{POSES}{line}"));
     let run = trial.run("compensate arm.urdf --poses line.csv --units mm,deg");
     assert!(!run.stdout.contains("another configuration"), "{}", run.stdout);

@@ -10,7 +10,7 @@ use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::errors::{Errors, Residual, TestError, errors, lengths_found, placed, residuals};
 use crate::grid::{self, Rounding};
-use crate::identifiability::{Identifiability, identifiability};
+use crate::identifiability::{Identifiability, Untold, identifiability};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::measurements::Measurements;
@@ -223,22 +223,7 @@ pub fn calibrate_and_tell(
     options: &CalibrateOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Calibration, CalibrateError> {
-    let data = with_run_order(data);
-    let (train, test) = match (test, options.hold_out) {
-        (Some(test), _) => {
-            let test = with_run_order_after(test, &data);
-            (data, Some(test))
-        }
-        (None, Some(hold_out)) => split(&data, hold_out)?,
-        (None, None) => (data, None),
-    };
-    enough(&train)?;
-    if let Some(test) = &test {
-        not_the_same(&train, test)?;
-        if options.trace.is_some() {
-            recorded_too(&train, test, |name| has_a_meaning(&train, name))?;
-        }
-    }
+    let (train, test) = rows_of(data, test, options)?;
     progress(Progress::Geometry);
     within_proportion(chain)?;
     let identification = identify(chain, &train, &options.identify);
@@ -304,16 +289,7 @@ pub fn calibrate_and_tell(
         },
         redundancy,
         identifiability: Counts { expected: told.expected, rank: told.rank },
-        unidentifiable: told
-            .untold
-            .iter()
-            .map(|untold| Unidentifiable {
-                parameter: untold.parameter.clone(),
-                joint: untold.joint.clone(),
-                why: untold.why.clone(),
-                held: held(&parameters, &untold.parameter),
-            })
-            .collect(),
+        unidentifiable: unidentifiable(&told, &parameters),
         stages,
         adopted,
         parameters,
@@ -341,6 +317,42 @@ pub fn calibrate_and_tell(
         test,
         residuals,
     })
+}
+
+/// The rows to fit and those to judge by.
+fn rows_of(
+    data: Measurements,
+    test: Option<Measurements>,
+    options: &CalibrateOptions,
+) -> Result<(Measurements, Option<Measurements>), CalibrateError> {
+    let data = with_run_order(data);
+    let (train, test) = match (test, options.hold_out) {
+        (Some(test), _) => {
+            let test = with_run_order_after(test, &data);
+            (data, Some(test))
+        }
+        (None, Some(hold_out)) => split(&data, hold_out)?,
+        (None, None) => (data, None),
+    };
+    enough(&train)?;
+    if let Some(test) = &test {
+        not_the_same(&train, test)?;
+        if options.trace.is_some() {
+            recorded_too(&train, test, |name| has_a_meaning(&train, name))?;
+        }
+    }
+    Ok((train, test))
+}
+
+/// What no row tells, as the report says it.
+fn unidentifiable(told: &Identifiability, parameters: &[Identified]) -> Vec<Unidentifiable> {
+    let entry = |untold: &Untold| Unidentifiable {
+        parameter: untold.parameter.clone(),
+        joint: untold.joint.clone(),
+        why: untold.why.clone(),
+        held: held(parameters, &untold.parameter),
+    };
+    told.untold.iter().map(entry).collect()
 }
 
 /// The joints' parameters of a fit with their intervals, and those that are far from the drawing.

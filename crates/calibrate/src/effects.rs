@@ -3,6 +3,7 @@
 pub mod approach;
 pub mod carrier;
 pub mod catalogue;
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of waves and of places")]
 pub mod curve;
 pub mod drawn;
 pub mod driver;

@@ -10,6 +10,7 @@
 pub mod curves;
 pub mod evidence;
 pub mod gram;
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of orders to try")]
 pub mod lines;
 pub mod maximum;
 pub mod model;

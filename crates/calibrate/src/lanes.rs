@@ -193,8 +193,8 @@ pub(crate) fn rows<S: Simd>(
         for (index, series) in data.scene.series.iter().enumerate() {
             // The observation of this series in each lane.
             let mut at = [None::<usize>; 8];
-            for lane in 0..count {
-                at[lane] = observed.of_row(start + lane).find(|&observation| observed.series(observation) == index);
+            for (lane, at) in at.iter_mut().enumerate().take(count) {
+                *at = observed.of_row(start + lane).find(|&observation| observed.series(observation) == index);
             }
             if at.iter().all(Option::is_none) {
                 continue;

@@ -77,12 +77,14 @@ fn assembled(chain: &Chain, data: &Measurements, weights: &[f64]) -> Arm {
         let own = start(chain, &part, &weights, &layout);
         arm.instruments[setup] = own.instruments.first().copied().unwrap_or_else(Pose::identity);
         for (name, target) in part.scene.targets.iter().zip(&own.targets) {
-            let index = data.scene.targets.iter().position(|known| known == name);
-            index.into_iter().for_each(|index| arm.targets[index] = *target);
+            if let Some(index) = data.scene.targets.iter().position(|known| known == name) {
+                arm.targets[index] = *target;
+            }
         }
         for (name, point) in part.scene.points.iter().zip(&own.points) {
-            let index = data.scene.points.iter().position(|known| known == name);
-            index.into_iter().for_each(|index| arm.points[index] = *point);
+            if let Some(index) = data.scene.points.iter().position(|known| known == name) {
+                arm.points[index] = *point;
+            }
         }
     }
     arm

@@ -149,7 +149,7 @@ fn rows_of_two_robots_are_named() {
 #[test]
 fn a_longer_link_is_said_first() {
     let drawn = ur5e();
-    let mut screws: Vec<_> = drawn.joints().iter().map(|joint| joint.screw.clone()).collect();
+    let mut screws: Vec<_> = drawn.joints().iter().map(|joint| joint.screw).collect();
     let longer = Vector3::new(-0.025, 0.0, 0.0);
     for screw in &mut screws[2..] {
         if let denavit_model::Screw::Revolute(line) = screw {

@@ -1,5 +1,7 @@
 //! What the crate must do, seen from outside: one binary, a module for each subject.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
+
 mod bad_input;
 mod curves;
 mod diagnosis;

@@ -71,7 +71,7 @@ fn a_robot_beyond_all_proportion_is_refused() {
         let screws: Vec<_> = chain
             .joints()
             .iter()
-            .map(|joint| match joint.screw.clone() {
+            .map(|joint| match joint.screw {
                 Screw::Revolute(mut line) => {
                     line.point.x += away;
                     Screw::Revolute(line)

@@ -1,10 +1,13 @@
 //! Makers' forms of a calibration: what is written moves as the calibrated chain does, when it is read as its maker reads it.
 
+#![allow(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
+
 use denavit_export::kinematics_yaml::AngleOrder;
 use denavit_export::makers::{self, Calibrated, MakerError, Written, named};
 use denavit_model::nalgebra::Vector6;
 use denavit_model::robot::Robot;
 use denavit_model::{Chain, Pose, Reading, Screw, se3};
+use std::fmt::Write as _;
 
 fn robot(path: &str) -> Robot {
     let path = format!("{}/../../robots/{path}", env!("CARGO_MANIFEST_DIR"));
@@ -80,9 +83,9 @@ fn an_arm_as_drawn_gives_the_makers_own_figures() {
     ];
     let mut text = String::new();
     for (index, origin) in published.iter().enumerate() {
-        text += &format!("joint{}:\n  kinematic:\n", index + 1);
+        let _ = writeln!(text, "joint{}:\n  kinematic:", index + 1);
         for (key, value) in ["x", "y", "z", "roll", "pitch", "yaw"].iter().zip(origin) {
-            text += &format!("    {key}: {value}\n");
+            let _ = writeln!(text, "    {key}: {value}");
         }
     }
     let tree = robot("franka/panda.urdf");

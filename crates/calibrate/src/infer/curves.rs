@@ -84,7 +84,7 @@ pub fn fit_curves(
             Some((_, last)) => maximum::from_near(&model, last),
         };
         let Some((score, hyper)) = reached else { break };
-        let (hyper, kept) = asked_for(&model, score, hyper, options);
+        let (hyper, kept) = asked_for(&model, score, hyper, *options);
         if kept.contains(&false) {
             state.keep(&kept);
             if state.joints.is_empty() {
@@ -180,13 +180,17 @@ fn without(model: &Model<'_>, hyper: &Hyperparameters, curve: usize) -> f64 {
     model.score(&hyper).unwrap_or(f64::NEG_INFINITY)
 }
 
+fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
 /// Which curves raise the score by more than chance would in one clean file of those allowed. The best of a variance and a
 /// length gains more than g by chance with probability e^-g (half a χ² of two degrees of freedom, and half nothing at all).
 fn asked_for(
     model: &Model<'_>,
     score: f64,
     hyper: Hyperparameters,
-    options: &CurveOptions,
+    options: CurveOptions,
 ) -> (Hyperparameters, Vec<bool>) {
     let least = (model.waves.len() as f64 / options.false_curves).ln();
     let (mut score, mut hyper) = (score, hyper);
@@ -272,9 +276,6 @@ impl Round {
         let largest = state.joints.iter().map(most).collect();
         let means = state.waves.iter().zip(&state.readings).map(|(waves, readings)| mean_of(waves, readings)).collect();
         let firm = visible.iter().map(|visible| FIRM / visible).collect();
-        fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
-            columns.iter().map(Vec::as_slice).collect()
-        }
         let columns = Columns {
             explained: &explained,
             plain: &borrowed(&plain),

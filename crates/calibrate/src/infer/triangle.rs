@@ -80,7 +80,7 @@ fn factor_in<S: Simd>(simd: S, cells: &mut [f64], size: usize) -> bool {
         let (before, rest) = cells.split_at_mut(i * size);
         let row = &mut rest[..size];
         for j in 0..i {
-            let other = &before[j * size..j * size + j + 1];
+            let other = &before[j * size..=j * size + j];
             row[j] = (row[j] - dot_in(simd, &row[..j], &other[..j])) / other[j];
         }
         let left = row[i] - dot_in(simd, &row[..i], &row[..i]);
@@ -95,7 +95,7 @@ fn factor_in<S: Simd>(simd: S, cells: &mut [f64], size: usize) -> bool {
 #[inline(always)]
 fn forward_in<S: Simd>(simd: S, cells: &[f64], size: usize, x: &mut [f64], first: usize) {
     for i in first..size {
-        let row = &cells[i * size..i * size + i + 1];
+        let row = &cells[i * size..=i * size + i];
         x[i] = (x[i] - dot_in(simd, &row[first..i], &x[first..i])) / row[i];
     }
 }

@@ -23,7 +23,7 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
             None => groups.push((columns, vec![index])),
         }
     }
-    groups.iter().for_each(|group| header.extend_from_slice(&group.0));
+    header.extend(groups.iter().flat_map(|group| group.0.iter().cloned()));
     header.extend(data.covariates.iter().map(|column| column.name.clone()));
     header.extend(data.labels.iter().map(|column| column.name.clone()));
     let locates = data.locate.contains(&true);

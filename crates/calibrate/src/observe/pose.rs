@@ -95,8 +95,7 @@ impl Observe for Pose {
     fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
         let quaternion = Quaternion::new(cells[6], cells[3], cells[4], cells[5]);
         let length = quaternion.norm();
-        // Written so that a length which is not a number is refused, too.
-        if !((length - 1.0).abs() <= QUATERNION_TOLERANCE) {
+        if length.is_nan() || (length - 1.0).abs() > QUATERNION_TOLERANCE {
             return Err(Problem::NotAUnitQuaternion { length });
         }
         values.extend_from_slice(&cells[..3]);
