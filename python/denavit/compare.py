@@ -285,7 +285,7 @@ def check(
 
     Examples:
         >>> import denavit as dn
-        >>> found = dn.check("robots/universal_robots/ur5e.urdf", allow=["D031"])
+        >>> found = dn.check("robots/universal_robots/ur5e.urdf", allow=["D035"])
         >>> found.ok, len(found)
         (True, 0)
     """
