@@ -11,6 +11,8 @@ sys.path.insert(0, str(HERE.parent))
 
 import built  # noqa: E402
 
+WORKSPACE = built.WORKSPACE
+
 # Packages that nobody has are told about; those of the machine are not looked at.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH")}
 

@@ -259,7 +259,10 @@ fn joint_of(numbers: &Numbers, row: &RowOf, index: usize, known: &mut Coordinate
     let number_of = |name| Ok::<_, SourceError>(numbers.number(row, name)?.and_then(|(_, variable)| variable));
     let (turns, slides) = (number_of("theta")?, number_of("d")?);
     let name = match row.text("joint") {
-        name if name.is_empty() || name.parse::<usize>().is_ok() => format!("joint_{}", index + 1),
+        // Without a column of row numbers a number in the column of joints is one.
+        name if name.is_empty() || row.text("row").is_empty() && name.parse::<usize>().is_ok() => {
+            format!("joint_{}", index + 1)
+        }
         name => name.to_owned(),
     };
     let mut pitch = row.number("pitch")?.unwrap_or(0.0);
