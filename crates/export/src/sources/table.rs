@@ -93,7 +93,8 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
     });
     let bare = |names: &[&str]| -> Result<Vec<f64>, SourceError> {
         let mut found = Vec::new();
-        for row in rows.iter() {
+        // No manual has a column of scales: such a file is our own, in rad and m.
+        for row in rows.iter().filter(|_| !rows.has("scale")) {
             for name in names.iter().filter(|name| rows.heading(name).is_some_and(|heading| heading.unit.is_none())) {
                 if let Some(cell) = cell_of(&row, name)?.filter(|cell| cell.unit.is_none() && cell.constant != 0.0) {
                     found.push(cell.constant.abs());
