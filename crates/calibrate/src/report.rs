@@ -5,10 +5,13 @@ pub mod commands;
 pub mod contract;
 pub mod curves;
 pub mod findings;
+#[cfg(feature = "pages")]
 pub mod html;
+#[cfg(feature = "pages")]
 pub mod plots;
 pub mod text;
 pub mod told;
+#[cfg(feature = "pages")]
 pub mod trace_plots;
 pub mod trust;
 

@@ -59,6 +59,8 @@ pub enum Command {
     Export(ExportArguments),
     /// Make a page of each robot: figures, tables, a 3-D view
     Doc(DocArguments),
+    /// Open robots in a browser: tables, comparison and calibration on a page that works offline
+    Explore(ExploreArguments),
     /// Print a short hash of what the robot is, to pin in CI
     Fingerprint(FingerprintArguments),
     /// Hold URDF files against numbered rules
@@ -459,6 +461,30 @@ pub struct DocArguments {
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,
+}
+
+/// Arguments of `denavit explore`.
+#[derive(Debug, Args)]
+pub struct ExploreArguments {
+    /// Robots: any source, or a folder for all that are in it; two are compared. NAME:=VALUE are arguments of the xacro files
+    /// among them. Without any the page waits for files to be dropped
+    #[arg(value_name = "ROBOT")]
+    pub robots: Vec<String>,
+    /// Write the page to a file, - for standard output, instead of serving it
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Port to serve at, on this machine only; 0: any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 0, conflicts_with = "output")]
+    pub port: u16,
+    /// Print the address and open no browser
+    #[arg(long, conflicts_with = "output")]
+    pub no_browser: bool,
+    /// Folder with ROS packages, or a package, for xacro files
+    #[arg(long, value_name = "FOLDER")]
+    pub package_path: Vec<PathBuf>,
+    /// Let xacro read files outside its package and the package path
+    #[arg(long)]
+    pub allow_any_file: bool,
 }
 
 /// Arguments of `denavit fingerprint`.

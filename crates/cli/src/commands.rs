@@ -9,6 +9,7 @@ pub mod describe;
 pub mod diff;
 pub mod doc;
 pub mod expand;
+pub mod explore;
 pub mod export;
 pub mod fingerprint;
 pub mod fk;

@@ -39,6 +39,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Expand(arguments) => commands::expand::run(&arguments),
         Command::Export(arguments) => commands::export::run(&arguments),
         Command::Doc(arguments) => commands::doc::run(&arguments),
+        Command::Explore(arguments) => commands::explore::run(&arguments),
         Command::Fingerprint(arguments) => commands::fingerprint::run(&arguments),
         Command::Check(arguments) => commands::check::run(&arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&arguments),

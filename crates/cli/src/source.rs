@@ -68,7 +68,8 @@ pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
     })
 }
 
-fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
+/// What the options say of how a source is read.
+pub fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
     let pair = |word: &String| {
         let split = word.split_once(":=").map(|(name, value)| (name.to_owned(), value.to_owned()));
         split.ok_or_else(|| Failure::Argument(format!("\"{word}\" is no argument of a xacro file; write NAME:=VALUE")))

@@ -1,10 +1,11 @@
 //! The rules that hold for a file: its configuration, and where its meshes are looked for.
 
+use crate::read::environment;
 use crate::{LoadError, read_text};
 use denavit_compare::Finding;
 use denavit_compare::lint::config::FILE_NAME;
 use denavit_compare::lint::{self, Config, ConfigError, Lookup};
-use denavit_xacro::{Environment, PackageError, PackagePath};
+use denavit_xacro::{PackageError, PackagePath, files};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -57,14 +58,14 @@ impl Rules {
         }
         config.allow(&options.allow)?;
         config.deny(&options.deny)?;
-        let environment: Environment = std::env::vars().collect();
+        let environment = environment();
         Ok(Self { config, packages: PackagePath::new(&folders, &environment).near(robot) })
     }
 
     /// What the rules find in the text of `file`.
     pub fn check(&self, file: &str, text: &str) -> Vec<Finding> {
         let lookup = |mesh: &str| match self.packages.resolve(mesh, Some(Path::new(file))) {
-            Ok(path) if path.is_file() => Lookup::Found,
+            Ok(path) if files::is_file(&path) => Lookup::Found,
             Ok(path) => Lookup::NotFound(format!("there is no file {}", path.display())),
             Err(error @ PackageError::NotFound { .. }) => {
                 let package = mesh.split("://").nth(1).and_then(|path| path.split('/').next()).unwrap_or(mesh);
@@ -77,6 +78,6 @@ impl Rules {
 }
 
 fn nearest_config(robot: &Path) -> Option<PathBuf> {
-    let robot = robot.canonicalize().ok()?;
-    robot.ancestors().skip(1).map(|folder| folder.join(FILE_NAME)).find(|path| path.is_file())
+    let robot = files::canonical(robot).ok()?;
+    robot.ancestors().skip(1).map(|folder| folder.join(FILE_NAME)).find(|path| files::is_file(path))
 }

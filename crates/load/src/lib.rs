@@ -10,6 +10,7 @@
 mod canonical;
 mod checked;
 mod error;
+pub mod json;
 mod read;
 mod robot;
 mod table;

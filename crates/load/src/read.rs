@@ -80,15 +80,21 @@ fn stem(file: &str) -> String {
 /// # Errors
 /// The document does not expand.
 pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, LoadError> {
-    let environment: Environment = std::env::vars().collect();
+    let environment = environment();
     let settings = denavit_xacro::Options {
         packages: PackagePath::new(&options.package_path, &environment),
         environment,
         access: if options.allow_any_file { FileAccess::Any } else { FileAccess::default() },
         ..denavit_xacro::Options::default()
     };
-    let source = if Path::new(file).is_file() { Document::path(file) } else { Document::text(file, text) };
+    let source =
+        if denavit_xacro::files::is_file(Path::new(file)) { Document::path(file) } else { Document::text(file, text) };
     Ok(denavit_xacro::expand(&source, &options.arguments, &settings)?)
+}
+
+/// What `$(env …)` and package paths see: the variables of the process, where files are those of its disk.
+pub(crate) fn environment() -> Environment {
+    if denavit_xacro::files::are_held() { Environment::default() } else { std::env::vars().collect() }
 }
 
 /// The text of a file, of standard input (`-`), or of a file in git (`git:REVISION:PATH`), and what to call it.
@@ -104,7 +110,7 @@ pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
     } else if let Some(object) = name.strip_prefix("git:") {
         (name.to_owned(), from_git(object).map_err(failed)?)
     } else {
-        (name.to_owned(), std::fs::read(name).map_err(|error| failed(error.to_string()))?)
+        (name.to_owned(), denavit_xacro::files::read(Path::new(name)).map_err(|error| failed(error.to_string()))?)
     };
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{ErrorKind, XacroError};
+use crate::files;
 
 /// Which files may be read for a document.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,10 +44,8 @@ impl Gate {
     /// Opens a folder. Where a build tool has linked an installed package to its sources, the sources are open too.
     pub fn open(&mut self, folder: &Path) {
         let Some(roots) = &mut self.roots else { return };
-        let real = folder.canonicalize().ok();
-        let sources = folder
-            .join("package.xml")
-            .canonicalize()
+        let real = files::canonical(folder).ok();
+        let sources = files::canonical(&folder.join("package.xml"))
             .ok()
             .and_then(|manifest| manifest.parent().map(Path::to_path_buf));
         for root in [real, sources].into_iter().flatten() {
@@ -65,7 +64,7 @@ impl Gate {
             };
             XacroError::new(ErrorKind::Read, format!("\"{}\" cannot be read: {reason}", path.display()))
         };
-        let real = path.canonicalize().map_err(|error| failure(&error))?;
+        let real = files::canonical(path).map_err(|error| failure(&error))?;
         if let Some(roots) = &self.roots
             && !roots.iter().any(|root| real.starts_with(root))
         {
@@ -76,17 +75,16 @@ impl Gate {
             )
             .help("if you trust the document, allow any file, or add the folder to the package path"));
         }
-        let size = std::fs::metadata(&real).map_err(|error| failure(&error))?;
-        if !size.is_file() {
+        let Some(size) = files::size(&real).map_err(|error| failure(&error))? else {
             return Err(XacroError::new(ErrorKind::Read, format!("\"{}\" is not a file", path.display())));
-        }
-        if size.len() > bytes as u64 {
+        };
+        if size > bytes as u64 {
             return Err(XacroError::new(
                 ErrorKind::Limit,
                 format!("\"{}\" has more than {bytes} bytes", path.display()),
             ));
         }
-        let content = std::fs::read(&real).map_err(|error| failure(&error))?;
+        let content = files::read(&real).map_err(|error| failure(&error))?;
         String::from_utf8(content)
             .map_err(|_| XacroError::new(ErrorKind::Read, format!("\"{}\" is not text in UTF-8", path.display())))
     }

@@ -33,6 +33,7 @@ mod detect;
 mod error;
 mod expand;
 mod expression;
+pub mod files;
 mod limits;
 mod packages;
 mod place;

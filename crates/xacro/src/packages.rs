@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use crate::error::{did_you_mean, near};
+use crate::files;
 
 mod crawl;
 
@@ -109,7 +110,7 @@ struct Root {
 impl Root {
     fn new(folder: impl Into<PathBuf>, depth: usize, by_folder_name: bool) -> Self {
         let folder = folder.into();
-        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        let folder = files::absolute(&folder).unwrap_or(folder);
         Self { folder, depth, by_folder_name, packages: OnceLock::new() }
     }
 
@@ -118,7 +119,7 @@ impl Root {
             let named = crawl::package_name(&direct);
             let fits = match &named {
                 Some(named) => named == name,
-                None => self.by_folder_name && direct.is_dir(),
+                None => self.by_folder_name && files::is_folder(&direct),
             };
             if fits {
                 return Some(direct);
@@ -147,8 +148,11 @@ impl PackagePath {
     /// A folder may be a package, hold packages, or be an install prefix with a `share` folder.
     pub fn new(given: &[PathBuf], environment: &Environment) -> Self {
         let listed = |variable: &str, depth: usize, by_folder_name: bool| -> Vec<Root> {
-            let value = environment.get(variable).unwrap_or_default();
-            std::env::split_paths(value)
+            // Not every platform can split; none has to split nothing.
+            let value = environment.get(variable).filter(|value| !value.is_empty());
+            value
+                .into_iter()
+                .flat_map(std::env::split_paths)
                 .filter(|folder| !folder.as_os_str().is_empty())
                 .map(|folder| Root::new(folder, depth, by_folder_name))
                 .collect()
@@ -203,7 +207,7 @@ impl PackagePath {
             let folder = self.find_in(name, models)?;
             let path = path.trim_start_matches('/');
             let written = folder.join(path);
-            Ok(if written.exists() || !path.contains('%') { written } else { folder.join(decoded(path)) })
+            Ok(if files::exists(&written) || !path.contains('%') { written } else { folder.join(decoded(path)) })
         };
         match scheme {
             "package" => in_package(&[]),
@@ -257,8 +261,8 @@ impl PackagePath {
 
 /// The folder of the package that `file` is in: the nearest one above with a `package.xml`.
 pub(crate) fn package_of(file: &Path) -> Option<PathBuf> {
-    let file = std::path::absolute(file).ok()?;
-    let folder = file.ancestors().skip(1).find(|folder| folder.join("package.xml").is_file())?;
+    let file = files::absolute(file).ok()?;
+    let folder = file.ancestors().skip(1).find(|folder| files::is_file(&folder.join("package.xml")))?;
     Some(folder.to_path_buf())
 }
 

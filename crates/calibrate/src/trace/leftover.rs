@@ -135,6 +135,9 @@ fn gains(projector: &Projector, columns: &[DMatrix<f64>], open: &[usize], free: 
         (p_value(free, projector.rss, gain, gain.rank), gain, index)
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads == 1 {
+        return open.iter().map(of).collect();
+    }
     std::thread::scope(|scope| {
         let share = open.len().div_ceil(threads).max(1);
         let handles: Vec<_> =

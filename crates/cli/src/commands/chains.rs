@@ -7,47 +7,24 @@ use crate::output::Status;
 use crate::source;
 use denavit_load::Listing as Chains;
 use denavit_model::tree::ChainListing;
-use serde::Serialize;
 use std::fmt::Write as _;
-
-#[derive(Serialize)]
-struct Listing<'a> {
-    robot: &'a str,
-    chains: Vec<Entry<'a>>,
-}
-
-#[derive(Serialize)]
-struct Entry<'a> {
-    base: &'a str,
-    tip: &'a str,
-    coordinates: &'a [String],
-    default: bool,
-}
 
 /// Runs the command.
 pub fn run(arguments: &ChainsArguments) -> Result<Status, Failure> {
     let inputs = std::iter::once(arguments.robot.as_str()).chain(arguments.source.files());
     let delivery = Delivery::of(None, &arguments.json, inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
-    let Chains { robot: name, mut chains, default } = loaded.chains();
-    let leaves = chains.len();
-    if !chains.contains(&default) {
-        chains.insert(0, default.clone());
-    }
-    delivery.deliver(|| Ok(text(&name, leaves, &chains, &default)), || Ok(json(&name, &chains, &default)))?;
+    let listing = loaded.chains();
+    let own = || {
+        let Chains { robot: name, mut chains, default } = listing.clone();
+        let leaves = chains.len();
+        if !chains.contains(&default) {
+            chains.insert(0, default.clone());
+        }
+        Ok(text(&name, leaves, &chains, &default))
+    };
+    delivery.deliver(own, || Ok(denavit_load::json::chains(&listing)))?;
     Ok(Status::Same)
-}
-
-fn json(name: &str, chains: &[ChainListing], default: &ChainListing) -> String {
-    let entry = |listing: &'_ ChainListing| listing == default;
-    let entries = chains.iter().map(|listing| Entry {
-        base: &listing.base,
-        tip: &listing.tip,
-        coordinates: &listing.coordinates,
-        default: entry(listing),
-    });
-    let listing = Listing { robot: name, chains: entries.collect() };
-    super::stamped("denavit.chains/1", &listing)
 }
 
 fn text(name: &str, leaves: usize, chains: &[ChainListing], default: &ChainListing) -> String {

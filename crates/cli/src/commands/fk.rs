@@ -14,21 +14,7 @@ use denavit_model::chain::{Chain, Coordinate, Quantity};
 use denavit_model::nalgebra::UnitQuaternion;
 use denavit_model::problems::nearest_name;
 use denavit_model::{Pose, se3};
-use serde::Serialize;
 use std::fmt::Write as _;
-
-#[derive(Serialize)]
-struct Answer<'a> {
-    robot: &'a str,
-    base: &'a str,
-    tip: &'a str,
-    q: serde_json::Map<String, serde_json::Value>,
-    pose: [[f64; 4]; 4],
-    xyz: [f64; 3],
-    rpy: [f64; 3],
-    quaternion_xyzw: [f64; 4],
-    tip_moves_at_most: f64,
-}
 
 /// Runs the command.
 pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
@@ -54,26 +40,7 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
     output::remark(&noted.notes);
-    let json = || {
-        let matrix = pose.to_homogeneous();
-        let answer = Answer {
-            robot: chain.name(),
-            base: chain.base(),
-            tip: chain.tip(),
-            q: chain
-                .coordinates()
-                .iter()
-                .zip(&q)
-                .map(|(coordinate, value)| (coordinate.name.clone(), (*value).into()))
-                .collect(),
-            pose: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
-            xyz: pose.translation.vector.into(),
-            rpy,
-            quaternion_xyzw: [x, y, z, w],
-            tip_moves_at_most: noted.notes.iter().map(denavit_model::Note::tip_moves).sum(),
-        };
-        Ok(super::stamped("denavit.fk/1", &answer))
-    };
+    let json = || Ok(denavit_load::json::fk(&noted, &q, &pose));
     let text = || {
         let list = |numbers: &[String]| numbers.join("  ");
         let mut text = format!("{} → {}\n\n{}\n", chain.base(), chain.tip(), pose_text(&pose, units));

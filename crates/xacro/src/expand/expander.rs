@@ -80,7 +80,7 @@ pub(super) fn run(source: &Source, given: &[(String, String)], options: &Options
         }
         Source::Path(path) => {
             // A link may lead to the document itself from anywhere.
-            if let Ok(real) = path.canonicalize() {
+            if let Ok(real) = crate::files::canonical(path) {
                 expander.gate.open(folder_of(&real));
             }
             expander.document(path)?

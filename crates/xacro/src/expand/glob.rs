@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::expander::Outcome;
+use crate::files;
 use crate::limits::Meter;
 
 pub(super) fn is_pattern(name: &str) -> bool {
@@ -30,9 +31,8 @@ pub(super) fn files_matching(pattern: &Path, meter: &mut Meter) -> Outcome<Vec<P
         let mut next = Vec::new();
         for folder in found {
             let here = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
-            let Ok(entries) = std::fs::read_dir(here) else { continue };
-            for entry in entries.flatten() {
-                let entry = entry.file_name().to_string_lossy().into_owned();
+            for entry in files::entries(here) {
+                let Some(entry) = entry.file_name().map(|name| name.to_string_lossy().into_owned()) else { continue };
                 meter.step(entry.len() * wanted.len())?;
                 let hidden = entry.starts_with('.') && !name.starts_with('.');
                 if !hidden && matches(&wanted, &entry.chars().collect::<Vec<_>>()) {
@@ -42,7 +42,7 @@ pub(super) fn files_matching(pattern: &Path, meter: &mut Meter) -> Outcome<Vec<P
         }
         found = next;
     }
-    found.retain(|path| path.exists());
+    found.retain(|path| files::exists(path));
     found.sort();
     Ok(found)
 }

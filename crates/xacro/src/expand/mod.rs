@@ -128,6 +128,10 @@ const STACK: usize = 256 << 20;
 /// ```
 pub fn expand(source: &Source, arguments: &[(String, String)], options: &Options) -> Result<Expanded, XacroError> {
     let work = || expander::run(source, arguments, options).map_err(|error| *error);
+    // No thread can be started in a browser's WebAssembly, and no thread would see files that this one holds.
+    if cfg!(target_family = "wasm") || crate::files::are_held() {
+        return work();
+    }
     std::thread::scope(|scope| {
         let worker =
             std::thread::Builder::new()

@@ -1,5 +1,6 @@
 //! `$(…)`: arguments, packages, environment.
 
+use std::path::Path;
 use std::rc::Rc;
 
 use super::expander::{Expander, Outcome};
@@ -55,11 +56,11 @@ impl Expander<'_> {
             }
             Substitution::Folder => {
                 let file = self.files.last().cloned().unwrap_or_default();
-                let file = std::path::absolute(&file).unwrap_or(file);
+                let file = crate::files::absolute(&file).unwrap_or(file);
                 Ok(folder_of(&file).to_string_lossy().into_owned())
             }
             Substitution::WorkingFolder => {
-                let folder = std::path::absolute(".").unwrap_or_else(|_| ".".into());
+                let folder = crate::files::absolute(Path::new(".")).unwrap_or_else(|_| ".".into());
                 Ok(folder.to_string_lossy().into_owned())
             }
             Substitution::Expression(text) => {

@@ -1,5 +1,6 @@
 //! Walks through folders for packages.
 
+use crate::files;
 use std::path::{Path, PathBuf};
 
 /// Larger trees are no search path but somebody's home.
@@ -7,7 +8,7 @@ const MOST_FOLDERS: usize = 20_000;
 
 /// The name that a folder's `package.xml` gives.
 pub(super) fn package_name(folder: &Path) -> Option<String> {
-    let manifest = std::fs::read_to_string(folder.join("package.xml")).ok()?;
+    let manifest = String::from_utf8(files::read(&folder.join("package.xml")).ok()?).ok()?;
     let document = roxmltree::Document::parse(&manifest).ok()?;
     let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
     Some(name.text()?.trim().to_owned())
@@ -31,14 +32,12 @@ fn walk(folder: &Path, depth: usize, seen: &mut usize, found: &mut Vec<(String, 
         return;
     }
     let ignored = ["COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"];
-    if depth == 0 || ignored.iter().any(|marker| folder.join(marker).exists()) {
+    if depth == 0 || ignored.iter().any(|marker| files::exists(&folder.join(marker))) {
         return;
     }
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
-    let mut folders: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.is_dir())
+    let mut folders: Vec<PathBuf> = files::entries(folder)
+        .into_iter()
+        .filter(|path| files::is_folder(path))
         .filter(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.')))
         .collect();
     folders.sort();

@@ -1,0 +1,136 @@
+//! Each question and its answer.
+
+use crate::question::{Question, RobotText, table_options, units};
+use crate::{effects, measured, scene};
+use denavit_compare::lint;
+use denavit_compare::report::{self, Report};
+use denavit_compare::{Options as Comparing, compare};
+use denavit_export::{Sheet, formats, poe};
+use denavit_load::{CheckOptions, Rules, json};
+use denavit_model::notes::Noted;
+use serde_json::{Value, json};
+
+/// The answer to a question.
+pub fn of(question: &Question) -> Result<Value, String> {
+    match question {
+        Question::Open(source) => open(source),
+        Question::Table { source, convention, gauge, units: written, format } => {
+            table(source, convention.as_deref(), gauge.as_deref(), written, format)
+        }
+        Question::Poe(source) => {
+            let Noted { value, notes } = source.load()?.chain(&source.selection()).map_err(words)?;
+            Ok(json!({ "text": poe::json(&value, &notes) }))
+        }
+        Question::Fk { source, q } => {
+            let noted = source.load()?.chain(&source.selection()).map_err(words)?;
+            let chain = &noted.value;
+            let q: Vec<f64> =
+                chain.coordinates().iter().map(|joint| q.get(&joint.name).copied().unwrap_or(0.0)).collect();
+            Ok(json!({ "text": json::fk(&noted, &q, &chain.fk(&q)) }))
+        }
+        Question::Check(source) => check(source),
+        Question::Fix { source, only } => {
+            let (file, text, findings) = findings(source)?;
+            let chosen: Vec<_> =
+                findings.into_iter().enumerate().filter(|(at, _)| only.is_none_or(|only| only == *at)).collect();
+            let chosen: Vec<lint::Finding> = chosen.into_iter().map(|(_, finding)| finding).collect();
+            let (text, made) = lint::fix(&text, &chosen);
+            Ok(json!({ "file": file, "text": text, "made": made }))
+        }
+        Question::Canonical(source) => {
+            let robot = source.load()?;
+            let made = denavit_load::canonical(&robot, &source.file, &source.canonical_options()).map_err(words)?;
+            Ok(json!({ "text": made.value, "notes": sentences(&made.notes) }))
+        }
+        Question::Diff { a, b } => diff(a, b),
+        Question::Calibrate(asked) => measured::calibrated(asked),
+        Question::Effects(source) => effects::possible(source),
+        Question::Act { source, effect, q } => effects::act(source, effect, q),
+    }
+}
+
+pub fn words(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+pub fn sentences(notes: &[denavit_model::Note]) -> Vec<String> {
+    notes.iter().map(ToString::to_string).collect()
+}
+
+fn open(source: &RobotText) -> Result<Value, String> {
+    let opened = source.open()?;
+    let (file, urdf) = source.urdf()?;
+    let tree = denavit_model::urdf::read(&file, &urdf).map_err(words)?;
+    let listing = opened.robot.chains();
+    Ok(json!({
+        "robot": listing.robot,
+        "chains": json::chains(&listing),
+        "urdf": urdf,
+        "urdf_file": file,
+        "notes": opened.notes,
+        "scene": scene::of(&tree, source.reading()),
+    }))
+}
+
+fn table(
+    source: &RobotText,
+    convention: Option<&str>,
+    gauge: Option<&str>,
+    written: &str,
+    format: &str,
+) -> Result<Value, String> {
+    let loaded = source.load()?;
+    let made = loaded.table(&source.selection(), &table_options(convention, gauge)?).map_err(words)?;
+    let Noted { value: table, notes } = made.table;
+    let sheet = Sheet {
+        table: &table,
+        convention: made.convention,
+        units: units(written)?,
+        notes: &notes,
+        source: &source.file,
+        gauge: made.gauge,
+    };
+    let format = formats::named(format).ok_or_else(|| format!("there is no format \"{format}\""))?;
+    let text = (format.render)(&sheet).map_err(words)?;
+    let rows: Vec<Value> = sheet
+        .text_rows(|index| format!("q{}", index + 1))
+        .into_iter()
+        .map(|row| {
+            json!({ "label": row.label, "joint": row.joint, "kind": row.kind, "numbers": row.numbers, "limits": row.limits })
+        })
+        .collect();
+    Ok(json!({
+        "text": text,
+        "columns": sheet.number_columns(),
+        "rows": rows,
+        "formula": sheet.row_formula(),
+        "convention": sheet.convention_words(),
+        "notes": sentences(&notes),
+    }))
+}
+
+fn findings(source: &RobotText) -> Result<(String, String, Vec<lint::Finding>), String> {
+    let rules = Rules::of(&source.file, &CheckOptions { package_path: vec!["/".into()], ..CheckOptions::default() });
+    let rules = rules.map_err(words)?;
+    let (file, text) = source.urdf()?;
+    let found = rules.check(&file, &text);
+    Ok((file, text, found))
+}
+
+fn check(source: &RobotText) -> Result<Value, String> {
+    let (file, text, findings) = findings(source)?;
+    let files = [source.file.clone()];
+    let found = Report::Findings { files: &files, findings: &findings };
+    Ok(json!({ "text": rendered("json", &found), "file": file, "urdf": text, "is_source": text == source.text }))
+}
+
+fn rendered(format: &str, found: &Report) -> String {
+    (report::format(format).expect("the format is in the list").render)(found)
+}
+
+fn diff(a: &RobotText, b: &RobotText) -> Result<Value, String> {
+    let (one, other) = (a.load()?, b.load()?);
+    let comparison = compare(&one.subject(&a.file), &other.subject(&b.file), &Comparing::default()).map_err(words)?;
+    let found = Report::Comparison(&comparison);
+    Ok(json!({ "text": rendered("json", &found), "words": rendered("text", &found) }))
+}

@@ -1,0 +1,33 @@
+//! The toolkit for a web page: one call, a question and an answer in JSON.
+//!
+//! ```text
+//! {"ask": "table", "source": {"file": "arm.urdf", "text": "<robot …"}, …} ──► answer() ──► {"text": "…"} or {"error": "…"}
+//! ```
+//! Nothing is opened, written, sent or kept: a question brings the texts that it is about, and answers that the command
+//! line has, too, are the same text as its `--json`. The documents of the answers are described in `docs/explorer.md`.
+
+mod answers;
+mod effects;
+mod measured;
+mod memory;
+mod question;
+mod scene;
+
+pub use question::{Question, RobotText};
+
+use denavit_xacro::files;
+use std::path::PathBuf;
+
+/// Answers a question; both are JSON. An answer with `error` says in one sentence what is wrong and how to mend it.
+pub fn answer(question: &str) -> String {
+    let answered = serde_json::from_str::<Question>(question)
+        .map_err(|error| format!("the page asked for something that is not known: {error}"))
+        .and_then(|question| {
+            let held: Vec<(PathBuf, Vec<u8>)> = question.files();
+            files::with_held(held, || answers::of(&question))
+        });
+    match answered {
+        Ok(value) => value.to_string(),
+        Err(error) => serde_json::json!({ "error": error }).to_string(),
+    }
+}

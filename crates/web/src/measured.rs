@@ -1,0 +1,98 @@
+//! `denavit calibrate` for a page.
+
+use crate::answers::words;
+use crate::memory;
+use crate::question::{Calibrate, DataText};
+use denavit_calibrate::IdentifyOptions;
+use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
+use denavit_calibrate::infer::CurveOptions;
+use denavit_calibrate::measurements::{self, Loaded as Data, Units};
+use denavit_calibrate::proportion::within_proportion;
+use denavit_calibrate::report::text;
+use denavit_calibrate::trace::TraceOptions;
+use denavit_export::urdf;
+use denavit_load::Loaded;
+use denavit_model::Chain;
+use serde_json::{Value, json};
+
+/// The seed of the rows that are held out, the command line's.
+const SEED: u64 = 0;
+
+/// The calibration as JSON, as text and as the report's page, with the calibrated URDF and effects.
+pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
+    let source = &asked.source;
+    let loaded = source.load()?;
+    let chain = loaded.chain(&source.selection()).map_err(words)?.value;
+    if chain.joints().is_empty() {
+        return Err(format!("{}: nothing moves between \"{}\" and \"{}\"", source.file, chain.base(), chain.tip()));
+    }
+    within_proportion(&chain).map_err(words)?;
+    let statics = loaded.statics(&chain, source.reading());
+    let units: Units = asked.units.parse().map_err(words)?;
+    let read = |data: &DataText| -> Result<Data, String> {
+        measurements::read(&data.file, data.text.as_bytes(), &chain, units).map_err(words)
+    };
+    let data = read(&asked.data)?;
+    let test = asked.test.as_ref().map(read).transpose()?;
+    let said = data.notes.iter().chain(test.iter().flat_map(|test| &test.notes));
+    let notes: Vec<String> = said.map(ToString::to_string).collect();
+    let identify = IdentifyOptions::axes(&chain);
+    let options = CalibrateOptions {
+        hold_out: asked.hold_out.map(|share| HoldOut { share, seed: SEED }),
+        trace: (asked.effects == "auto").then(|| TraceOptions::new(identify.clone())),
+        curves: (asked.effects == "curves").then(CurveOptions::default),
+        identify,
+        other_chains: Vec::new(),
+    };
+    let columns = data.columns.clone();
+    let mut tell = |progress: Progress| {
+        memory::progress(match progress {
+            Progress::Geometry => "fitting the geometry",
+            Progress::Effects => "searching for effects",
+            Progress::Curves => "fitting error curves of the joints",
+            Progress::Judgement => "judging on rows held out",
+        });
+    };
+    let test = test.map(|test| test.data.placed_anew());
+    let mut result = calibrate_and_tell(&chain, &statics, data.data, test, &options, &mut tell).map_err(words)?;
+    result.report.columns = columns;
+    let arm = result.arm().chain();
+    let urdf = match &loaded {
+        Loaded::Robot(tree) => Some(urdf::with_chain(tree, &arm, source.reading()).map_err(words)?.value),
+        _ => None,
+    };
+    Ok(json!({
+        "text": result.report.to_json() + "\n",
+        "words": text::report(&result),
+        "urdf": urdf,
+        "effects": result.effects(&statics).to_json(),
+        "notes": notes,
+        "residuals": residuals(&chain, &result),
+        "tried": tried(&result),
+    }))
+}
+
+/// The search's first pass: the best candidate of each kind at each place, and by how much it lowers the criterion.
+fn tried(result: &Calibration) -> Value {
+    let cells = result.trace.iter().flat_map(|trace| &trace.scan);
+    cells.map(|cell| json!({ "kind": cell.kind.name(), "place": cell.place, "delta_bic": cell.delta_bic })).collect()
+}
+
+/// For every stage and row fitted: where the drawn tip is at its reading, and what is left of the measured place, both m in
+/// the base frame; rows without a place in space are left out.
+fn residuals(chain: &Chain, result: &Calibration) -> Value {
+    let (readings, width) = (&result.train.readings, chain.coordinates().len());
+    let stages = result.residuals.iter().map(|stage| {
+        let rows: Vec<Value> = stage
+            .train
+            .iter()
+            .filter_map(|residual| {
+                let reading = readings.get(residual.row * width..(residual.row + 1) * width)?;
+                let at = chain.fk(reading).translation.vector;
+                Some(json!({ "row": residual.row, "at": at.as_slice(), "left": residual.place.as_slice(), "q": reading }))
+            })
+            .collect();
+        json!({ "stage": stage.name, "rows": rows })
+    });
+    stages.collect()
+}

@@ -1,0 +1,237 @@
+//! What a page may ask.
+
+use denavit_dh::{Convention, Gauge};
+use denavit_export::Units;
+use denavit_export::sources::Stated;
+use denavit_load::{Loaded, Opened, Options, Selection, TableOptions};
+use denavit_model::Reading;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A question of the page.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "ask", rename_all = "snake_case")]
+pub enum Question {
+    /// What the robot is: chains, links, joints, shapes; the URDF of it.
+    Open(RobotText),
+    /// The D-H table in a format.
+    Table {
+        /// The robot.
+        source: RobotText,
+        /// `distal`, `proximal`, `paper`, `hayati`; none: as the file has it.
+        convention: Option<String>,
+        /// `simple` or `paper`; none: as the file has it.
+        gauge: Option<String>,
+        /// Units of the formats for people, such as `mm,deg`.
+        #[serde(default)]
+        units: String,
+        /// A format of the command line.
+        format: String,
+    },
+    /// Screw axes and home pose.
+    Poe(RobotText),
+    /// Where the tip is.
+    Fk {
+        /// The robot.
+        source: RobotText,
+        /// rad and m, by name; what is left out is 0.
+        q: BTreeMap<String, f64>,
+    },
+    /// The rules.
+    Check(RobotText),
+    /// The text with the mends of one finding, or of all.
+    Fix {
+        /// The robot.
+        source: RobotText,
+        /// Which finding, counted from 0; none: all.
+        only: Option<usize>,
+    },
+    /// The URDF whose link frames are the D-H frames.
+    Canonical(RobotText),
+    /// How two robots differ.
+    Diff {
+        /// One.
+        a: RobotText,
+        /// The other.
+        b: RobotText,
+    },
+    /// From measured data to a calibrated model.
+    Calibrate(Calibrate),
+    /// Which effects can act where on this robot.
+    Effects(RobotText),
+    /// What an effect does to the tip.
+    Act {
+        /// The robot.
+        source: RobotText,
+        /// As `denavit simulate --effect` takes it: `KIND@PLACE=STRENGTH`.
+        effect: String,
+        /// Joint values, rad and m.
+        q: Vec<Vec<f64>>,
+    },
+}
+
+/// What `denavit calibrate` takes.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Calibrate {
+    /// The robot.
+    pub source: RobotText,
+    /// Name and text of the measurements.
+    pub data: DataText,
+    /// Rows to judge by.
+    pub test: Option<DataText>,
+    /// Units such as `mm,deg`.
+    #[serde(default)]
+    pub units: String,
+    /// `none`, `curves`, `auto`.
+    pub effects: String,
+    /// Share of rows to hold out.
+    pub hold_out: Option<f64>,
+}
+
+/// A file of data.
+#[derive(Debug, Clone, Deserialize)]
+pub struct DataText {
+    /// Its name.
+    pub file: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// A robot's text, the files beside it, and how it is to be read.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default)]
+pub struct RobotText {
+    /// Its name, for messages, and for relative names in it.
+    pub file: String,
+    /// Its text.
+    pub text: String,
+    /// Texts of files beside it that it may include.
+    pub files: BTreeMap<String, String>,
+    /// Names of files that are there, and not brought: meshes.
+    pub names: Vec<String>,
+    /// Arguments of a xacro file.
+    pub arguments: BTreeMap<String, String>,
+    /// Base link of the chain.
+    pub base: Option<String>,
+    /// Tip link of the chain.
+    pub tip: Option<String>,
+    /// Whether every digit is taken as it stands.
+    pub exact: bool,
+}
+
+impl Question {
+    /// The files that the question brings.
+    pub(crate) fn files(&self) -> Vec<(PathBuf, Vec<u8>)> {
+        let robots: Vec<&RobotText> = match self {
+            Self::Open(source)
+            | Self::Poe(source)
+            | Self::Check(source)
+            | Self::Canonical(source)
+            | Self::Effects(source) => vec![source],
+            Self::Table { source, .. }
+            | Self::Fk { source, .. }
+            | Self::Fix { source, .. }
+            | Self::Act { source, .. } => {
+                vec![source]
+            }
+            Self::Diff { a, b } => vec![a, b],
+            Self::Calibrate(asked) => vec![&asked.source],
+        };
+        let mut files = Vec::new();
+        for robot in robots {
+            files.extend(robot.names.iter().map(|name| (name.into(), Vec::new())));
+            files.extend(robot.files.iter().map(|(name, text)| (name.into(), text.clone().into_bytes())));
+        }
+        files
+    }
+}
+
+impl RobotText {
+    fn options(&self) -> Options {
+        Options {
+            arguments: self.arguments.iter().map(|(name, value)| (name.clone(), value.clone())).collect(),
+            // Everything that was dropped is in sight.
+            package_path: vec![PathBuf::from("/")],
+            stated: Stated::default(),
+            ..Options::default()
+        }
+    }
+
+    /// The robot.
+    pub(crate) fn open(&self) -> Result<Opened, String> {
+        denavit_load::from_text(&self.file, &self.text, &self.options()).map_err(|error| error.to_string())
+    }
+
+    /// The robot, without what is to be said of its reading.
+    pub(crate) fn load(&self) -> Result<Loaded, String> {
+        Ok(self.open()?.robot)
+    }
+
+    /// The URDF that it stands for, xacro expanded; what the command line calls it.
+    pub(crate) fn urdf(&self) -> Result<(String, String), String> {
+        let start = self.text.trim_start_matches('\u{feff}').trim_start();
+        let is_urdf_name = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
+        if !is_urdf_name && !start.starts_with('<') && !start.is_empty() {
+            let robot = self.load()?;
+            let urdf = denavit_load::canonical(&robot, &self.file, &self.canonical_options());
+            return Ok((format!("{} (as URDF)", self.file), urdf.map_err(|error| error.to_string())?.value));
+        }
+        let is_xacro = denavit_xacro::is_xacro(&self.text);
+        let is_named = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("xacro"));
+        let is_meant = || is_named || denavit_model::urdf::read(&self.file, &self.text).is_err();
+        if is_xacro && is_meant() {
+            let expanded = denavit_load::expanded(&self.file, &self.text, &self.options());
+            return Ok((format!("{} (expanded)", self.file), expanded.map_err(|error| error.to_string())?.urdf));
+        }
+        Ok((self.file.clone(), self.text.clone()))
+    }
+
+    pub(crate) fn canonical_options(&self) -> denavit_export::urdf::Options {
+        denavit_export::urdf::Options {
+            reading: self.reading(),
+            parallelism: if self.exact {
+                denavit_dh::Parallelism::Exact
+            } else {
+                denavit_dh::Parallelism::Within { angle: TOLERANCE }
+            },
+            tip: self.tip.clone(),
+            ..denavit_export::urdf::Options::default()
+        }
+    }
+
+    pub(crate) fn reading(&self) -> Reading {
+        if self.exact { Reading::AsWritten } else { Reading::Intended }
+    }
+
+    pub(crate) fn selection(&self) -> Selection<'_> {
+        Selection { file: &self.file, base: self.base.as_deref(), tip: self.tip.as_deref(), reading: self.reading() }
+    }
+}
+
+/// Neighbouring axes nearer to parallel than this are made parallel, rad, as the command line does.
+const TOLERANCE: f64 = 1e-6;
+
+/// How a table is to be made.
+pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<TableOptions, String> {
+    let convention = match convention {
+        None | Some("") => None,
+        Some("distal") => Some(Convention::Distal),
+        Some("proximal") => Some(Convention::Proximal),
+        Some("paper") => Some(Convention::Paper),
+        Some("hayati") => Some(Convention::Hayati),
+        Some(word) => return Err(format!("\"{word}\" is no convention; take distal, proximal, paper or hayati")),
+    };
+    let gauge = match gauge {
+        None | Some("") => None,
+        Some("simple") => Some(Gauge::Simple),
+        Some("paper") => Some(Gauge::Paper),
+        Some(word) => return Err(format!("\"{word}\" is no gauge; take simple or paper")),
+    };
+    Ok(TableOptions { convention, gauge, tolerance: TOLERANCE })
+}
+
+/// Units of documents for people.
+pub fn units(written: &str) -> Result<Units, String> {
+    Units::default().with_words(written).map_err(|word| format!("\"{word}\" is no unit; write m or mm, and deg or rad"))
+}

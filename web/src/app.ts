@@ -1,0 +1,114 @@
+// What the panels share: the robot, its joint values, the view, the engine.
+
+import { copy, h } from "./dom";
+import { Engine, type Opened, type RobotText } from "./engine";
+import type { Dropped } from "./files";
+import { placed, type TableFile } from "./table";
+import { View } from "./view";
+
+export interface Robot extends RobotText {
+    opened: Opened;
+    meshes: Dropped;
+    /** As it was dropped, for the findings and their fixes. */
+    written: string;
+}
+
+export interface ChainListing {
+    base: string;
+    tip: string;
+    coordinates: string[];
+    default: boolean;
+}
+
+export interface Panel {
+    readonly name: string;
+    readonly element: HTMLElement;
+    /** Shown now; also when the robot has changed. */
+    show(): void | Promise<void>;
+    /** Joint values have changed. */
+    moved?(): void;
+    hide?(): void;
+}
+
+export class App {
+    readonly engine = new Engine();
+    readonly view = new View();
+    robot: Robot | undefined;
+    other: Robot | undefined;
+    /** Values by driving joint's name, rad and m. */
+    q = new Map<string, number>();
+    table: TableFile | undefined;
+    chosenRow: number | null = null;
+    convention = "";
+    units = "m,deg";
+    readonly said = h("p", { class: "said", role: "status", "aria-live": "polite" });
+    /** Set by the page: takes a robot in and shows it. */
+    open: (robot: RobotText, meshes: Dropped) => Promise<void> = async () => {};
+    changed: () => void = () => {};
+
+    value(name: string): number {
+        return this.q.get(name) ?? 0;
+    }
+
+    /** Moves both robots to the joint values; the other one by the same names, or in the same order. */
+    move(): void {
+        const names = this.robot?.opened.scene.joints.map((joint) => joint.name) ?? [];
+        this.view.move(0, (joint) => this.value(names[joint] ?? ""));
+        if (this.other && this.robot) {
+            const others = this.other.opened.scene.joints.map((joint) => joint.name);
+            const [mine, theirs] = [chain(this.robot).coordinates, chain(this.other).coordinates];
+            const shared = theirs.some((name) => mine.includes(name));
+            this.view.move(1, (joint) => {
+                const name = others[joint] ?? "";
+                const same = shared ? name : (mine[theirs.indexOf(name)] ?? name);
+                return this.value(same);
+            });
+        }
+        this.drawFrames();
+    }
+
+    drawFrames(): void {
+        if (!this.table) return;
+        this.view.frames(placed(this.table, (name) => this.value(name)), this.table.base, this.chosenRow);
+    }
+
+    /** Says something to the user; a mistake stays until the next word. */
+    say(words: string, wrong = false): void {
+        this.said.textContent = words;
+        this.said.classList.toggle("wrong", wrong);
+    }
+
+    /** Runs what may fail, and says why it did. */
+    async trying<T>(work: () => Promise<T>): Promise<T | undefined> {
+        try {
+            return await work();
+        } catch (error) {
+            const words = error instanceof Error ? error.message : String(error);
+            if (words !== "stopped") this.say(words, true);
+            return undefined;
+        }
+    }
+
+    async copied(text: string, what: string): Promise<void> {
+        await copy(text);
+        this.say(`${what} copied`);
+    }
+}
+
+export function question(robot: Robot): RobotText {
+    const { file, text, names, base, tip, exact } = robot;
+    return { file, text, files: {}, names, exact, ...(base ? { base } : {}), ...(tip ? { tip } : {}) };
+}
+
+export function chains(robot: Robot): ChainListing[] {
+    return (JSON.parse(robot.opened.chains) as { chains: ChainListing[] }).chains;
+}
+
+/** The chain that is chosen. */
+export function chain(robot: Robot): ChainListing {
+    const all = chains(robot);
+    const wanted = all.find((it) => it.base === robot.base && it.tip === robot.tip);
+    const taken = wanted ?? all.find((it) => it.default) ?? all[0];
+    if (!taken) throw new Error("the robot has no chain");
+    return taken;
+}

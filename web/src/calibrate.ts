@@ -1,0 +1,266 @@
+// Calibrate: from measurements to the robot as it is; and effects to try by hand.
+
+import { Matrix4, Vector3 } from "three";
+import type { App, Panel } from "./app";
+import { chain, question } from "./app";
+import { fill, h, number, save, select, stem, svg } from "./dom";
+import { Engine, type Calibrated, type Possible } from "./engine";
+
+interface Report {
+    columns: { column: string; taken_for: string }[];
+    stages: { name: string; train: Record<string, number>; test?: Record<string, number> }[];
+    effects: {
+        kind: string; joint?: string; where?: string; covariate?: string; p_value: number; delta_bic: number;
+        parameters: Record<string, { value: number; std: number; unit: string }>; ambiguous_with: { kind: string; joint: string }[];
+    }[];
+    curves?: { joint: string; unit: string; rms: number; table: { at: number; value: number; std: number }[] }[];
+    unexplained: { structured: boolean; p_value: number };
+    samples: { train: number; test: number };
+}
+
+const plain = (kind: string) => kind.replaceAll("_", " ");
+
+export class Calibrate implements Panel {
+    readonly name = "Calibrate";
+    readonly element = h("section", { class: "panel", "aria-label": "Calibrate" });
+    // A worker of its own: the page stays awake, and the work can be stopped.
+    private readonly engine = new Engine();
+    private data: { file: string; text: string } | undefined;
+    private test: { file: string; text: string } | undefined;
+    private readonly out = h("div", {});
+    private readonly trial = h("div", { class: "trial" });
+    private units = "m,rad";
+    private search = "auto";
+    private result: Calibrated | undefined;
+    private for = "";
+    private possible: Possible | undefined;
+    private exaggerate = 100;
+    private magnify = 300;
+    private stage = 0;
+    private effect = { kind: "", place: "", strength: 0.3 };
+    private acting = false;
+    private again = false;
+
+    constructor(private readonly app: App) {}
+
+    take(file: { file: string; text: string }): void {
+        if (this.data && this.result === undefined && this.data.file !== file.file) this.test = file;
+        else [this.data, this.test, this.result] = [file, undefined, undefined];
+        void this.show();
+    }
+
+    async show(): Promise<void> {
+        const robot = this.app.robot;
+        if (!robot) return;
+        const key = `${robot.file}\n${robot.base}\n${robot.tip}\n${robot.exact}\n${robot.text}`;
+        if (this.for !== key) [this.for, this.result, this.possible] = [key, undefined, undefined];
+        const header = this.data?.text.split("\n").find((line) => line.trim() !== "" && !line.startsWith("#"));
+        fill(this.element,
+            h("h2", {}, "Calibrate from measurements"),
+            this.data
+                ? h("p", {}, h("b", { id: "data" }, this.data.file.slice(1)), ` · ${header?.split(",").length ?? 0} columns`, this.test ? ` · judged by ${this.test.file.slice(1)}` : "")
+                : h("p", {}, "Drop a CSV of measurements: a column for each joint, and x, y, z of what a tracker saw. A second CSV judges."),
+            this.data ? h("div", { class: "row" },
+                select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; }, "data-units"),
+                select("Search for", [["auto", "effects"], ["curves", "error curves"], ["none", "geometry only"]], this.search, (value) => { this.search = value; }, "search"),
+                h("button", { id: "calibrate", class: "main", click: () => void this.run() }, "Calibrate"),
+                h("button", { id: "stop", click: () => { this.engine.stop(); this.out.replaceChildren(h("p", {}, "stopped")); } }, "Stop")) : null,
+            this.out, this.trial);
+        if (!this.result) this.out.replaceChildren();
+        await this.app.trying(() => this.offerEffects());
+    }
+
+    hide(): void {
+        this.app.view.marks([], []);
+    }
+
+    moved(): void {
+        void this.act();
+    }
+
+    private async run(): Promise<void> {
+        const { robot } = this.app;
+        if (!robot || !this.data) return;
+        this.engine.stop();
+        const words = h("span", {}, "reading");
+        this.out.replaceChildren(h("p", { role: "status", id: "progress" }, h("progress", { "aria-label": "at work" }), " ", words));
+        const asked = { source: question(robot), data: this.data, test: this.test ?? null, units: this.units, effects: this.search, hold_out: null };
+        const before = performance.now();
+        try {
+            this.result = await this.engine.ask("calibrate", asked, (said) => { words.textContent = said; });
+            this.fill(this.result, (performance.now() - before) / 1000);
+        } catch (error) {
+            const why = error instanceof Error ? error.message : String(error);
+            if (why !== "stopped") this.out.replaceChildren(h("p", { class: "said wrong", id: "failed" }, why));
+        }
+    }
+
+    private fill(result: Calibrated, seconds: number): void {
+        const report = JSON.parse(result.text) as Report;
+        const robot = this.app.robot;
+        const name = stem(robot?.file ?? "");
+        const key = ["position", "distance", "pixel"].map((word) => `${word}_rms_m`).find((it) => report.stages[0]?.train[it] !== undefined);
+        fill(this.out,
+            h("p", { class: "fine" }, `${report.samples.train} rows fitted, ${report.samples.test} held out, ${number(seconds, 1)} s`),
+            h("div", { class: "row" },
+                result.urdf ? h("button", { id: "calibrated-urdf", class: "main", click: () => save(`${name}_calibrated.urdf`, result.urdf ?? "", "application/xml") }, "Download calibrated URDF") : null,
+                h("button", { id: "report-json", click: () => save(`${name}_calibration.json`, result.text, "application/json") }, "Report (JSON)"),
+                h("button", { id: "effects-json", click: () => save(`${name}_effects.json`, result.effects, "application/json") }, "Effects (JSON)")),
+            key ? bars(report, key) : null,
+            h("h3", {}, "Effects"),
+            report.effects.length === 0 ? h("p", { id: "no-effects" }, this.search === "auto" ? "The data ask for no effect." : "Not searched for.") : h("ul", { id: "effects-found" }, ...report.effects.map((effect) =>
+                h("li", {}, h("b", {}, `${plain(effect.kind)} at ${effect.joint ?? effect.where ?? ""}`), effect.covariate ? ` by ${effect.covariate}` : "",
+                    h("br", {}), Object.entries(effect.parameters).map(([word, it]) => `${word} ${it.value.toPrecision(4)} ± ${it.std.toPrecision(2)} ${it.unit}`).join(", "),
+                    h("br", {}), `ΔBIC ${Math.round(effect.delta_bic)}`,
+                    effect.ambiguous_with.length === 0 ? "" : h("span", { class: "rivals" }, ` · these data cannot tell it from ${effect.ambiguous_with.map((rival) => `${plain(rival.kind)} at ${rival.joint}`).join(", ")}`)))),
+            h("p", {}, report.unexplained.structured ? `What remains has structure (p ${report.unexplained.p_value.toPrecision(2)}).` : "What remains has no structure."),
+            ...(result.tried.length > 0 ? [h("h3", {}, "What was tried"), heat(result.tried)] : []),
+            ...(report.curves?.length ? [h("h3", {}, "Error curves of the joints"), ...report.curves.map(curve)] : []),
+            h("h3", {}, "What is left, on the robot"),
+            h("div", { class: "row" },
+                select("Stage", result.residuals.map((stage, at) => [String(at), stage.stage]), String(this.stage = result.residuals.length - 1), (value) => { this.stage = Number(value); this.arrows(); }, "stage"),
+                this.slider("Magnified", 10, 3000, this.magnify, (value) => { this.magnify = value; this.arrows(); }, "magnify")),
+            h("details", {}, h("summary", {}, "What the columns were taken for"), h("ul", {}, ...report.columns.map((it) => h("li", {}, `${it.column}: ${it.taken_for}`)))),
+            h("details", {}, h("summary", {}, "The whole report"), h("pre", { class: "words", id: "report", "data-json": result.text }, result.words)),
+            ...(result.notes.length ? [h("ul", { class: "notes" }, ...result.notes.map((note) => h("li", {}, note)))] : []));
+        this.arrows();
+    }
+
+    private slider(words: string, min: number, max: number, value: number, change: (value: number) => void, id: string): HTMLLabelElement {
+        const shown = h("output", {}, `× ${Math.round(value)}`);
+        // By factors, so that small and large are equally near.
+        const input = h("input", { type: "range", id, min: Math.log(min), max: Math.log(max), step: "any", value: Math.log(value), input: () => {
+            const factor = Math.exp(Number(input.value));
+            shown.textContent = `× ${Math.round(factor)}`;
+            change(factor);
+        } });
+        return h("label", { class: "slider" }, h("span", { class: "name" }, words), input, shown);
+    }
+
+    /** What is left of each measured place, where the tip was. */
+    private arrows(): void {
+        const rows = this.result?.residuals[this.stage]?.rows ?? [];
+        const robot = this.app.robot;
+        const base = (robot && this.app.view.pose(0, chain(robot).base)) ?? new Matrix4();
+        this.app.view.marks([], rows.map(({ at, left }) => ({
+            at: new Vector3(...(at as [number, number, number])).applyMatrix4(base),
+            by: new Vector3(...(left as [number, number, number])).transformDirection(base).multiplyScalar(Math.hypot(...left) * this.magnify),
+            colour: 0xd55e00,
+        })));
+    }
+
+    private async offerEffects(): Promise<void> {
+        const robot = this.app.robot;
+        if (!robot) return;
+        this.possible ??= await this.app.engine.ask("effects", question(robot));
+        const kinds = this.possible.kinds;
+        const kind = kinds.find((it) => it.kind === this.effect.kind);
+        const places = (kind?.places ?? []).map((place): [string, string] => [place, place]);
+        if (kind && !kind.places.includes(this.effect.place)) this.effect.place = kind.places[0] ?? "";
+        const strength = h("output", {}, `${number(this.effect.strength, 2)} mm`);
+        const input = h("input", { type: "range", id: "strength", min: 0.01, max: 2, step: "any", value: this.effect.strength, input: () => {
+            this.effect.strength = Number(input.value);
+            strength.textContent = `${number(this.effect.strength, 2)} mm`;
+            void this.act();
+        } });
+        this.trial.replaceChildren(
+            h("h2", {}, "Try an effect"),
+            h("p", { class: "fine" }, "Adds an effect to the robot as drawn, and shows what it does to the tip, exaggerated. The strength is what the effect moves the tip by over the workspace (root mean square)."),
+            h("div", { class: "row" },
+                select("Effect", [["", "none"], ...kinds.map((it): [string, string] => [it.kind, plain(it.kind)])], this.effect.kind, (value) => { this.effect.kind = value; void this.offerEffects(); }, "effect"),
+                kind ? select("At", places, this.effect.place, (value) => { this.effect.place = value; void this.act(); }, "place") : null),
+            ...(kind ? [h("p", { class: "fine" }, `${kind.formula} · ${kind.source}`),
+                h("label", { class: "slider" }, h("span", { class: "name" }, "Strength"), input, strength),
+                this.slider("Exaggerated", 1, 1000, this.exaggerate, (value) => { this.exaggerate = value; void this.act(); }, "exaggerate"),
+                h("p", { id: "acted", class: "tip" })] : []));
+        await this.act();
+    }
+
+    /** The tip along each joint's range, as drawn and with the effect. */
+    private async act(): Promise<void> {
+        const robot = this.app.robot;
+        const line = this.trial.querySelector<HTMLElement>("#acted");
+        if (!robot || !line || !this.effect.kind) return;
+        if (this.acting) {
+            this.again = true;
+            return;
+        }
+        this.acting = true;
+        const names = chain(robot).coordinates;
+        const here = names.map((name) => this.app.value(name));
+        const swept = Math.max(0, names.indexOf(this.effect.place));
+        const joint = robot.opened.scene.joints.find((it) => it.name === names[swept]);
+        const [lower, upper] = [joint?.lower ?? -Math.PI, joint?.upper ?? Math.PI];
+        const count = 96;
+        const q = [here, ...Array.from({ length: count + 1 }, (_, k) => here.map((value, at) => (at === swept ? lower + ((upper - lower) * k) / count : value)))];
+        await this.app.trying(async () => {
+            const wish = `${this.effect.kind}@${this.effect.place}=${this.effect.strength}mm`;
+            const { rows } = await this.app.engine.ask("act", { source: question(robot), effect: wish, q });
+            const base = this.app.view.pose(0, chain(robot).base) ?? new Matrix4();
+            const point = (pose: number[]) => new Vector3(pose[12], pose[13], pose[14]);
+            const shifted = (row: { drawn: number[]; acted: number[] }) => {
+                const drawn = point(row.drawn);
+                return [drawn.clone(), drawn.clone().lerp(point(row.acted), this.exaggerate)] as const;
+            };
+            const lines: { from: Vector3; to: Vector3; colour: number }[] = [];
+            const path = rows.slice(1).map(shifted).map(([a, b]) => [a.applyMatrix4(base), b.applyMatrix4(base)] as const);
+            path.forEach(([drawn, acted], at) => {
+                const before = path[at - 1];
+                if (!before) return;
+                lines.push({ from: before[0], to: drawn, colour: 0x7b8794 }, { from: before[1], to: acted, colour: 0xd55e00 });
+            });
+            const first = rows[0];
+            if (!first) return;
+            const [from, to] = shifted(first);
+            this.app.view.marks(lines, [{ at: from.clone().applyMatrix4(base), by: to.applyMatrix4(base).sub(from.applyMatrix4(base)), colour: 0xcc3311 }]);
+            line.textContent = `here the tip moves by ${number(first.apart_m * 1000, 4)} mm; the lines are its ways as ${names[swept]} turns: grey as drawn, orange with the effect`;
+            line.dataset["apart"] = String(first.apart_m);
+        });
+        this.acting = false;
+        if (this.again) {
+            this.again = false;
+            await this.act();
+        }
+    }
+}
+
+/** Errors after each stage, of the rows fitted and of those held out. */
+function bars(report: Report, key: string): HTMLElement {
+    const most = Math.max(...report.stages.flatMap((stage) => [stage.train[key] ?? 0, stage.test?.[key] ?? 0]), 1e-12);
+    const bar = (value: number | undefined, kind: string) => value === undefined ? null
+        : h("span", { class: `bar ${kind}` }, h("span", { class: "fill", style: `width:${(100 * value) / most}%` }), h("span", { class: "figure" }, `${number(value * 1000, 4)} mm`));
+    return h("div", { class: "bars", id: "stages" }, h("h3", {}, "Error after each stage, rms"),
+        ...report.stages.map((stage) => h("div", { class: "stage" }, h("span", { class: "name" }, stage.name), bar(stage.train[key], "train"), bar(stage.test?.[key], "test"))),
+        h("p", { class: "fine" }, h("span", { class: "key train" }, "rows fitted"), report.samples.test > 0 ? h("span", { class: "key test" }, "rows held out") : null));
+}
+
+/** The first pass of the search: kinds by places. */
+function heat(tried: Calibrated["tried"]): HTMLElement {
+    const kinds = [...new Set(tried.map((cell) => cell.kind))];
+    const places = [...new Set(tried.map((cell) => cell.place))];
+    const most = Math.max(...tried.map((cell) => cell.delta_bic), 1);
+    const cellOf = (kind: string, place: string) => {
+        const cell = tried.find((it) => it.kind === kind && it.place === place);
+        if (!cell) return h("td", {});
+        const share = Math.round(Math.max(0, cell.delta_bic / most) * 100);
+        return h("td", { class: share > 55 ? "hot number" : "number", style: `background:color-mix(in srgb, var(--heat) ${share}%, transparent)`, title: `${plain(kind)} at ${place}: ΔBIC ${number(cell.delta_bic, 1)}` }, String(Math.round(cell.delta_bic)));
+    };
+    return h("div", { class: "scroll" }, h("table", { class: "heat", id: "tried" }, h("caption", {}, "By how much the best candidate of each kind at each place lowers the information criterion (ΔBIC)"),
+        h("thead", {}, h("tr", {}, h("td", {}), ...places.map((place) => h("th", { scope: "col" }, h("span", {}, place))))),
+        h("tbody", {}, ...kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, plain(kind)), ...places.map((place) => cellOf(kind, place)))))));
+}
+
+function curve(entry: NonNullable<Report["curves"]>[number]): HTMLElement {
+    const [width, height] = [320, 90];
+    const at = entry.table.map((point) => point.at);
+    const [low, high] = [Math.min(...at), Math.max(...at)];
+    const most = Math.max(...entry.table.map((point) => Math.abs(point.value) + point.std), 1e-12);
+    const x = (value: number) => number(((value - low) / Math.max(1e-12, high - low)) * width, 2);
+    const y = (value: number) => number(height / 2 - (value / most) * (height / 2 - 4), 2);
+    const line = entry.table.map((point) => `${x(point.at)},${y(point.value)}`).join(" ");
+    const band = [...entry.table.map((point) => `${x(point.at)},${y(point.value + point.std)}`), ...[...entry.table].reverse().map((point) => `${x(point.at)},${y(point.value - point.std)}`)].join(" ");
+    const words = `${entry.joint}: ${entry.unit === "m" ? `${number(entry.rms * 1e3, 4)} mm` : `${number(entry.rms * 1e3, 3)} mrad`} rms`;
+    return h("figure", {}, svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": words, class: "curve" },
+        svg("line", { x1: 0, x2: width, y1: height / 2, y2: height / 2, class: "axis" }),
+        svg("polygon", { points: band, class: "band" }), svg("polyline", { points: line, class: "line" })) as unknown as Node, h("figcaption", {}, words));
+}

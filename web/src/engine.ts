@@ -1,0 +1,173 @@
+// The toolkit, compiled to WebAssembly, in a worker: questions and answers as they stand in crates/web.
+
+import EngineWorker from "./engine.worker?worker&inline";
+
+export interface RobotText {
+    file: string;
+    text: string;
+    files: Record<string, string>;
+    names: string[];
+    base?: string;
+    tip?: string;
+    exact: boolean;
+}
+
+export interface Shape {
+    origin: number[];
+    geometry:
+        | { box: [number, number, number] }
+        | { cylinder: [number, number] }
+        | { capsule: [number, number] }
+        | { sphere: number }
+        | { mesh: string; scale: [number, number, number] }
+        | null;
+    colour: [number, number, number, number] | null;
+}
+
+export interface SceneJoint {
+    name: string;
+    kind: string;
+    parent: number;
+    child: number;
+    origin: number[];
+    axis: [number, number, number];
+    pitch: number | null;
+    lower: number | null;
+    upper: number | null;
+    driver: number | null;
+    scale: number;
+    offset: number;
+    line: number;
+}
+
+export interface Scene {
+    root: number;
+    links: { name: string; visuals: Shape[]; collisions: Shape[] }[];
+    joints: SceneJoint[];
+}
+
+export interface Opened {
+    robot: string;
+    chains: string;
+    urdf: string;
+    urdf_file: string;
+    notes: string[];
+    scene: Scene;
+}
+
+export interface TableAnswer {
+    text: string;
+    columns: string[];
+    rows: { label: string; joint: string; kind: string; numbers: string[]; limits: string }[];
+    formula: string;
+    convention: string;
+    notes: string[];
+}
+
+export interface Rows {
+    stage: string;
+    rows: { row: number; at: number[]; left: number[]; q: number[] }[];
+}
+
+export interface Calibrated {
+    text: string;
+    words: string;
+    urdf: string | null;
+    effects: string;
+    notes: string[];
+    residuals: Rows[];
+    tried: { kind: string; place: string; delta_bic: number }[];
+}
+
+export interface Possible {
+    kinds: { kind: string; formula: string; units: string; source: string; places: string[] }[];
+}
+
+export interface Acted {
+    rows: { drawn: number[]; acted: number[]; apart_m: number }[];
+    effects: string;
+}
+
+interface Answers {
+    open: Opened;
+    table: TableAnswer;
+    poe: { text: string };
+    fk: { text: string };
+    check: { text: string; file: string; urdf: string; is_source: boolean };
+    fix: { file: string; text: string; made: number };
+    canonical: { text: string; notes: string[] };
+    diff: { text: string; words: string };
+    calibrate: Calibrated;
+    effects: Possible;
+    act: Acted;
+}
+
+export type Ask = keyof Answers;
+
+interface Waiting {
+    resolve(answer: string): void;
+    reject(error: Error): void;
+    progress: ((words: string) => void) | undefined;
+}
+
+let compiling: Promise<WebAssembly.Module> | undefined;
+
+/** The engine's bytes stand in the page, packed. */
+async function compiled(): Promise<WebAssembly.Module> {
+    const element = document.getElementById("engine");
+    if (!element?.textContent) throw new Error("this page was built without its engine; run web/build");
+    const packed = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+    element.remove();
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return WebAssembly.compile(await new Response(stream).arrayBuffer());
+}
+
+export class Engine {
+    private worker: Worker | undefined;
+    private waiting = new Map<number, Waiting>();
+    private next = 1;
+
+    /** Milliseconds that the last answer took in the worker. */
+    took = 0;
+    /** Bytes of memory that the engine holds. */
+    memory = 0;
+
+    async ask<A extends Ask>(ask: A, question: object, progress?: (words: string) => void): Promise<Answers[A]> {
+        const worker = await this.started();
+        const id = this.next++;
+        const text = await new Promise<string>((resolve, reject) => {
+            this.waiting.set(id, { resolve, reject, progress });
+            worker.postMessage({ id, question: JSON.stringify({ ask, ...question }) });
+        });
+        const answer = JSON.parse(text) as Answers[A] & { error?: string };
+        if (answer.error !== undefined) throw new Error(answer.error);
+        return answer;
+    }
+
+    /** Ends what is going on; the next question starts anew. */
+    stop(): void {
+        this.worker?.terminate();
+        this.worker = undefined;
+        for (const { reject } of this.waiting.values()) reject(new Error("stopped"));
+        this.waiting.clear();
+    }
+
+    private async started(): Promise<Worker> {
+        compiling ??= compiled();
+        const module = await compiling;
+        if (this.worker) return this.worker;
+        const worker = new EngineWorker();
+        worker.onmessage = ({ data }: MessageEvent<{ id: number; answer?: string; progress?: string; took?: number; memory?: number }>) => {
+            const waiting = this.waiting.get(data.id);
+            if (data.progress !== undefined) waiting?.progress?.(data.progress);
+            if (data.answer === undefined) return;
+            this.waiting.delete(data.id);
+            this.took = data.took ?? 0;
+            this.memory = data.memory ?? 0;
+            waiting?.resolve(data.answer);
+        };
+        worker.postMessage({ module });
+        this.worker = worker;
+        return worker;
+    }
+}

@@ -1,0 +1,192 @@
+// What is dropped or chosen: files, folders and zip archives, within bounds, by names that lead nowhere else.
+
+import { Unzip, UnzipInflate } from "fflate";
+
+/** Larger things are no robot's. */
+const MOST_BYTES = 512 * 1024 * 1024;
+const MOST_FILES = 20_000;
+const MOST_TEXT = 32 * 1024 * 1024;
+
+export type Dropped = Map<string, Uint8Array>;
+
+/** A name from the top, such as /arm/meshes/base.stl; null where it would lead out of the archive. */
+export function plain(name: string): string | null {
+    if (name.includes("\0") || /^[a-z]:/i.test(name)) return null;
+    const parts: string[] = [];
+    for (const part of name.replaceAll("\\", "/").split("/")) {
+        if (part === "" || part === ".") continue;
+        if (part === "..") return null;
+        parts.push(part);
+    }
+    return parts.length === 0 ? null : `/${parts.join("/")}`;
+}
+
+class Bounds {
+    bytes = 0;
+    files = 0;
+
+    add(bytes: number): void {
+        this.bytes += bytes;
+        if (this.bytes > MOST_BYTES) throw new Error(`more than ${MOST_BYTES >> 20} MB in all; drop the robot's own folder only`);
+    }
+
+    file(): void {
+        if (++this.files > MOST_FILES) throw new Error(`more than ${MOST_FILES} files; drop the robot's own folder only`);
+    }
+}
+
+/** Unpacks as it reads, so that an archive cannot say one size and have another. */
+export function unzipped(name: string, bytes: Uint8Array, bounds = new Bounds()): Dropped {
+    const out: Dropped = new Map();
+    let failed: Error | undefined;
+    const unzip = new Unzip((file) => {
+        if (file.name.endsWith("/")) return;
+        const path = plain(file.name);
+        if (path === null) throw new Error(`${name}: "${file.name}" leads out of the archive; pack it again with plain names`);
+        bounds.file();
+        const pieces: Uint8Array[] = [];
+        file.ondata = (error, piece, final) => {
+            if (error) {
+                failed ??= error;
+                return;
+            }
+            bounds.add(piece.length);
+            pieces.push(piece);
+            if (final) out.set(path, joined(pieces));
+        };
+        file.start();
+    });
+    unzip.register(UnzipInflate);
+    try {
+        // In pieces, so that a bomb is noticed early.
+        const step = 1 << 16;
+        for (let at = 0; at < bytes.length; at += step) unzip.push(bytes.subarray(at, at + step), at + step >= bytes.length);
+    } catch (error) {
+        failed ??= error as Error;
+    }
+    if (failed) throw failed.message.startsWith(name) ? failed : new Error(`${name}: ${failed.message || "the archive is damaged"}`);
+    if (out.size === 0) throw new Error(`${name}: the archive holds no file, or is damaged`);
+    return out;
+}
+
+function joined(pieces: Uint8Array[]): Uint8Array {
+    if (pieces.length === 1 && pieces[0]) return pieces[0];
+    const all = new Uint8Array(pieces.reduce((sum, piece) => sum + piece.length, 0));
+    let at = 0;
+    for (const piece of pieces) {
+        all.set(piece, at);
+        at += piece.length;
+    }
+    return all;
+}
+
+/** Everything that was dropped, folders walked through and archives unpacked. */
+export async function fromDrop(transfer: DataTransfer): Promise<Dropped> {
+    const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
+    const bounds = new Bounds();
+    const out: Dropped = new Map();
+    if (entries.length === 0) return fromFiles([...transfer.files]);
+    for (const entry of entries) await walk(entry, out, bounds);
+    return out;
+}
+
+/** Files of a file dialog; of a folder's the names hold the folder. */
+export async function fromFiles(files: File[]): Promise<Dropped> {
+    const bounds = new Bounds();
+    const out: Dropped = new Map();
+    for (const file of files) await take(file, file.webkitRelativePath || file.name, out, bounds);
+    return out;
+}
+
+async function walk(entry: FileSystemEntry, out: Dropped, bounds: Bounds): Promise<void> {
+    if (entry.isFile) {
+        const file = await new Promise<File>((resolve, reject) => (entry as FileSystemFileEntry).file(resolve, reject));
+        return take(file, entry.fullPath, out, bounds);
+    }
+    const reader = (entry as FileSystemDirectoryEntry).createReader();
+    for (;;) {
+        const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
+        if (some.length === 0) return;
+        for (const inner of some) if (!inner.name.startsWith(".git")) await walk(inner, out, bounds);
+    }
+}
+
+async function take(file: File, name: string, out: Dropped, bounds: Bounds): Promise<void> {
+    const path = plain(name);
+    if (path === null) throw new Error(`"${name}" is no plain name of a file`);
+    bounds.file();
+    if (file.size > MOST_BYTES) throw new Error(`${file.name} has more than ${MOST_BYTES >> 20} MB; drop the robot's own files only`);
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    if (/\.zip$/i.test(path)) {
+        for (const [inner, content] of unzipped(file.name, bytes, bounds)) out.set(inner, content);
+    } else {
+        bounds.add(bytes.length);
+        out.set(path, bytes);
+    }
+}
+
+const MESH = /\.(stl|dae|obj)$/i;
+const TEXT = /\.(urdf|xacro|xml|yaml|yml|csv|tsv|json|md|txt|toml)$/i;
+
+export function isMesh(name: string): boolean {
+    return MESH.test(name);
+}
+
+/** Text of a file, or what is wrong with it. */
+export function textOf(name: string, bytes: Uint8Array): string {
+    if (bytes.length > MOST_TEXT) throw new Error(`${name} has more than ${MOST_TEXT >> 20} MB of text; that is no robot description`);
+    try {
+        return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+    } catch {
+        throw new Error(`${name}: not UTF-8 text; save the file as UTF-8`);
+    }
+}
+
+export interface Sorted {
+    /** Files that may be a robot, the likeliest first. */
+    robots: string[];
+    /** Files of measurements. */
+    data: string[];
+    /** Texts, all of them: xacro may include them. */
+    texts: Record<string, string>;
+    /** Every name. */
+    names: string[];
+}
+
+/** Which files are robots, which are measurements. */
+export function sorted(dropped: Dropped): Sorted {
+    const texts: Record<string, string> = {};
+    const [robots, data]: [string[], string[]] = [[], []];
+    for (const [name, bytes] of dropped) {
+        if (!TEXT.test(name)) continue;
+        let text: string;
+        try {
+            text = textOf(name, bytes);
+        } catch (error) {
+            if (dropped.size === 1) throw error;
+            continue;
+        }
+        texts[name] = text;
+        if (/\/package\.xml$/i.test(name)) continue;
+        if (/\.(urdf|xacro|xml)$/i.test(name) && /<(\w+:)?robot[\s>]/.test(text)) robots.push(name);
+        else if (/\.(csv|tsv)$/i.test(name) && holdsMeasurements(text)) data.push(name);
+        else if (/\.(csv|tsv|json|md|yaml|yml)$/i.test(name) && dropped.size <= 8) robots.push(name);
+    }
+    // A robot that others include is a part; the top one is called like a robot, lies high, and is no macro alone.
+    const rank = (name: string) => {
+        const text = texts[name] ?? "";
+        const macros = /\.xacro$/i.test(name) && !/<xacro:\w+(?<!macro|property|include|arg|if|unless)[\s/>]/.test(text) && !/<link[\s>]/.test(text) ? 100 : 0;
+        return macros + (/\.urdf$/i.test(name) ? 0 : 10) + name.split("/").length + (/macro|inc|common|gazebo|ros2_control/i.test(name) ? 20 : 0);
+    };
+    robots.sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
+    return { robots, data, texts, names: [...dropped.keys()] };
+}
+
+/** A header with a place, a distance or the like, and more rows than an arm has joints. */
+function holdsMeasurements(text: string): boolean {
+    const lines = text.split("\n").filter((line) => line.trim() !== "" && !line.startsWith("#"));
+    const header = (lines[0] ?? "").toLowerCase().split(/[,;\t]/).map((cell) => cell.trim());
+    const has = (name: string) => header.includes(name);
+    if (has("theta") || has("alpha") || has("wx") || has("d")) return false;
+    return (has("x") && has("y") && has("z")) || has("x1") || has("distance") || has("socket") || has("plane") || has("u") || lines.length > 40;
+}

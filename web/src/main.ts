@@ -1,0 +1,204 @@
+// The page: takes robots in, shows the panels.
+
+import "./style.css";
+import example from "../../robots/universal_robots/ur5e.urdf?raw";
+import { App, chain, chains, type Panel } from "./app";
+import { Calibrate } from "./calibrate";
+import { Compare } from "./compare";
+import { h } from "./dom";
+import type { RobotText } from "./engine";
+import { fromDrop, fromFiles, isMesh, sorted, type Dropped } from "./files";
+import { Joints } from "./joints";
+import { Learn } from "./learn";
+import { read, written } from "./permalink";
+import { See } from "./see";
+
+const app = new App();
+const panels: Panel[] = [new See(app), new Compare(app), new Calibrate(app), new Learn(app)];
+let current = panels[0] as Panel;
+const joints = new Joints(app, () => current.moved?.());
+
+const busy = h("p", { class: "busy", hidden: true, role: "status" }, "reading …");
+const files = h("input", { type: "file", multiple: true, id: "files", "aria-label": "Files of a robot", change: () => void chosen(files) });
+const folder = h("input", { type: "file", webkitdirectory: true, id: "folder", "aria-label": "Folder of a robot", change: () => void chosen(folder) });
+const tabs = panels.map((panel) => h("button", { role: "tab", id: `tab-${panel.name}`, "aria-selected": "false", click: () => void turnTo(panel) }, panel.name));
+const theme = h("button", { id: "theme", title: "Dark or light", "aria-label": "Dark or light", click: () => {
+    const dark = getComputedStyle(document.documentElement).colorScheme === "dark";
+    document.documentElement.dataset["theme"] = dark ? "light" : "dark";
+} }, "◐");
+const title = h("span", { class: "robot", id: "robot" });
+const link = h("button", { id: "link", click: () => void permalink(), title: "An address that holds what is shown" }, "Copy link");
+const header = h("header", {},
+    h("b", { class: "brand" }, "denavit"), title,
+    h("nav", { role: "tablist", "aria-label": "What to do" }, ...tabs),
+    h("span", { class: "row tools" },
+        h("label", { class: "button" }, "Open files", files),
+        h("label", { class: "button" }, "Open folder", folder), link, theme));
+const start = h("section", { class: "start" },
+    h("h1", {}, "Drop a robot here"),
+    h("p", {}, "A URDF, a xacro file with its packages (folder or zip), or a Denavit-Hartenberg table. Two files at once are compared; a CSV of measurements calibrates."),
+    h("p", {},
+        h("label", { class: "button main", for: "files" }, "Open files"), " ",
+        h("label", { class: "button", for: "folder" }, "Open folder"), " ",
+        h("button", { id: "example", click: () => void app.trying(() => app.open(source("/ur5e.urdf", example), new Map())) }, "Try a UR5e")),
+    h("p", { class: "fine" }, "Nothing is uploaded: this page works without a network, and its rules forbid it to ask for anything."));
+const left = h("div", { class: "left" }, app.view.element, joints.element);
+const right = h("div", { class: "right", role: "tabpanel" });
+const work = h("main", { class: "work", hidden: true }, left, right);
+document.getElementById("app")?.replaceChildren(header, app.said, busy, start, work);
+
+function source(file: string, text: string, texts: Record<string, string> = {}, names: string[] = []): RobotText {
+    return { file, text, files: texts, names, exact: false };
+}
+
+async function opened(robot: RobotText, meshes: Dropped) {
+    const answer = await app.engine.ask("open", robot);
+    // An expanded file stands for itself from now on; what it was made of need not travel with each question.
+    const expanded = answer.urdf_file.endsWith("(expanded)");
+    return { ...robot, files: {}, text: expanded ? answer.urdf : robot.text, written: robot.text, meshes, opened: answer };
+}
+
+app.open = async (robot, meshes) => {
+    busy.hidden = false;
+    try {
+        const made = await opened(robot, meshes);
+        app.robot = made;
+        app.other = undefined;
+        app.table = undefined;
+        app.chosenRow = null;
+        app.say("");
+        start.hidden = true;
+        work.hidden = false;
+        app.view.show(1, null);
+        app.view.show(0, made.opened.scene, meshes, made.file);
+        const known = new Set(made.opened.scene.joints.map((joint) => joint.name));
+        for (const name of [...app.q.keys()]) if (!known.has(name)) app.q.delete(name);
+        for (const joint of made.opened.scene.joints) {
+            // Where 0 is outside of the limits, the middle is shown.
+            if (joint.lower !== null && joint.upper !== null && !app.q.has(joint.name) && (joint.lower > 0 || joint.upper < 0)) {
+                app.q.set(joint.name, (joint.lower + joint.upper) / 2);
+            }
+        }
+        title.textContent = made.opened.robot || made.file;
+        document.title = `${title.textContent} · denavit explorer`;
+        joints.fill();
+        if (current.name === "Compare") current = panels[0] as Panel;
+        await turnTo(current);
+    } finally {
+        busy.hidden = true;
+    }
+};
+
+app.changed = () => {
+    joints.fill();
+    void current.show();
+};
+
+async function turnTo(panel: Panel): Promise<void> {
+    if (current !== panel) current.hide?.();
+    current = panel;
+    for (const [at, tab] of tabs.entries()) tab.setAttribute("aria-selected", String(panels[at] === panel));
+    right.setAttribute("aria-labelledby", `tab-${panel.name}`);
+    right.replaceChildren(panel.element);
+    if (app.robot) await panel.show();
+}
+
+async function chosen(input: HTMLInputElement): Promise<void> {
+    const list = [...(input.files ?? [])];
+    input.value = "";
+    await app.trying(async () => take(await fromFiles(list)));
+}
+
+/** What was dropped: a robot, two robots to compare, or measurements for the robot at hand. */
+async function take(dropped: Dropped): Promise<void> {
+    if (dropped.size === 0) return;
+    const { robots, data, texts, names } = sorted(dropped);
+    const meshes: Dropped = new Map([...dropped].filter(([name]) => isMesh(name)));
+    const of = (name: string) => source(name, texts[name] ?? "", texts, names);
+    const single = dropped.size <= 2 && meshes.size === 0;
+    const [first, second] = robots;
+    if (first !== undefined) {
+        if (current.name === "Compare" && app.robot && robots.length === 1) await compare(of(first), meshes);
+        else {
+            await app.open(of(first), meshes);
+            if (second !== undefined && single) await compare(of(second), meshes);
+            else if (robots.length > 1) offer(robots, of, meshes, first);
+        }
+    }
+    const table = data[0];
+    if (table !== undefined) {
+        if (!app.robot) throw new Error(`${table} holds measurements; drop the robot that they are of first, or both at once`);
+        const calibrate = panels[2] as Calibrate;
+        await turnTo(calibrate);
+        calibrate.take({ file: table, text: texts[table] ?? "" });
+    } else if (first === undefined) {
+        throw new Error(`no robot among ${dropped.size === 1 ? `"${[...dropped.keys()][0]}"` : `${dropped.size} files`}; drop a URDF, a xacro file, or a D-H table in CSV, JSON or Markdown`);
+    }
+}
+
+/** Several robots in one folder: the likeliest is shown, the others can be chosen. */
+function offer(robots: string[], of: (name: string) => RobotText, meshes: Dropped, shown: string): void {
+    const pick = h("select", { id: "which", "aria-label": "Robot of the folder", change: () => void app.trying(() => app.open(of(pick.value), meshes)) },
+        ...robots.map((name) => h("option", { value: name, selected: name === shown }, name)));
+    title.replaceChildren(pick);
+}
+
+async function compare(robot: RobotText, meshes: Dropped): Promise<void> {
+    app.other = await opened(robot, meshes);
+    await turnTo(panels[1] as Panel);
+}
+
+async function permalink(): Promise<void> {
+    await app.trying(async () => {
+        const address = await written(app, current.name);
+        history.replaceState(null, "", address);
+        await app.copied(location.href, "Link");
+    });
+}
+
+for (const event of ["dragenter", "dragover"] as const) {
+    addEventListener(event, (drag) => {
+        drag.preventDefault();
+        document.body.classList.add("dropping");
+    });
+}
+addEventListener("dragleave", (drag) => {
+    if (drag.relatedTarget === null) document.body.classList.remove("dropping");
+});
+addEventListener("drop", (drop) => {
+    drop.preventDefault();
+    document.body.classList.remove("dropping");
+    const transfer = drop.dataTransfer;
+    if (transfer) void app.trying(async () => take(await fromDrop(transfer)));
+});
+app.open = ((open) => (robot: RobotText, meshes: Dropped) => open(robot, meshes))(app.open);
+
+async function begin(): Promise<void> {
+    await turnTo(current);
+    // What `denavit explore` brings stands in the page; what a link holds comes before it.
+    const linked = await read(location.hash);
+    const embedded = JSON.parse(document.getElementById("robots")?.textContent ?? "[]") as { file: string; text: string }[];
+    const [first, second] = linked?.robots ?? embedded.map(({ file, text }) => source(file, text));
+    if (!first) return;
+    if (linked) {
+        app.convention = linked.convention;
+        app.units = linked.units;
+    }
+    await app.open(first, new Map());
+    if (linked && app.robot) {
+        for (const [name, value] of Object.entries(linked.q)) if (Number.isFinite(value)) app.q.set(name, value);
+        joints.fill();
+    }
+    if (second) await compare(second, new Map());
+    const panel = panels.find((it) => it.name === linked?.tab);
+    if (panel) await turnTo(panel);
+    if (embedded.length > 2 && !linked) {
+        const texts = Object.fromEntries(embedded.map(({ file, text }) => [file, text]));
+        offer(Object.keys(texts), (name) => source(name, texts[name] ?? ""), new Map(), first.file);
+    }
+}
+
+void app.trying(begin);
+
+// Figures for those who test the page.
+Object.assign(window, { denavit: { app, chain, chains } });
