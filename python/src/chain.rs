@@ -4,7 +4,7 @@ use crate::arrays::{self, Configurations, FEW, result};
 use crate::errors::{argument, load};
 use crate::robot::reading;
 use crate::table::Table;
-use denavit_calibrate::simulate;
+use denavit_calibrate::apply::simulate;
 use denavit_dh::{Convention, Gauge};
 use denavit_export::{Units, poe};
 use denavit_load::{Loaded, Selection, TableOptions};

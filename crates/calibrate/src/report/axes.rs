@@ -1,9 +1,9 @@
 //! How far each axis is from its drawing and how sure that is, as text: standard deviations, what the data tell weakly,
 //! what they tell only together.
 
-use crate::parameters::ParameterKind;
+use crate::identify::solve::Fit;
+use crate::observation::parameters::ParameterKind;
 use crate::report::text::{correlations, table};
-use crate::solve::Fit;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ const LISTED: usize = 5;
 /// One line per joint: how far its axis is turned and moved, with standard deviations; then what is weak and what is
 /// correlated.
 pub fn axes<E>(fit: &Fit<E>) -> String {
-    let departure = fit.layout.departure(&fit.arm, &fit.arm);
+    let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let joints = &fit.arm.nominal.joints();
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (joint, of) in joints.iter().enumerate() {
@@ -34,7 +34,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
                 ParameterKind::Scale { .. } => (1e6, " ppm"),
                 _ => (1e3, ""),
             };
-            let shown = format!("{word} {:.3} ± {:.3}{unit}", departure[index] * factor, deviation * factor);
+            let shown = format!("{word} {:.3} ± {:.3}{unit}", difference[index] * factor, deviation * factor);
             row.push(shown);
         }
         if row.len() == 1 {
