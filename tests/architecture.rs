@@ -79,7 +79,7 @@ const ROOMS: &[&str] = &["observation", "effects", "identify", "trace", "apply",
 fn rooms_named(text: &str) -> Vec<&'static str> {
     let named = |room: &&str| {
         text.match_indices("crate::").any(|(at, _)| {
-            let rest = &code[at + "crate::".len()..];
+            let rest = &text[at + "crate::".len()..];
             rest.strip_prefix(*room).is_some_and(|after| !after.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
         })
     };
