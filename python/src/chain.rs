@@ -94,7 +94,7 @@ impl Chain {
         self.notes.iter().map(ToString::to_string).collect()
     }
 
-    /// The most by which what the notes tell of moves the tip, m.
+    /// The most by which what the notes describe moves the tip, m.
     #[getter]
     fn tip_moves_at_most(&self) -> f64 {
         self.notes.iter().map(Note::tip_moves).sum()

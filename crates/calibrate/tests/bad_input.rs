@@ -273,7 +273,7 @@ fn what_is_no_failure_is_noted() {
         [
             "target 2 repeats target 1 in every row; it is counted once",
             "target 3 is seen in no row; it is left out",
-            "joint \"joint_2\" stands at 0.5 in every row; the data cannot tell its axis from its neighbours'",
+            "joint \"joint_2\" stands at 0.5 in every row; the data cannot separate its axis from its neighbours'",
         ]
     );
     assert_eq!(

@@ -52,7 +52,7 @@ fn fewer_numbers_than_parameters_are_no_perfect_fit() {
         let redundancy = &result.report.redundancy;
         assert_eq!((redundancy.values, redundancy.postures, redundancy.degrees_of_freedom), (24, 8, 0), "{said}");
         assert!(said.contains("redundancy: 24 numbers in 8 postures, 0 degrees of freedom"), "{said}");
-        assert!(said.contains("degrees of freedom that tell the noise are missing"), "{said}");
+        assert!(said.contains("degrees of freedom that determine the noise are missing"), "{said}");
         assert!(!said.contains("0.0000") && !said.contains("± 0.000") && !said.contains("inf"), "{said}");
         assert!(result.report.effects.is_empty() && !said.contains("no structure"), "{said}");
         for parameter in &result.report.parameters {

@@ -160,7 +160,7 @@ pub struct EffectEntry {
     pub p_value: f64,
     /// Fall of the information criterion.
     pub delta_bic: f64,
-    /// What the data cannot tell it from.
+    /// What indistinguishable in these data from.
     pub ambiguous_with: Vec<Rival>,
 }
 

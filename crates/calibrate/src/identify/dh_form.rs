@@ -23,7 +23,7 @@ pub struct DhForm {
     /// How many of the numbers in the last θ, d and the tool frame are too many.
     pub redundant_in_tool: usize,
     /// Neighbours with (nearly) parallel axes, by index of the first: no small change of the row tilts one against the
-    /// other about the second direction across, and their d cannot be told apart.
+    /// other about the second direction across, and their d cannot be separated.
     pub parallel: Vec<usize>,
     /// Prismatic joints: their axis has no place, so two numbers of the rows beside them are too many.
     pub prismatic: Vec<usize>,

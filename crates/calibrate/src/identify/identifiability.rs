@@ -272,7 +272,7 @@ fn why_mixed(layout: &Layout, analysis: &Analysis, index: usize) -> String {
     partners.sort_by(|a, b| b.0.total_cmp(&a.0));
     let names: Vec<&str> = partners.iter().take(3).map(|(_, other)| layout.parameters[*other].name.as_str()).collect();
     let more = if partners.len() > 3 { format!(" and {} more", partners.len() - 3) } else { String::new() };
-    format!("the data cannot tell it from {}{more}", names.join(", "))
+    format!("indistinguishable in these data from {}{more}", names.join(", "))
 }
 
 /// Whether a parameter belongs to the robot, not to how it is measured.

@@ -53,7 +53,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
         .map(|(held, name)| format!("{name} ({:.0} %)", 100.0 * held))
         .collect();
     if !weak.is_empty() {
-        let _ = writeln!(text, "told weakly, held near the drawing by the prior: {}", weak.join(", "));
+        let _ = writeln!(text, "poorly identified, kept near the drawing by the prior: {}", weak.join(", "));
     }
     // As printed, ties by name: where two parameters are one in the common frame, only rounding orders their pairs.
     let printed = |pair: &(String, String, f64)| (pair.2.abs() * -100.0).round();
@@ -61,7 +61,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
     strong.sort_by(|a, b| printed(a).total_cmp(&printed(b)).then_with(|| (&a.0, &a.1).cmp(&(&b.0, &b.1))));
     strong.truncate(LISTED);
     if !strong.is_empty() {
-        text.push_str("told better together than apart; strongest correlations\n");
+        text.push_str("poorly separated parameters, strongest correlations\n");
         let pair = |(a, b, value): &(String, String, f64)| vec![format!("  {a}"), b.clone(), format!("{value:.2}")];
         text.push_str(&table(&strong.iter().map(pair).collect::<Vec<_>>()));
     }

@@ -28,14 +28,14 @@ pub fn identifiability(found: &[Identifiability]) -> String {
         for together in one.unidentifiable.chunk_by(|a, b| a.why == b.why) {
             let names: Vec<&str> = together.iter().map(|unidentifiable| unidentifiable.parameter.as_str()).collect();
             let kind = one.scene.words();
-            let _ = writeln!(text, "{kind}: {} cannot be told: {}", names.join(", "), together[0].why);
+            let _ = writeln!(text, "{kind}: {} not identifiable: {}", names.join(", "), together[0].why);
         }
     }
     text
 }
 
 /// Why joint offsets are no parameters.
-const OFFSETS: &str = "beside free axes and tool no measurement tells them";
+const OFFSETS: &str = "beside free axes and tool no measurement identifies them";
 
 /// What no measurement tells of this form: joint offsets beside the tool, the place of slides.
 pub fn never_identifiable(chain: &Chain) -> String {
@@ -49,7 +49,7 @@ pub fn never_identifiable(chain: &Chain) -> String {
     if !slides.is_empty() {
         let _ = writeln!(
             text,
-            "{} slides: its axis has a direction, and no place that a measurement could tell",
+            "{} slides: its axis has a direction, and no place that a measurement could identify",
             slides.join(", ")
         );
     }
@@ -66,7 +66,7 @@ pub fn dh_form(form: &DhForm, chain: &Chain) -> String {
     for &first in &form.parallel {
         let _ = writeln!(
             text,
-            "  \"{}\" and \"{}\" are parallel neighbours: their d cannot be told apart, and no small change of the row \
+            "  \"{}\" and \"{}\" are parallel neighbours: their d cannot be separated, and no small change of the row \
              tilts one against the other in the second direction; use the POE form or Hayati's row",
             name(first),
             name(first + 1)

@@ -194,7 +194,7 @@ pub fn calibration(result: &Calibration) -> String {
     );
     let _ = writeln!(
         text,
-        "parameters: {} = {} expected, {} told by the data",
+        "parameters: {} = {} expected, {} identifiable from these data",
         result.identifiability.formula, report.identifiability.expected, report.identifiability.rank
     );
     for unidentifiable in &report.unidentifiable {
@@ -238,7 +238,7 @@ pub fn calibration(result: &Calibration) -> String {
     if assumed > 0.0 {
         let _ = writeln!(
             text,
-            "  mostly assumed, not measured: {assumed:.0} of the {DEGREES_FOR_NOISE} degrees of freedom that tell the noise \
+            "  mostly assumed, not measured: {assumed:.0} of the {DEGREES_FOR_NOISE} degrees of freedom that determine the noise \
              are missing; measure more poses"
         );
     }

@@ -24,7 +24,7 @@ pub(super) fn redundancy(result: &Calibration) -> String {
             if fit.deviation(joint) > 0.0 { fit.half_interval(joint, 0.95) / fit.deviation(joint) } else { 2.0 };
         let _ = writeln!(
             text,
-            "  few: the prior holds what so few numbers cannot tell; intervals of 95 % are {factor:.2} standard deviations \
+            "  few: the prior keeps what so few numbers cannot determine; intervals of 95 % are {factor:.2} standard deviations \
              to either side"
         );
     }

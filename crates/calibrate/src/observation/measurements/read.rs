@@ -73,7 +73,7 @@ impl fmt::Display for DataNote {
             Self::NeverMoves { joint, at } => {
                 write!(
                     f,
-                    "joint \"{joint}\" stands at {at} in every row; the data cannot tell its axis from its neighbours'"
+                    "joint \"{joint}\" stands at {at} in every row; the data cannot separate its axis from its neighbours'"
                 )
             }
             Self::OutsideLimits { joint, rows } => {
