@@ -2,17 +2,16 @@
 
 pub mod axes;
 pub mod commands;
-pub mod contract;
 pub mod curves;
 pub mod findings;
 #[cfg(feature = "pages")]
 pub mod html;
+pub mod identifiability;
 #[cfg(feature = "pages")]
 pub mod plots;
 pub mod text;
-pub mod told;
 #[cfg(feature = "pages")]
 pub mod trace_plots;
 pub mod trust;
 
-pub use contract::CalibrationReport;
+pub use crate::calibration::contract::CalibrationReport;

@@ -2,13 +2,13 @@
 
 use crate::answers::words;
 use crate::question::RobotText;
+use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, granted};
+use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, simulate};
 use denavit_calibrate::effects::catalogue::KINDS;
 use denavit_calibrate::effects::driver::{Conditions, Statics};
 use denavit_calibrate::effects::recorded;
 use denavit_calibrate::effects::survey::{Survey, with_run_order};
-use denavit_calibrate::simulate::wish::{Wish, granted};
-use denavit_calibrate::simulate::{Simulation, SimulationOptions, simulate};
-use denavit_calibrate::{NoEffects, proportion::within_proportion};
+use denavit_calibrate::{NoEffects, identify::proportion::within_proportion};
 use denavit_model::Chain;
 use serde_json::{Value, json};
 
@@ -59,7 +59,7 @@ pub fn possible(source: &RobotText) -> Result<Value, String> {
 /// column, and by how far the two are apart, m.
 pub fn act(source: &RobotText, effect: &str, q: &[Vec<f64>]) -> Result<Value, String> {
     let (chain, statics) = robot(source)?;
-    let wish: Wish = effect.parse().map_err(words)?;
+    let wish: EffectSpecification = effect.parse().map_err(words)?;
     let model = granted(&[wish], &statics, &run(&chain), SEED).map_err(words)?;
     let known = |_: &str| None;
     let mut rows = Vec::new();
