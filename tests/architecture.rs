@@ -15,6 +15,18 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "denavit-load",
         &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-xacro"],
     ),
+    (
+        "denavit-web",
+        &[
+            "denavit-model",
+            "denavit-dh",
+            "denavit-export",
+            "denavit-compare",
+            "denavit-calibrate",
+            "denavit-xacro",
+            "denavit-load",
+        ],
+    ),
 ];
 
 #[test]

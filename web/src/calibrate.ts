@@ -58,7 +58,7 @@ export class Calibrate implements Panel {
         fill(this.element,
             h("h2", {}, "Calibrate from measurements"),
             this.data
-                ? h("p", {}, h("b", { id: "data" }, this.data.file.slice(1)), ` · ${header?.split(",").length ?? 0} columns`, this.test ? ` · judged by ${this.test.file.slice(1)}` : "")
+                ? h("p", {}, h("b", { id: "data" }, this.data.file), ` · ${header?.split(",").length ?? 0} columns`, this.test ? ` · judged by ${this.test.file}` : "")
                 : h("p", {}, "Drop a CSV of measurements: a column for each joint, and x, y, z of what a tracker saw. A second CSV judges."),
             this.data ? h("div", { class: "row" },
                 select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; }, "data-units"),

@@ -32,7 +32,7 @@ export class Compare implements Panel {
             const worst = [...this.found.tips].sort((a, b) => b.sampled_m - a.sampled_m)[0];
             this.element.replaceChildren(
                 h("h2", { id: "verdict", class: this.found.verdict }, this.found.verdict === "different" ? "Different robots" : "The same robot"),
-                h("p", {}, h("span", { class: "key mine" }, robot.file.slice(1)), " and ", h("span", { class: "key other" }, other.file.slice(1))),
+                h("p", {}, h("span", { class: "key mine" }, robot.file), " and ", h("span", { class: "key other" }, other.file)),
                 h("div", { class: "row" },
                     worst && worst.sampled_m > 0
                         ? h("button", { id: "worst", class: "main", click: () => this.go(worst.at) }, `Go where ${worst.tip} is apart the most: ${number(worst.sampled_m * 1000, 3)} mm`)
@@ -41,7 +41,7 @@ export class Compare implements Panel {
                     h("button", { click: () => save("diff.json", answer.text, "application/json") }, "Download JSON")),
                 h("p", { id: "apart", class: "tip" }),
                 h("pre", { id: "words", class: "words", "data-json": answer.text }, answer.words));
-            this.app.view.show(1, other.opened.scene, other.meshes, other.file);
+            this.app.view.show(1, other.opened.scene, other.meshes, `/${other.file}`);
             this.app.move();
             this.moved();
         });
@@ -58,7 +58,7 @@ export class Compare implements Panel {
         [this.app.robot, this.app.other] = [other, robot];
         this.app.table = undefined;
         view.show(1, null);
-        view.show(0, other.opened.scene, other.meshes, other.file);
+        view.show(0, other.opened.scene, other.meshes, `/${other.file}`);
         this.app.changed();
     }
 

@@ -39,11 +39,13 @@ class Bounds {
 export function unzipped(name: string, bytes: Uint8Array, bounds = new Bounds()): Dropped {
     const out: Dropped = new Map();
     let failed: Error | undefined;
+    let open = 0;
     const unzip = new Unzip((file) => {
         if (file.name.endsWith("/")) return;
         const path = plain(file.name);
         if (path === null) throw new Error(`${name}: "${file.name}" leads out of the archive; pack it again with plain names`);
         bounds.file();
+        open++;
         const pieces: Uint8Array[] = [];
         file.ondata = (error, piece, final) => {
             if (error) {
@@ -52,7 +54,9 @@ export function unzipped(name: string, bytes: Uint8Array, bounds = new Bounds())
             }
             bounds.add(piece.length);
             pieces.push(piece);
-            if (final) out.set(path, joined(pieces));
+            if (!final) return;
+            open--;
+            out.set(path, joined(pieces));
         };
         file.start();
     });
@@ -65,8 +69,17 @@ export function unzipped(name: string, bytes: Uint8Array, bounds = new Bounds())
         failed ??= error as Error;
     }
     if (failed) throw failed.message.startsWith(name) ? failed : new Error(`${name}: ${failed.message || "the archive is damaged"}`);
+    if (open > 0 || !isWhole(bytes)) throw new Error(`${name}: the archive is cut off or damaged; pack it again`);
     if (out.size === 0) throw new Error(`${name}: the archive holds no file, or is damaged`);
     return out;
+}
+
+/** Whether the list of contents, which stands last, is there. */
+function isWhole(bytes: Uint8Array): boolean {
+    for (let at = bytes.length - 22; at >= Math.max(0, bytes.length - 22 - 0xffff); at--) {
+        if (bytes[at] === 0x50 && bytes[at + 1] === 0x4b && bytes[at + 2] === 5 && bytes[at + 3] === 6) return true;
+    }
+    return false;
 }
 
 function joined(pieces: Uint8Array[]): Uint8Array {
@@ -134,11 +147,11 @@ export function isMesh(name: string): boolean {
 
 /** Text of a file, or what is wrong with it. */
 export function textOf(name: string, bytes: Uint8Array): string {
-    if (bytes.length > MOST_TEXT) throw new Error(`${name} has more than ${MOST_TEXT >> 20} MB of text; that is no robot description`);
+    if (bytes.length > MOST_TEXT) throw new Error(`${name.slice(1)} has more than ${MOST_TEXT >> 20} MB of text; that is no robot description`);
     try {
         return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
     } catch {
-        throw new Error(`${name}: not UTF-8 text; save the file as UTF-8`);
+        throw new Error(`${name.slice(1)}: not UTF-8 text; save the file as UTF-8`);
     }
 }
 

@@ -12,6 +12,7 @@ import { Joints } from "./joints";
 import { Learn } from "./learn";
 import { read, written } from "./permalink";
 import { See } from "./see";
+import { placed } from "./table";
 
 const app = new App();
 const panels: Panel[] = [new See(app), new Compare(app), new Calibrate(app), new Learn(app)];
@@ -40,7 +41,7 @@ const start = h("section", { class: "start" },
     h("p", {},
         h("label", { class: "button main", for: "files" }, "Open files"), " ",
         h("label", { class: "button", for: "folder" }, "Open folder"), " ",
-        h("button", { id: "example", click: () => void app.trying(() => app.open(source("/ur5e.urdf", example), new Map())) }, "Try a UR5e")),
+        h("button", { id: "example", click: () => void app.trying(() => app.open(source("ur5e.urdf", example), new Map())) }, "Try a UR5e")),
     h("p", { class: "fine" }, "Nothing is uploaded: this page works without a network, and its rules forbid it to ask for anything."));
 const left = h("div", { class: "left" }, app.view.element, joints.element);
 const right = h("div", { class: "right", role: "tabpanel" });
@@ -70,7 +71,7 @@ app.open = async (robot, meshes) => {
         start.hidden = true;
         work.hidden = false;
         app.view.show(1, null);
-        app.view.show(0, made.opened.scene, meshes, made.file);
+        app.view.show(0, made.opened.scene, meshes, `/${made.file}`);
         const known = new Set(made.opened.scene.joints.map((joint) => joint.name));
         for (const name of [...app.q.keys()]) if (!known.has(name)) app.q.delete(name);
         for (const joint of made.opened.scene.joints) {
@@ -114,7 +115,8 @@ async function take(dropped: Dropped): Promise<void> {
     if (dropped.size === 0) return;
     const { robots, data, texts, names } = sorted(dropped);
     const meshes: Dropped = new Map([...dropped].filter(([name]) => isMesh(name)));
-    const of = (name: string) => source(name, texts[name] ?? "", texts, names);
+    // Names in messages are as people know them; the files beside are known from the top.
+    const of = (name: string) => source(name.slice(1), texts[name] ?? "", texts, names);
     const single = dropped.size <= 2 && meshes.size === 0;
     const [first, second] = robots;
     if (first !== undefined) {
@@ -127,19 +129,19 @@ async function take(dropped: Dropped): Promise<void> {
     }
     const table = data[0];
     if (table !== undefined) {
-        if (!app.robot) throw new Error(`${table} holds measurements; drop the robot that they are of first, or both at once`);
+        if (!app.robot) throw new Error(`${table.slice(1)} holds measurements; drop the robot that they are of first, or both at once`);
         const calibrate = panels[2] as Calibrate;
         await turnTo(calibrate);
-        calibrate.take({ file: table, text: texts[table] ?? "" });
+        calibrate.take({ file: table.slice(1), text: texts[table] ?? "" });
     } else if (first === undefined) {
-        throw new Error(`no robot among ${dropped.size === 1 ? `"${[...dropped.keys()][0]}"` : `${dropped.size} files`}; drop a URDF, a xacro file, or a D-H table in CSV, JSON or Markdown`);
+        throw new Error(`no robot among ${dropped.size === 1 ? `"${[...dropped.keys()][0]?.slice(1)}"` : `${dropped.size} files`}; drop a URDF, a xacro file, or a D-H table in CSV, JSON or Markdown`);
     }
 }
 
 /** Several robots in one folder: the likeliest is shown, the others can be chosen. */
 function offer(robots: string[], of: (name: string) => RobotText, meshes: Dropped, shown: string): void {
     const pick = h("select", { id: "which", "aria-label": "Robot of the folder", change: () => void app.trying(() => app.open(of(pick.value), meshes)) },
-        ...robots.map((name) => h("option", { value: name, selected: name === shown }, name)));
+        ...robots.map((name) => h("option", { value: name, selected: name === shown }, name.replace(/^\//, ""))));
     title.replaceChildren(pick);
 }
 
@@ -171,7 +173,6 @@ addEventListener("drop", (drop) => {
     const transfer = drop.dataTransfer;
     if (transfer) void app.trying(async () => take(await fromDrop(transfer)));
 });
-app.open = ((open) => (robot: RobotText, meshes: Dropped) => open(robot, meshes))(app.open);
 
 async function begin(): Promise<void> {
     await turnTo(current);
@@ -201,4 +202,4 @@ async function begin(): Promise<void> {
 void app.trying(begin);
 
 // Figures for those who test the page.
-Object.assign(window, { denavit: { app, chain, chains } });
+Object.assign(window, { denavit: { app, chain, chains, placed } });

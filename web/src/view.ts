@@ -154,7 +154,7 @@ export class View {
             this.overlay.add(frame);
             const tag = h("span", { class: chosen === index ? "tag chosen" : "tag" }, row.label);
             this.tag(new Vector3().setFromMatrixPosition(row.to).applyMatrix4(from), tag);
-            for (const step of row.steps) this.overlay.add(...drawnStep(step.part, step.amount, step.from, step.to, size, stands, chosen === index));
+            for (const step of row.steps) for (const drawn of drawnStep(step.part, step.amount, step.from, step.to, size, stands, chosen === index)) this.overlay.add(drawn);
             if (chosen === index) {
                 for (const step of row.steps) {
                     if (Math.abs(step.amount) < 1e-9) continue;

@@ -60,7 +60,7 @@ fn embedded(name: &str, arguments: &SourceArguments) -> Result<Embedded, Failure
         source::Loaded::Robot(_) => source::urdf_text(&file, text, arguments)?.1,
         _ => text,
     };
-    Ok(Embedded { file: format!("/{shown}"), text })
+    Ok(Embedded { file: shown, text })
 }
 
 /// The page with robots in it; no text of theirs can end the element that holds them.
