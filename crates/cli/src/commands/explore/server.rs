@@ -47,7 +47,7 @@ fn answer(mut stream: &TcpStream, page: &str, port: u16) -> std::io::Result<()> 
         if let Some((name, value)) = line.split_once(':')
             && name.eq_ignore_ascii_case("host")
         {
-            host = value.trim().to_owned();
+            value.trim().clone_into(&mut host);
         }
     }
     // A name that leads here by somebody else's name server would let a foreign page read the robot.
