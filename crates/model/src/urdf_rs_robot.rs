@@ -3,10 +3,10 @@
 //! `urdf-rs` knows links, joints and materials. What it does not know - transmissions, simulators' settings, screw
 //! joints - is not in what it gives, and stays behind on the way to it.
 
-use crate::element::Element;
+use crate::element::{Element, ElementNode};
 use crate::problems::UrdfError;
-use crate::robot::{Geometry, Joint, JointKind, Link, Origin, Robot, Shape};
-use crate::urdf;
+use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Origin, Robot, Shape};
+use crate::{urdf, write};
 use nalgebra::Matrix3;
 use thiserror::Error;
 use urdf_rs::{JointType, Pose, Vec3};
@@ -59,10 +59,10 @@ impl Robot {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn from_urdf_rs(robot: &urdf_rs::Robot) -> Result<Self, ExchangeError> {
-        let text = urdf_rs::write_to_string(robot).map_err(Box::new)?;
-        let mut read = urdf::read(&robot.name, &text)?;
+        let mut read = read_back(robot)?;
         for link in &mut read.links {
-            link.inertial = link.inertial.take().filter(|it| it.mass != 0.0 || it.tensor != Matrix3::zeros());
+            let stated = |it: &Inertial| it.mass != 0.0 || it.tensor != Matrix3::zeros() || it.origin.xyz != [0.0; 3];
+            link.inertial = link.inertial.take().filter(stated);
         }
         for joint in &mut read.joints {
             let limits = &mut joint.limits;
@@ -95,6 +95,26 @@ impl Robot {
             materials: materials.collect(),
         })
     }
+}
+
+/// Their robot by way of its text. `urdf-rs` cannot write a texture that it has read, so these go around the text.
+fn read_back(robot: &urdf_rs::Robot) -> Result<Robot, ExchangeError> {
+    let mut plain = robot.clone();
+    let of_links = plain.links.iter_mut().flat_map(|link| &mut link.visual).filter_map(|it| it.material.as_mut());
+    let textures: Vec<_> = plain.materials.iter_mut().chain(of_links).map(|it| it.texture.take()).collect();
+    let text = urdf_rs::write_to_string(&plain).map_err(Box::new)?;
+    let mut read = urdf::read(&robot.name, &text)?;
+    if textures.iter().all(Option::is_none) {
+        return Ok(read);
+    }
+    let of_links = read.links.iter_mut().flat_map(|link| &mut link.visuals).flat_map(|it| &mut it.elements);
+    let materials = read.elements.iter_mut().chain(of_links).filter(|element| element.tag() == "material");
+    for (material, texture) in materials.zip(textures) {
+        let Some(texture) = texture else { continue };
+        let attributes = vec![("filename".to_owned(), texture.filename)];
+        material.nodes.push(ElementNode { depth: 1, tag: "texture".into(), attributes, text: String::new() });
+    }
+    Ok(urdf::read(&robot.name, &write::urdf(&read))?)
 }
 
 fn pose(origin: &Origin) -> Pose {
