@@ -45,6 +45,8 @@ export class App {
     /** Set by the page: takes a robot in and shows it. */
     open: (robot: RobotText, meshes: Dropped) => Promise<void> = async () => {};
     changed: () => void = () => {};
+    /** Set by the page: makes the sliders show the joint values. */
+    refill: () => void = () => {};
 
     value(name: string): number {
         return this.q.get(name) ?? 0;

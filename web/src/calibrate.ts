@@ -235,7 +235,8 @@ function bars(report: Report, key: string): HTMLElement {
 }
 
 /** The first pass of the search: kinds by places. */
-function heat(tried: Calibrated["tried"]): HTMLElement {
+function heat(all: Calibrated["tried"]): HTMLElement {
+    const tried = all.flatMap(({ kind, place, delta_bic }) => (delta_bic === null ? [] : [{ kind, place, delta_bic }]));
     const kinds = [...new Set(tried.map((cell) => cell.kind))];
     const places = [...new Set(tried.map((cell) => cell.place))];
     const most = Math.max(...tried.map((cell) => cell.delta_bic), 1);

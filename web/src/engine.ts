@@ -76,7 +76,8 @@ export interface Calibrated {
     effects: string;
     notes: string[];
     residuals: Rows[];
-    tried: { kind: string; place: string; delta_bic: number }[];
+    /** null: no figure, as where nothing can be told. */
+    tried: { kind: string; place: string; delta_bic: number | null }[];
 }
 
 export interface Possible {

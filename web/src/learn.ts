@@ -71,7 +71,7 @@ export class Learn implements Panel {
             app.view.ghost(0, 0.25);
             // The derivation is told where every joint stands at 0: there the screw axes are.
             app.q.clear();
-            app.move();
+            app.refill();
             this.make(poe, table, answer.rows.map((row) => row.numbers), answer.columns);
             this.go(Math.min(this.at, this.steps.length - 1));
         });

@@ -90,6 +90,8 @@ app.open = async (robot, meshes) => {
     }
 };
 
+app.refill = () => joints.fill();
+
 app.changed = () => {
     joints.fill();
     void current.show();

@@ -93,7 +93,7 @@ fn table(
     let format = formats::named(format).ok_or_else(|| format!("there is no format \"{format}\""))?;
     let text = (format.render)(&sheet).map_err(words)?;
     let rows: Vec<Value> = sheet
-        .text_rows(|index| format!("q{}", index + 1))
+        .text_rows(|index| format!("q{index}"))
         .into_iter()
         .map(|row| {
             json!({ "label": row.label, "joint": row.joint, "kind": row.kind, "numbers": row.numbers, "limits": row.limits })
