@@ -28,6 +28,7 @@ export class Calibrate implements Panel {
     private data: { file: string; text: string } | undefined;
     private test: { file: string; text: string } | undefined;
     private readonly out = h("div", {});
+    private readonly factor = h("span", { class: "factor" });
     private readonly trial = h("div", { class: "trial" });
     private units = "m,rad";
     private search = "auto";
@@ -118,11 +119,20 @@ export class Calibrate implements Panel {
             ...(report.curves?.length ? [h("h3", {}, "Error curves of the joints"), ...report.curves.map(curve)] : []),
             h("h3", {}, "What is left, on the robot"),
             h("div", { class: "row" },
-                select("Stage", result.residuals.map((stage, at) => [String(at), stage.stage]), String(this.stage = result.residuals.length - 1), (value) => { this.stage = Number(value); this.arrows(); }, "stage"),
-                this.slider("Magnified", 10, 3000, this.magnify, (value) => { this.magnify = value; this.arrows(); }, "magnify")),
+                select("Stage", result.residuals.map((stage, at) => [String(at), stage.stage]), String(this.stage = result.residuals.length - 1), (value) => { this.stage = Number(value); this.scale(); }, "stage"),
+                this.factor),
             h("details", {}, h("summary", {}, "What the columns were taken for"), h("ul", {}, ...report.columns.map((it) => h("li", {}, `${it.column}: ${it.taken_for}`)))),
             h("details", {}, h("summary", {}, "The whole report"), h("pre", { class: "words", id: "report", "data-json": result.text }, result.words)),
             ...(result.notes.length ? [h("ul", { class: "notes" }, ...result.notes.map((note) => h("li", {}, note)))] : []));
+        this.scale();
+    }
+
+    /** Each stage begins with arrows of a size that is seen; the factor stands beside the slider. */
+    private scale(): void {
+        const lengths = (this.result?.residuals[this.stage]?.rows ?? []).map(({ left }) => Math.hypot(...left));
+        const rms = Math.sqrt(lengths.reduce((sum, length) => sum + length * length, 0) / Math.max(1, lengths.length));
+        this.magnify = Math.min(1e6, Math.max(1, (0.08 * this.app.view.size) / Math.max(rms, 1e-12)));
+        this.factor.replaceChildren(this.slider("Magnified", this.magnify / 30, this.magnify * 30, this.magnify, (value) => { this.magnify = value; this.arrows(); }, "magnify"));
         this.arrows();
     }
 
