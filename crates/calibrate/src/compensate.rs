@@ -1,5 +1,9 @@
 //! Joint commands that reach given poses with the robot as it is: Newton on the full model.
 
+mod in_order;
+
+pub use in_order::in_order;
+
 use denavit_model::chain::Quantity;
 use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector6};
 use denavit_model::{Chain, Pose, Screw, se3};

@@ -1,6 +1,7 @@
 //! Measurement files for trials and teaching: a robot that differs from its drawing, an instrument, noise. Seeded.
 
 pub mod columns;
+pub mod files;
 pub mod truth;
 pub mod wish;
 

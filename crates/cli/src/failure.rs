@@ -31,6 +31,9 @@ pub enum Failure {
     /// A configuration file that is none.
     #[error(transparent)]
     Check(#[from] denavit_load::CheckError),
+    /// Words or files that make no calibration.
+    #[error(transparent)]
+    Measured(#[from] denavit_load::measured::MeasuredError),
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] denavit_calibrate::measurements::DataError),

@@ -1,0 +1,27 @@
+//! What a calibration is asked for in words, to rows and options.
+//!
+//! Words are those of the command line; messages name its options, and the Python package writes them as its keywords.
+
+mod distance;
+mod rows;
+mod search;
+mod tip;
+
+pub use rows::{DataFile, Rows, RowsAsked, rows};
+pub use search::{SearchAsked, freedom, other_chains, search};
+pub use tip::{all_known, without_part_in_the_tip};
+
+use denavit_calibrate::measurements::DataError;
+use thiserror::Error;
+
+/// Why words or files make no rows and no options.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MeasuredError {
+    /// An option that cannot be.
+    #[error("{0}")]
+    Option(String),
+    /// Measurements that cannot be read.
+    #[error(transparent)]
+    Data(#[from] DataError),
+}
