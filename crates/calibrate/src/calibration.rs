@@ -403,7 +403,11 @@ fn has_a_meaning(data: &Measurements, name: &str) -> bool {
 }
 
 /// Every wanted column of the fitted rows that varies is there in the rows that judge.
-fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str) -> bool) -> Result<(), TestError> {
+pub(crate) fn recorded_too(
+    train: &Measurements,
+    test: &Measurements,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<(), TestError> {
     let varies = |values: &[f64]| values.iter().any(|value| *value != values[0]);
     let missing = train
         .covariates

@@ -33,6 +33,7 @@ mod panel;
 pub mod parameters;
 pub mod placement;
 pub mod plan;
+pub mod prediction;
 pub mod prior;
 mod products;
 pub mod proportion;

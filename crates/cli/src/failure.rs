@@ -40,9 +40,6 @@ pub enum Failure {
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
-    /// A robot larger than anything that is measured.
-    #[error(transparent)]
-    OutOfProportion(#[from] denavit_calibrate::proportion::OutOfProportion),
     /// Effects that cannot be read.
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),

@@ -9,8 +9,7 @@ use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::measurements::{Units, poses, poses::Poses};
 use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::proportion::within_proportion;
-use denavit_load::measured::DataFile;
+use denavit_load::measured::{DataFile, moving};
 use denavit_model::Chain;
 
 /// A robot, its chain and what gravity acts on; notes are said.
@@ -26,14 +25,7 @@ pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
     let noted = loaded.chain(&arguments.selection())?;
     output::remark(&noted.notes);
     let chain = noted.value;
-    if chain.joints().is_empty() {
-        let (base, tip) = (chain.base(), chain.tip());
-        return Err(Failure::Argument(format!(
-            "{}: nothing moves between \"{base}\" and \"{tip}\"; choose --base and --tip",
-            arguments.robot
-        )));
-    }
-    within_proportion(&chain)?;
+    moving(&arguments.robot, &chain)?;
     let statics = loaded.statics(&chain, arguments.selection().reading);
     Ok(Robot { loaded, chain, statics })
 }

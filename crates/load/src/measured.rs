@@ -6,12 +6,15 @@ mod distance;
 mod rows;
 mod search;
 mod tip;
+mod within;
 
 pub use rows::{DataFile, Rows, RowsAsked, rows};
 pub use search::{SearchAsked, freedom, other_chains, search};
 pub use tip::{all_known, without_part_in_the_tip};
+pub use within::{corners, moving};
 
 use denavit_calibrate::measurements::DataError;
+use denavit_calibrate::proportion::OutOfProportion;
 use thiserror::Error;
 
 /// Why words or files make no rows and no options.
@@ -21,6 +24,9 @@ pub enum MeasuredError {
     /// An option that cannot be.
     #[error("{0}")]
     Option(String),
+    /// A robot larger than anything that is measured.
+    #[error(transparent)]
+    OutOfProportion(#[from] OutOfProportion),
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] DataError),
