@@ -1,6 +1,6 @@
 //! Errors of the library as the package's exceptions, with file, line, column and hint.
 
-use denavit_calibrate::measurements::DataError;
+use denavit_calibrate::observation::measurements::DataError;
 use denavit_load::LoadError;
 use denavit_load::measured::MeasuredError;
 use denavit_model::{Place, TreeError, UrdfError};

@@ -8,9 +8,9 @@ use denavit_calibrate::calibration::{
     CalibrateError, CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell,
 };
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::errors::Residual;
-use denavit_calibrate::measurements::Measurements;
-use denavit_calibrate::observe::KINDS;
+use denavit_calibrate::identify::residual_statistics::Residual;
+use denavit_calibrate::observation::kinds::KINDS;
+use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
 use denavit_load::Loaded;
@@ -217,7 +217,7 @@ fn fitted(
     work: Work,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Result<Calibration, CalibrateError>> {
-    let (tell, told) = mpsc::channel();
+    let (tell, mut told) = mpsc::channel();
     let left = Arc::new(AtomicBool::new(false));
     let leave = Arc::clone(&left);
     let fit = std::thread::spawn(move || {
@@ -227,9 +227,10 @@ fn fitted(
             if gone { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
     });
-    let wait = || {
+    let mut wait = || {
         loop {
-            let stage = py.detach(|| told.recv_timeout(PATIENCE));
+            let told = &mut told;
+            let stage = py.detach(move || told.recv_timeout(PATIENCE));
             py.check_signals()?;
             match (stage, progress) {
                 (Ok(stage), Some(progress)) => {

@@ -4,12 +4,12 @@ use crate::chain::Chain;
 use crate::errors::{argument, measured};
 use crate::measured::kind;
 use crate::robot::reading;
+use denavit_calibrate::apply::plan::{PlanOptions, plan as planned};
+use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
+use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
+use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
 use denavit_calibrate::effects::EffectModel;
-use denavit_calibrate::measurements::Units;
-use denavit_calibrate::plan::{PlanOptions, plan as planned};
-use denavit_calibrate::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::simulate::wish::Wish;
-use denavit_calibrate::simulate::{SimulationOptions, commanded_readings};
+use denavit_calibrate::observation::measurements::Units;
 use denavit_load::measured::{corners, moving};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
@@ -141,10 +141,10 @@ pub fn simulate(
         readings: Some(readings),
         before: None,
     };
-    let wishes = effects.iter().map(|text| text.parse::<Wish>()).collect::<Result<Vec<_>, _>>();
-    let wishes = wishes.map_err(|failure| argument(format!("effects: {failure}")))?;
+    let specifications = effects.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
+    let specifications = specifications.map_err(|failure| argument(format!("effects: {failure}")))?;
     let test_rows = test_rows.map(|rows| count("test_rows", rows)).transpose()?;
-    let asked = FilesAsked { options, wishes, columns, test_rows };
+    let asked = FilesAsked { options, specifications, columns, test_rows };
     let statics = chain.loaded.statics(nominal, reading(chain.exact));
     let model = match saved {
         None => EffectModel::new(statics.clone(), Vec::new()),
@@ -152,7 +152,7 @@ pub fn simulate(
     };
     let made = py.detach(|| files(nominal, &statics, model, &asked)).map_err(|failure| {
         argument(match failure {
-            FilesError::Wish(failure) => format!("effects: {failure}"),
+            FilesError::Effect(failure) => format!("effects: {failure}"),
             FilesError::Column(failure) => format!("columns: {failure}"),
             FilesError::Targets(count) => format!("targets is {count}; {failure}"),
             other => format!("effects: {other}"),

@@ -36,7 +36,7 @@ pub enum Failure {
     Measured(#[from] denavit_load::measured::MeasuredError),
     /// Measurements that cannot be read.
     #[error(transparent)]
-    Data(#[from] denavit_calibrate::measurements::DataError),
+    Data(#[from] denavit_calibrate::observation::measurements::DataError),
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
@@ -48,7 +48,7 @@ pub enum Failure {
     Page(#[from] denavit_calibrate::report::html::PageError),
     /// Poses that cannot be chosen.
     #[error(transparent)]
-    Plan(#[from] denavit_calibrate::plan::PlanError),
+    Plan(#[from] denavit_calibrate::apply::plan::PlanError),
     /// A calibration that a maker's form cannot hold.
     #[error(transparent)]
     Maker(#[from] denavit_export::makers::MakerError),

@@ -7,8 +7,8 @@ use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::measurements::{Units, poses, poses::Poses};
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
 use denavit_load::measured::{DataFile, moving};
 use denavit_model::Chain;
 

@@ -13,8 +13,8 @@ pub use search::{SearchAsked, freedom, other_chains, search};
 pub use tip::{all_known, without_part_in_the_tip};
 pub use within::{corners, moving};
 
-use denavit_calibrate::measurements::DataError;
-use denavit_calibrate::proportion::OutOfProportion;
+use denavit_calibrate::identify::proportion::OutOfProportion;
+use denavit_calibrate::observation::measurements::DataError;
 use thiserror::Error;
 
 /// Why words or files make no rows and no options.

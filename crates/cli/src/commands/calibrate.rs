@@ -7,7 +7,7 @@ use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::Loaded;
 use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
-use denavit_calibrate::measurements::Units;
+use denavit_calibrate::observation::measurements::Units;
 use denavit_calibrate::report::{html, text};
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};

@@ -5,10 +5,10 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
-use denavit_calibrate::compensate::in_order;
+use denavit_calibrate::apply::compensate::{Allowed, in_order};
 use denavit_calibrate::effects::driver::APPROACH;
 use denavit_calibrate::effects::recorded;
-use denavit_calibrate::report::commands::{Allowed, summary, to_csv, to_json};
+use denavit_calibrate::report::commands::{summary, to_csv, to_json};
 use denavit_load::measured::{all_known, without_part_in_the_tip};
 use denavit_model::Chain;
 

@@ -4,9 +4,9 @@ use crate::args::SimulateArguments;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{Outputs, Slot, Status};
-use denavit_calibrate::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::simulate::wish::Wish;
-use denavit_calibrate::simulate::{SimulationOptions, commanded_readings};
+use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
+use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
+use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -18,17 +18,18 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let test = outputs.add_if("--test", arguments.test.as_deref())?;
     let truth = outputs.add_if("--truth", arguments.truth.as_deref())?;
     let robot = measured::robot(&arguments.robot)?;
-    let wishes = arguments.effect.iter().map(|text| text.parse::<Wish>()).collect::<Result<Vec<_>, _>>();
+    let specifications =
+        arguments.effect.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
     let asked = FilesAsked {
         options: options(arguments, &robot.chain)?,
-        wishes: wishes.map_err(|error| Failure::Argument(format!("--effect {error}")))?,
+        specifications: specifications.map_err(|error| Failure::Argument(format!("--effect {error}")))?,
         columns: arguments.columns.clone(),
         test_rows: arguments.test.as_ref().map(|_| arguments.test_rows as usize),
     };
     let effects = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
     let made = files(&robot.chain, &robot.statics, effects, &asked).map_err(|error| {
         Failure::Argument(match error {
-            FilesError::Wish(error) => format!("--effect {error}"),
+            FilesError::Effect(error) => format!("--effect {error}"),
             FilesError::Column(error) => format!("--columns: {error}"),
             FilesError::Targets(count) => format!("--targets {count}: {error}"),
             other => format!("{}: {other}", arguments.effects.as_deref().unwrap_or("--effects")),

@@ -2,7 +2,7 @@
 
 use super::MeasuredError;
 use super::distance::known_distance;
-use denavit_calibrate::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
+use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
 use denavit_model::Chain;
 use std::path::Path;
 

@@ -4,8 +4,8 @@ use super::MeasuredError;
 use crate::Loaded;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
-use denavit_calibrate::infer::CurveOptions;
 use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Freedom, IdentifyOptions, Measurements};
 use denavit_model::{Chain, Reading};
 
