@@ -115,11 +115,12 @@ def _table(rows: list[dict[str, object]], convention: str | None) -> str:
         out.write(f"# convention: {convention}\n")
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([[_cell(row.get(name)) for name in columns] for row in rows])
+    writer.writerows([[cell(row.get(name)) for name in columns] for row in rows])
     return out.getvalue()
 
 
-def _cell(value: object) -> str:
+def cell(value: object) -> str:
+    """A value as a cell of CSV that reads back as it is; empty where it is none."""
     if value is None or value != value:  # noqa: PLR0124 - not a number: a cell that a data frame has no value for
         return ""
     if isinstance(value, str):
