@@ -1,5 +1,7 @@
 //! Effects that a calibration found: error curves of joints, and joint commands that reach poses in spite of them.
 
+#![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
+
 use crate::chain::Chain;
 use crate::errors::{argument, data, measured};
 use crate::measured::Given;

@@ -1,5 +1,7 @@
 //! A run of measurements before it is made: which poses to take, and what it might look like.
 
+#![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
+
 use crate::chain::Chain;
 use crate::errors::{argument, measured};
 use crate::measured::kind;

@@ -6,6 +6,7 @@ import csv
 import io
 import os
 from collections.abc import Iterable, Mapping
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -125,4 +126,4 @@ def cell(value: object) -> str:
         return ""
     if isinstance(value, str):
         return value
-    return repr(float(value)) if not isinstance(value, int) else str(value)  # type: ignore[arg-type]
+    return str(int(value)) if isinstance(value, Integral) else repr(float(value))  # type: ignore[arg-type]
