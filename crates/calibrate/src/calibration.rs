@@ -4,6 +4,7 @@ pub mod adoption;
 pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
+pub mod rows;
 
 use self::diagnosis::Diagnosis;
 use crate::calibration::adoption::{Adopted, worse};
@@ -300,6 +301,8 @@ pub fn calibrate_and_tell(
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
         adopted,
+        placements: None,
+        rows: Vec::new(),
         parameters,
         differs_from_drawing: differs,
         effects: named.map_or_else(Vec::new, |found| found.findings.iter().map(entry).collect()),
@@ -314,7 +317,7 @@ pub fn calibrate_and_tell(
         ),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
-    Ok(Calibration {
+    let mut result = Calibration {
         report,
         identification,
         trace: found,
@@ -324,7 +327,10 @@ pub fn calibrate_and_tell(
         train,
         test,
         residuals,
-    })
+    };
+    result.report.placements = Some(rows::placements(&result));
+    result.report.rows = rows::rows(&result);
+    Ok(result)
 }
 
 /// The rows to fit and those to judge by.
