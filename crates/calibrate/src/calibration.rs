@@ -5,6 +5,7 @@ pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
 pub mod prediction;
+pub mod rows;
 
 use self::diagnosis::Diagnosis;
 use crate::calibration::adoption::{Adopted, worse};
@@ -309,6 +310,8 @@ pub fn calibrate_and_tell(
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
         adopted,
+        placements: None,
+        rows: Vec::new(),
         parameters,
         differs_from_drawing: differs,
         effects: named.map_or_else(Vec::new, |found| found.findings.iter().map(entry).collect()),
@@ -323,7 +326,7 @@ pub fn calibrate_and_tell(
         ),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
-    Ok(Calibration {
+    let mut result = Calibration {
         report,
         identification,
         trace: found,
@@ -333,7 +336,10 @@ pub fn calibrate_and_tell(
         train,
         test,
         residuals,
-    })
+    };
+    result.report.placements = Some(rows::placements(&result));
+    result.report.rows = rows::rows(&result);
+    Ok(result)
 }
 
 /// The rows to fit and those to judge by.
