@@ -9,6 +9,7 @@ pub mod html;
 pub mod identifiability;
 #[cfg(feature = "pages")]
 pub mod plots;
+pub mod rows;
 pub mod text;
 #[cfg(feature = "pages")]
 pub mod trace_plots;
