@@ -61,6 +61,46 @@ fn arguments_of_xacro_reach_every_command() {
 }
 
 #[test]
+fn arguments_of_xacro_are_for_xacro() {
+    let trial = Trial::new()
+        .with("bent.xacro", XACRO)
+        .with_robot("table.csv", "universal_robots/ur5e_dh.csv")
+        .with("poses.csv", "x,y,z\n0.4,0.1,0.3\n")
+        .with("data.csv", "");
+    for source in ["arm.urdf", "table.csv"] {
+        for line in [
+            format!("table {source} length:=1.5"),
+            format!("chains {source} length:=1.5"),
+            format!("fk {source} length:=1.5"),
+            format!("poe {source} length:=1.5"),
+            format!("export {source} length:=1.5"),
+            format!("describe {source} length:=1.5"),
+            format!("fingerprint {source} length:=1.5"),
+            format!("identify {source} length:=1.5"),
+            format!("plan {source} length:=1.5 --count 8"),
+            format!("simulate {source} length:=1.5"),
+            format!("calibrate {source} length:=1.5 --data data.csv"),
+            format!("compensate {source} length:=1.5 --poses poses.csv"),
+        ] {
+            trial.refuses(&line, &format!("{source}: this is no xacro file, so it takes no argument length:=1.5"));
+        }
+    }
+    for line in [
+        "diff arm.urdf table.csv length:=1.5",
+        "doc arm.urdf table.csv length:=1.5 -o -",
+        "check arm.urdf length:=1.5",
+        "compensate arm.urdf length:=1.5 --from table.csv --poses poses.csv",
+    ] {
+        trial.refuses(line, "takes");
+    }
+    // Of use to one of them is enough.
+    let both = trial.run("diff arm.urdf bent.xacro length:=1.5");
+    assert_eq!(both.code, 1, "{}", both.stderr);
+    assert!(trial.run("check arm.urdf bent.xacro length:=1.5").code < 2);
+    assert_eq!(trial.run("doc arm.urdf bent.xacro length:=1.5 -o pages").code, 0);
+}
+
+#[test]
 fn xacro_and_tables_are_checked() {
     let trial = Trial::new()
         .with("bent.xacro", &XACRO.replace("0 0 1", "0 0 2"))

@@ -21,7 +21,17 @@ pub struct Robot {
 
 /// Reads the robot that the arguments choose.
 pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
-    let loaded = source::load(&arguments.robot, &arguments.source)?;
+    chosen(arguments, source::load(&arguments.robot, &arguments.source)?)
+}
+
+/// Reads the robot that the arguments choose and another one, which the arguments of xacro may be meant for.
+pub fn robot_and(arguments: &RobotArguments, other: &str) -> Result<(Robot, Loaded), Failure> {
+    let mut robots = source::load_all(&[&arguments.robot, other], &arguments.source)?;
+    let other = robots.remove(1);
+    Ok((chosen(arguments, robots.remove(0))?, other))
+}
+
+fn chosen(arguments: &RobotArguments, loaded: Loaded) -> Result<Robot, Failure> {
     let noted = loaded.chain(&arguments.selection())?;
     output::remark(&noted.notes);
     let chain = noted.value;

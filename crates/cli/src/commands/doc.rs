@@ -25,8 +25,9 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     // Everything is made before anything is written.
     let mut files: Vec<(String, String)> = Vec::new();
     let mut cards = Vec::new();
-    for name in &robots {
-        let document = document(arguments, &source, name, units)?;
+    let names: Vec<&str> = robots.iter().map(String::as_str).collect();
+    for (name, loaded) in robots.iter().zip(source::load_all(&names, &source)?) {
+        let document = document(arguments, &source, name, loaded, units)?;
         let stem = unused_stem(name, &files);
         if arguments.markdown {
             files.extend(page::markdown(&document, &stem).into_iter().map(|file| (file.name, file.text)));
@@ -78,8 +79,13 @@ fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
     numbered.into_iter().find(|stem| !taken(stem)).unwrap_or(stem)
 }
 
-fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, units: Units) -> Result<Document, Failure> {
-    let loaded = source::load(name, source)?;
+fn document(
+    arguments: &DocArguments,
+    source: &SourceArguments,
+    name: &str,
+    loaded: Loaded,
+    units: Units,
+) -> Result<Document, Failure> {
     let robot = RobotArguments {
         robot: name.to_owned(),
         base: arguments.base.clone(),
