@@ -152,8 +152,7 @@ fn what_a_xacro_file_includes_is_an_input() {
         <link name=\"upper\"/><joint name=\"shoulder\" type=\"revolute\"><parent link=\"base\"/><child link=\"upper\"/>\
         <origin xyz=\"${length} 0 0\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint>\
         </xacro:macro></robot>";
-    let trial =
-        Trial::new().with("main.xacro", main).with("parts.xacro", parts).with("sizes.yaml", "upper: 0.5\n");
+    let trial = Trial::new().with("main.xacro", main).with("parts.xacro", parts).with("sizes.yaml", "upper: 0.5\n");
     trial.run("simulate main.xacro --rows 30 -o data.csv").succeeded();
     for file in ["parts.xacro", "sizes.yaml"] {
         for line in [

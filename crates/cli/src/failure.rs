@@ -40,6 +40,9 @@ pub enum Failure {
     /// A robot larger than anything that is measured.
     #[error(transparent)]
     OutOfProportion(#[from] denavit_calibrate::proportion::OutOfProportion),
+    /// A chain of more joints than can be identified.
+    #[error(transparent)]
+    TooManyJoints(#[from] denavit_calibrate::proportion::TooManyJoints),
     /// Effects that cannot be read.
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),

@@ -11,6 +11,7 @@ use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
 use denavit_calibrate::infer::CurveOptions;
+use denavit_calibrate::proportion::can_be_identified;
 use denavit_calibrate::report::{html, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
@@ -27,6 +28,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&inputs)?;
     let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
+    can_be_identified(&robot.chain)?;
     let mut options = options(arguments, &robot.chain)?;
     let products = products(arguments, &robot)?;
     let gather::Rows { data, test, columns } = gather::rows(arguments, &robot.chain)?;

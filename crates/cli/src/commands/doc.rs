@@ -11,6 +11,9 @@ use denavit_load::TableOptions;
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// A picture of more joints shows nothing, and a page of them is longer than anybody reads.
+const MOST_JOINTS: usize = 500;
+
 /// Runs the command.
 pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
@@ -95,6 +98,15 @@ fn document(
         source: source.clone(),
     };
     let main = part(&robot, &loaded)?;
+    let (chain, joints) = (&main.chain, main.chain.joints().len());
+    if joints > MOST_JOINTS {
+        return Err(Failure::Argument(format!(
+            "{name}: {joints} joints move between \"{}\" and \"{}\", and a page shows no more than {MOST_JOINTS}; choose a part \
+             of the chain by --base and --tip, or print the table alone: denavit table",
+            chain.base(),
+            chain.tip()
+        )));
+    }
     let mut others = Vec::new();
     if let Loaded::Robot(tree) = &loaded {
         let others_of = |listing: &denavit_model::tree::ChainListing| {

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
 use denavit_calibrate::dh_form::dh_form;
+use denavit_calibrate::proportion::can_be_identified;
 use denavit_calibrate::report::told;
 use denavit_calibrate::{identifiability, simulate};
 
@@ -14,6 +15,7 @@ pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.data.as_deref()])?;
     let delivery = Delivery::of(None, &arguments.json, arguments.robot.files().chain(arguments.data.as_deref()))?;
     let chain = measured::robot(&arguments.robot)?.chain;
+    can_be_identified(&chain)?;
     let freedom = measured::freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
     let readings = match &arguments.data {
         Some(file) => measured::joint_values(file, &chain, &arguments.units)?,
