@@ -9,9 +9,9 @@
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
-use denavit_calibrate::measurements::{Measurements, Units, read};
+use denavit_calibrate::observation::measurements::{Measurements, Units, read};
 use denavit_calibrate::trace::{TraceOptions, trace};
-use denavit_calibrate::{Effects, IdentifyOptions, Problem, identify};
+use denavit_calibrate::{Effects, IdentifyOptions, ResidualModel, identify};
 use denavit_model::{Chain, tree::Reading};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,7 +28,7 @@ fn rms<E: Effects>(
     arm: &denavit_calibrate::Arm,
     effects: &E,
 ) -> f64 {
-    let squares = Problem { data, layout, effects }.squares(arm);
+    let squares = ResidualModel { data, layout, effects }.squares(arm);
     (squares.iter().map(|s| s[0]).sum::<f64>() / squares.len() as f64).sqrt() * 1e3
 }
 

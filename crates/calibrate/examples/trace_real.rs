@@ -3,7 +3,7 @@
 
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::Statics;
-use denavit_calibrate::measurements::{Units, read};
+use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_model::tree::Reading;
 use std::time::Instant;

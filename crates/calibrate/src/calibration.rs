@@ -1,27 +1,32 @@
 //! The whole of a calibration: stages on training rows, errors on rows that no stage saw, effects, the report.
 
-use crate::adoption::{Adopted, worse};
-use crate::arm::Arm;
-use crate::diagnosis::{self, Diagnosis};
-use crate::drawing::{Departure, departures};
+pub mod adoption;
+pub mod contract;
+pub mod diagnosis;
+pub mod drawing_differences;
+
+use self::diagnosis::Diagnosis;
+use crate::calibration::adoption::{Adopted, worse};
+use crate::calibration::contract::{
+    CalibrationReport, Counts, CurveEntry, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
+    Unidentifiable,
+};
+use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
 use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
-use crate::errors::{Errors, Residual, TestError, errors, lengths_found, placed, residuals};
-use crate::grid::{self, Rounding};
-use crate::identifiability::{Identifiability, Untold, identifiability};
+use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
+use crate::identify::proportion::{OutOfProportion, within_proportion};
+use crate::identify::quantization::{self, Rounding};
+use crate::identify::redundancy::{Redundancy, different};
+use crate::identify::residual_statistics::{Errors, Residual, TestError, errors, lengths_found, placed, residuals};
+use crate::identify::solve::{Fit, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
-use crate::infer::curves::{CurveFit, CurveOptions, fit_curves};
-use crate::measurements::Measurements;
-use crate::parameters::{Effects, NoEffects};
-use crate::proportion::{OutOfProportion, within_proportion};
-use crate::redundancy::{Redundancy, different};
-use crate::report::contract::{
-    CalibrationReport, Counts, CurveEntry, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
-    Unidentifiable,
-};
-use crate::solve::{Fit, outside};
+use crate::observation::arm::Arm;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Effects, NoEffects};
+use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
@@ -146,7 +151,7 @@ pub struct Calibration {
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
     pub curves: Option<CurveFit>,
-    /// Counts, and what is untold.
+    /// Counts, and what is unidentifiable.
     pub identifiability: Identifiability,
     /// Rounded readings, where there are any.
     pub rounding: Option<Rounding>,
@@ -232,8 +237,8 @@ pub fn calibrate_and_tell(
     if !geometric.settled() {
         return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations: geometric.iterations });
     }
-    let told = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
-    let redundancy = Redundancy::of(&train, told.rank);
+    let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
+    let redundancy = Redundancy::of(&train, identifiable.rank);
     let found = options.trace.as_ref().filter(|_| redundancy.enough_for_effects).map(|options| {
         progress(Progress::Effects);
         trace(statics, &train, geometric, options)
@@ -288,8 +293,8 @@ pub fn calibrate_and_tell(
             test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &residuals[last].test)),
         },
         redundancy,
-        identifiability: Counts { expected: told.expected, rank: told.rank },
-        unidentifiable: unidentifiable(&told, &parameters),
+        identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
+        unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
         adopted,
         parameters,
@@ -305,13 +310,13 @@ pub fn calibrate_and_tell(
             },
         ),
     };
-    let rounding = grid::rounding(&identification.geometric.arm, &train);
+    let rounding = quantization::rounding(&identification.geometric.arm, &train);
     Ok(Calibration {
         report,
         identification,
         trace: found,
         curves,
-        identifiability: told,
+        identifiability: identifiable,
         rounding,
         train,
         test,
@@ -345,33 +350,33 @@ fn rows_of(
 }
 
 /// What no row tells, as the report says it.
-fn unidentifiable(told: &Identifiability, parameters: &[Identified]) -> Vec<Unidentifiable> {
-    let entry = |untold: &Untold| Unidentifiable {
-        parameter: untold.parameter.clone(),
-        joint: untold.joint.clone(),
-        why: untold.why.clone(),
-        held: held(parameters, &untold.parameter),
+fn unidentifiable(identifiable: &Identifiability, parameters: &[Identified]) -> Vec<Unidentifiable> {
+    let entry = |unidentifiable: &UnidentifiableParameter| Unidentifiable {
+        parameter: unidentifiable.parameter.clone(),
+        joint: unidentifiable.joint.clone(),
+        why: unidentifiable.why.clone(),
+        held: held(parameters, &unidentifiable.parameter),
     };
-    told.untold.iter().map(entry).collect()
+    identifiable.unidentifiable.iter().map(entry).collect()
 }
 
 /// The joints' parameters of a fit with their intervals, and those that are far from the drawing.
-fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Vec<Departure>) {
-    let departure = fit.layout.departure(&fit.arm, &fit.arm);
+fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Vec<DrawingDifference>) {
+    let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let joints = fit.arm.nominal.joints();
     let of = |index: usize| {
         let parameter = &fit.layout.parameters[index];
         Identified {
             parameter: parameter.name.clone(),
             joint: parameter.kind.joint().map_or_else(String::new, |joint| joints[joint].name.clone()),
-            change: departure[index],
+            change: difference[index],
             std: fit.deviation(index),
             half_interval_95: fit.half_interval(index, 0.95),
             unit: parameter.unit,
             held_by_prior: fit.held_by_prior(index),
         }
     };
-    (fit.layout.joints.clone().map(of).collect(), departures(fit))
+    (fit.layout.joints.clone().map(of).collect(), drawing_differences(fit))
 }
 
 /// What a parameter that the data cannot tell is held by.

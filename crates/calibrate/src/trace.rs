@@ -8,6 +8,8 @@
 //! ```
 //! No candidate sees a measured value. All of them are tested against geometry at the same state of the model.
 
+pub mod infer;
+
 mod contest;
 mod drifts;
 mod findings;
@@ -24,9 +26,9 @@ use crate::effects::catalogue::Kind;
 use crate::effects::driver::Statics;
 use crate::effects::model::{EffectModel, Term};
 use crate::identify::IdentifyOptions;
-use crate::measurements::Measurements;
-use crate::parameters::NoEffects;
-use crate::solve::Fit;
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::NoEffects;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;

@@ -3,14 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::measured::measured;
-use denavit_calibrate::adoption::Adopted;
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::infer::CurveOptions;
-use denavit_calibrate::measurements::{Units, read};
-use denavit_calibrate::observe::POSITION;
+use denavit_calibrate::observation::kinds::POSITION;
+use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Measurements, NoEffects};
 use denavit_model::examples::puma_like;
 use denavit_model::{Reading, urdf};

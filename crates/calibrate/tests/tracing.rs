@@ -6,10 +6,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 use crate::measured::measured;
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::measurements::{Units, read};
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
 use denavit_model::Chain;

@@ -1,9 +1,9 @@
 //! Error curves of joints as the report has them: entries of the JSON, lines of the text.
 
+use crate::calibration::contract::{CurveEntry, CurvePoint};
 use crate::effects::curve::Curve;
-use crate::infer::curves::CurveFit;
-use crate::infer::lines::{course, lines};
-use crate::report::contract::{CurveEntry, CurvePoint};
+use crate::trace::infer::curves::CurveFit;
+use crate::trace::infer::lines::{course, lines};
 use denavit_model::Screw;
 use std::fmt::Write;
 

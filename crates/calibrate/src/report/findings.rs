@@ -40,7 +40,7 @@ pub fn findings(trace: &Trace) -> String {
         if rivals.is_empty() {
             let _ = writeln!(text, "      rivals: none");
         } else {
-            let _ = writeln!(text, "      the data cannot tell it from {}", rivals.join(", "));
+            let _ = writeln!(text, "      indistinguishable in these data from {}", rivals.join(", "));
         }
     }
     let left = &trace.leftover;

@@ -2,7 +2,7 @@
 //! adopted.
 
 use crate::calibration::Calibration;
-use crate::report::contract::CalibrationReport;
+use crate::calibration::contract::CalibrationReport;
 use std::fmt::Write;
 
 /// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
@@ -24,7 +24,7 @@ pub(super) fn redundancy(result: &Calibration) -> String {
             if fit.deviation(joint) > 0.0 { fit.half_interval(joint, 0.95) / fit.deviation(joint) } else { 2.0 };
         let _ = writeln!(
             text,
-            "  few: the prior holds what so few numbers cannot tell; intervals of 95 % are {factor:.2} standard deviations \
+            "  few: the prior keeps what so few numbers cannot determine; intervals of 95 % are {factor:.2} standard deviations \
              to either side"
         );
     }
@@ -70,8 +70,8 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
     text.push_str(
         "DIFFERS FROM THE DRAWING by far more than links are made to; is it another variant of this robot?\n",
     );
-    for departure in &report.differs_from_drawing {
-        let (factor, unit) = match departure.unit {
+    for difference in &report.differs_from_drawing {
+        let (factor, unit) = match difference.unit {
             "rad" => (1e3, "mrad"),
             "m" => (1e3, "mm"),
             other => (1.0, other),
@@ -79,9 +79,9 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
         let _ = writeln!(
             text,
             "  {} {:.2} {unit}, {:.0} tolerances, seen from the axes before it",
-            departure.parameter,
-            departure.value * factor,
-            departure.tolerances
+            difference.parameter,
+            difference.value * factor,
+            difference.tolerances
         );
     }
     text

@@ -13,6 +13,8 @@ use std::path::Path;
 
 /// A picture of more joints shows nothing, and a page of them is longer than anybody reads.
 const MOST_JOINTS: usize = 500;
+/// Hands and legs have some dozens.
+const MOST_CHAINS: usize = 300;
 
 /// Runs the command.
 pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
@@ -112,7 +114,15 @@ fn document(
         let others_of = |listing: &denavit_model::tree::ChainListing| {
             listing.tip != main.chain.tip() && !listing.coordinates.is_empty()
         };
-        for listing in tree.leaf_chains().iter().filter(|listing| others_of(listing)) {
+        let listed = tree.leaf_chains();
+        if listed.len() > MOST_CHAINS {
+            return Err(Failure::Argument(format!(
+                "{name}: the robot has {} chains, and a page shows no more than {MOST_CHAINS}; cut what is not needed off its \
+                 tree, or print the table of one chain: denavit table --base LINK --tip LINK",
+                listed.len()
+            )));
+        }
+        for listing in listed.iter().filter(|listing| others_of(listing)) {
             let (base, tip) = (Some(listing.base.clone()), Some(listing.tip.clone()));
             others.extend(part(&RobotArguments { base, tip, ..robot.clone() }, &loaded).ok());
         }
