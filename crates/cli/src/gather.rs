@@ -22,11 +22,12 @@ pub struct Rows {
 
 /// Reads the rows to fit and those to judge by.
 pub fn rows(arguments: &CalibrateArguments, chain: &Chain) -> Result<Rows, Failure> {
+    let options = measured::import_options(&arguments.import)?;
     let several = arguments.data.len() > 1;
     let mut columns = Vec::new();
     let mut parts = Vec::new();
     for file in &arguments.data {
-        let (data, used) = measured::measurements(file, chain, &arguments.units)?;
+        let (data, used) = measured::measurements(file, chain, &arguments.units, &options)?;
         if columns.is_empty() {
             columns = used;
         }
@@ -39,7 +40,7 @@ pub fn rows(arguments: &CalibrateArguments, chain: &Chain) -> Result<Rows, Failu
     let Some(mut data) = Measurements::joined(parts) else {
         return Err(Failure::Argument("there is nothing to fit; name a file by --data or --socket".into()));
     };
-    let read = |file| Ok::<_, Failure>(measured::measurements(file, chain, &arguments.units)?.0);
+    let read = |file| Ok::<_, Failure>(measured::measurements(file, chain, &arguments.units, &options)?.0);
     let mut test = arguments.test.as_deref().map(read).transpose()?;
     for word in &arguments.distance {
         let known = known_distance(word)?;

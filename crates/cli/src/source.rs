@@ -87,6 +87,11 @@ pub fn read_text(name: &str) -> Result<(String, String), Failure> {
     Ok(denavit_load::read_text(name)?)
 }
 
+/// As [`read_text`], of whatever content.
+pub fn read_bytes(name: &str) -> Result<(String, Vec<u8>), Failure> {
+    Ok(denavit_load::read_bytes(name)?)
+}
+
 /// What the options say of how a table's file is to be read.
 pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
     let convention = arguments.table_convention.map(ConventionName::convention);

@@ -17,7 +17,7 @@ mod table;
 pub use canonical::canonical;
 pub use checked::{CheckError, CheckOptions, Rules};
 pub use error::LoadError;
-pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_text};
+pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};
 pub use robot::{Listing, Loaded, Selection};
 pub use table::{Made, TableOptions};
 

@@ -106,6 +106,19 @@ pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, L
 /// # Errors
 /// The file cannot be read, or is no UTF-8 text.
 pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
+    let (file, bytes) = read_bytes(name)?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        LoadError::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
+    })?;
+    Ok((file, text))
+}
+
+/// As [`read_text`], of whatever content.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn read_bytes(name: &str) -> Result<(String, Vec<u8>), LoadError> {
     let failed = |reason: String| LoadError::Read { file: name.to_owned(), reason };
     let (file, bytes) = if name == "-" {
         let mut bytes = Vec::new();
@@ -116,11 +129,7 @@ pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
     } else {
         (name.to_owned(), std::fs::read(name).map_err(|error| failed(error.to_string()))?)
     };
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        LoadError::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
-    })?;
-    Ok((file, text))
+    Ok((file, bytes))
 }
 
 /// The content of REVISION:PATH as git has it, or why there is none. Nothing in the name reaches git as an option.

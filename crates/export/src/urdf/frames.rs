@@ -56,20 +56,19 @@ impl Plan {
         let mut open: BinaryHeap<(usize, Reverse<usize>, usize)> =
             robot.leaves().iter().enumerate().map(first).collect();
         loop {
-            let (tip, joints) = match tip.take() {
-                Some(tip) => (tip, way(robot, bodies, &placed, tip)),
-                None => {
-                    let Some((length, place, leaf)) = open.pop() else { break };
-                    let joints = way(robot, bodies, &placed, leaf);
-                    if joints.is_empty() {
-                        continue;
-                    }
-                    if joints.len() < length {
-                        open.push((joints.len(), place, leaf));
-                        continue;
-                    }
-                    (leaf, joints)
+            let (tip, joints) = if let Some(tip) = tip.take() {
+                (tip, way(robot, bodies, &placed, tip))
+            } else {
+                let Some((length, place, leaf)) = open.pop() else { break };
+                let joints = way(robot, bodies, &placed, leaf);
+                if joints.is_empty() {
+                    continue;
                 }
+                if joints.len() < length {
+                    open.push((joints.len(), place, leaf));
+                    continue;
+                }
+                (leaf, joints)
             };
             if !joints.is_empty() {
                 plan.place(robot, bodies, options, tip, &joints)?;
