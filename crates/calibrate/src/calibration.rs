@@ -17,6 +17,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
+use crate::identify::lack_of_fit::lack_of_fit;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
@@ -279,6 +280,7 @@ pub fn calibrate_and_tell(
         _ => (&geometric.weights, identified(geometric)),
     };
     let last = stages.iter().position(|stage| stage.adopted).unwrap_or(0);
+    let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
         robot: chain.name().into(),
@@ -293,6 +295,7 @@ pub fn calibrate_and_tell(
             test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &residuals[last].test)),
         },
         redundancy,
+        repeats,
         identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
