@@ -297,9 +297,9 @@ fn joint_values_come_from_robot_programs() {
     let list = |row: &Vec<f64>, cell: &dyn Fn(f64) -> String| {
         joints.iter().map(|k| cell(row[*k])).collect::<Vec<_>>().join(",")
     };
-    let script: String =
+    let script: Vec<String> =
         rows.iter().map(|row| format!("  movej([{}], a=1.4, v=1.05)\n", list(row, &|x| x.to_string()))).collect();
-    room.write("cal.script", format!("def cal():\n{script}end\n"));
+    room.write("cal.script", format!("def cal():\n{}end\n", script.concat()));
     assert_eq!(room.report("seen.csv --joints cal.script"), room.report("own.csv"));
     // In degrees the last digit of rad is lost on the way; the reference goes the same way.
     let degrees = |x: f64| x.to_degrees().to_string();
@@ -313,13 +313,13 @@ fn joint_values_come_from_robot_programs() {
         })
         .collect();
     room.write("reference.csv", table(&names, &back, ",", plain));
-    let rapid: String = rows
+    let rapid: Vec<String> = rows
         .iter()
         .enumerate()
         .map(|(k, row)| format!("  CONST jointtarget p{k}:=[[{}],[9E9,9E9,9E9,9E9,9E9,9E9]];\n", list(row, &degrees)))
         .collect();
-    room.write("cal.mod", format!("MODULE cal\n  ! measured by hand\n{rapid}ENDMODULE\n"));
-    let krl: String = rows
+    room.write("cal.mod", format!("MODULE cal\n  ! measured by hand\n{}ENDMODULE\n", rapid.concat()));
+    let krl: Vec<String> = rows
         .iter()
         .enumerate()
         .map(|(p, row)| {
@@ -328,7 +328,7 @@ fn joint_values_come_from_robot_programs() {
             format!("DECL E6AXIS XP{p}={{{},E1 0.0,E2 0.0}}\n", axes.join(","))
         })
         .collect();
-    room.write("cal.dat", krl);
+    room.write("cal.dat", krl.concat());
     let reference = room.report("reference.csv");
     for program in ["cal.mod", "cal.dat"] {
         assert_eq!(room.report(&format!("seen.csv --joints {program}")), reference, "{program}");
