@@ -86,7 +86,7 @@ impl Effects {
         let poses = match wanted {
             Wanted::File(given) => {
                 let file = given.file()?;
-                poses::read(&file.name, file.text.as_bytes(), as_it_is, file.units).map_err(|failure| data(&failure))?
+                poses::read(&file.name, &file.bytes[..], as_it_is, file.units).map_err(|failure| data(&failure))?
             }
             Wanted::Matrices(array) => of_matrices(&array)?,
             Wanted::Joints(array) => of_joints(joint_rows("poses", &array, drawn)?),

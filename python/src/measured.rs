@@ -11,6 +11,7 @@ use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::residual_statistics::Residual;
 use denavit_calibrate::observation::kinds::KINDS;
 use denavit_calibrate::observation::measurements::Measurements;
+use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
 use denavit_load::Loaded;
@@ -34,7 +35,7 @@ impl Given {
             .2
             .parse()
             .map_err(|failure| error(Class::Argument, &format!("{}: units: {failure}", self.0), Spot::file(&self.0)))?;
-        Ok(DataFile { name: self.0, text: self.1, units })
+        Ok(DataFile { name: self.0, bytes: self.1.into_bytes(), units })
     }
 }
 
@@ -186,6 +187,7 @@ pub fn calibrate(
         distances: rows.distances,
         test: rows.test.map(Given::file).transpose()?,
         hold_out_setups: rows.hold_out_setups,
+        import: ImportOptions::default(),
     };
     let read = py.detach(|| self::rows(&asked, nominal));
     let Rows { data, test, columns, notes } = read.map_err(|failure| measured(&failure))?;

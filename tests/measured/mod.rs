@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod closed_loop;
+mod exports;
 
 use crate::golden::snapshot;
 use crate::support::{denavit, denavit_with_input, robot, vendor};

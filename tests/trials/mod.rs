@@ -3,6 +3,7 @@
 mod commands;
 mod git;
 mod json;
+mod large;
 mod library;
 mod numbers;
 #[cfg(unix)]

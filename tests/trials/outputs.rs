@@ -143,6 +143,40 @@ fn an_output_is_never_an_input() {
 }
 
 #[test]
+fn what_a_xacro_file_includes_is_an_input() {
+    let main = "<robot name=\"bent\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\
+        <xacro:include filename=\"parts.xacro\"/>\
+        <xacro:property name=\"sizes\" value=\"${xacro.load_yaml('sizes.yaml')}\"/>\
+        <link name=\"base\"/><xacro:arm length=\"${sizes['upper']}\"/></robot>";
+    let parts = "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:macro name=\"arm\" params=\"length\">\
+        <link name=\"upper\"/><joint name=\"shoulder\" type=\"revolute\"><parent link=\"base\"/><child link=\"upper\"/>\
+        <origin xyz=\"${length} 0 0\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint>\
+        </xacro:macro></robot>";
+    let trial = Trial::new().with("main.xacro", main).with("parts.xacro", parts).with("sizes.yaml", "upper: 0.5\n");
+    trial.run("simulate main.xacro --rows 30 -o data.csv").succeeded();
+    for file in ["parts.xacro", "sizes.yaml"] {
+        for line in [
+            format!("table main.xacro -o {file}"),
+            format!("table main.xacro --json={file}"),
+            format!("expand main.xacro -o {file}"),
+            format!("export main.xacro -o {file}"),
+            format!("diff arm.urdf main.xacro -o ./{file}"),
+            format!("check main.xacro -o {file}"),
+            format!("describe main.xacro -o {file}"),
+            format!("plan main.xacro --count 8 -o {file}"),
+            format!("simulate main.xacro -o {file}"),
+            format!("calibrate main.xacro --data data.csv --effects none --html {file}"),
+        ] {
+            trial.refuses(&line, &format!("{file}: the run reads this file (the robot includes "));
+        }
+    }
+    std::fs::rename(trial.path("parts.xacro"), trial.path("parts.html")).unwrap();
+    let trial = trial.with("main.xacro", &main.replace("parts.xacro", "parts.html"));
+    std::fs::copy(trial.path("main.xacro"), trial.path("parts.xacro")).unwrap();
+    trial.refuses("doc parts.xacro -o .", "the run reads this file (the robot includes ");
+}
+
+#[test]
 fn two_outputs_need_two_places() {
     let trial = Trial::new().with("data.csv", "").with("page.html", "");
     symlink("page.html", trial.path("link.html")).unwrap();

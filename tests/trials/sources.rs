@@ -61,6 +61,46 @@ fn arguments_of_xacro_reach_every_command() {
 }
 
 #[test]
+fn arguments_of_xacro_are_for_xacro() {
+    let trial = Trial::new()
+        .with("bent.xacro", XACRO)
+        .with_robot("table.csv", "universal_robots/ur5e_dh.csv")
+        .with("poses.csv", "x,y,z\n0.4,0.1,0.3\n")
+        .with("data.csv", "");
+    for source in ["arm.urdf", "table.csv"] {
+        for line in [
+            format!("table {source} length:=1.5"),
+            format!("chains {source} length:=1.5"),
+            format!("fk {source} length:=1.5"),
+            format!("poe {source} length:=1.5"),
+            format!("export {source} length:=1.5"),
+            format!("describe {source} length:=1.5"),
+            format!("fingerprint {source} length:=1.5"),
+            format!("identify {source} length:=1.5"),
+            format!("plan {source} length:=1.5 --count 8"),
+            format!("simulate {source} length:=1.5"),
+            format!("calibrate {source} length:=1.5 --data data.csv"),
+            format!("compensate {source} length:=1.5 --poses poses.csv"),
+        ] {
+            trial.refuses(&line, &format!("{source}: this is no xacro file, so it takes no argument length:=1.5"));
+        }
+    }
+    for line in [
+        "diff arm.urdf table.csv length:=1.5",
+        "doc arm.urdf table.csv length:=1.5 -o -",
+        "check arm.urdf length:=1.5",
+        "compensate arm.urdf length:=1.5 --from table.csv --poses poses.csv",
+    ] {
+        trial.refuses(line, "takes");
+    }
+    // Of use to one of them is enough.
+    let both = trial.run("diff arm.urdf bent.xacro length:=1.5");
+    assert_eq!(both.code, 1, "{}", both.stderr);
+    assert!(trial.run("check arm.urdf bent.xacro length:=1.5").code < 2);
+    assert_eq!(trial.run("doc arm.urdf bent.xacro length:=1.5 -o pages").code, 0);
+}
+
+#[test]
 fn xacro_and_tables_are_checked() {
     let trial = Trial::new()
         .with("bent.xacro", &XACRO.replace("0 0 1", "0 0 2"))
@@ -112,4 +152,46 @@ fn an_arm_with_a_hand_ends_at_its_tool() {
     assert!(run.succeeded().starts_with("panda_link0 → panda_hand_tcp"));
     assert!(trial.run("chains panda.urdf").succeeded().contains("* panda_link0 → panda_hand_tcp"));
     assert!(!trial.run("fk panda.urdf --tip panda_leftfinger").stderr.contains("--tip"));
+}
+
+#[test]
+fn the_export_has_the_numbers_of_the_table_or_says_that_it_has_not() {
+    let trial = Trial::new().with_robot("panda.urdf", "franka/panda.urdf");
+    let rows = |file: &str| -> Vec<Vec<f64>> {
+        let json: serde_json::Value =
+            serde_json::from_str(&trial.run(&format!("table {file} --json")).succeeded()).unwrap();
+        let number = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap_or(0.0);
+        let of = |row| ["theta", "d", "alpha", "a"].map(|key| number(row, key)).to_vec();
+        json["rows"].as_array().unwrap().iter().chain([&json["tool"]]).map(of).collect()
+    };
+    let near = |one: &[Vec<f64>], other: &[Vec<f64>]| {
+        one.concat().iter().zip(other.concat()).all(|(a, b)| (a - b).abs() < 1e-9) && one.len() == other.len()
+    };
+    let run = trial.run("export panda.urdf -o panda_dh.urdf");
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    assert!(near(&rows("panda.urdf"), &rows("panda_dh.urdf")), "{:?} {:?}", rows("panda.urdf"), rows("panda_dh.urdf"));
+    assert_eq!(trial.run("export panda_dh.urdf").succeeded(), trial.text("panda_dh.urdf"));
+    let Some(vendor) = crate::support::vendor() else { return };
+    let mut hands = 0;
+    for path in crate::support::files(&vendor.join("robots"), "urdf") {
+        std::fs::copy(&path, trial.path("robot.urdf")).unwrap();
+        let described = trial.run("table robot.urdf --json");
+        if described.code != 0 || !format!("{}{}", described.stdout, described.stderr).contains("the chain ends at") {
+            continue;
+        }
+        let run = trial.run("export robot.urdf -o robot_dh.urdf");
+        if run.code != 0 {
+            continue;
+        }
+        hands += 1;
+        let said = run.stderr.contains("has other numbers of the same robot than the table of this export");
+        let same = near(&rows("robot.urdf")[..], &rows("robot_dh.urdf")[..]);
+        assert!(said || same, "{}: {}", path.display(), run.stderr);
+        if said {
+            println!("{}: said", path.display());
+        }
+        assert_eq!(trial.run("export robot_dh.urdf").succeeded(), trial.text("robot_dh.urdf"), "{}", path.display());
+    }
+    println!("{hands} arms with hands");
+    assert!(hands > 5, "{hands}");
 }

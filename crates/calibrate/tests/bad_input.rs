@@ -32,8 +32,8 @@ fn headers() {
     check("", "m.csv: there is no header row; the first row names the columns: joints, then x,y,z or distance");
     check("joint_1,joint_2,x,y,z\n", "m.csv: there are no rows below the header; each row is one pose of the robot");
     check(
-        "joint_1;joint_2;x;y;z\n1;2;3;4;5\n",
-        "m.csv:1: the header is a single column \"joint_1;joint_2;x;y;z\"; separate columns by commas, not by semicolons",
+        "joint_1;joint_3;x;y;z\n1;2;3;4;5\n",
+        "m.csv:1: joint \"joint_2\" has no column; did you mean it by column \"joint_3\"? Rename that column",
     );
     check(
         "# c\njoint_1,jiont_2,x,y,z\n1,2,3,4,5\n",
@@ -76,13 +76,24 @@ fn columns_that_are_nearly_known_are_not_lost() {
             ),
         );
     };
-    near("Qx", "qx");
-    near("Temperature", "temperature");
     near("temprature", "temperature");
-    near("Time (s)", "time");
-    near("Payload", "payload");
     near("joint_1_approach", "joint_1.approach");
-    near("joint_2.Velocity", "joint_2.velocity");
+    // Capitals and units are read, and said.
+    let taken = |column: &str, known: &str| {
+        let found = notes(&format!("joint_1,joint_2,x,y,z,{column}\n0,0,1,0,0,1\n0.1,0.2,1,0.1,0,1\n"));
+        let said = format!("\"{column}\" taken for {known}");
+        assert!(found.iter().any(|note| note.to_string() == said), "{found:?}");
+    };
+    taken("Temperature", "temperature");
+    taken("Time (s)", "time");
+    taken("Payload", "payload");
+    taken("joint_2.Velocity", "joint_2.velocity");
+    check(
+        "joint_1,joint_2,x,y,z,Qx\n0,0,1,0,0,1\n",
+        "m.csv:1: column \"qy\" is missing beside \"qx\"; qx, qy, qz, qw belong together\n\
+         m.csv:1: column \"qz\" is missing beside \"qx\"; qx, qy, qz, qw belong together\n\
+         m.csv:1: column \"qw\" is missing beside \"qx\"; qx, qy, qz, qw belong together",
+    );
     let left_out = |columns: &str| {
         let found = error(&format!("joint_1,joint_2,x,y,z,{columns}\n0,0,1,0,0,0,0,0\n"));
         let names = columns.replace(',', ", ");
@@ -239,7 +250,7 @@ fn cells() {
     assert!(error(&many).ends_with("\n… and 4 more"), "{}", error(&many));
     let bytes = b"joint_1,joint_2,x,y,z\n0,0,1,0,\xff\n";
     let text = read("m.csv", &bytes[..], &planar_arm(), Units::default()).unwrap_err().to_string();
-    assert_eq!(text, "m.csv:2: the text is not UTF-8; write the file as UTF-8 text with comma-separated columns");
+    assert_eq!(text, "m.csv:2: column \"z\": \"ÿ\" is not a number; correct the cell or remove the row");
 }
 
 #[test]

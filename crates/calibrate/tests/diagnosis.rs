@@ -4,7 +4,7 @@
 
 use super::measured::measured;
 use super::real::{irb120, tiago};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
@@ -144,6 +144,61 @@ fn rows_of_two_robots_are_named() {
     let said = refused(&ur5e(), both);
     assert!(said.contains("60 of 120 rows fit this robot together"), "{said}");
     assert!(said.contains("lines 62-121;") || said.contains("lines 2-61;"), "{said}");
+}
+
+/// Rows of both, one file after the other.
+fn one_behind_the_other(mut first: Measurements, second: &Measurements) -> Measurements {
+    for row in 0..second.len() {
+        for observation in second.of_row(row) {
+            first.observed.push(second.observed.series(observation), second.observed.values(observation));
+        }
+        first.end_row(second.reading(row), 0, false);
+    }
+    first.lines = (2..first.len() + 2).collect();
+    first
+}
+
+#[test]
+fn rows_of_two_individuals_are_named() {
+    // Two arms off their drawing by a millimetre and a milliradian each, measured by one instrument that was not moved.
+    let chain = ur5e();
+    let built = |seed: u64| {
+        let options = SimulationOptions { rows: 60, seed, ..SimulationOptions::default() };
+        simulate(&chain, &options, &NoEffects)
+    };
+    let (one, other) = (built(2), built(77));
+    let mut same_place = one.arm.clone();
+    same_place.joints.clone_from(&other.arm.joints);
+    let options = SimulationOptions { rows: 60, seed: 77, ..SimulationOptions::default() };
+    let other = simulate_arm(&same_place, &options, &NoEffects);
+    let said = refused(&chain, one_behind_the_other(one.data.clone(), &other.data));
+    assert!(said.contains("60 of 120 rows fit this robot together"), "{said}");
+    assert!(said.contains("lines 62-121; are they of another robot"), "{said}");
+    // The same arm whose instrument was moved in between by 3 mm is one robot, which effects may explain.
+    let mut moved = one.arm.clone();
+    moved.instruments[0].translation.vector.x += 0.003;
+    let moved = simulate_arm(&moved, &options, &NoEffects);
+    let both = one_behind_the_other(one.data, &moved.data);
+    let result = calibrate(&chain, &Statics::of_chain(&chain), both, None, &CalibrateOptions::geometry(&chain));
+    if let Err(error) = result {
+        panic!("{error}");
+    }
+}
+
+#[test]
+fn one_coordinate_in_another_unit_is_named() {
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let mut data = positions();
+        for observation in 0..data.observations() {
+            data.observed.values_mut(observation)[axis] *= 1e3;
+        }
+        check(data, &format!("the {name} of what was measured were in mm, unlike the other two"), "--units");
+    }
+    let mut data = positions();
+    for observation in 0..data.observations() {
+        data.observed.values_mut(observation)[2] *= 1e-3;
+    }
+    check(data, "the z of what was measured were in m, unlike the other two", "--units");
 }
 
 #[test]

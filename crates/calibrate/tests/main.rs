@@ -5,6 +5,7 @@
 mod bad_input;
 mod curves;
 mod diagnosis;
+mod exports;
 mod factory;
 mod identifiability;
 mod jacobian;

@@ -8,8 +8,8 @@ mod program;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use json::{JsonArguments, with_json_files_joined};
 pub use measured::{
-    CalibrateArguments, CompensateArguments, GivenArguments, IdentifyArguments, MeasureName, PlanArguments,
-    SimulateArguments,
+    CalibrateArguments, CompensateArguments, GivenArguments, IdentifyArguments, ImportArguments, MeasureName,
+    PlanArguments, SimulateArguments,
 };
 pub use program::{CompletionsArguments, ManArguments};
 use std::path::PathBuf;
@@ -66,7 +66,7 @@ pub enum Command {
     /// Hold URDF files against numbered rules
     Check(CheckArguments),
     /// Calibrate a robot from measured data
-    Calibrate(CalibrateArguments),
+    Calibrate(Box<CalibrateArguments>),
     /// Say which parameters of a robot measurements can identify, and which not
     Identify(IdentifyArguments),
     /// Choose the poses to measure that make the robot best observable

@@ -40,6 +40,9 @@ pub enum Failure {
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
+    /// A chain of more joints than can be identified.
+    #[error(transparent)]
+    TooManyJoints(#[from] denavit_calibrate::identify::proportion::TooManyJoints),
     /// Effects that cannot be read.
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),

@@ -1,6 +1,6 @@
 //! What the commands about measurements share: files of measurements, poses and effects, and pairs of numbers.
 
-use crate::args::{GivenArguments, MeasureName, RobotArguments};
+use crate::args::{GivenArguments, ImportArguments, MeasureName, RobotArguments};
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
@@ -8,9 +8,11 @@ use denavit_calibrate::ObservationKind;
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
 use denavit_load::measured::{DataFile, moving};
 use denavit_model::Chain;
+use std::path::Path;
 
 /// A robot, its chain and what gravity acts on; notes are said.
 pub struct Robot {
@@ -21,7 +23,17 @@ pub struct Robot {
 
 /// Reads the robot that the arguments choose.
 pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
-    let loaded = source::load(&arguments.robot, &arguments.source)?;
+    chosen(arguments, source::load(&arguments.robot, &arguments.source)?)
+}
+
+/// Reads the robot that the arguments choose and another one, which the arguments of xacro may be meant for.
+pub fn robot_and(arguments: &RobotArguments, other: &str) -> Result<(Robot, Loaded), Failure> {
+    let mut robots = source::load_all(&[&arguments.robot, other], &arguments.source)?;
+    let other = robots.remove(1);
+    Ok((chosen(arguments, robots.remove(0))?, other))
+}
+
+fn chosen(arguments: &RobotArguments, loaded: Loaded) -> Result<Robot, Failure> {
     let noted = loaded.chain(&arguments.selection())?;
     output::remark(&noted.notes);
     let chain = noted.value;
@@ -45,8 +57,8 @@ pub fn units(written: &str) -> Result<Units, Failure> {
 
 /// A file of measurements.
 pub fn data_file(file: &str, units: Units) -> Result<DataFile, Failure> {
-    let (name, text) = source::read_text(file)?;
-    Ok(DataFile { name, text, units })
+    let (name, bytes) = source::read_bytes(file)?;
+    Ok(DataFile { name, bytes, units })
 }
 
 /// Says what must be known.
@@ -54,18 +66,54 @@ pub fn mention(notes: &[String]) {
     notes.iter().for_each(output::mention);
 }
 
+/// What the arguments say of the columns of a file of measurements.
+pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Failure> {
+    let wrong = |option: &str, error: &dyn std::fmt::Display| Failure::Argument(format!("{option}: {error}"));
+    let map = arguments.columns.as_deref().map(|written| {
+        let read = if written.contains('=') && !Path::new(written).exists() {
+            Map::of_words(written)
+        } else {
+            let (file, text) = source::read_text(written)?;
+            Map::read(&file, &text)
+        };
+        read.map_err(|error| Failure::Argument(error.to_string()))
+    });
+    let order = |written: &str| written.parse::<EulerOrder>().map_err(|error| wrong("--euler", &error));
+    let program = |file: &String| {
+        let (name, text) = source::read_text(file)?;
+        import::joints(&name, &text).map_err(|error| Failure::Argument(error.to_string()))
+    };
+    Ok(ImportOptions {
+        map: map.transpose()?,
+        euler: arguments.euler.as_deref().map(order).transpose()?,
+        rotation_vector: arguments.rotation_vector,
+        quaternion: arguments.quaternion.clone(),
+        joints: arguments.joints.as_ref().map(program).transpose()?,
+    })
+}
+
 /// Reads a list of poses.
 pub fn pose_list(file: &str, chain: &Chain, written: &str) -> Result<Poses, Failure> {
     let units = units(written)?;
-    let (name, text) = source::read_text(file)?;
-    Ok(poses::read(&name, text.as_bytes(), chain, units)?)
+    let (name, bytes) = source::read_bytes(file)?;
+    Ok(poses::read(&name, &bytes[..], chain, units)?)
 }
 
 /// Reads joint values.
 pub fn joint_values(file: &str, chain: &Chain, written: &str) -> Result<Vec<Vec<f64>>, Failure> {
+    joint_values_of_export(file, chain, written, &ImportOptions::default())
+}
+
+/// The same of an export whose columns were told.
+pub fn joint_values_of_export(
+    file: &str,
+    chain: &Chain,
+    written: &str,
+    options: &ImportOptions,
+) -> Result<Vec<Vec<f64>>, Failure> {
     let units = units(written)?;
-    let (name, text) = source::read_text(file)?;
-    Ok(poses::read_joints(&name, text.as_bytes(), chain, units)?)
+    let (name, bytes) = source::read_bytes(file)?;
+    Ok(poses::read_joints_of_export(&name, &bytes[..], chain, units, options)?)
 }
 
 /// Reads effects; without a file there are none.

@@ -13,6 +13,7 @@ use destination::Destination;
 use staged::Staged;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Exit codes, as those of `diff`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,18 +65,54 @@ pub fn colour(to_standard_output: bool) -> Colour {
     if to_standard_output && !plain && io::stdout().is_terminal() { Colour::Ansi } else { Colour::None }
 }
 
+/// What the run of this process reads without its command line naming it, and where it will write: whichever is known
+/// second is held against the other.
+struct Run {
+    read: Vec<PathBuf>,
+    places: Vec<Place>,
+}
+
+static RUN: Mutex<Run> = Mutex::new(Run { read: Vec::new(), places: Vec::new() });
+
+/// Notes files that a source made us read, such as what a xacro file includes; refused where an output would replace one.
+pub fn reads(files: &[PathBuf]) -> Result<(), Failure> {
+    let mut run = RUN.lock().unwrap_or_else(PoisonError::into_inner);
+    for place in &run.places {
+        place.spares(files)?;
+    }
+    run.read.extend_from_slice(files);
+    Ok(())
+}
+
 /// What a run writes: every place is checked before the work, and all are written together after it.
 #[derive(Debug, Default)]
 pub struct Outputs {
     inputs: Vec<String>,
     places: Vec<Place>,
+    /// What is mended in place is an input by intention.
+    in_place: bool,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Place {
     option: &'static str,
     given: PathBuf,
     destination: Destination,
+}
+
+impl Place {
+    /// Refuses to replace one of these files.
+    fn spares(&self, read: &[PathBuf]) -> Result<(), Failure> {
+        match read.iter().find(|file| self.destination.is_input(&file.to_string_lossy())) {
+            None => Ok(()),
+            Some(file) => Err(Failure::Argument(format!(
+                "{} {}: the run reads this file (the robot includes {}); give the output a file of its own",
+                self.option,
+                self.given.display(),
+                file.display()
+            ))),
+        }
+    }
 }
 
 /// One of the places of [`Outputs`].
@@ -85,7 +122,12 @@ pub struct Slot(usize);
 impl Outputs {
     /// Outputs of a run that reads these files, by their names as given.
     pub fn beside<'a>(inputs: impl IntoIterator<Item = &'a str>) -> Self {
-        Self { inputs: inputs.into_iter().map(str::to_owned).collect(), places: Vec::new() }
+        Self { inputs: inputs.into_iter().map(str::to_owned).collect(), ..Self::default() }
+    }
+
+    /// Outputs that replace what the run reads, as they are asked to.
+    pub fn in_place() -> Self {
+        Self { in_place: true, ..Self::default() }
     }
 
     /// A place to write to, as `option` names it; refused where it cannot be written or would destroy another file of the
@@ -105,7 +147,13 @@ impl Outputs {
                 other.given.display()
             )));
         }
-        self.places.push(Place { option, given: given.to_owned(), destination });
+        let place = Place { option, given: given.to_owned(), destination };
+        if !self.in_place {
+            let mut run = RUN.lock().unwrap_or_else(PoisonError::into_inner);
+            place.spares(&run.read)?;
+            run.places.push(place.clone());
+        }
+        self.places.push(place);
         Ok(Slot(self.places.len() - 1))
     }
 

@@ -14,40 +14,68 @@ pub use folder::sources;
 
 /// Reads a robot.
 pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> {
-    let opened = denavit_load::load(name, &options(arguments)?)?;
-    for note in &opened.notes {
-        output::mention(note);
+    Ok(load_all(&[name], arguments)?.remove(0))
+}
+
+/// Reads several robots, in this order; arguments of xacro must be of use to one of them.
+pub fn load_all(names: &[&str], arguments: &SourceArguments) -> Result<Vec<Loaded>, Failure> {
+    let options = Options { arguments_for_another: names.len() > 1, ..options(arguments)? };
+    let mut any_is_xacro = false;
+    let mut robots = Vec::new();
+    for name in names {
+        let opened = denavit_load::load(name, &options)?;
+        output::reads(&opened.includes)?;
+        for note in &opened.notes {
+            output::mention(note);
+        }
+        any_is_xacro |= opened.is_xacro;
+        robots.push(opened.robot);
     }
-    Ok(opened.robot)
+    arguments.are_of_use(any_is_xacro)?;
+    Ok(robots)
 }
 
 /// Reads a robot only to see whether it is one.
 pub fn load_quietly(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> {
-    Ok(denavit_load::load(name, &options(arguments)?)?.robot)
+    let options = Options { arguments_for_another: true, ..options(arguments)? };
+    Ok(denavit_load::load(name, &options)?.robot)
 }
 
-/// A source as URDF text, for what looks at URDF text: what messages call it, and the text. URDF stays as it is, broken or
-/// not; xacro is expanded; what a table or screw axes stand for is written.
-pub fn urdf_text(file: &str, text: String, arguments: &SourceArguments) -> Result<(String, String), Failure> {
+/// A source as URDF text.
+pub struct UrdfText {
+    /// What messages call it.
+    pub shown: String,
+    /// The text.
+    pub text: String,
+    /// Whether it was xacro.
+    pub is_xacro: bool,
+}
+
+/// A source as URDF text, for what looks at URDF text. URDF stays as it is, broken or not; xacro is expanded; what a table or
+/// screw axes stand for is written.
+pub fn urdf_text(file: &str, text: String, arguments: &SourceArguments) -> Result<UrdfText, Failure> {
     let is_named = |end: &str| file.to_ascii_lowercase().ends_with(end);
     let is_markup = is_named(".urdf") || text.trim_start_matches('\u{feff}').trim_start().starts_with(['<', '\0']);
     if !is_markup && !text.trim().is_empty() {
-        let robot = denavit_load::from_text(file, &text, &options(arguments)?)?.robot;
+        let options = Options { arguments_for_another: true, ..options(arguments)? };
+        let robot = denavit_load::from_text(file, &text, &options)?.robot;
         let urdf = denavit_load::canonical(&robot, file, &denavit_export::urdf::Options::default())?;
-        return Ok((format!("{file} (as URDF)"), urdf.value));
+        return Ok(UrdfText { shown: format!("{file} (as URDF)"), text: urdf.value, is_xacro: false });
     }
     let is_xacro = denavit_xacro::is_xacro(&text);
     let is_meant =
         || is_named(".xacro") || !arguments.values.is_empty() || denavit_model::urdf::read(file, &text).is_err();
     if is_xacro && is_meant() {
-        return Ok((format!("{file} (expanded)"), expanded(file, &text, arguments)?));
+        let text = expanded(file, &text, arguments)?;
+        return Ok(UrdfText { shown: format!("{file} (expanded)"), text, is_xacro: true });
     }
-    Ok((file.to_owned(), text))
+    Ok(UrdfText { shown: file.to_owned(), text, is_xacro: false })
 }
 
 /// The URDF that a xacro document stands for.
 pub fn expanded(file: &str, text: &str, arguments: &SourceArguments) -> Result<String, Failure> {
     let expanded = denavit_load::expanded(file, text, &options(arguments)?)?;
+    output::reads(&expanded.files_read)?;
     for note in &expanded.notes {
         output::mention(note);
     }
@@ -57,6 +85,11 @@ pub fn expanded(file: &str, text: &str, arguments: &SourceArguments) -> Result<S
 /// The text of a file, of standard input (`-`), or of a file in git (`git:REVISION:PATH`), and what to call it.
 pub fn read_text(name: &str) -> Result<(String, String), Failure> {
     Ok(denavit_load::read_text(name)?)
+}
+
+/// As [`read_text`], of whatever content.
+pub fn read_bytes(name: &str) -> Result<(String, Vec<u8>), Failure> {
+    Ok(denavit_load::read_bytes(name)?)
 }
 
 /// What the options say of how a table's file is to be read.
@@ -80,7 +113,21 @@ pub fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
         allow_any_file: arguments.allow_any_file,
         vendor_angles: arguments.vendor_angles,
         stated: stated(arguments)?,
+        ..Options::default()
     })
+}
+
+impl SourceArguments {
+    /// Arguments of xacro are of no use where no source is xacro.
+    pub fn are_of_use(&self, any_is_xacro: bool) -> Result<(), Failure> {
+        match self.values.first() {
+            Some(word) if !any_is_xacro => Err(Failure::Argument(format!(
+                "none of these sources is a xacro file, so none takes the argument {word}; leave it out, or name the xacro \
+                 file that the robot is made from"
+            ))),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl RobotArguments {

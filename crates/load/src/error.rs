@@ -34,6 +34,17 @@ pub enum LoadError {
     /// A xacro file that does not expand.
     #[error(transparent)]
     Xacro(#[from] denavit_xacro::XacroError),
+    /// Arguments of a xacro file for a source that is none.
+    #[error(
+        "{file}: this is no xacro file, so it takes no argument {argument}; leave the argument out, or name the xacro file that \
+         the robot is made from"
+    )]
+    NoXacro {
+        /// As given.
+        file: String,
+        /// The first argument, NAME:=VALUE.
+        argument: String,
+    },
     /// A UR kinematics file that is none.
     #[error(transparent)]
     Kinematics(#[from] denavit_export::kinematics_yaml::KinematicsFileError),

@@ -27,7 +27,7 @@ mod table;
 pub use canonical::canonical;
 pub use checked::{CheckError, CheckOptions, Rules};
 pub use error::LoadError;
-pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_text};
+pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};
 pub use robot::{Listing, Loaded, Selection};
 pub use table::{Made, TableOptions};
 
@@ -39,6 +39,9 @@ use std::path::PathBuf;
 pub struct Options {
     /// Arguments of a xacro file, name and value.
     pub arguments: Vec<(String, String)>,
+    /// Whether the arguments may be meant for another source that is read with the same options: a source that is not xacro
+    /// then takes no offence.
+    pub arguments_for_another: bool,
     /// Folders with ROS packages, or packages.
     pub package_path: Vec<PathBuf>,
     /// Whether xacro may read files outside its package and the package path.
@@ -56,4 +59,8 @@ pub struct Opened {
     pub robot: Loaded,
     /// What the expansion of a xacro file has to say, and what nobody states of a table.
     pub notes: Vec<String>,
+    /// Whether it is xacro, so that the arguments are its own.
+    pub is_xacro: bool,
+    /// Files that the source made us read beside itself: what a xacro file includes, and its yaml.
+    pub includes: Vec<PathBuf>,
 }

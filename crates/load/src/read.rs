@@ -27,7 +27,17 @@ pub fn load(name: &str, options: &Options) -> Result<Opened, LoadError> {
 /// # Errors
 /// The text is no robot.
 pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, LoadError> {
-    let plain = |robot| Ok(Opened { robot, notes: Vec::new() });
+    let without_arguments = || match options.arguments.first() {
+        Some((name, value)) if !options.arguments_for_another => {
+            Err(LoadError::NoXacro { file: file.to_owned(), argument: format!("{name}:={value}") })
+        }
+        _ => Ok(()),
+    };
+    let noted = |robot, notes| {
+        without_arguments()?;
+        Ok(Opened { robot, notes, is_xacro: false, includes: Vec::new() })
+    };
+    let plain = |robot| noted(robot, Vec::new());
     let start = text.trim_start_matches('\u{feff}').trim_start();
     if is_kinematics_file(file, start) {
         let order = if options.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
@@ -41,7 +51,7 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
         return match sources::read(file, text, options.stated)? {
             Source::Table { table, convention, assumed } => {
                 let chain = table.chain().map_err(|source| LoadError::Chain { file: file.to_owned(), source })?;
-                Ok(Opened { robot: Loaded::Table { table, convention, chain }, notes: assumed })
+                noted(Loaded::Table { table, convention, chain }, assumed)
             }
             Source::Poe(chain) => plain(Loaded::Poe(chain)),
         };
@@ -56,10 +66,10 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
             read => return plain(Loaded::Robot(Box::new(read?))),
         }
     }
-    let Expanded { urdf, notes, .. } = expanded(file, text, options)?;
+    let Expanded { urdf, notes, files_read, .. } = expanded(file, text, options)?;
     let robot = denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?;
     let notes = notes.iter().map(ToString::to_string).collect();
-    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes })
+    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes, is_xacro: true, includes: files_read })
 }
 
 /// By its name, or by what it starts with where it has none.
@@ -102,6 +112,19 @@ pub(crate) fn environment() -> Environment {
 /// # Errors
 /// The file cannot be read, or is no UTF-8 text.
 pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
+    let (file, bytes) = read_bytes(name)?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        LoadError::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
+    })?;
+    Ok((file, text))
+}
+
+/// As [`read_text`], of whatever content.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn read_bytes(name: &str) -> Result<(String, Vec<u8>), LoadError> {
     let failed = |reason: String| LoadError::Read { file: name.to_owned(), reason };
     let (file, bytes) = if name == "-" {
         let mut bytes = Vec::new();
@@ -112,11 +135,7 @@ pub fn read_text(name: &str) -> Result<(String, String), LoadError> {
     } else {
         (name.to_owned(), denavit_xacro::files::read(Path::new(name)).map_err(|error| failed(error.to_string()))?)
     };
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        LoadError::NotText { file: file.clone(), line: 1 + String::from_utf8_lossy(valid).matches('\n').count() }
-    })?;
-    Ok((file, text))
+    Ok((file, bytes))
 }
 
 /// The content of REVISION:PATH as git has it, or why there is none. Nothing in the name reaches git as an option.

@@ -5,7 +5,7 @@
 
 mod written;
 
-use crate::identify::proportion::{OutOfProportion, within_proportion};
+use crate::identify::proportion::{OutOfProportion, TooManyJoints, can_be_identified, within_proportion};
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::observation::arm::{Arm, Perturbation, RowState};
 use crate::observation::gauge;
@@ -88,6 +88,9 @@ pub enum PlanError {
     /// A robot larger than anything that is measured.
     #[error(transparent)]
     OutOfProportion(#[from] OutOfProportion),
+    /// A chain of more joints than can be planned for.
+    #[error(transparent)]
+    TooManyJoints(#[from] TooManyJoints),
     /// Numbers of the robot that are too far apart in size.
     #[error(
         "the information of these poses cannot be computed: lengths of the robot, the target's or the anchor's place are too \
@@ -153,9 +156,10 @@ const MOST_SWEEPS: usize = 20;
 /// Choose poses.
 ///
 /// # Errors
-/// Too few candidates are left, or one has the wrong length.
+/// Too few candidates are left, or one has the wrong length; or the chain has too many joints.
 pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
     within_proportion(chain)?;
+    can_be_identified(chain)?;
     let all = candidates(chain, options)?;
     let total = all.len();
     let mut arm = Arm::new(chain, &Scene::of(options.kind, 1));
@@ -221,6 +225,8 @@ struct Design {
     candidates: Vec<Vec<f64>>,
     /// Each candidate's rows over the noise, parameters in units of what is expected of them.
     rows: Vec<DMatrix<f64>>,
+    /// All of them, one below the other.
+    stacked: DMatrix<f64>,
     before: DMatrix<f64>,
     noise: f64,
 }
@@ -236,7 +242,7 @@ impl Design {
         let height = options.kind.height();
         let mut scratch = Scratch::new(&layout, arm);
         let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * n]);
-        let rows = (0..candidates.len())
+        let rows: Vec<DMatrix<f64>> = (0..candidates.len())
             .map(|row| {
                 problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
                 DMatrix::from_fn(height, n, |i, k| jacobian[i * n + k] * unit[k] / options.noise)
@@ -250,7 +256,11 @@ impl Design {
         }
         let held = gauge::in_scaled(gauge::conditions(&layout, arm), &unit);
         before += &held * held.transpose();
-        Self { candidates, rows, before, noise: options.noise }
+        let mut stacked = DMatrix::zeros(height * rows.len(), n);
+        for (index, own) in rows.iter().enumerate() {
+            stacked.rows_mut(index * height, height).copy_from(own);
+        }
+        Self { candidates, rows, stacked, before, noise: options.noise }
     }
 
     /// ln det growth when rows are added to a design with this inverse.
@@ -281,9 +291,19 @@ impl Design {
     }
 
     fn best(&self, inverse: &DMatrix<f64>, chosen: &[usize]) -> Option<(usize, f64)> {
+        // One product for all candidates: it is most of the work.
+        let products = &self.stacked * inverse;
+        let height = self.rows[0].nrows();
+        let gain = |index: usize| {
+            let mut inner = products.rows(index * height, height) * self.rows[index].transpose();
+            for i in 0..height {
+                inner[(i, i)] += 1.0;
+            }
+            inner.determinant().max(f64::MIN_POSITIVE).ln()
+        };
         (0..self.rows.len())
             .filter(|index| !chosen.contains(index))
-            .map(|index| (index, Self::gain(inverse, &self.rows[index])))
+            .map(|index| (index, gain(index)))
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 

@@ -24,8 +24,10 @@ use thiserror::Error;
 pub const ORDER: f64 = 10.0;
 /// And the nominal one so many times, to be looked at.
 const PROMISING: f64 = 2.0;
-/// Below this share of the robot's size (or rad) a misfit is an effect or a rough robot, and nothing is tried.
+/// Below this share of the robot's size (or rad) a misfit is an effect or a rough robot, and no mistake is tried.
 const SUSPICIOUS: f64 = 2e-3;
+/// Below this share not even rows of two individuals of one robot are looked for: they differ by less than links are made to.
+const UNLIKE_ONE_ROBOT: f64 = 2e-4;
 /// Above this share of the robot's size (or rad) no geometry within its tolerances is to blame.
 const BEYOND_GEOMETRY: f64 = 0.02;
 /// Rows on which mistakes are tried, and on which the best are confirmed.
@@ -181,10 +183,38 @@ pub fn judge(
     let as_written = misfit(&found.geometric, data);
     let left = size_of(as_written, chain);
     // Written so that what is not a number is looked into.
-    if left < SUSPICIOUS {
+    if left < UNLIKE_ONE_ROBOT {
         return Ok(());
     }
     let options = &options.for_all(chain);
+    if left >= SUSPICIOUS {
+        mistaken(chain, data, (as_written, left), options, other_chains)?;
+    }
+    let mixed = |strangers: Vec<usize>, after| {
+        let strangers = strangers.into_iter().map(|row| data.lines[row]).collect();
+        Err(Diagnosis::Mixed { file: data.source.clone(), rows: data.len(), strangers, after })
+    };
+    if let Some((strangers, after)) = mixed::individuals(chain, data, options, left) {
+        return mixed(strangers, after);
+    }
+    if left < BEYOND_GEOMETRY {
+        return Ok(());
+    }
+    if let Some((strangers, after)) = mixed::strangers(chain, data, options, left) {
+        return mixed(strangers, after);
+    }
+    let [nominal, orientation] = misfit(&found.nominal, data);
+    Err(Diagnosis::Refused { file: data.source.clone(), nominal, orientation, size: chain.size() })
+}
+
+/// Looks for a mistake in how the data are written that explains what is left.
+fn mistaken(
+    chain: &Chain,
+    data: &Measurements,
+    (as_written, left): ([f64; 2], f64),
+    options: &IdentifyOptions,
+    other_chains: &[Chain],
+) -> Result<(), Diagnosis> {
     let few = spread(data, ROWS_TO_TRY);
     let many = spread(data, ROWS_TO_CONFIRM);
     let before = size_of(nominal_misfit(chain, &few), chain);
@@ -208,15 +238,7 @@ pub fn judge(
             return Err(Diagnosis::Mistaken { file: data.source.clone(), mistake, before: as_written, after });
         }
     }
-    if left < BEYOND_GEOMETRY {
-        return Ok(());
-    }
-    if let Some((strangers, after)) = mixed::strangers(chain, data, options, left) {
-        let strangers = strangers.into_iter().map(|row| data.lines[row]).collect();
-        return Err(Diagnosis::Mixed { file: data.source.clone(), rows: data.len(), strangers, after });
-    }
-    let [nominal, orientation] = misfit(&found.nominal, data);
-    Err(Diagnosis::Refused { file: data.source.clone(), nominal, orientation, size: chain.size() })
+    Ok(())
 }
 
 impl IdentifyOptions {

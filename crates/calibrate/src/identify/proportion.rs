@@ -1,4 +1,5 @@
-//! Whether a robot is of a size that anything measures: numbers far beyond it overflow or drown all others.
+//! Whether a robot is of a size that anything measures: numbers far beyond it overflow or drown all others, and more joints
+//! than any arm has take years to fit.
 
 use denavit_model::nalgebra::Point3;
 use denavit_model::{Chain, Screw};
@@ -44,4 +45,38 @@ pub fn within_proportion(chain: &Chain) -> Result<(), OutOfProportion> {
         }
         _ => Ok(()),
     }
+}
+
+/// Chains of more joints are not fitted or planned for: each joint has four numbers to find, and the work grows with the cube
+/// of all of them (100 joints take seconds, 2000 would take days).
+pub const MOST_JOINTS: usize = 100;
+
+/// A chain of more joints than can be fitted at once.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error(
+    "{robot}: {joints} joints move between \"{base}\" and \"{tip}\", and more than {MOST_JOINTS} cannot be identified at once; \
+     choose a part of the chain: --base and --tip"
+)]
+pub struct TooManyJoints {
+    /// The robot.
+    pub robot: String,
+    /// Where the chain starts.
+    pub base: String,
+    /// Where it ends.
+    pub tip: String,
+    /// Its moving joints.
+    pub joints: usize,
+}
+
+/// Checks that a chain has no more than [`MOST_JOINTS`] joints.
+///
+/// # Errors
+/// It has more.
+pub fn can_be_identified(chain: &Chain) -> Result<(), TooManyJoints> {
+    let joints = chain.joints().len();
+    if joints <= MOST_JOINTS {
+        return Ok(());
+    }
+    let name = |text: &str| text.to_owned();
+    Err(TooManyJoints { robot: name(chain.name()), base: name(chain.base()), tip: name(chain.tip()), joints })
 }

@@ -2,6 +2,7 @@
 
 pub mod columns;
 mod header;
+pub mod import;
 mod join;
 mod near_miss;
 mod observations;
@@ -17,7 +18,7 @@ pub use columns::ColumnUse;
 pub use join::read_socket;
 pub use observations::Observations;
 pub use problem::{DataError, DataProblem, Problem};
-pub use read::{DataNote, Loaded, read};
+pub use read::{DataNote, Loaded, read, read_export};
 pub use scene::{KnownLength, Scene, Series, label_of};
 pub use units::{Units, UnitsError};
 pub use write::write;

@@ -73,6 +73,12 @@ pub struct CalibrateArguments {
     /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
+    /// What the columns of an instrument's export are.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Print a map of the data's columns to start from, and do nothing else
+    #[arg(long, requires = "data")]
+    pub columns_draft: bool,
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
@@ -110,6 +116,34 @@ pub struct CalibrateArguments {
     pub effects_out: Option<PathBuf>,
 }
 
+/// What the columns of an instrument's export are, where their names do not say so; see docs/measurements.md.
+#[derive(Debug, Args)]
+pub struct ImportArguments {
+    /// Which column of the data is what: a TOML file, or x=X1,y=Y1,z=Z1 for a few
+    #[arg(long, value_name = "MAP")]
+    pub columns: Option<String>,
+    /// Columns of angles (roll,pitch,yaw; rx,ry,rz; A,B,C; W,P,R) are turns in this order: XYZ about the axes as they turn
+    /// along (intrinsic), xyz about fixed axes (extrinsic)
+    #[arg(long, value_name = "ORDER", conflicts_with_all = ["quaternion", "rotation_vector"])]
+    pub euler: Option<String>,
+    /// Columns q1,q2,q3,q4 (or q0,q1,q2,q3) are a quaternion in this order, such as wxyz
+    #[arg(long, value_name = "ORDER", conflicts_with = "rotation_vector")]
+    pub quaternion: Option<String>,
+    /// Columns rx,ry,rz are a rotation vector: axis times angle
+    #[arg(long)]
+    pub rotation_vector: bool,
+    /// Joint values of the data's rows, from a robot program: ABB RAPID jointtarget, KUKA KRL AXIS, UR script movej
+    #[arg(long, value_name = "PROGRAM")]
+    pub joints: Option<String>,
+}
+
+impl ImportArguments {
+    /// The files that the run reads for it, as named.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        self.columns.as_deref().into_iter().chain(self.joints.as_deref())
+    }
+}
+
 /// What is fitted beside the axes.
 #[derive(Debug, Args)]
 pub struct FreedomArguments {
@@ -145,6 +179,9 @@ pub struct IdentifyArguments {
     /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
+    /// What the columns of an instrument's export are.
+    #[command(flatten)]
+    pub import: ImportArguments,
     /// Targets on the tip that a position measurement sees
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub targets: u16,

@@ -5,9 +5,10 @@ use crate::failure::Failure;
 use crate::measured::{self, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
-use crate::source::Loaded;
+use crate::source::{self, Loaded};
 use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
-use denavit_calibrate::observation::measurements::Units;
+use denavit_calibrate::identify::proportion::can_be_identified;
+use denavit_calibrate::observation::measurements::{Units, import};
 use denavit_calibrate::report::{html, text};
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
@@ -23,8 +24,12 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     let mut inputs: Vec<Option<&str>> = arguments.data.iter().map(|file| Some(file.as_str())).collect();
     inputs.extend([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]);
     measured::one_standard_input(&inputs)?;
+    if arguments.columns_draft {
+        return draft(arguments);
+    }
     let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
+    can_be_identified(&robot.chain)?;
     let mut options = search(&search_asked(arguments), &robot.chain)?;
     let products = products(arguments, &robot)?;
     let Rows { data, test, columns, notes } = rows(&rows_asked(arguments)?, &robot.chain)?;
@@ -50,6 +55,18 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     Ok(Status::Same)
 }
 
+/// Prints a map of the data's columns to start from.
+fn draft(arguments: &CalibrateArguments) -> Result<Status, Failure> {
+    let chain = measured::robot(&arguments.robot)?.chain;
+    let [file] = &arguments.data[..] else {
+        return Err(Failure::Argument("--columns-draft: name one file of data".into()));
+    };
+    let (name, bytes) = source::read_bytes(file)?;
+    let map = import::draft(&name, &bytes, &chain).map_err(|error| Failure::Argument(format!("{name}: {error}")))?;
+    output::print(&map)?;
+    Ok(Status::Same)
+}
+
 /// Where the outputs go.
 struct Places {
     outputs: Outputs,
@@ -66,6 +83,7 @@ impl Places {
     fn of(arguments: &CalibrateArguments) -> Result<Self, Failure> {
         let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
         let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
+        let inputs = inputs.chain(arguments.import.files());
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
         let pairs = arguments.out_for.chunks_exact(2);
         let makers = pairs.map(|pair| {
@@ -200,6 +218,7 @@ fn rows_asked(arguments: &CalibrateArguments) -> Result<RowsAsked, Failure> {
         distances: arguments.distance.clone(),
         test: arguments.test.as_ref().map(read).transpose()?,
         hold_out_setups: arguments.hold_out_setups.clone(),
+        import: measured::import_options(&arguments.import)?,
     })
 }
 

@@ -43,12 +43,14 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let inputs = names.iter().map(String::as_str).chain(source.files());
     refuse_to_replace_a_robot(arguments.json.place(), &source)?;
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
-    let mut mended = Mended::default();
+    let mut mended = Mended { outputs: Outputs::in_place(), texts: Vec::new(), said: Vec::new() };
     let mut findings = Vec::new();
+    let mut any_is_xacro = false;
     for name in &names {
         let (file, written) = source::read_text(name)?;
         let rules = Rules::of(&file, &options)?;
-        let (shown, urdf) = source::urdf_text(&file, written, &source)?;
+        let source::UrdfText { shown, text: urdf, is_xacro } = source::urdf_text(&file, written, &source)?;
+        any_is_xacro |= is_xacro;
         let mut found = rules.check(&shown, &urdf);
         if arguments.fix && Path::new(name).is_file() {
             if shown == file {
@@ -63,6 +65,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         }
         findings.extend(found);
     }
+    source.are_of_use(any_is_xacro)?;
     mended.write()?;
     let found = Report::Findings { files: &names, findings: &findings };
     let rendered =
@@ -76,7 +79,6 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
 }
 
 /// Files that were mended: all are written, or none.
-#[derive(Default)]
 struct Mended {
     outputs: Outputs,
     texts: Vec<(Slot, String)>,

@@ -5,6 +5,7 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
+use crate::source::Loaded;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
 use denavit_calibrate::effects::driver::APPROACH;
 use denavit_calibrate::effects::recorded;
@@ -24,11 +25,17 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
     let inputs = arguments.robot.files().chain(read.into_iter().flatten());
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
     let units = measured::units(&arguments.units)?;
-    let robot = measured::robot(&arguments.robot)?;
+    let (robot, from) = match &arguments.from {
+        Some(from) => {
+            let (robot, loaded) = measured::robot_and(&arguments.robot, from)?;
+            (robot, Some((from, loaded)))
+        }
+        None => (measured::robot(&arguments.robot)?, None),
+    };
     let calibrated = &robot.chain;
     let model = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
-    let nominal = match &arguments.from {
-        Some(from) => drawn(from, &arguments.robot, calibrated)?,
+    let nominal = match &from {
+        Some((from, loaded)) => drawn(from, loaded, &arguments.robot, calibrated)?,
         None => model.statics.chain.clone(),
     };
     let [position, orientation] =
@@ -55,8 +62,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
 }
 
 /// The robot as drawn, which must have the joints of the calibrated one.
-fn drawn(from: &str, arguments: &RobotArguments, calibrated: &Chain) -> Result<Chain, Failure> {
-    let loaded = crate::source::load(from, &arguments.source)?;
+fn drawn(from: &str, loaded: &Loaded, arguments: &RobotArguments, calibrated: &Chain) -> Result<Chain, Failure> {
     let own = RobotArguments { robot: from.to_owned(), ..arguments.clone() };
     let chain = loaded.chain(&own.selection())?.value;
     let names = |chain: &Chain| chain.coordinates().iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();

@@ -13,8 +13,8 @@ pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
     let options = options(arguments)?;
     let inputs = [arguments.a.as_str(), arguments.b.as_str()].into_iter().chain(arguments.source.files());
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
-    let a = source::load(&arguments.a, &arguments.source)?;
-    let b = source::load(&arguments.b, &arguments.source)?;
+    let robots = source::load_all(&[&arguments.a, &arguments.b], &arguments.source)?;
+    let (a, b) = (&robots[0], &robots[1]);
     let comparison = compare(&a.subject(&arguments.a), &b.subject(&arguments.b), &options)?;
     let found = Report::Comparison(&comparison);
     let rendered =

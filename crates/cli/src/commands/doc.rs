@@ -11,6 +11,11 @@ use denavit_load::TableOptions;
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// A picture of more joints shows nothing, and a page of them is longer than anybody reads.
+const MOST_JOINTS: usize = 500;
+/// Hands and legs have some dozens.
+const MOST_CHAINS: usize = 300;
+
 /// Runs the command.
 pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     let units = super::units(&arguments.units)?;
@@ -25,8 +30,9 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     // Everything is made before anything is written.
     let mut files: Vec<(String, String)> = Vec::new();
     let mut cards = Vec::new();
-    for name in &robots {
-        let document = document(arguments, &source, name, units)?;
+    let names: Vec<&str> = robots.iter().map(String::as_str).collect();
+    for (name, loaded) in robots.iter().zip(source::load_all(&names, &source)?) {
+        let document = document(arguments, &source, name, loaded, units)?;
         let stem = unused_stem(name, &files);
         if arguments.markdown {
             files.extend(page::markdown(&document, &stem).into_iter().map(|file| (file.name, file.text)));
@@ -78,8 +84,13 @@ fn unused_stem(robot: &str, files: &[(String, String)]) -> String {
     numbered.into_iter().find(|stem| !taken(stem)).unwrap_or(stem)
 }
 
-fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, units: Units) -> Result<Document, Failure> {
-    let loaded = source::load(name, source)?;
+fn document(
+    arguments: &DocArguments,
+    source: &SourceArguments,
+    name: &str,
+    loaded: Loaded,
+    units: Units,
+) -> Result<Document, Failure> {
     let robot = RobotArguments {
         robot: name.to_owned(),
         base: arguments.base.clone(),
@@ -89,12 +100,29 @@ fn document(arguments: &DocArguments, source: &SourceArguments, name: &str, unit
         source: source.clone(),
     };
     let main = part(&robot, &loaded)?;
+    let (chain, joints) = (&main.chain, main.chain.joints().len());
+    if joints > MOST_JOINTS {
+        return Err(Failure::Argument(format!(
+            "{name}: {joints} joints move between \"{}\" and \"{}\", and a page shows no more than {MOST_JOINTS}; choose a part \
+             of the chain by --base and --tip, or print the table alone: denavit table",
+            chain.base(),
+            chain.tip()
+        )));
+    }
     let mut others = Vec::new();
     if let Loaded::Robot(tree) = &loaded {
         let others_of = |listing: &denavit_model::tree::ChainListing| {
             listing.tip != main.chain.tip() && !listing.coordinates.is_empty()
         };
-        for listing in tree.leaf_chains().iter().filter(|listing| others_of(listing)) {
+        let listed = tree.leaf_chains();
+        if listed.len() > MOST_CHAINS {
+            return Err(Failure::Argument(format!(
+                "{name}: the robot has {} chains, and a page shows no more than {MOST_CHAINS}; cut what is not needed off its \
+                 tree, or print the table of one chain: denavit table --base LINK --tip LINK",
+                listed.len()
+            )));
+        }
+        for listing in listed.iter().filter(|listing| others_of(listing)) {
             let (base, tip) = (Some(listing.base.clone()), Some(listing.tip.clone()));
             others.extend(part(&RobotArguments { base, tip, ..robot.clone() }, &loaded).ok());
         }

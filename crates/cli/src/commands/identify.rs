@@ -8,17 +8,26 @@ use crate::output::Status;
 use denavit_calibrate::apply::identifiable;
 use denavit_calibrate::apply::simulate;
 use denavit_calibrate::identify::dh_form::dh_form;
+use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::report;
 use denavit_load::measured::freedom;
 
 /// Runs the command.
 pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.data.as_deref()])?;
-    let delivery = Delivery::of(None, &arguments.json, arguments.robot.files().chain(arguments.data.as_deref()))?;
+    let delivery = Delivery::of(
+        None,
+        &arguments.json,
+        arguments.robot.files().chain(arguments.data.as_deref()).chain(arguments.import.files()),
+    )?;
     let chain = measured::robot(&arguments.robot)?.chain;
+    can_be_identified(&chain)?;
     let freedom = freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
     let readings = match &arguments.data {
-        Some(file) => measured::joint_values(file, &chain, &arguments.units)?,
+        Some(file) => {
+            let options = measured::import_options(&arguments.import)?;
+            measured::joint_values_of_export(file, &chain, &arguments.units, &options)?
+        }
         None => simulate::readings(&chain, arguments.rows.into(), 0),
     };
     let found = identifiable::at_readings(&chain, &freedom, arguments.targets.into(), &readings);

@@ -16,6 +16,8 @@ use denavit_model::notes::Note;
 use denavit_model::robot::{JointKind, Robot};
 use denavit_model::screw::{AxisLine, Pitch, Screw};
 use denavit_model::se3::{self, Pose};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -48,14 +50,25 @@ impl Plan {
             ),
             None => robot.link_index(&robot.longest_chain().tip),
         };
-        let leaves = robot.leaves();
+        // The longest way on top, the first leaf among equals. A way only gets shorter: one that is as long as it was when it
+        // was put in is the longest.
+        let first = |(place, leaf): (usize, &usize)| (usize::MAX, Reverse(place), *leaf);
+        let mut open: BinaryHeap<(usize, Reverse<usize>, usize)> =
+            robot.leaves().iter().enumerate().map(first).collect();
         loop {
-            let ways = leaves.iter().map(|leaf| (*leaf, way(robot, bodies, &placed, *leaf)));
-            let longest = ways.rev().max_by_key(|(_, way)| way.len());
-            let (tip, joints) = match (tip.take(), longest) {
-                (Some(tip), _) => (tip, way(robot, bodies, &placed, tip)),
-                (None, Some((tip, joints))) if !joints.is_empty() => (tip, joints),
-                _ => break,
+            let (tip, joints) = if let Some(tip) = tip.take() {
+                (tip, way(robot, bodies, &placed, tip))
+            } else {
+                let Some((length, place, leaf)) = open.pop() else { break };
+                let joints = way(robot, bodies, &placed, leaf);
+                if joints.is_empty() {
+                    continue;
+                }
+                if joints.len() < length {
+                    open.push((joints.len(), place, leaf));
+                    continue;
+                }
+                (leaf, joints)
             };
             if !joints.is_empty() {
                 plan.place(robot, bodies, options, tip, &joints)?;

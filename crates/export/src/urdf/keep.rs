@@ -10,6 +10,7 @@ use super::reframe::Moves;
 use super::written::Numbers;
 use denavit_model::robot::Robot;
 use roxmltree::{Document, Node};
+use std::collections::HashMap;
 
 /// Links get this behind their name for the link that has their D-H frame.
 const SUFFIX: &str = "_dh";
@@ -28,6 +29,8 @@ pub(crate) fn edit(
         let name = &robot.links[link].name;
         if moves.new_from_old[link].is_some() { format!("{name}{SUFFIX}") } else { name.clone() }
     };
+    let links: HashMap<&str, usize> = robot.links.iter().map(|link| (link.name.as_str(), link.at)).collect();
+    let joints: HashMap<&str, usize> = robot.joints.iter().map(|joint| (joint.name.as_str(), joint.at)).collect();
     for (index, joint) in robot.joints.iter().enumerate() {
         let node = nodes.joint(index);
         let Some(numbers) = plan.origins[index] else {
@@ -44,8 +47,8 @@ pub(crate) fn edit(
         let old = &robot.links[joint.child].name;
         let new = dh_name(joint.child);
         let holder = format!("{new}_to_{old}");
-        free(robot, robot.link_index(&new).map(|link| ("link", robot.links[link].at, new.as_str())))?;
-        free(robot, robot.joint_index(&holder).map(|at| ("joint", robot.joints[at].at, holder.as_str())))?;
+        free(robot, links.get(new.as_str()).map(|at| ("link", *at, new.as_str())))?;
+        free(robot, joints.get(holder.as_str()).map(|at| ("joint", *at, holder.as_str())))?;
         set_end(robot, edits, node, "child", old, &new);
         let scale = step.translation.vector.norm();
         edits.lines_behind(

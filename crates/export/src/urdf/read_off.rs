@@ -127,6 +127,12 @@ fn tail(between: &[Numbers], chain: &Chain, size: f64, offset: (f64, f64)) -> Op
     let home = between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose());
     let names = (chain.name(), chain.base(), chain.tip());
     let flange = Chain::new(names, Vec::new(), Vec::new(), home).ok()?;
-    let table = convert::table(&flange, &convert::Options::default()).ok()?.value;
-    Some((taken_in(*table.rows.first()?, offset)?, table.tool))
+    let Table { rows, mut tool, .. } = convert::table(&flange, &convert::Options::default()).ok()?.value;
+    let mut row = *rows.first()?;
+    // Where the row ends along the axis that it begins on, its offset is the whole way there, as in a table of the robot
+    // itself.
+    if let Row::Dh(DhRow { d, alpha: 0.0, a: 0.0, .. }) = &mut row {
+        *d += std::mem::take(&mut tool.d);
+    }
+    Some((taken_in(row, offset)?, tool))
 }

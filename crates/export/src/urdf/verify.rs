@@ -8,6 +8,7 @@ use denavit_model::screw::{AxisLine, Screw};
 use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
 use denavit_model::urdf;
+use std::collections::HashMap;
 
 /// Shapes may differ by this many times the robot's size, m, and by as much in rad.
 const SAME: f64 = 1e-11;
@@ -17,6 +18,8 @@ const SAME: f64 = 1e-11;
 pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str) -> Result<(), ExportError> {
     let made = urdf::read(&robot.source.file, text)?;
     let made_bodies = Bodies::of(&made, Reading::AsWritten);
+    let twins: HashMap<&str, usize> =
+        made.links.iter().enumerate().map(|(index, link)| (link.name.as_str(), index)).collect();
     let unfaithful = |what: String| ExportError::Unfaithful { file: robot.source.file.clone(), what };
     for seed in [0.0, 1.0] {
         let value =
@@ -24,7 +27,7 @@ pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str) -> Result<(
         let (before, after) = (poses(robot, bodies, &value), poses(&made, &made_bodies, &value));
         for (link, pose) in robot.links.iter().zip(&before) {
             let twin =
-                made.link_index(&link.name).ok_or_else(|| unfaithful(format!("link \"{}\" is lost", link.name)))?;
+                *twins.get(link.name.as_str()).ok_or_else(|| unfaithful(format!("link \"{}\" is lost", link.name)))?;
             if let Some(part) = moved_part(link, pose, &made.links[twin], &after[twin], bodies.size) {
                 return Err(unfaithful(format!("the {part} of link \"{}\" would move", link.name)));
             }

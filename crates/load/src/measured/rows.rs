@@ -2,17 +2,18 @@
 
 use super::MeasuredError;
 use super::distance::known_distance;
+use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
 use denavit_model::Chain;
 use std::path::Path;
 
-/// The text of a file of measurements.
+/// A file of measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataFile {
     /// What messages call it.
     pub name: String,
-    /// CSV.
-    pub text: String,
+    /// What is in it: CSV or another export.
+    pub bytes: Vec<u8>,
     /// Units of its numbers.
     pub units: Units,
 }
@@ -30,6 +31,8 @@ pub struct RowsAsked {
     pub test: Option<DataFile>,
     /// Setups, or placements of sockets, to keep for judging.
     pub hold_out_setups: Vec<String>,
+    /// How the columns of the files are to be read where they are no table of our own.
+    pub import: ImportOptions,
 }
 
 /// The rows of a calibration.
@@ -52,7 +55,7 @@ pub struct Rows {
 pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     let (mut columns, mut notes, mut parts) = (Vec::new(), Vec::new(), Vec::new());
     let mut read = |file: &DataFile| {
-        let loaded = measurements::read(&file.name, file.text.as_bytes(), chain, file.units)?;
+        let loaded = measurements::read_export(&file.name, &file.bytes[..], chain, file.units, &asked.import)?;
         notes.extend(loaded.notes.iter().map(|note| format!("{}: {note}", file.name)));
         Ok::<_, MeasuredError>((loaded.data, loaded.columns))
     };
@@ -64,7 +67,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         parts.push(if asked.data.len() > 1 { data.of_setup(&setup) } else { data });
     }
     for (label, file) in &asked.sockets {
-        parts.push(read_socket(&file.name, file.text.as_bytes(), label, chain, file.units)?);
+        parts.push(read_socket(&file.name, &file.bytes[..], label, chain, file.units)?);
     }
     let Some(mut data) = Measurements::joined(parts) else {
         return Err(MeasuredError::Option("there is nothing to fit; name a file by --data or --socket".into()));
@@ -126,7 +129,7 @@ mod tests {
 
     #[test]
     fn every_file_is_a_setup_of_its_own() {
-        let file = |name: &str| DataFile { name: name.into(), text: String::new(), units: Units::default() };
+        let file = |name: &str| DataFile { name: name.into(), bytes: Vec::new(), units: Units::default() };
         let files = ["monday/run.csv", "tuesday/run.csv", "late.csv", "<data frame>", "<data frame>"].map(file);
         let expected = ["monday/run.csv", "tuesday/run.csv", "late", "<data frame>", "<data frame> 2"];
         assert_eq!(setups(&files), expected);

@@ -1,12 +1,13 @@
 //! What people get wrong when they write a measurement file, and how each is undone.
 
-use crate::observation::kinds::POSE;
+use crate::observation::kinds::{ObservationKind, POSE, POSITION};
 use crate::observation::measurements::Measurements;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use denavit_model::{Chain, Quantity};
 use std::f64::consts::PI;
 use std::fmt;
 
+const PLACE: [&str; 3] = ["x", "y", "z"];
 /// Readings that are this many rows early or late are looked for.
 const STEPS: [i32; 4] = [1, -1, 2, -2];
 
@@ -33,6 +34,8 @@ pub enum Mistake {
     AngleUnit(String, bool),
     /// A slide's column is in millimetres.
     Millimetres(String),
+    /// One of x, y, z is in mm although m were meant (`false`), or the other way round (`true`).
+    PlaceUnit(usize, bool),
     /// A joint's reading counts another joint's with it: `of` reads its angle plus (or less) that of `by`.
     Coupled {
         /// The joint.
@@ -61,6 +64,10 @@ impl fmt::Display for Mistake {
             Self::AngleUnit(column, false) => write!(f, "column \"{column}\" were in degrees"),
             Self::AngleUnit(column, true) => write!(f, "column \"{column}\" were in rad"),
             Self::Millimetres(column) => write!(f, "column \"{column}\" were in mm"),
+            Self::PlaceUnit(axis, metres) => {
+                let unit = if *metres { "m" } else { "mm" };
+                write!(f, "the {} of what was measured were in {unit}, unlike the other two", PLACE[*axis])
+            }
             Self::Coupled { of, by, plus } => {
                 let sign = if *plus { "plus" } else { "minus" };
                 write!(f, "\"{of}\" were counted from the ground: it reads its own angle {sign} that of \"{by}\"")
@@ -90,7 +97,7 @@ impl Mistake {
             Self::Sense(_) => "change the sign of these readings, or the axis in the robot's file".into(),
             Self::Swapped(..) => "exchange their names in the header row".into(),
             Self::AngleUnit(..) => "write all angles in one unit and say which: --units".into(),
-            Self::Millimetres(_) => "write all lengths in one unit and say which: --units".into(),
+            Self::Millimetres(_) | Self::PlaceUnit(..) => "write all lengths in one unit and say which: --units".into(),
             Self::Coupled { of, by, plus } => {
                 let sign = if *plus { "-" } else { "+" };
                 format!("write {of} {sign} {by} into column \"{of}\"")
@@ -123,6 +130,14 @@ impl Mistake {
             Self::Millimetres(column) => {
                 let k = at(column)?;
                 each_row(&mut altered, n, |row| row[k] *= 1e-3);
+            }
+            Self::PlaceUnit(axis, metres) => {
+                let factor = if *metres { 1e3 } else { 1e-3 };
+                for observation in 0..altered.observations() {
+                    if places(altered.series_of(observation).kind) {
+                        altered.observed.values_mut(observation)[*axis] *= factor;
+                    }
+                }
             }
             Self::Coupled { of, by, plus } => {
                 let (of, by, sign) = (at(of)?, at(by)?, if *plus { 1.0 } else { -1.0 });
@@ -178,6 +193,11 @@ impl QuaternionSlip {
     }
 }
 
+/// Whether the first three values of an observation are a place.
+fn places(kind: ObservationKind) -> bool {
+    kind == POSE || kind == POSITION
+}
+
 fn each_row(data: &mut Measurements, n: usize, mut change: impl FnMut(&mut [f64])) {
     data.readings.chunks_exact_mut(n).for_each(&mut change);
 }
@@ -197,6 +217,9 @@ pub(super) fn likely(chain: &Chain, data: &Measurements, other_chains: &[Chain])
         } else {
             all.extend([false, true].map(|radians| Mistake::AngleUnit(name(k), radians)));
         }
+    }
+    if data.scene.series.iter().any(|series| places(series.kind)) {
+        all.extend((0..3).flat_map(|axis| [false, true].map(|metres| Mistake::PlaceUnit(axis, metres))));
     }
     for (&by, &of) in moving.iter().zip(moving.iter().skip(1)) {
         if !slides(by) && !slides(of) {

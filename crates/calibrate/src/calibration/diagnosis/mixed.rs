@@ -6,7 +6,7 @@
 use super::{misfit, size_of};
 use crate::identify::initial_guess::nominal_fit;
 use crate::identify::residual_statistics::residuals;
-use crate::identify::solve::FitOptions;
+use crate::identify::solve::{Fit, FitOptions};
 use crate::identify::{IdentifyOptions, identify};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
@@ -22,6 +22,10 @@ const DRAWS: usize = 220;
 const NEAR: f64 = 0.02;
 /// The rows that belong together are at least this share.
 const LEAST_SHARE: f64 = 0.3;
+/// Rows on which one of two individuals is fitted.
+const ROWS_OF_ONE: usize = 150;
+/// A third of the rows must measure so many numbers for each parameter.
+const SPARE: usize = 2;
 /// The seed of the draws: the same file gives the same answer.
 const SEED: u64 = 1;
 
@@ -61,6 +65,70 @@ pub(super) fn strangers(
     let after = misfit(&identify(chain, &together, options).geometric, &together);
     let others = rows.into_iter().filter(|row| !best.contains(row)).collect();
     (size_of(after, chain) * super::ORDER < left).then_some((others, after))
+}
+
+/// Rows from one on that are of another individual of the same robot: the geometry that fits the first third does not fit
+/// the last, and the other way round; by index, and the misfit of the rows before. `None` where one geometry serves all.
+///
+/// An instrument, a base or a target that was moved in between is none: frames of its own for each part mend that.
+pub(super) fn individuals(
+    chain: &Chain,
+    data: &Measurements,
+    options: &IdentifyOptions,
+    left: f64,
+) -> Option<(Vec<usize>, [f64; 2])> {
+    let rows: Vec<usize> = (0..data.len()).filter(|row| !data.locate[*row]).collect();
+    let third = rows.len() / 3;
+    let thinned = |rows: &[usize]| {
+        let every = rows.len().div_ceil(ROWS_OF_ONE);
+        data.subset(&rows.iter().copied().step_by(every.max(1)).collect::<Vec<usize>>())
+    };
+    let fitted = |rows: &[usize]| {
+        let part = thinned(rows);
+        let fit = identify(chain, &part, options).geometric;
+        let after = misfit(&fit, &part);
+        (fit, after)
+    };
+    let numbers = data.values() / data.len().max(1);
+    if third * numbers < SPARE * (4 * chain.joints().len() + 9) {
+        return None;
+    }
+    let (one, at_first) = fitted(&rows[..third]);
+    if size_of(at_first, chain) * super::ORDER >= left {
+        return None;
+    }
+    let (other, at_last) = fitted(&rows[rows.len() - third..]);
+    if size_of(at_last, chain) * super::ORDER >= left {
+        return None;
+    }
+    // The row from which on the second fits better: the split with the least sum of both.
+    let squares = |fit: &Fit<NoEffects>| {
+        let mut sums = vec![0.0; data.len()];
+        for residual in residuals(&fit.arm, &NoEffects, data) {
+            sums[residual.row] += (residual.place.norm() / chain.size() + residual.turn.norm()).powi(2);
+        }
+        rows.iter().map(|row| sums[*row]).collect::<Vec<f64>>()
+    };
+    let (before, behind) = (squares(&one), squares(&other));
+    let mut sum: f64 = behind.iter().sum();
+    let mut best = (sum, 0);
+    for (place, (of_one, of_other)) in before.iter().zip(&behind).enumerate() {
+        sum += of_one - of_other;
+        if sum < best.0 {
+            best = (sum, place + 1);
+        }
+    }
+    let split = best.1;
+    let parts = [&rows[..split], &rows[split..]];
+    if parts.iter().any(|part| part.len() < third) {
+        return None;
+    }
+    let apart = parts.map(|part| fitted(part).1);
+    let worst = apart.iter().map(|after| size_of(*after, chain)).fold(0.0, f64::max);
+    let [first, second] = parts.map(thinned);
+    let moved = Measurements::joined(vec![first.of_setup("before"), second.of_setup("behind")])?;
+    let with_own_frames = size_of(misfit(&identify(chain, &moved, options).geometric, &moved), chain);
+    (worst * super::ORDER < with_own_frames.min(left)).then(|| (parts[1].to_vec(), apart[0]))
 }
 
 /// The rows that are near when these place the robot as drawn.

@@ -9,12 +9,14 @@ pub(super) const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"
 /// What a joint's own column may say beside its reading.
 pub(super) const OF_JOINTS: [&str; 3] = ["velocity", "approach", "temperature"];
 /// Names of measured values.
-const KNOWN_VALUES: [&str; 9] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distance", "locate"];
+pub(super) const KNOWN_VALUES: [&str; 9] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distance", "locate"];
 /// Names of that many letters may have one letter wrong.
 const LONG: usize = 6;
 
-const EULER: &str = "write the orientation as a quaternion, in columns qx, qy, qz, qw";
-const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, by what they mean and not by their place";
+const EULER: &str = "write the orientation as a quaternion, in columns qx, qy, qz, qw, or say what the angles are (--euler \
+                     xyz, ZYX, …; --rotation-vector)";
+const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, by what they mean and not by their place, or say \
+                          their order (--quaternion wxyz)";
 
 /// Names that programs give to three or four numbers of an orientation, and what to do with them.
 const ORIENTATIONS: [(&[&str], &str); 12] = [

@@ -1,8 +1,9 @@
 //! Reading a list of poses: joint readings to measure at, poses to reach, or both.
 
 use super::header::{naming, no_column};
+use super::import::{ImportOptions, Imported};
 use super::problem::{DataError, Problem};
-use super::read::{Problems, header_row, line_of, number, rows_of, unreadable};
+use super::read::{Problems, header_row, in_our_form, line_of, number, rows_of, unreadable};
 use super::units::Units;
 use super::{Covariate, QUATERNION_TOLERANCE};
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -56,7 +57,35 @@ pub fn read_joints(source: &str, input: impl Read, chain: &Chain, units: Units) 
     Ok(read_as(source, input, chain, units, false)?.joints)
 }
 
+/// As [`read_joints`], and what is said of the file's columns is followed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_joints_of_export(
+    source: &str,
+    input: impl Read,
+    chain: &Chain,
+    units: Units,
+    options: &ImportOptions,
+) -> Result<Vec<Vec<f64>>, DataError> {
+    let Imported { text, converted, .. } = in_our_form(source, input, chain, units, options)?;
+    let units = if converted { Units::default() } else { units };
+    Ok(read_contract(source, text.as_bytes(), chain, units, false)?.joints)
+}
+
 fn read_as(source: &str, input: impl Read, chain: &Chain, units: Units, with_poses: bool) -> Result<Poses, DataError> {
+    let Imported { text, converted, .. } = in_our_form(source, input, chain, units, &ImportOptions::default())?;
+    let units = if converted { Units::default() } else { units };
+    read_contract(source, text.as_bytes(), chain, units, with_poses)
+}
+
+fn read_contract(
+    source: &str,
+    input: impl Read,
+    chain: &Chain,
+    units: Units,
+    with_poses: bool,
+) -> Result<Poses, DataError> {
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();

@@ -48,6 +48,9 @@ impl fmt::Display for DataError {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Problem {
+    /// An export that cannot be brought into the contract's form.
+    #[error(transparent)]
+    Import(#[from] super::import::ImportProblem),
     /// Nothing but comments.
     #[error("there is no header row; the first row names the columns: joints, then x,y,z or distance")]
     NoHeader,

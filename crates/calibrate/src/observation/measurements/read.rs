@@ -2,6 +2,7 @@
 
 use super::columns::{self, ColumnUse};
 use super::header::{Header, Role, quantity_of};
+use super::import::{ImportOptions, Imported, import};
 use super::join::in_setup;
 use super::near_miss::KNOWN_COVARIATES;
 use super::plausible;
@@ -31,6 +32,8 @@ pub struct Loaded {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum DataNote {
+    /// How the file was read, or what one of its columns was taken for.
+    Taken(String),
     /// A target that repeats another in every row: counted once.
     DuplicateTarget {
         /// The one left out.
@@ -67,6 +70,7 @@ pub enum DataNote {
 impl fmt::Display for DataNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Taken(said) => f.write_str(said),
             Self::DuplicateTarget { target, of } => {
                 write!(f, "target {target} repeats target {of} in every row; it is counted once")
             }
@@ -90,11 +94,55 @@ impl fmt::Display for DataNote {
 /// # Shape and units
 /// CSV with a header row; `#` lines are comments. One column per coordinate of the chain, by name; measured values
 /// `x,y,z`, with `qx,qy,qz,qw` for poses, or `x1,y1,z1,x2,…`, or `distance`. `units` are the file's; the result is in
-/// m and rad.
+/// m and rad. Other encodings, separators, decimal commas, rows of units, names in capitals or with a unit, and workbooks are
+/// read as well, with a note.
 ///
 /// # Errors
 /// All problems found, each with file and line.
 pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Loaded, DataError> {
+    read_export(source, input, chain, units, &ImportOptions::default())
+}
+
+/// As [`read`], and what is said of the file's columns is followed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_export(
+    source: &str,
+    input: impl Read,
+    chain: &Chain,
+    units: Units,
+    options: &ImportOptions,
+) -> Result<Loaded, DataError> {
+    let Imported { text, converted, taken, sources } = in_our_form(source, input, chain, units, options)?;
+    let units = if converted { Units::default() } else { units };
+    let mut loaded = read_contract(source, text.as_bytes(), chain, units)?;
+    loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
+    for column in &mut loaded.columns {
+        if let Some((_, own)) = sources.iter().find(|(name, _)| *name == column.column) {
+            column.column.clone_from(own);
+        }
+    }
+    Ok(loaded)
+}
+
+/// A file in the contract's form, whatever form it has.
+pub(super) fn in_our_form(
+    source: &str,
+    mut input: impl Read,
+    chain: &Chain,
+    units: Units,
+    options: &ImportOptions,
+) -> Result<Imported, DataError> {
+    let mut bytes = Vec::new();
+    if let Err(error) = input.read_to_end(&mut bytes) {
+        return Err(Problems::new(source).only(0, Problem::Unreadable(error.to_string())));
+    }
+    import(&bytes, chain, units, options)
+        .map_err(|fault| Problems::new(source).only(fault.line as u64, Problem::Import(fault.problem)))
+}
+
+fn read_contract(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Loaded, DataError> {
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();

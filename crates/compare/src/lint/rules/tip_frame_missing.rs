@@ -48,14 +48,18 @@ fn has_gripper(robot: &Robot, tip: usize) -> bool {
     let way: Vec<usize> =
         std::iter::successors(placed.carrier(tip), |joint| placed.carrier(robot.joints[*joint].parent)).collect();
     let moving: Vec<usize> = way.into_iter().rev().filter(|joint| robot.joints[*joint].kind.moves()).collect();
+    // Links and moving joints of each rigid body.
+    let (mut links, mut fingers) = (vec![0; robot.links.len()], vec![0; robot.links.len()]);
+    for link in placed.order() {
+        let body = placed.body(*link);
+        links[body] += 1;
+        fingers[body] += placed.carried(*link).iter().filter(|on| robot.joints[**on].kind.moves()).count();
+    }
     moving.iter().skip(AN_ARM).any(|index| {
         let joint = &robot.joints[*index];
         let body = placed.body(joint.parent);
-        let links = || placed.order().iter().copied().filter(|link| placed.body(*link) == body);
-        let fingers =
-            links().flat_map(|link| placed.carried(link)).filter(|on| robot.joints[**on].kind.moves()).count();
         let name = format!("{} {}", joint.name, robot.links[joint.child].name).to_lowercase();
-        let is_finger = fingers > 1 || GRIPPER.iter().any(|word| name.contains(word));
-        is_finger && links().count() > 1
+        let is_finger = fingers[body] > 1 || GRIPPER.iter().any(|word| name.contains(word));
+        is_finger && links[body] > 1
     })
 }

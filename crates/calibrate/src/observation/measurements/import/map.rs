@@ -1,0 +1,156 @@
+//! Which column is what: a small TOML file, or the same on the command line; and a draft of one.
+
+use super::super::units::{Units, UnitsError};
+use super::euler::EulerOrder;
+use super::grid::Grid;
+use denavit_model::Chain;
+use std::fmt::Write as _;
+use thiserror::Error;
+use toml::{Table, Value};
+
+/// A map that is none.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{file}: {reason}")]
+pub struct MapError {
+    /// The file, or `--columns`.
+    pub file: String,
+    /// What is wrong and what to write.
+    pub reason: String,
+}
+
+/// What a file's columns are for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Map {
+    /// Units of lengths and angles that have none of their own, as `mm,deg`.
+    pub units: Option<Units>,
+    /// Columns of the joints, in the chain's order.
+    pub joints: Vec<String>,
+    /// Column names of the contract, and the columns of the file that are added up for each.
+    pub columns: Vec<(String, Vec<String>)>,
+    /// Three columns of angles and their order.
+    pub euler: Option<(EulerOrder, [String; 3])>,
+    /// Three columns of a rotation vector.
+    pub rotation_vector: Option<[String; 3]>,
+    /// Four columns of a quaternion, x, y, z, w.
+    pub quaternion: Option<[String; 4]>,
+}
+
+impl Map {
+    /// Reads a map.
+    ///
+    /// # Errors
+    /// What is no TOML, or no map.
+    pub fn read(file: &str, text: &str) -> Result<Self, MapError> {
+        let failed = |reason: String| MapError { file: file.into(), reason };
+        let table: Table =
+            text.parse().map_err(|error: toml::de::Error| failed(error.to_string().trim_end().into()))?;
+        let mut map = Self::default();
+        for (key, value) in &table {
+            let wrong = |wanted: &str| failed(format!("\"{key}\" is to be {wanted}"));
+            match key.as_str() {
+                "units" => {
+                    let units = value.as_str().ok_or_else(|| wrong("a text such as \"mm,deg\""))?;
+                    map.units = Some(units.parse().map_err(|error: UnitsError| failed(error.to_string()))?);
+                }
+                "joints" => map.joints = names(value).ok_or_else(|| wrong("a list of columns, one per joint"))?,
+                "euler" => {
+                    let order = value.get("order").and_then(Value::as_str);
+                    let order = order.ok_or_else(|| wrong("{ order = \"XYZ\", columns = [\"…\", \"…\", \"…\"] }"))?;
+                    let order = order.parse().map_err(|error: super::euler::EulerError| failed(error.to_string()))?;
+                    let columns = value.get("columns").and_then(names).and_then(|names| names.try_into().ok());
+                    map.euler = Some((order, columns.ok_or_else(|| wrong("{ order = \"XYZ\", columns = [three] }"))?));
+                }
+                "rotation_vector" => {
+                    let columns = names(value).and_then(|names| names.try_into().ok());
+                    map.rotation_vector = Some(columns.ok_or_else(|| wrong("a list of three columns"))?);
+                }
+                "quaternion" => {
+                    let order = value.get("order").and_then(Value::as_str).unwrap_or("xyzw");
+                    let columns: Option<[String; 4]> =
+                        value.get("columns").and_then(names).and_then(|names| names.try_into().ok());
+                    let columns = columns.ok_or_else(|| wrong("{ order = \"wxyz\", columns = [four] }"))?;
+                    map.quaternion = Some(quaternion_order(order, &columns).ok_or_else(|| {
+                        failed(format!(
+                            "quaternion: order \"{order}\" is none of x, y, z, w, each once; write wxyz or xyzw"
+                        ))
+                    })?);
+                }
+                _ => {
+                    let columns = names(value).ok_or_else(|| wrong("a column, or a list of columns to add up"))?;
+                    map.columns.push((key.clone(), columns));
+                }
+            }
+        }
+        Ok(map)
+    }
+
+    /// Reads `x=Column,y=Other column [mm]` of a command line.
+    ///
+    /// # Errors
+    /// A part without `=`.
+    pub fn of_words(words: &str) -> Result<Self, MapError> {
+        let mut map = Self::default();
+        for word in words.split(',') {
+            let (name, column) = word.split_once('=').ok_or_else(|| MapError {
+                file: "--columns".into(),
+                reason: format!("\"{word}\" is no NAME=COLUMN; write x=X1,y=Y1 or the name of a TOML file"),
+            })?;
+            map.columns.push((name.trim().into(), column.split('+').map(|part| part.trim().into()).collect()));
+        }
+        Ok(map)
+    }
+}
+
+/// Four columns in the order that a word such as `wxyz` tells, as x, y, z, w; `None` where it tells none.
+pub fn quaternion_order(order: &str, columns: &[String; 4]) -> Option<[String; 4]> {
+    let letters: Vec<char> = order.chars().collect();
+    let at = |letter: char| letters.iter().position(|c| *c == letter).filter(|_| letters.len() == 4);
+    Some([columns[at('x')?].clone(), columns[at('y')?].clone(), columns[at('z')?].clone(), columns[at('w')?].clone()])
+}
+
+fn names(value: &Value) -> Option<Vec<String>> {
+    match value {
+        Value::String(name) => Some(vec![name.clone()]),
+        Value::Array(list) => list.iter().map(|name| name.as_str().map(str::to_owned)).collect(),
+        _ => None,
+    }
+}
+
+/// A map to start from: what is certain, and every column of the file with its first value to choose from.
+pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
+    // A text of JSON is a text of TOML.
+    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+    let mut text = format!(
+        "# Which column of {file} is what; see docs/measurements.md.\nunits = \"mm,deg\"   # of columns that name none\n"
+    );
+    let small = |text: &str| text.to_lowercase();
+    let joints = chain.coordinates();
+    // A number in the name: joint_1, A1, axis 1, J1.
+    let numbered = |k: usize| {
+        grid.names.iter().find(|name| {
+            let digits: String = name.chars().filter(char::is_ascii_digit).collect();
+            let letters: String = small(name).chars().take_while(|c| c.is_alphabetic()).collect();
+            digits == (k + 1).to_string() && ["joint", "j", "a", "axis", "q"].contains(&letters.as_str())
+        })
+    };
+    let own = |name: &str| grid.names.iter().find(|column| small(column).starts_with(&small(name)));
+    let guessed: Vec<Option<&String>> =
+        joints.iter().enumerate().map(|(k, joint)| own(&joint.name).or_else(|| numbered(k))).collect();
+    let listed: Vec<String> = guessed.iter().map(|name| quoted(name.map_or("?", String::as_str))).collect();
+    let order: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+    let _ = writeln!(text, "joints = [{}]   # {}", listed.join(", "), order.join(", "));
+    for axis in ["x", "y", "z"] {
+        let ends = |name: &&String| small(name).trim_end_matches(|c: char| !c.is_alphanumeric()).ends_with(axis);
+        let exact = grid.names.iter().find(|name| small(name) == axis);
+        let column = exact.or_else(|| grid.names.iter().find(ends)).map_or("?", String::as_str);
+        let _ = writeln!(text, "{axis} = {}", quoted(column));
+    }
+    text += "# euler = { order = \"XYZ\", columns = [\"\", \"\", \"\"] }         # turned axes; xyz: fixed axes\n\
+             # quaternion = { order = \"wxyz\", columns = [\"\", \"\", \"\", \"\"] }\n\
+             # temperature = \"\"   time = \"\"   payload = \"\"   \"JOINT.approach\" = \"\"\n# columns of the file, with the first row's value:\n";
+    for (k, name) in grid.names.iter().enumerate() {
+        let first = grid.rows.first().and_then(|(_, cells)| cells.get(k)).map_or("", String::as_str);
+        let _ = writeln!(text, "#   {} = {first}", quoted(name));
+    }
+    text
+}
