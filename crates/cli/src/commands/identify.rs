@@ -10,6 +10,7 @@ use denavit_calibrate::apply::simulate;
 use denavit_calibrate::identify::dh_form::dh_form;
 use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::report;
+use denavit_load::measured::freedom;
 
 /// Runs the command.
 pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
@@ -21,7 +22,7 @@ pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
     )?;
     let chain = measured::robot(&arguments.robot)?.chain;
     can_be_identified(&chain)?;
-    let freedom = measured::freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
+    let freedom = freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
     let readings = match &arguments.data {
         Some(file) => {
             let options = measured::import_options(&arguments.import)?;
