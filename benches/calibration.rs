@@ -1,11 +1,11 @@
 //! Calibration: identification of a large file, the tracer's scan over all candidates, and its whole search.
 
 use denavit_benches::{ROBOTS, report, robot_text};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::effects::survey::with_run_order;
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::measurements::Covariate;
-use denavit_calibrate::observe::POSE;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::kinds::POSE;
+use denavit_calibrate::observation::measurements::Covariate;
 use denavit_calibrate::trace::{TraceOptions, scan, trace};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_model::{Chain, Reading, Robot, urdf};

@@ -3,8 +3,8 @@
 //! `instructions WHAT TIMES`, WHAT one of [`WORK`].
 
 use denavit_benches::{BATCH, ROBOTS, chain, configurations, moved_axes, robot_text};
-use denavit_calibrate::observe::POSE;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_compare::{Options, Subject, compare};
 use denavit_model::nalgebra::{Point3, Vector6};

@@ -71,3 +71,57 @@ fn every_test_file_is_a_module_of_its_binary() {
     }
     assert!(seen > 0, "no crate has its tests in one binary");
 }
+
+/// Rooms of the calibration crate, each with those that it may know, as its `lib.rs` says.
+const ROOMS: &[&str] = &["observation", "effects", "identify", "trace", "apply", "calibration", "report"];
+
+/// The rooms that Rust code speaks of by `crate::ROOM`.
+fn rooms_named(text: &str) -> Vec<&'static str> {
+    let named = |room: &&str| {
+        text.match_indices("crate::").any(|(at, _)| {
+            let rest = &text[at + "crate::".len()..];
+            rest.strip_prefix(*room).is_some_and(|after| !after.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+        })
+    };
+    ROOMS.iter().copied().filter(|room| named(room)).collect()
+}
+
+fn rust_files(folder: &std::path::Path, files: &mut Vec<std::path::PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            rust_files(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+#[test]
+fn rooms_of_calibrate_know_only_those_before_them() {
+    let source = top().join("crates/calibrate/src");
+    let mut files = Vec::new();
+    rust_files(&source, &mut files);
+    let mut seen = std::collections::BTreeSet::new();
+    for file in files {
+        let inside = file.strip_prefix(&source).unwrap().with_extension("");
+        let first = inside.components().next().unwrap().as_os_str().to_str().unwrap().to_owned();
+        if first == "lib" {
+            continue;
+        }
+        let own = ROOMS.iter().position(|room| *room == first);
+        let own = own.unwrap_or_else(|| panic!("{} is in no room that this test knows", file.display()));
+        seen.insert(own);
+        let text = std::fs::read_to_string(&file).unwrap();
+        let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for named in rooms_named(text) {
+            let other = ROOMS.iter().position(|room| *room == named).unwrap();
+            assert!(other <= own, "{}: {first} knows {named}, which comes after it", file.display());
+        }
+        assert!(!text.contains("use crate::{"), "{}: name the room: use crate::ROOM::…", file.display());
+    }
+    assert_eq!(seen.len(), ROOMS.len(), "a room of the list is gone");
+    let lib = std::fs::read_to_string(source.join("lib.rs")).unwrap();
+    let order: Vec<usize> = ROOMS.iter().map(|room| lib.find(&format!("//! {room} ")).expect(room)).collect();
+    assert!(order.is_sorted(), "lib.rs draws the rooms in another order");
+}

@@ -148,7 +148,7 @@ class Chain:
 
     @property
     def tip_moves_at_most(self) -> float:
-        """The most by which what the notes tell of moves the tip, m."""
+        """The most by which what the notes describe moves the tip, m."""
         return self._native.tip_moves_at_most
 
     def screws(self) -> Array:

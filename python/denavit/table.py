@@ -212,7 +212,7 @@ class Table:
 
     @property
     def tip_moves_at_most(self) -> float:
-        """The most by which what the notes tell of moves the tip, m."""
+        """The most by which what the notes describe moves the tip, m."""
         return float(self._json["tip_moves_at_most"])
 
     def to_dict(self) -> dict[str, Any]:

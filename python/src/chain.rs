@@ -4,7 +4,7 @@ use crate::arrays::{self, Configurations, FEW, result};
 use crate::errors::{argument, load};
 use crate::robot::reading;
 use crate::table::Table;
-use denavit_calibrate::simulate;
+use denavit_calibrate::apply::simulate;
 use denavit_dh::{Convention, Gauge};
 use denavit_export::{Units, poe};
 use denavit_load::{Loaded, Selection, TableOptions};
@@ -94,7 +94,7 @@ impl Chain {
         self.notes.iter().map(ToString::to_string).collect()
     }
 
-    /// The most by which what the notes tell of moves the tip, m.
+    /// The most by which what the notes describe moves the tip, m.
     #[getter]
     fn tip_moves_at_most(&self) -> f64 {
         self.notes.iter().map(Note::tip_moves).sum()

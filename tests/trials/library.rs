@@ -1,7 +1,7 @@
 //! What a user of the libraries can ask for panics nowhere.
 
 use crate::support::robot;
-use denavit_calibrate::measurements::{self, Units};
+use denavit_calibrate::observation::measurements::{self, Units};
 use denavit_model::Reading;
 
 #[test]

@@ -69,7 +69,7 @@ fn xacro_and_tables_are_checked() {
     let found = trial.run("check bent.xacro");
     assert!(found.stdout.contains("bent.xacro (expanded):") && found.stdout.contains("D012"), "{}", found.stdout);
     let fixed = trial.run("check --fix bent.xacro");
-    assert!(fixed.stderr.contains("--fix mends URDF files only"), "{}", fixed.stderr);
+    assert!(fixed.stderr.contains("--fix changes URDF files only"), "{}", fixed.stderr);
     assert!(trial.text("bent.xacro").contains("0 0 2"));
     assert_eq!(trial.run("check table.csv").code, 0);
     trial.refuses("check bad.csv", "bad.csv:2");

@@ -5,8 +5,8 @@
 
 #![allow(clippy::print_stdout)] // A study prints its table.
 
-use denavit_calibrate::observe::POSE;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Pose, Quantity, Screw, examples, se3};

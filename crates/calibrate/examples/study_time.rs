@@ -3,9 +3,9 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // A study prints its figures, and stops at the first trouble.
 
-use denavit_calibrate::measurements::{Units, read, write};
-use denavit_calibrate::observe::POSE;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::kinds::POSE;
+use denavit_calibrate::observation::measurements::{Units, read, write};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_model::{Reading, urdf};
 use std::path::Path;

@@ -5,11 +5,11 @@ pub mod carrier;
 pub mod catalogue;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of waves and of places")]
 pub mod curve;
-pub mod drawn;
 pub mod driver;
 pub mod gravity;
 pub mod model;
 pub mod recorded;
+pub mod reference_robot;
 pub mod saved;
 pub mod survey;
 

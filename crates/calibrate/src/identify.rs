@@ -1,10 +1,25 @@
 //! From data to an arm: the nominal stage, then the axes.
 
-use crate::arm::Arm;
-use crate::measurements::Measurements;
-use crate::parameters::{Effects, Freedom, Layout, NoEffects, Tolerances};
-use crate::placement::{self, nominal_fit};
-use crate::solve::{Fit, FitOptions, fit};
+pub mod dh_form;
+pub(crate) mod gram;
+pub mod identifiability;
+pub mod initial_guess;
+pub mod intervals;
+mod jacobian_block;
+pub mod normal_equations;
+pub mod proportion;
+pub mod quantization;
+pub mod redundancy;
+pub mod residual;
+pub mod residual_statistics;
+mod simd_residuals;
+pub mod solve;
+
+use self::initial_guess::nominal_fit;
+use crate::identify::solve::{Fit, FitOptions, fit};
+use crate::observation::arm::Arm;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Effects, Freedom, Layout, NoEffects, Tolerances};
 use denavit_model::Chain;
 
 /// What is to be identified, and what is held how firmly.
@@ -58,7 +73,7 @@ impl IdentifyOptions {
 pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -> Identification {
     let options = &options.for_data(chain, data);
     let weights = vec![1.0; data.observations()];
-    let few = placement::some_rows(data);
+    let few = initial_guess::some_rows(data);
     let some = few.as_ref().unwrap_or(data);
     let all = vec![1.0; some.observations()];
     let first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });

@@ -1,53 +1,34 @@
 //! Identify a robot from measured data.
 //!
 //! ```text
-//! measurements.csv ─► Measurements ─┐
-//!                        Chain ─────┼─► nominal fit ─► geometric fit ─► report
-//!                                   └─► Problem (residuals, closed-form Jacobian) ─► normal equations ─► fit
+//! observation   measurements.csv ─► Measurements; Arm, Parameters: what an observation is, and what the arm predicts of it
+//! effects       what moves a joint or a link beyond its geometry
+//! identify      residuals, closed-form Jacobian, normal equations ─► fit, what the data can identify
+//! trace         which effects the residuals ask for
+//! apply         compensate, plan, simulate, tables for controllers
+//! calibration   stages on training rows, errors on rows that no stage saw ─► one result
+//! report        that result as text, pages, plots
 //! ```
-//! Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
+//! Each room knows those above it. Lengths are m, angles rad, twists angular first. The crate opens no files and prints
+//! nothing.
 
 #![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
 
-pub mod adoption;
-pub mod arm;
+pub mod apply;
 pub mod calibration;
-pub mod compensate;
-pub mod delta_table;
-pub mod dh_form;
-pub mod diagnosis;
-pub mod drawing;
 pub mod effects;
-pub mod errors;
-pub mod gauge;
-pub mod grid;
-pub mod identifiability;
 pub mod identify;
-pub mod infer;
-pub mod intervals;
-mod lanes;
-pub mod measurements;
-pub mod normal;
-pub mod observe;
-mod panel;
-pub mod parameters;
-pub mod placement;
-pub mod plan;
-pub mod prior;
-mod products;
-pub mod proportion;
-pub mod redundancy;
+pub mod observation;
 pub mod report;
-pub mod residual;
-pub mod simulate;
-pub mod solve;
 pub mod trace;
 
-pub use arm::{Arm, Deviation, Row, RowState};
 pub use denavit_export::kinematics_yaml;
+pub use identify::residual::ResidualModel;
+pub use identify::solve::{Fit, FitOptions, Noise};
 pub use identify::{Identification, IdentifyOptions, identify};
-pub use measurements::{Measurements, Scene};
-pub use observe::ObservationKind;
-pub use parameters::{Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Sensitivity, Tolerances};
-pub use residual::Problem;
-pub use solve::{Fit, FitOptions, Noise};
+pub use observation::arm::{Arm, Perturbation, Row, RowState};
+pub use observation::kinds::ObservationKind;
+pub use observation::measurements::{Measurements, Scene};
+pub use observation::parameters::{
+    Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Sensitivity, Tolerances,
+};

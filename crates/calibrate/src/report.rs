@@ -2,14 +2,13 @@
 
 pub mod axes;
 pub mod commands;
-pub mod contract;
 pub mod curves;
 pub mod findings;
 pub mod html;
+pub mod identifiability;
 pub mod plots;
 pub mod text;
-pub mod told;
 pub mod trace_plots;
 pub mod trust;
 
-pub use contract::CalibrationReport;
+pub use crate::calibration::contract::CalibrationReport;

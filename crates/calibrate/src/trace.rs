@@ -6,6 +6,8 @@
 //! ```
 //! No candidate sees a measured value. All of them are tested against geometry at the same state of the model.
 
+pub mod infer;
+
 mod contest;
 mod drifts;
 mod findings;
@@ -23,11 +25,11 @@ use crate::effects::catalogue::Kind;
 use crate::effects::driver::Statics;
 use crate::effects::model::{EffectModel, Term};
 use crate::identify::IdentifyOptions;
-use crate::infer::curves::{CurveFit, CurveOptions};
-use crate::infer::named::Alternative;
-use crate::measurements::Measurements;
-use crate::parameters::NoEffects;
-use crate::solve::Fit;
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::NoEffects;
+use crate::trace::infer::curves::{CurveFit, CurveOptions};
+use crate::trace::infer::named::Alternative;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
@@ -92,6 +94,13 @@ pub struct Finding {
     pub rivals: Vec<Alternative>,
     /// What the rows say of it.
     pub portrait: Portrait,
+}
+
+impl Finding {
+    /// The joint that drives it, where that is not the one that it acts at.
+    pub fn driven_by(&self) -> Option<usize> {
+        self.term.driver.joint().filter(|driver| Some(*driver) != self.term.carrier.joint())
+    }
 }
 
 /// One cell of the scan over all pairs, before anything was added.

@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::approx_constant)] // Tests: a panic is a failure, what is printed is read.
 
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::measurements::{Covariate, DataNote, Units, read, write};
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::measurements::{Covariate, DataNote, Units, read, write};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects};
 use denavit_model::examples::planar_arm;
@@ -102,7 +102,7 @@ fn every_column_is_said_to_be_something() {
     let text = "joint_1,joint_2,x,y,z,time,joint_1.approach,operator,gain,locate\n0,0,1,0,0,5,1,ann,2,0\n1,1,0,1,0,6,-1,ben,3,0\n";
     let loaded = read("m.csv", text.as_bytes(), &planar_arm(), Units::default()).unwrap();
     assert_eq!(
-        denavit_calibrate::measurements::columns::in_words(&loaded.columns),
+        denavit_calibrate::observation::measurements::columns::in_words(&loaded.columns),
         "joint_1, joint_2 (joint reading); x, y, z (position of the target); time; joint_1.approach (approach of joint_1); \
          operator (label); gain (recorded number); locate (rows that place a target)"
     );
@@ -273,7 +273,7 @@ fn what_is_no_failure_is_noted() {
         [
             "target 2 repeats target 1 in every row; it is counted once",
             "target 3 is seen in no row; it is left out",
-            "joint \"joint_2\" stands at 0.5 in every row; the data cannot tell its axis from its neighbours'",
+            "joint \"joint_2\" stands at 0.5 in every row; the data cannot separate its axis from its neighbours'",
         ]
     );
     assert_eq!(

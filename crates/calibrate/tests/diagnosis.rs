@@ -4,12 +4,12 @@
 
 use super::measured::measured;
 use super::real::{irb120, tiago};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::measurements::{Units, read};
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::{Measurements, NoEffects, ObservationKind};
 use denavit_export::sources::{self, Source, Stated};
 use denavit_model::Chain;

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::dh_form::dh_form;
-use denavit_calibrate::identifiability::{identifiability, of_chain};
-use denavit_calibrate::observe::{POSE, POSITION};
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::identifiable::of_chain;
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::identify::dh_form::dh_form;
+use denavit_calibrate::identify::identifiability::identifiability;
+use denavit_calibrate::observation::kinds::{POSE, POSITION};
 use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects, identify};
 use denavit_model::examples;
 
@@ -20,10 +21,18 @@ fn rank_is_the_papers_count() {
                 if chain.name() == "planar_arm" && found.scene.measured() == "distance" {
                     // Of two parallel axes as drawn, distances tell one number less, and its names are given.
                     assert_eq!(found.rank + 1, found.expected, "{place}");
-                    assert!(found.untold.iter().any(|untold| untold.parameter == "target.x"), "{:?}", found.untold);
+                    assert!(
+                        found.unidentifiable.iter().any(|unidentifiable| unidentifiable.parameter == "target.x"),
+                        "{:?}",
+                        found.unidentifiable
+                    );
                 } else {
                     assert_eq!(found.rank, found.expected, "{place}");
-                    assert!(found.untold.is_empty() && found.smallest > 1e-2, "{place} {:?}", found.untold);
+                    assert!(
+                        found.unidentifiable.is_empty() && found.smallest > 1e-2,
+                        "{place} {:?}",
+                        found.unidentifiable
+                    );
                 }
             }
         }
@@ -52,15 +61,20 @@ fn a_joint_that_never_moves_is_named_and_left_at_nominal() {
             run.data.readings[row * 6 + 3] = 0.4;
         }
         for row in 0..run.data.len() {
-            let pose =
-                truth.instruments[0] * denavit_calibrate::simulate::true_target(&truth, run.data.reading(row), 0);
+            let pose = truth.instruments[0]
+                * denavit_calibrate::apply::simulate::true_target(&truth, run.data.reading(row), 0);
             let numbers = pose.translation.vector.iter().chain(pose.rotation.matrix().iter());
             run.data.observed.values_mut(row).iter_mut().zip(numbers).for_each(|(value, number)| *value = *number);
         }
         let freedom = Freedom::axes(6);
         let found = identifiability(&run.data, &run.arm, &NoEffects, &freedom);
         assert_eq!(found.rank, found.expected - 4);
-        assert!(found.untold.iter().all(|untold| untold.joint == "joint_4" && untold.why.contains("never moves")));
+        assert!(
+            found
+                .unidentifiable
+                .iter()
+                .all(|unidentifiable| unidentifiable.joint == "joint_4" && unidentifiable.why.contains("never moves"))
+        );
         let fit = identify(chain, &run.data, &IdentifyOptions::axes(chain)).geometric;
         assert!(fit.noise.first() < 1e-11, "{}", fit.noise.first());
         let change = fit.arm.change(3);

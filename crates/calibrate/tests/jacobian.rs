@@ -1,11 +1,12 @@
 //! The closed-form residual Jacobian against central differences.
 
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::parameters::Sensitivity;
-use denavit_calibrate::residual::Scratch;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::identify::residual::Scratch;
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::parameters::Sensitivity;
 use denavit_calibrate::{
-    Arm, Deviation, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Problem, Row, RowState, Tolerances,
+    Arm, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Perturbation, ResidualModel, Row, RowState,
+    Tolerances,
 };
 use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::{examples, se3};
@@ -30,7 +31,7 @@ impl Effects for Everything {
             .collect()
     }
 
-    fn deviate(&self, row: Row<'_>, _arm: &Arm, out: &mut Deviation) -> bool {
+    fn perturb(&self, row: Row<'_>, _arm: &Arm, out: &mut Perturbation) -> bool {
         out.twists[self.joint] += self.carrier * (self.values[0] * row.reading()[0].sin());
         out.target += Vector3::new(0.0, self.values[1], 0.0);
         out.anchor += Vector3::new(self.values[2], 0.0, 0.0);
@@ -80,14 +81,14 @@ fn columns_are_the_derivatives_of_the_residual() {
             let (rows, columns) = (run.data.tallest_row(), layout.len());
             let evaluate = |arm: &Arm, effects: &Everything, row: usize| {
                 let mut residual = vec![0.0; rows];
-                let problem = Problem { data: &run.data, layout: &layout, effects };
+                let problem = ResidualModel { data: &run.data, layout: &layout, effects };
                 problem.row_into(arm, row, &mut Scratch::new(&layout, arm), &mut residual, None);
                 residual
             };
             for row in 0..run.data.len() {
                 let mut residual = vec![0.0; rows];
                 let mut jacobian = vec![0.0; rows * columns];
-                let problem = Problem { data: &run.data, layout: &layout, effects: &effects };
+                let problem = ResidualModel { data: &run.data, layout: &layout, effects: &effects };
                 problem.row_into(&arm, row, &mut Scratch::new(&layout, &arm), &mut residual, Some(&mut jacobian));
                 for column in 0..columns {
                     let h = 1e-5;

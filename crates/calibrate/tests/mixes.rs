@@ -3,14 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::measured::measured;
-use denavit_calibrate::errors::lengths_found;
-use denavit_calibrate::measurements::{Measurements, Units, read, read_socket, write};
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION, SOCKET};
-use denavit_calibrate::residual::Scratch;
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::{
-    Arm, Freedom, IdentifyOptions, Layout, NoEffects, Problem, Tolerances, identifiability::identifiability, identify,
-};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::identify::identifiability::identifiability;
+use denavit_calibrate::identify::residual::Scratch;
+use denavit_calibrate::identify::residual_statistics::lengths_found;
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION, SOCKET};
+use denavit_calibrate::observation::measurements::{Measurements, Units, read, read_socket, write};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::{Chain, examples};
 
@@ -102,7 +101,7 @@ fn every_kind_and_every_setup_has_the_right_derivatives() {
     let layout = Layout::new(&chain, &data.scene, &freedom, &Tolerances::default(), Vec::new());
     let away: Vec<f64> = (0..layout.len()).map(|k| 0.02 * ((k * 7 % 11) as f64 - 5.0)).collect();
     let arm = layout.stepped(&Arm::new(&chain, &data.scene), &away);
-    let problem = Problem { data: &data, layout: &layout, effects: &NoEffects };
+    let problem = ResidualModel { data: &data, layout: &layout, effects: &NoEffects };
     let columns = layout.len();
     let lengths = |arm: &Arm| layout.known_lengths(&data.scene, arm)[0].clone();
     for row in 0..data.len() {
@@ -194,13 +193,17 @@ fn a_ball_in_sockets_calibrates_five_pandas_on_placements_that_no_fit_has_seen()
         let (train, test) = data.apart(&held).unwrap();
         let found = identify(&chain, &train, &options(&chain));
         let spread = |fit| {
-            let arm = denavit_calibrate::errors::placed(fit, &train, &test).unwrap();
-            let all = denavit_calibrate::errors::residuals(&arm, &NoEffects, &test);
+            let arm = denavit_calibrate::identify::residual_statistics::placed(fit, &train, &test).unwrap();
+            let all = denavit_calibrate::identify::residual_statistics::residuals(&arm, &NoEffects, &test);
             let off = lengths_found(&arm, &NoEffects, &test)
                 .iter()
                 .map(|length| (length.found_m - length.known_m).abs() * 1e3)
                 .fold(0.0, f64::max);
-            (denavit_calibrate::errors::errors(&all, &test.scene).of("spread").unwrap().rms * 1e3, off)
+            (
+                denavit_calibrate::identify::residual_statistics::errors(&all, &test.scene).of("spread").unwrap().rms
+                    * 1e3,
+                off,
+            )
         };
         let (before, (after, off)) = (spread(&found.nominal).0, spread(&found.geometric));
         println!("{arm}: spread held out {before:.3} -> {after:.3} mm, 50 mm off by up to {off:.3} mm");
@@ -212,7 +215,7 @@ fn a_ball_in_sockets_calibrates_five_pandas_on_placements_that_no_fit_has_seen()
 fn sockets_and_a_known_distance_tell_the_whole_robot() {
     let chain = examples::puma_like();
     let part = |seed: u64, label: &str| {
-        let readings = denavit_calibrate::simulate::readings(&chain, 40, seed);
+        let readings = denavit_calibrate::apply::simulate::readings(&chain, 40, seed);
         let line = |row: &Vec<f64>| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
         let text: String = readings.iter().map(line).collect();
         read_socket("s.csv", text.as_bytes(), label, &chain, Units::default()).unwrap()

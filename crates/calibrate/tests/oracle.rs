@@ -4,8 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::runs::{self, Run, Score};
-use denavit_calibrate::identifiability::identifiability;
-use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects, grid};
+use denavit_calibrate::identify::identifiability::identifiability;
+use denavit_calibrate::identify::quantization;
+use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects};
 use std::collections::BTreeMap;
 
 /// The runs whose case holds this word.
@@ -107,9 +108,13 @@ fn a_joint_that_never_moves_is_named_and_its_neighbours_are_found() {
         let found = identifiability(&run.train, &fit.arm, &NoEffects, &freedom);
         let still = &run.chain.joints()[2];
         assert_eq!(Some(found.rank), run.rank, "{}", run.case);
-        assert!(!found.untold.is_empty());
-        for untold in &found.untold {
-            assert!(untold.joint == still.name && untold.why.contains("never moves"), "{}: {untold:?}", run.case);
+        assert!(!found.unidentifiable.is_empty());
+        for unidentifiable in &found.unidentifiable {
+            assert!(
+                unidentifiable.joint == still.name && unidentifiable.why.contains("never moves"),
+                "{}: {unidentifiable:?}",
+                run.case
+            );
         }
         // It stands still in the unseen poses too.
         let (_, largest) = run.unseen(&fit.arm);
@@ -126,7 +131,7 @@ fn rounded_readings_are_noticed_and_their_share_is_right() {
     for run in runs_of(|case| case.contains("grid")) {
         let options = IdentifyOptions::axes(&run.chain);
         let fit = denavit_calibrate::identify(&run.chain, &run.train, &options).geometric;
-        let rounding = grid::rounding(&fit.arm, &run.train).unwrap();
+        let rounding = quantization::rounding(&fit.arm, &run.train).unwrap();
         println!("{}: {rounding}; drawn {:.3} mm", run.case, run.rounding * 1e3);
         assert!((rounding.error / run.rounding - 1.0).abs() < 0.1, "{}: {rounding}", run.case);
         // Noise and rounding add up to what the fit finds.

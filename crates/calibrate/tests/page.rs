@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::carrier::Carrier;
 use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::driver::{Driver, Statics};
 use denavit_calibrate::effects::model::{Coupling, Effect, EffectModel, Term};
-use denavit_calibrate::observe::{DISTANCE, POSITION};
+use denavit_calibrate::observation::kinds::{DISTANCE, POSITION};
 use denavit_calibrate::report::html::page;
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::trace::{PortraitPoint, TraceOptions};
 use denavit_calibrate::{IdentifyOptions, NoEffects};
 use denavit_model::examples::puma_like;

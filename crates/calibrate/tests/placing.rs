@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::errors::{errors, placed, residuals};
-use denavit_calibrate::observe::POSITION;
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::identify::residual_statistics::{errors, placed, residuals};
+use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_model::examples;
 use denavit_model::nalgebra::Vector3;
@@ -30,7 +30,7 @@ fn a_target_is_placed_beside_the_fitted_ones_of_the_same_configuration() {
     test.scene.targets[0] = "other".into();
     let dimension = chain.coordinates().len();
     test.readings[..dimension].copy_from_slice(run.data.reading(0));
-    let here = denavit_calibrate::simulate::true_target(&truth, test.reading(0), 0);
+    let here = denavit_calibrate::apply::simulate::true_target(&truth, test.reading(0), 0);
     let seen = (truth.instruments[0] * here).translation.vector + sag;
     test.observed.values_mut(0).copy_from_slice(seen.as_slice());
     test.locate[0] = true;

@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use denavit_calibrate::NoEffects;
-use denavit_calibrate::compensate::{Wanted, compensate};
-use denavit_calibrate::measurements::Units;
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::plan::{PlanOptions, plan};
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::apply::compensate::{Wanted, compensate};
+use denavit_calibrate::apply::plan::{PlanOptions, plan};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::measurements::Units;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector6};
 use denavit_model::{Screw, examples, se3};
 
@@ -84,7 +84,7 @@ fn a_robot_beyond_all_proportion_is_refused() {
         assert!(error.contains("m from the base; no robot is that large"), "{error}");
         let readings = vec![vec![0.1; far.coordinates().len()]; 5];
         let freedom = denavit_calibrate::Freedom::axes(far.joints().len());
-        let found = denavit_calibrate::identifiability::at_readings(&far, &freedom, 1, &readings);
+        let found = denavit_calibrate::apply::identifiable::at_readings(&far, &freedom, 1, &readings);
         assert!(found.len() == 3, "it ends");
     }
 }

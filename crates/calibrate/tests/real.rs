@@ -6,7 +6,7 @@ use crate::measured::measured;
 use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::measurements::{Units, read};
+use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Limits, Quantity, Reading, Screw, se3};

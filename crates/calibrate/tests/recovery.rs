@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::{IdentifyOptions, Layout, NoEffects, Problem, identify};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::{IdentifyOptions, Layout, NoEffects, ResidualModel, identify};
 use denavit_model::{Chain, examples};
 
 const KINDS: [denavit_calibrate::ObservationKind; 3] = [POSE, POSITION, DISTANCE];
@@ -25,7 +25,7 @@ fn unseen_error(
     };
     let test = simulate_arm(truth, &options, &NoEffects);
     let layout: &Layout = &fit.layout;
-    let squares = Problem { data: &test.data, layout, effects: &NoEffects }.squares(&fit.arm);
+    let squares = ResidualModel { data: &test.data, layout, effects: &NoEffects }.squares(&fit.arm);
     squares.iter().map(|s| s[0]).fold(0.0, f64::max).sqrt()
 }
 

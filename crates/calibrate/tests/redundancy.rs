@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::adoption::Adopted;
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::report::text;
-use denavit_calibrate::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects};
 use denavit_model::Chain;
@@ -52,7 +52,7 @@ fn fewer_numbers_than_parameters_are_no_perfect_fit() {
         let redundancy = &result.report.redundancy;
         assert_eq!((redundancy.values, redundancy.postures, redundancy.degrees_of_freedom), (24, 8, 0), "{said}");
         assert!(said.contains("redundancy: 24 numbers in 8 postures, 0 degrees of freedom"), "{said}");
-        assert!(said.contains("degrees of freedom that tell the noise are missing"), "{said}");
+        assert!(said.contains("degrees of freedom that determine the noise are missing"), "{said}");
         assert!(!said.contains("0.0000") && !said.contains("± 0.000") && !said.contains("inf"), "{said}");
         assert!(result.report.effects.is_empty() && !said.contains("no structure"), "{said}");
         for parameter in &result.report.parameters {
@@ -74,7 +74,9 @@ fn intervals_hold_what_they_say_with_few_rows() {
         let run = simulate(&chain, &options, &NoEffects);
         let result = calibrate(&chain, &ur5e().1, run.data, None, &CalibrateOptions::geometry(&chain)).unwrap();
         let fit = &result.identification.geometric;
-        let truth = fit.layout.departure(&denavit_calibrate::gauge::centred(&fit.layout, &run.arm, &fit.arm), &fit.arm);
+        let truth = fit
+            .layout
+            .difference(&denavit_calibrate::observation::gauge::centred(&fit.layout, &run.arm, &fit.arm), &fit.arm);
         for (index, parameter) in result.report.parameters.iter().enumerate() {
             all += 1;
             inside += u32::from((parameter.change - truth[index]).abs() < parameter.half_interval_95);

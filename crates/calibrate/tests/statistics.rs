@@ -2,9 +2,10 @@
 
 #![allow(clippy::print_stdout)] // What is printed is read.
 
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::{IdentifyOptions, NoEffects, gauge, identify};
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::observation::gauge;
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_model::examples;
 
 #[test]
@@ -18,7 +19,7 @@ fn intervals_cover_and_chi_squared_is_its_degrees_of_freedom() {
         let found = identify(&chain, &run.data, &IdentifyOptions::axes(&chain));
         let fit = found.geometric;
         let truth = gauge::centred(&fit.layout, &run.arm, &found.nominal.arm);
-        let (a, b) = (fit.layout.departure(&truth, &truth), fit.layout.departure(&fit.arm, &truth));
+        let (a, b) = (fit.layout.difference(&truth, &truth), fit.layout.difference(&fit.arm, &truth));
         for k in fit.layout.joints.clone() {
             count += 1.0;
             inside += f64::from(u8::from((a[k] - b[k]).abs() < 1.96 * fit.covariance[(k, k)].sqrt()));

@@ -65,7 +65,7 @@ pub enum Command {
     Check(CheckArguments),
     /// Calibrate a robot from measured data
     Calibrate(CalibrateArguments),
-    /// Say what measurements can tell of a robot, and what they cannot
+    /// Say which parameters of a robot measurements can identify, and which not
     Identify(IdentifyArguments),
     /// Choose the poses to measure that make the robot best observable
     Plan(PlanArguments),

@@ -33,13 +33,13 @@ pub enum Failure {
     Check(#[from] denavit_load::CheckError),
     /// Measurements that cannot be read.
     #[error(transparent)]
-    Data(#[from] denavit_calibrate::measurements::DataError),
+    Data(#[from] denavit_calibrate::observation::measurements::DataError),
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
     /// A robot larger than anything that is measured.
     #[error(transparent)]
-    OutOfProportion(#[from] denavit_calibrate::proportion::OutOfProportion),
+    OutOfProportion(#[from] denavit_calibrate::identify::proportion::OutOfProportion),
     /// Effects that cannot be read.
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),
@@ -48,7 +48,7 @@ pub enum Failure {
     Page(#[from] denavit_calibrate::report::html::PageError),
     /// Poses that cannot be chosen.
     #[error(transparent)]
-    Plan(#[from] denavit_calibrate::plan::PlanError),
+    Plan(#[from] denavit_calibrate::apply::plan::PlanError),
     /// A calibration that a maker's form cannot hold.
     #[error(transparent)]
     Maker(#[from] denavit_export::makers::MakerError),

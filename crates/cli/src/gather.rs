@@ -3,7 +3,7 @@
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
 use crate::measured;
-use denavit_calibrate::measurements::{ColumnUse, Measurements, label_of, read_socket};
+use denavit_calibrate::observation::measurements::{ColumnUse, Measurements, label_of, read_socket};
 use denavit_model::Chain;
 use std::path::Path;
 

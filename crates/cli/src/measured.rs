@@ -6,9 +6,9 @@ use crate::output;
 use crate::source::{self, Loaded};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::effects::{EffectModel, recorded};
-use denavit_calibrate::measurements::{self, ColumnUse, Measurements, Units, poses, poses::Poses};
-use denavit_calibrate::observe::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::proportion::within_proportion;
+use denavit_calibrate::identify::proportion::within_proportion;
+use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, poses, poses::Poses};
 use denavit_calibrate::{Freedom, ObservationKind};
 use denavit_model::Chain;
 

@@ -36,7 +36,7 @@ pub struct Rule {
     pub bad: &'static str,
     /// The same, mended.
     pub good: &'static str,
-    /// Whether `--fix` mends it.
+    /// Whether `--fix` fixes it.
     pub fixable: bool,
     check: fn(&Sheet) -> Vec<Found>,
 }

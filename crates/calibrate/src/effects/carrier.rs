@@ -3,7 +3,7 @@
 //! A new carrier is a variant of [`Carrier`], its arm in [`Carrier::directions`] and in [`Carrier::place`], and an entry
 //! that uses it in [`super::catalogue::KINDS`]; the test `every_direction_does_what_its_action_says` then covers it.
 
-use crate::arm::{Across, Deviation};
+use crate::observation::arm::{AxisBasis, Perturbation};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw};
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub enum Carrier {
     /// A slide along a turning joint's axis, m: one direction.
     Along(usize),
     /// A tilt of a joint's axis against the link before it, rad: two directions.
-    Across(usize),
+    AxisBasis(usize),
     /// A shift of a joint's axis across itself, m: two directions.
     Sideways(usize),
     /// The far end of a joint's link, turned (rad) and shifted (m) in the link's own axes: six directions.
@@ -48,7 +48,7 @@ pub enum Carrier {
 /// One thing that a direction moves, per unit of its coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Action {
-    /// A twist of [`Deviation::twists`].
+    /// A twist of [`Perturbation::twists`].
     Twist {
         /// Which twist.
         slot: usize,
@@ -66,14 +66,14 @@ pub enum Action {
 }
 
 impl Action {
-    /// Adds `amount` of the action to a deviation.
-    pub fn add_to(&self, amount: f64, deviation: &mut Deviation) {
+    /// Adds `amount` of the action to a perturbation.
+    pub fn add_to(&self, amount: f64, perturbation: &mut Perturbation) {
         match self {
-            Self::Twist { slot, twist } => deviation.twists[*slot] += twist * amount,
-            Self::Target(shift) => deviation.target += shift * amount,
-            Self::Anchor(shift) => deviation.anchor += shift * amount,
-            Self::Scale => deviation.scale += amount,
-            Self::Reading => deviation.reading += amount,
+            Self::Twist { slot, twist } => perturbation.twists[*slot] += twist * amount,
+            Self::Target(shift) => perturbation.target += shift * amount,
+            Self::Anchor(shift) => perturbation.anchor += shift * amount,
+            Self::Scale => perturbation.scale += amount,
+            Self::Reading => perturbation.reading += amount,
         }
     }
 }
@@ -138,14 +138,14 @@ impl Carrier {
         joints: &[ChainJoint],
         points: &[Point3<f64>],
     ) -> Vec<Vec<Action>> {
-        let across = |i: usize| Across::of(&nominal[i].screw).carried(&nominal[i].screw, &joints[i].screw);
+        let across = |i: usize| AxisBasis::of(&nominal[i].screw).carried(&nominal[i].screw, &joints[i].screw);
         let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
         let n = joints.len();
         let twist = |slot: usize, twist: Vector6<f64>| vec![Action::Twist { slot, twist }];
         match *self {
             Self::Joint(i) => vec![twist(i, joints[i].screw.twist())],
             Self::Along(i) => vec![twist(i, shift(&joints[i].screw.direction()))],
-            Self::Across(i) => {
+            Self::AxisBasis(i) => {
                 let across = across(i);
                 let centre = joints[i].screw.line().map_or(points[i], |line| line.nearest_to(&points[i]));
                 vec![twist(i, turn(&across.a, &centre)), twist(i, turn(&across.b, &centre))]
@@ -186,7 +186,7 @@ impl Carrier {
         match *self {
             Self::Joint(i)
             | Self::Along(i)
-            | Self::Across(i)
+            | Self::AxisBasis(i)
             | Self::Sideways(i)
             | Self::LinkEnd(i)
             | Self::LinkEndTurn(i)
@@ -208,7 +208,7 @@ impl Carrier {
             Self::AllJoints => "all joints".into(),
             Self::Joint(i)
             | Self::Along(i)
-            | Self::Across(i)
+            | Self::AxisBasis(i)
             | Self::Sideways(i)
             | Self::LinkEnd(i)
             | Self::LinkEndTurn(i)
@@ -222,7 +222,7 @@ impl Carrier {
         match self {
             Self::Joint(joint) if slides(*joint) => "m",
             Self::AllJoints if slides(direction) => "m",
-            Self::Joint(_) | Self::AllJoints | Self::Across(_) | Self::BaseTurn | Self::LinkEndTurn(_) => "rad",
+            Self::Joint(_) | Self::AllJoints | Self::AxisBasis(_) | Self::BaseTurn | Self::LinkEndTurn(_) => "rad",
             Self::LinkEnd(_) | Self::Base if direction < 3 => "rad",
             Self::Along(_)
             | Self::Sideways(_)
@@ -239,7 +239,7 @@ impl Carrier {
     pub fn direction_name(&self, direction: usize) -> &'static str {
         const SIX: [&str; 6] = ["turn_x", "turn_y", "turn_z", "shift_x", "shift_y", "shift_z"];
         match self {
-            Self::Across(_) => ["tilt_a", "tilt_b"][direction],
+            Self::AxisBasis(_) => ["tilt_a", "tilt_b"][direction],
             Self::Sideways(_) => ["shift_a", "shift_b"][direction],
             Self::Base | Self::BaseTurn | Self::LinkEnd(_) | Self::LinkEndTurn(_) => SIX[direction],
             Self::Target | Self::Anchor => SIX[direction + 3],
@@ -251,7 +251,7 @@ impl Carrier {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::{Arm, RowState};
+    use crate::observation::arm::{Arm, RowState};
     use denavit_model::examples;
 
     fn all(n: usize) -> Vec<Carrier> {
@@ -260,7 +260,7 @@ mod tests {
             carriers.extend([
                 Carrier::Joint(i),
                 Carrier::Along(i),
-                Carrier::Across(i),
+                Carrier::AxisBasis(i),
                 Carrier::Sideways(i),
                 Carrier::LinkEnd(i),
                 Carrier::LinkEndTurn(i),
@@ -280,13 +280,13 @@ mod tests {
                 for (index, direction) in
                     carrier.directions(chain.joints(), chain.joints(), &axis_points(&chain)).iter().enumerate()
                 {
-                    let mut deviation = Deviation::none(chain.joints().len());
+                    let mut perturbation = Perturbation::none(chain.joints().len());
                     for action in direction {
-                        action.add_to(1e-4, &mut deviation);
+                        action.add_to(1e-4, &mut perturbation);
                     }
                     let (mut still, mut moved) = (RowState::default(), RowState::default());
                     arm.state_into(&q, None, &mut still);
-                    arm.state_into(&q, Some(&deviation), &mut moved);
+                    arm.state_into(&q, Some(&perturbation), &mut moved);
                     let tip = (moved.tip.translation.vector - still.tip.translation.vector).norm();
                     let turned = denavit_model::se3::difference(&moved.tip, &still.tip).0;
                     let bound = 1e-4 * (1.0 + 3.0 * chain.size()) * n as f64;
@@ -306,13 +306,13 @@ mod tests {
     fn stretching_every_length_scales_the_reach() {
         let chain = examples::planar_arm();
         let arm = Arm::new(&chain, &crate::Scene::default());
-        let mut deviation = Deviation::none(chain.joints().len());
+        let mut perturbation = Perturbation::none(chain.joints().len());
         for action in &Carrier::Lengths.directions(chain.joints(), chain.joints(), &axis_points(&chain))[0] {
-            action.add_to(0.01, &mut deviation);
+            action.add_to(0.01, &mut perturbation);
         }
         let (mut still, mut stretched) = (RowState::default(), RowState::default());
         arm.state_into(&[0.4, 0.9], None, &mut still);
-        arm.state_into(&[0.4, 0.9], Some(&deviation), &mut stretched);
+        arm.state_into(&[0.4, 0.9], Some(&perturbation), &mut stretched);
         let expected = still.tip.translation.vector * 1.01;
         assert!((stretched.tip.translation.vector - expected).norm() < 1e-12);
     }

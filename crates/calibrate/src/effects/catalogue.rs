@@ -292,7 +292,7 @@ fn axis_wobble(survey: &Survey) -> Vec<Candidate> {
         .moving()
         .flat_map(|i| {
             let orders = survey.orders(i);
-            let mut terms: Vec<_> = harmonics(Kind::AxisWobble, Carrier::Across(i), i, &orders).collect();
+            let mut terms: Vec<_> = harmonics(Kind::AxisWobble, Carrier::AxisBasis(i), i, &orders).collect();
             if survey.slides(i) {
                 terms.extend(harmonics(Kind::AxisWobble, Carrier::Sideways(i), i, &orders));
             }
@@ -319,7 +319,7 @@ fn link_compliance(survey: &Survey) -> Vec<Candidate> {
         .flat_map(|i| {
             [
                 paired(Kind::LinkCompliance, Carrier::LinkEnd(i), Driver::Cantilever(i)),
-                paired(Kind::LinkCompliance, Carrier::Across(i), Driver::MomentAcross(i)),
+                paired(Kind::LinkCompliance, Carrier::AxisBasis(i), Driver::MomentAcross(i)),
                 paired(Kind::LinkCompliance, Carrier::LinkEndTurn(i), Driver::EndMoment(i)),
             ]
         })
@@ -394,8 +394,8 @@ mod tests {
     use super::*;
     use crate::effects::driver::{Conditions, Statics};
     use crate::effects::survey::with_run_order;
-    use crate::measurements::{Covariate, Measurements, Scene};
-    use crate::observe::POSITION;
+    use crate::observation::kinds::POSITION;
+    use crate::observation::measurements::{Covariate, Measurements, Scene};
     use denavit_model::examples;
 
     fn rich(chain: &denavit_model::Chain) -> Measurements {

@@ -4,9 +4,9 @@
 //! [`Driver::len`] and [`Driver::unit`]), and an entry that uses it in [`super::catalogue::KINDS`]; the test
 //! `every_driver_gives_as_many_values_as_it_says` then covers it.
 
-use crate::arm::{Across, Deviation, RowState};
 use crate::effects::carrier::{axis_points, link_points};
 use crate::effects::gravity::{Load, Masses};
+use crate::observation::arm::{AxisBasis, Perturbation, RowState};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, PlacedRobot, Reading, Robot, Screw, se3};
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,7 @@ pub enum Driver {
         /// How many links.
         links: usize,
     },
-    /// Gravity's moment across a joint's axis, N·m: two values, about [`Across::a`] and [`Across::b`].
+    /// Gravity's moment across a joint's axis, N·m: two values, about [`AxisBasis::a`] and [`AxisBasis::b`].
     MomentAcross(usize),
     /// Turn and shift of the end of a joint's link as a round cantilever of unit flexural rigidity (1 N·m²): six values.
     Cantilever(usize),
@@ -179,19 +179,19 @@ impl Statics {
         Self { chain: chain.clone(), masses: Masses::stand_in(chain), points: axis_points(chain) }
     }
 
-    /// Stands the arm as one row has it, given way by a deviation where one is known.
-    pub fn posture(&self, conditions: &Conditions<'_>, deviation: Option<&Deviation>) -> Posture {
+    /// Stands the arm as one row has it, given way by a perturbation where one is known.
+    pub fn posture(&self, conditions: &Conditions<'_>, perturbation: Option<&Perturbation>) -> Posture {
         let mut state = RowState::default();
         let mut reached = denavit_model::Pose::identity();
         for (index, joint) in self.chain.joints().iter().enumerate() {
-            if let Some(deviation) = deviation {
-                reached *= se3::exp(&deviation.twists[index]);
+            if let Some(perturbation) = perturbation {
+                reached *= se3::exp(&perturbation.twists[index]);
             }
             state.before.push(reached);
             reached *= joint.screw.motion(joint.value(conditions.reading));
             state.after.push(reached);
         }
-        if let Some(last) = deviation.and_then(|deviation| deviation.twists.last()) {
+        if let Some(last) = perturbation.and_then(|perturbation| perturbation.twists.last()) {
             reached *= se3::exp(last);
         }
         state.tip = reached * self.chain.home();
@@ -217,10 +217,10 @@ impl Statics {
         // Torque per first moment h (kg m): axis · (h × gravity) = (gravity × axis) · h.
         let lever = self.masses.gravity.cross(&axis);
         for link in joint..(joint + links).min(self.chain.joints().len()) {
-            let across = Across::of(&self.chain.joints()[link].screw);
+            let basis = AxisBasis::of(&self.chain.joints()[link].screw);
             let rotation = &state.after[link].rotation;
-            out.push(lever.dot(&(rotation * across.a)));
-            out.push(lever.dot(&(rotation * across.b)));
+            out.push(lever.dot(&(rotation * basis.a)));
+            out.push(lever.dot(&(rotation * basis.b)));
         }
         if payload {
             let at = state.before[joint] * self.points[joint];
@@ -244,8 +244,8 @@ impl Statics {
         let twist = along * along.dot(&torque);
         let bend = torque - twist;
         let turn = (bend + twist * TWIST_TO_BEND) * length + reach.cross(&force) * (0.5 * length);
-        let across = force - along * along.dot(&force);
-        let shift = across * (length.powi(3) / 3.0) + bend.cross(&reach) * (0.5 * length);
+        let basis = force - along * along.dot(&force);
+        let shift = basis * (length.powi(3) / 3.0) + bend.cross(&reach) * (0.5 * length);
         [turn, shift]
     }
 }
@@ -283,9 +283,9 @@ impl Driver {
             Self::Torque(joint) => out.push(statics.torque(posture, *joint)),
             Self::TorqueTerms { joint, links } => statics.torque_terms(posture, *joint, *links, false, out),
             Self::MomentAcross(joint) => {
-                let across = Across::of(&joints[*joint].screw);
+                let basis = AxisBasis::of(&joints[*joint].screw);
                 let moment = posture.state.before[*joint].rotation.inverse() * posture.loads[*joint].moment;
-                out.extend([moment.dot(&across.a), moment.dot(&across.b)]);
+                out.extend([moment.dot(&basis.a), moment.dot(&basis.b)]);
             }
             Self::Cantilever(joint) => {
                 for part in statics.cantilever(posture, *joint) {

@@ -1,7 +1,7 @@
 //! Gravity on an arm: masses from the URDF, or a stand-in with the arm's own shape where it has none.
 
-use crate::arm::RowState;
 use crate::effects::carrier::axis_points;
+use crate::observation::arm::RowState;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, PlacedRobot};
 use std::collections::HashMap;
@@ -123,7 +123,7 @@ fn down() -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::Arm;
+    use crate::observation::arm::Arm;
     use denavit_model::examples;
 
     #[test]

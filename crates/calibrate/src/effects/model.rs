@@ -1,11 +1,11 @@
 //! Effects with their numbers: what they do in a row, and as JSON to be used again.
 
-use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Conditions, Driver, Posture, Statics};
-use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, ChainJoint, Pose, se3};
 use serde::{Deserialize, Serialize};
@@ -135,12 +135,17 @@ impl EffectModel {
     /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
     ///
     /// Where gravity bends the arm, its moment is that of the arm as bent: passes follow until it stands still.
-    pub fn add_deviation(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Deviation) -> Posture {
+    pub fn add_perturbation(
+        &self,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        out: &mut Perturbation,
+    ) -> Posture {
         let mut posture = self.statics.posture(conditions, None);
         if self.effects.iter().any(|effect| effect.term.driver.feels_gravity()) {
-            let mut given = Deviation::none(joints.len());
+            let mut given = Perturbation::none(joints.len());
             for _ in 0..MOST_PASSES {
-                let mut next = Deviation::none(joints.len());
+                let mut next = Perturbation::none(joints.len());
                 self.add_for(conditions, joints, &posture, &mut next);
                 let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
                 given = next;
@@ -154,7 +159,7 @@ impl EffectModel {
         posture
     }
 
-    fn add_for(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], posture: &Posture, out: &mut Deviation) {
+    fn add_for(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], posture: &Posture, out: &mut Perturbation) {
         for effect in &self.effects {
             let directions = effect.term.carrier.directions(self.statics.chain.joints(), joints, &self.statics.points);
             let values = self.values(&effect.term, conditions, posture);
@@ -183,13 +188,13 @@ impl EffectModel {
     /// # Panics
     /// `chain` has other joints than the model, or `conditions.reading` is too short.
     pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> Pose {
-        let mut deviation = Deviation::none(chain.joints().len());
-        self.add_deviation(conditions, chain.joints(), &mut deviation);
+        let mut perturbation = Perturbation::none(chain.joints().len());
+        self.add_perturbation(conditions, chain.joints(), &mut perturbation);
         let mut reached = Pose::identity();
-        for (joint, twist) in chain.joints().iter().zip(&deviation.twists) {
+        for (joint, twist) in chain.joints().iter().zip(&perturbation.twists) {
             reached *= se3::exp(twist) * joint.screw.motion(joint.value(conditions.reading));
         }
-        reached * se3::exp(&deviation.twists[chain.joints().len()]) * chain.home()
+        reached * se3::exp(&perturbation.twists[chain.joints().len()]) * chain.home()
     }
 }
 
@@ -223,13 +228,13 @@ impl Effects for EffectModel {
         parameters
     }
 
-    fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool {
+    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
         if self.effects.is_empty() && self.curves.is_empty() {
             return false;
         }
         let recorded = |name: &str| row.covariate_named(name);
         let conditions = Conditions { reading: row.reading(), covariate: &recorded };
-        self.add_deviation(&conditions, &arm.joints, out);
+        self.add_perturbation(&conditions, &arm.joints, out);
         true
     }
 
@@ -239,7 +244,7 @@ impl Effects for EffectModel {
         }
         let recorded = |name: &str| row.covariate_named(name);
         let conditions = Conditions { reading: row.reading(), covariate: &recorded };
-        let posture = self.add_deviation(&conditions, &arm.joints, &mut Deviation::none(arm.joints.len()));
+        let posture = self.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()));
         let mut column = 0;
         for effect in &self.effects {
             let directions =

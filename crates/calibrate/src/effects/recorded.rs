@@ -3,7 +3,7 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, Driver, RUN_ORDER, VELOCITY};
 use crate::effects::model::Term;
-use crate::measurements::Covariate;
+use crate::observation::measurements::Covariate;
 use denavit_model::Chain;
 
 /// Names of the quantities without which nothing can be said, such as `temperature` or `elbow.approach`.

@@ -6,13 +6,13 @@
 //!               "coefficients": [2e-5], "formula": "…", "units": "…", "source": "…"}]}
 //! ```
 //! Joints are counted from 0 in the order of `joints`. Coefficients: direction by direction of the carrier, within it value
-//! by value of the driver. `drawn` is the robot that the effects were found on ([`Drawn`]); without it they are taken to be
+//! by value of the driver. `drawn` is the robot that the effects were found on ([`ReferenceRobot`]); without it they are taken to be
 //! those of the robot at hand.
 
 use crate::effects::curve::Curve;
-use crate::effects::drawn::{Drawn, apart};
 use crate::effects::driver::Statics;
 use crate::effects::model::{Effect, EffectModel};
+use crate::effects::reference_robot::{ReferenceRobot, apart};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -25,7 +25,7 @@ struct Saved {
     robot: String,
     joints: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    drawn: Option<Drawn>,
+    drawn: Option<ReferenceRobot>,
     effects: Vec<SavedEffect>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     curves: Vec<Curve>,
@@ -90,7 +90,7 @@ pub enum SavedError {
     },
     /// The drawn robot in the file is none.
     #[error("{file}: drawn: {why}; make the file again with denavit calibrate --effects-out")]
-    Drawn {
+    ReferenceRobot {
         /// The file.
         file: String,
         /// What is wrong.
@@ -137,7 +137,7 @@ impl EffectModel {
             schema: SCHEMA.into(),
             robot: chain.name().into(),
             joints: chain.joints().iter().map(|joint| joint.name.clone()).collect(),
-            drawn: Some(Drawn::of(&self.statics)),
+            drawn: Some(ReferenceRobot::of(&self.statics)),
             effects: effects.collect(),
             curves: self.curves.clone(),
         };
@@ -162,7 +162,7 @@ impl EffectModel {
             return Err(SavedError::OtherJoints { file: file(), found, wanted });
         }
         let drawn = saved.drawn.as_ref().map(|drawn| drawn.statics(&file())).transpose();
-        let drawn = drawn.map_err(|error| SavedError::Drawn { file: file(), why: error.to_string() })?;
+        let drawn = drawn.map_err(|error| SavedError::ReferenceRobot { file: file(), why: error.to_string() })?;
         if let Some(apart) = drawn.as_ref().and_then(|drawn| apart(&drawn.chain, &statics.chain)) {
             return Err(SavedError::OtherRobot { file: file(), found: saved.robot, apart });
         }

@@ -2,8 +2,8 @@
 
 use crate::effects::approach::{side_after, still};
 use crate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, Statics};
-use crate::measurements::{Covariate, Measurements};
-use crate::observe::ObservationKind;
+use crate::observation::kinds::ObservationKind;
+use crate::observation::measurements::{Covariate, Measurements};
 use denavit_model::Screw;
 use std::f64::consts::PI;
 

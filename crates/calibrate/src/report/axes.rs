@@ -1,9 +1,9 @@
 //! How far each axis is from its drawing and how sure that is, as text: standard deviations, what the data tell weakly,
 //! what they tell only together.
 
-use crate::parameters::ParameterKind;
+use crate::identify::solve::Fit;
+use crate::observation::parameters::ParameterKind;
 use crate::report::text::{correlations, table};
-use crate::solve::Fit;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ const LISTED: usize = 5;
 /// One line per joint: how far its axis is turned and moved, with standard deviations; then what is weak and what is
 /// correlated.
 pub fn axes<E>(fit: &Fit<E>) -> String {
-    let departure = fit.layout.departure(&fit.arm, &fit.arm);
+    let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let joints = &fit.arm.nominal.joints();
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (joint, of) in joints.iter().enumerate() {
@@ -34,7 +34,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
                 ParameterKind::Scale { .. } => (1e6, " ppm"),
                 _ => (1e3, ""),
             };
-            let shown = format!("{word} {:.3} ± {:.3}{unit}", departure[index] * factor, deviation * factor);
+            let shown = format!("{word} {:.3} ± {:.3}{unit}", difference[index] * factor, deviation * factor);
             row.push(shown);
         }
         if row.len() == 1 {
@@ -53,7 +53,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
         .map(|(held, name)| format!("{name} ({:.0} %)", 100.0 * held))
         .collect();
     if !weak.is_empty() {
-        let _ = writeln!(text, "told weakly, held near the drawing by the prior: {}", weak.join(", "));
+        let _ = writeln!(text, "poorly identified, kept near the drawing by the prior: {}", weak.join(", "));
     }
     // As printed, ties by name: where two parameters are one in the common frame, only rounding orders their pairs.
     let printed = |pair: &(String, String, f64)| (pair.2.abs() * -100.0).round();
@@ -61,7 +61,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
     strong.sort_by(|a, b| printed(a).total_cmp(&printed(b)).then_with(|| (&a.0, &a.1).cmp(&(&b.0, &b.1))));
     strong.truncate(LISTED);
     if !strong.is_empty() {
-        text.push_str("told better together than apart; strongest correlations\n");
+        text.push_str("poorly separated parameters, strongest correlations\n");
         let pair = |(a, b, value): &(String, String, f64)| vec![format!("  {a}"), b.clone(), format!("{value:.2}")];
         text.push_str(&table(&strong.iter().map(pair).collect::<Vec<_>>()));
     }

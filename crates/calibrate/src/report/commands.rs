@@ -1,7 +1,7 @@
 //! Compensated joint commands as text, CSV and JSON.
 
-use crate::compensate::Command;
-use crate::measurements::Units;
+use crate::apply::compensate::Command;
+use crate::observation::measurements::Units;
 use denavit_model::Chain;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -148,7 +148,7 @@ pub fn to_json(chain: &Chain, commands: &[Command], lines: &[usize], allowed: Al
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::{Wanted, compensate};
+    use crate::apply::compensate::{Wanted, compensate};
     use denavit_model::examples;
 
     #[test]

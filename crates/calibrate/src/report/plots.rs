@@ -1,7 +1,7 @@
 //! Plots of a calibration as SVG.
 
 use crate::calibration::StageResiduals;
-use crate::measurements::Measurements;
+use crate::observation::measurements::Measurements;
 use denavit_model::nalgebra::Vector3;
 use plotters::prelude::*;
 use serde::Serialize;
@@ -27,10 +27,10 @@ pub(super) const AFTER: RGBColor = RGBColor(0x1f, 0x5f, 0xa8);
 pub(super) const ARM: RGBColor = RGBColor(0x9a, 0xa4, 0xb2);
 const BINS: usize = 24;
 
-pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+pub(super) type ReferenceRobot = Result<(), Box<dyn std::error::Error>>;
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-pub(super) fn svg(draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, PlotError> {
+pub(super) fn svg(draw: impl FnOnce(&Area<'_>) -> ReferenceRobot) -> Result<String, PlotError> {
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();

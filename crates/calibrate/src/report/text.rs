@@ -1,18 +1,18 @@
 //! A calibration as text for a terminal.
 
-use crate::adoption::Adopted;
 use crate::calibration::Calibration;
+use crate::calibration::adoption::Adopted;
+use crate::calibration::contract::{Held, Stage};
 use crate::effects::driver::RUN_ORDER;
-use crate::errors::{Errors, LengthFound};
-use crate::measurements::{Measurements, Scene, columns};
-use crate::observe::Part;
-use crate::parameters::{Parameter, ParameterKind};
+use crate::identify::residual_statistics::{Errors, LengthFound};
+use crate::identify::solve::{DEGREES_FOR_NOISE, Fit, Noise};
+use crate::observation::kinds::Part;
+use crate::observation::measurements::{Measurements, Scene, columns};
+use crate::observation::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
-use crate::report::contract::{Held, Stage};
 use crate::report::curves::curves;
 use crate::report::findings::findings;
 use crate::report::trust;
-use crate::solve::{DEGREES_FOR_NOISE, Fit, Noise};
 use crate::trace::Trace;
 use std::fmt::Write;
 
@@ -112,7 +112,7 @@ fn in_words(parameter: &Parameter, value: f64, deviation: f64) -> [String; 3] {
 
 /// Each joint's change of axis with its standard deviation, and what is held by the prior.
 pub fn parameters<E>(fit: &Fit<E>) -> String {
-    let departure = fit.layout.departure(&fit.arm, &fit.arm);
+    let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let mut rows = vec![["parameter", "change", "std", "unit", ""].map(String::from).to_vec()];
     for index in fit.layout.joints.clone() {
         let parameter = &fit.layout.parameters[index];
@@ -120,7 +120,7 @@ pub fn parameters<E>(fit: &Fit<E>) -> String {
         let held = fit.held_by_prior(index);
         let note = if held > HELD { format!("held by the prior ({:.0} %)", 100.0 * held) } else { String::new() };
         let mut row = vec![parameter.name.clone()];
-        row.extend(in_words(parameter, departure[index], deviation));
+        row.extend(in_words(parameter, difference[index], deviation));
         row.push(note);
         rows.push(row);
     }
@@ -129,15 +129,15 @@ pub fn parameters<E>(fit: &Fit<E>) -> String {
 
 /// The parameters of the last stage: with effects, where there are some.
 pub fn final_parameters(result: &Calibration) -> String {
-    match &result.trace {
-        Some(trace) => parameters(&trace.fit),
+    match result.beyond_geometry() {
+        Some(fit) => parameters(fit),
         None => parameters(&result.identification.geometric),
     }
 }
 
 /// Pairs of parameters of the robot that are correlated more than `above`, the strongest first, `most` at most.
 pub fn correlations<E>(fit: &Fit<E>, above: f64, most: usize) -> Vec<(String, String, f64)> {
-    let robot = |kind: ParameterKind| crate::identifiability::of_robot(kind);
+    let robot = |kind: ParameterKind| crate::identify::identifiability::of_robot(kind);
     let mut pairs = Vec::new();
     for i in 0..fit.layout.len() {
         for k in 0..i {
@@ -194,15 +194,15 @@ pub fn calibration(result: &Calibration) -> String {
     );
     let _ = writeln!(
         text,
-        "parameters: {} = {} expected, {} told by the data",
+        "parameters: {} = {} expected, {} identifiable from these data",
         result.identifiability.formula, report.identifiability.expected, report.identifiability.rank
     );
-    for untold in &report.unidentifiable {
-        let held = match untold.held {
+    for unidentifiable in &report.unidentifiable {
+        let held = match unidentifiable.held {
             Held::Nominal => "left at nominal",
             Held::Prior => "held near nominal by the prior",
         };
-        let _ = writeln!(text, "  {} {held}: {}", untold.parameter, untold.why);
+        let _ = writeln!(text, "  {} {held}: {}", unidentifiable.parameter, unidentifiable.why);
     }
     text.push_str(&trust::redundancy(result));
     if !report.columns.is_empty() {
@@ -227,7 +227,7 @@ pub fn calibration(result: &Calibration) -> String {
         _ => {}
     }
     text.push_str(&curves(&report.curves));
-    if result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
+    if result.trace.is_none() && result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
         text.push_str("no joint has an error curve that the data ask for\n");
     }
     let Floor { noise, parameters, values, assumed } = floor(result);
@@ -238,7 +238,7 @@ pub fn calibration(result: &Calibration) -> String {
     if assumed > 0.0 {
         let _ = writeln!(
             text,
-            "  mostly assumed, not measured: {assumed:.0} of the {DEGREES_FOR_NOISE} degrees of freedom that tell the noise \
+            "  mostly assumed, not measured: {assumed:.0} of the {DEGREES_FOR_NOISE} degrees of freedom that determine the noise \
              are missing; measure more poses"
         );
     }

@@ -1,9 +1,9 @@
 //! Plots of what the tracer found and of what it left.
 
-use crate::errors::Residual;
-use crate::measurements::Scene;
+use crate::identify::residual_statistics::Residual;
+use crate::identify::solve::Noise;
+use crate::observation::measurements::Scene;
 use crate::report::plots::{AFTER, ARM, BEFORE, Plot, PlotError, svg};
-use crate::solve::Noise;
 use crate::trace::Portrait;
 use denavit_model::nalgebra::Vector3;
 use plotters::prelude::*;

@@ -2,7 +2,7 @@
 //! adopted.
 
 use crate::calibration::Calibration;
-use crate::report::contract::CalibrationReport;
+use crate::calibration::contract::CalibrationReport;
 use std::fmt::Write;
 
 /// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
@@ -24,7 +24,7 @@ pub(super) fn redundancy(result: &Calibration) -> String {
             if fit.deviation(joint) > 0.0 { fit.half_interval(joint, 0.95) / fit.deviation(joint) } else { 2.0 };
         let _ = writeln!(
             text,
-            "  few: the prior holds what so few numbers cannot tell; intervals of 95 % are {factor:.2} standard deviations \
+            "  few: the prior keeps what so few numbers cannot determine; intervals of 95 % are {factor:.2} standard deviations \
              to either side"
         );
     }
@@ -48,6 +48,13 @@ pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
         let more = if lines.len() > LISTED { format!(" and {} more", lines.len() - LISTED) } else { String::new() };
         format!("{}{more}", shown.join(", "))
     };
+    if !samples.stale.is_empty() {
+        let _ = writeln!(
+            text,
+            "left out: the same measured values as in the row before, although joints moved, lines: {}",
+            listed(&samples.stale)
+        );
+    }
     if !samples.rejected.is_empty() {
         let _ = writeln!(text, "rejected as gross outliers, lines: {}", listed(&samples.rejected));
     }
@@ -70,8 +77,8 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
     text.push_str(
         "DIFFERS FROM THE DRAWING by far more than links are made to; is it another variant of this robot?\n",
     );
-    for departure in &report.differs_from_drawing {
-        let (factor, unit) = match departure.unit {
+    for difference in &report.differs_from_drawing {
+        let (factor, unit) = match difference.unit {
             "rad" => (1e3, "mrad"),
             "m" => (1e3, "mm"),
             other => (1.0, other),
@@ -79,9 +86,9 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
         let _ = writeln!(
             text,
             "  {} {:.2} {unit}, {:.0} tolerances, seen from the axes before it",
-            departure.parameter,
-            departure.value * factor,
-            departure.tolerances
+            difference.parameter,
+            difference.value * factor,
+            difference.tolerances
         );
     }
     text
@@ -90,7 +97,8 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
 /// Stages that are not the calibrated robot although they were fitted, and why.
 pub(super) fn not_adopted(report: &CalibrationReport) -> String {
     let mut text = String::new();
-    for stage in &report.stages {
+    let adopted = report.stages.iter().position(|stage| stage.adopted).unwrap_or(0);
+    for stage in report.stages.iter().skip(adopted) {
         if stage.worse_on_held_out {
             let _ = writeln!(
                 text,

@@ -2,7 +2,7 @@
 
 use crate::effects::driver::{Driver, unit_of};
 use crate::effects::model::EffectModel;
-use crate::solve::Fit;
+use crate::identify::solve::Fit;
 use crate::trace::portrait::Portrait;
 use crate::trace::search::Scored;
 use crate::trace::select::{State, Tracer};

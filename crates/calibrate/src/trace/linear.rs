@@ -1,14 +1,14 @@
 //! The model at its fitted state, linearised and in units of the noise: what every candidate is tested against.
 
-use crate::arm::{Arm, Deviation, Row, RowState};
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::driver::Posture;
 use crate::effects::model::{EffectModel, add_sensitivity};
-use crate::gauge;
-use crate::measurements::Measurements;
-use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
-use crate::residual::{Problem, Scratch};
-use crate::solve::Fit;
+use crate::identify::residual::{ResidualModel, Scratch};
+use crate::identify::solve::Fit;
+use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::gauge;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use crate::trace::search::postures;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
@@ -57,8 +57,8 @@ impl Effects for Probe<'_> {
         parameters
     }
 
-    fn deviate(&self, row: Row<'_>, arm: &Arm, out: &mut Deviation) -> bool {
-        self.model.deviate(row, arm, out)
+    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
+        self.model.perturb(row, arm, out)
     }
 
     fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
@@ -89,7 +89,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let own = fit.layout.effects.len();
     let probe = Probe { model, directions };
     let layout = fit.layout.with_effects(probe.parameters());
-    let problem = Problem { data, layout: &layout, effects: &probe };
+    let problem = ResidualModel { data, layout: &layout, effects: &probe };
     let columns = layout.len();
     let mut scratch = Scratch::new(&layout, &fit.arm);
     let mut residual = vec![0.0; data.tallest_row()];
@@ -97,7 +97,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let kept = |observation: &usize| fit.weights[*observation] > 0.0;
     let values: usize =
         (0..data.observations()).filter(kept).map(|observation| data.series_of(observation).kind.height()).sum();
-    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · departure.
+    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · difference.
     let prior = layout.prior.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
     let priors = prior.nrows();
     // The common frame is held as in a fit: to first order an effect does not move along with its axis, so what in truth
@@ -158,8 +158,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         }
     }
     if priors > 0 {
-        let departure = DVector::from_vec(layout.departure(&fit.arm, reference)[layout.joints.clone()].to_vec());
-        result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
+        let difference = DVector::from_vec(layout.difference(&fit.arm, reference)[layout.joints.clone()].to_vec());
+        result.residual.rows_mut(values, priors).copy_from(&(&prior * difference / RELAXED));
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
     for (k, known) in lengths.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
-use crate::products::products;
+use crate::identify::gram::products;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A column of the model that is this nearly a sum of others adds nothing.

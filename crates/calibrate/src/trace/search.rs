@@ -1,11 +1,11 @@
 //! One pass over every candidate at one state of the model.
 
-use crate::arm::{Arm, Deviation, Row};
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::measurements::Measurements;
+use crate::observation::arm::{Arm, Perturbation, Row};
+use crate::observation::measurements::Measurements;
 use crate::trace::ScanCell;
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector, UNSEEN};
@@ -72,7 +72,7 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
             let row = Row::new(data, index);
             let recorded = |name: &str| row.covariate_named(name);
             let conditions = Conditions { reading: row.reading(), covariate: &recorded };
-            model.add_deviation(&conditions, &arm.joints, &mut Deviation::none(arm.joints.len()))
+            model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
         })
         .collect()
 }

@@ -6,9 +6,9 @@ use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
-use crate::measurements::Measurements;
-use crate::parameters::NoEffects;
-use crate::solve::Fit;
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::NoEffects;
 use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
@@ -410,7 +410,7 @@ impl<'a> Tracer<'a> {
     }
 }
 
-fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
+pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
 }
 

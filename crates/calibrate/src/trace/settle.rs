@@ -7,15 +7,15 @@ use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
-use crate::infer::curves::{CurveFit, fit_curves};
-use crate::infer::lines::lines;
-use crate::infer::named::{Judged, Question, judge};
-use crate::measurements::Measurements;
-use crate::parameters::NoEffects;
-use crate::solve::Fit;
+use crate::trace::infer::curves::fit_curves;
+use crate::trace::infer::lines::lines;
+use crate::trace::infer::named::{Judged, Question, judge};
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::NoEffects;
+use crate::identify::solve::Fit;
 use crate::trace::findings::values;
 use crate::trace::leftover::{self, Leftover};
-use crate::trace::select::{State, Tracer};
+use crate::trace::select::{State, Tracer, same_terms};
 use crate::trace::{Finding, Trace, TraceOptions};
 
 /// Rows that causes are looked for in, at most: more rows tell more of curves, but a cause that 800 postures do not show is
@@ -35,27 +35,31 @@ pub(crate) fn trace(
     options: &TraceOptions,
 ) -> Trace {
     let survey = Survey::of(statics, data, options.gear_ratios.clone());
-    let beside = |fit: &Fit<EffectModel>| fit_curves(&survey, data, fit, &geometric.arm, &options.curves);
-    let fitted = |model: &EffectModel, from: &Fit<EffectModel>| {
-        fit_stage(data, &from.arm, model, &vec![1.0; data.observations()], &options.identify)
-    };
-    let curves = beside(&geometric.with_model(statics));
+    let curves = fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
     let rows = thinned(data.len());
     let part = data.subset(&rows);
     let thin = on_rows(geometric, data, &rows);
     let tracer = Tracer::new(statics, &part, &thin, options);
     let found = tracer.run();
-    let with = |terms: &[Candidate], from: &Fit<EffectModel>| -> (Fit<EffectModel>, CurveFit) {
+    let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
-        let plain = fitted(&EffectModel::of_terms(statics, &terms), from);
-        let beside = beside(&plain);
+        let model = EffectModel::of_terms(statics, &terms);
+        let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
+        let beside = fit_curves(survey, data, &plain, &geometric.arm, &options.curves);
         (plain, beside)
     };
     // Beside each model that the search ended with there are other curves.
-    let mut near = vec![curves.clone()];
-    for state in found.states.iter().filter(|state| !state.chosen.is_empty()) {
-        if near.len() < 3 {
-            near.push(with(&state.chosen, &state.fit).1);
+    let first = if rows.len() == data.len() {
+        curves.clone()
+    } else {
+        let plain = on_rows(&geometric.with_model(statics), data, &rows);
+        fit_curves(&tracer.survey, &part, &plain, &geometric.arm, &options.curves)
+    };
+    let mut near = vec![first];
+    for (index, state) in found.states.iter().enumerate() {
+        let known = found.states[..index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
+        if !state.chosen.is_empty() && !known {
+            near.push(with(&state.chosen, &state.fit, &part, &tracer.survey).1);
         }
     }
     let mut proposed = found.candidates;
@@ -71,7 +75,7 @@ pub(crate) fn trace(
     let judged = if proposed.is_empty() {
         Vec::new()
     } else {
-        let structures: Vec<Leftover> = near.iter().map(|near| remains(&tracer, near, data, &rows)).collect();
+        let structures: Vec<Leftover> = near.iter().map(|near| remains(&tracer, &near.fit)).collect();
         let structures: Vec<_> = structures.into_iter().map(|leftover| leftover.blocks).collect();
         let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
         let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
@@ -83,8 +87,7 @@ pub(crate) fn trace(
             structures: &structures,
         };
         let state = near.get(1).unwrap_or(&near[0]);
-        judge(&Survey::of(statics, &part, options.gear_ratios.clone()), &part, &on_rows(&state.fit, data, &rows),
-            &geometric.arm, &question)
+        judge(&tracer.survey, &part, &state.fit, &geometric.arm, &question)
     };
     let mut judged: Vec<Judged> = judged.into_iter().filter(|one| one.named() || one.probability >= KEPT).collect();
     judged.truncate(options.max_effects);
@@ -92,9 +95,9 @@ pub(crate) fn trace(
     let (plain, last) = if kept.is_empty() {
         (geometric.with_model(statics), curves.clone())
     } else {
-        with(&kept, &found.states[0].fit)
+        with(&kept, &found.states[0].fit, data, &survey)
     };
-    let leftover = remains(&tracer, &last, data, &rows);
+    let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
     let mut first = last.fit.layout.effects.start;
     let mut findings = Vec::new();
@@ -133,9 +136,9 @@ fn thinned(rows: usize) -> Vec<usize> {
     (0..MOST_ROWS).map(|k| k * rows / MOST_ROWS).collect()
 }
 
-/// What a fit with its curves leaves on the rows that the search sees.
-fn remains(tracer: &Tracer<'_>, fit: &CurveFit, data: &Measurements, rows: &[usize]) -> Leftover {
-    let state = State { chosen: Vec::new(), fit: on_rows(&fit.fit, data, rows) };
+/// What a fit leaves that smooth functions explain.
+fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> Leftover {
+    let state = State { chosen: Vec::new(), fit: fit.clone() };
     let linear = tracer.linear(&state);
     leftover::examine(tracer, &tracer.field(&linear))
 }

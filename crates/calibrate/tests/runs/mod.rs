@@ -1,8 +1,9 @@
 //! Runs made by pinocchio (`tests/oracle/calibration/runs.py`), the fit to one, and what the fit is to be judged by.
 
-use denavit_calibrate::errors::{Residual, residuals};
-use denavit_calibrate::measurements::{Units, read};
-use denavit_calibrate::{Arm, Fit, Identification, IdentifyOptions, Measurements, NoEffects, gauge, identify};
+use denavit_calibrate::identify::residual_statistics::{Residual, residuals};
+use denavit_calibrate::observation::gauge;
+use denavit_calibrate::observation::measurements::{Units, read};
+use denavit_calibrate::{Arm, Fit, Identification, IdentifyOptions, Measurements, NoEffects, identify};
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, Reading, se3, urdf};
 use serde::Deserialize;
@@ -133,8 +134,8 @@ impl Score {
         let fit = &found.geometric;
         // The same robot in the frame that the fit reports in.
         let truth = gauge::centred(&fit.layout, &run.truth, &fit.arm);
-        let departure = |arm: &Arm| fit.layout.departure(arm, &truth);
-        let (expected, estimated) = (departure(&truth), departure(&fit.arm));
+        let difference = |arm: &Arm| fit.layout.difference(arm, &truth);
+        let (expected, estimated) = (difference(&truth), difference(&fit.arm));
         // What the frame itself fixes (a SCARA's target along its parallel axes) is known without spread.
         let told = || {
             let reported = fit.layout.joints.clone().chain(fit.layout.targets.clone());

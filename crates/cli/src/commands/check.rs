@@ -58,7 +58,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
                     mended.add(name, text, made)?;
                 }
             } else if found.iter().any(|finding| !finding.fix.is_empty()) {
-                output::mention(format!("{name}: --fix mends URDF files only"));
+                output::mention(format!("{name}: --fix changes URDF files only"));
             }
         }
         findings.extend(found);
@@ -86,7 +86,7 @@ struct Mended {
 impl Mended {
     fn add(&mut self, name: &str, text: String, made: usize) -> Result<(), Failure> {
         self.texts.push((self.outputs.add("--fix", Path::new(name))?, text));
-        self.said.push(format!("{name}: {made} mended"));
+        self.said.push(format!("{name}: {made} fixed"));
         Ok(())
     }
 

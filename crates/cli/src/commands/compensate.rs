@@ -5,11 +5,11 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
-use denavit_calibrate::compensate::{Command, Wanted, compensate};
+use denavit_calibrate::apply::compensate::{Command, Wanted, compensate};
 use denavit_calibrate::effects::approach::{LEAST_MOVE, side_after};
 use denavit_calibrate::effects::driver::{APPROACH, Conditions};
 use denavit_calibrate::effects::{EffectModel, recorded};
-use denavit_calibrate::measurements::poses::Poses;
+use denavit_calibrate::observation::measurements::poses::Poses;
 use denavit_calibrate::report::commands::{Allowed, summary, to_csv, to_json};
 use denavit_model::Chain;
 

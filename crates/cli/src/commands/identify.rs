@@ -5,9 +5,10 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
-use denavit_calibrate::dh_form::dh_form;
-use denavit_calibrate::report::told;
-use denavit_calibrate::{identifiability, simulate};
+use denavit_calibrate::apply::identifiable;
+use denavit_calibrate::apply::simulate;
+use denavit_calibrate::identify::dh_form::dh_form;
+use denavit_calibrate::report;
 
 /// Runs the command.
 pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
@@ -19,7 +20,7 @@ pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
         Some(file) => measured::joint_values(file, &chain, &arguments.units)?,
         None => simulate::readings(&chain, arguments.rows.into(), 0),
     };
-    let found = identifiability::at_readings(&chain, &freedom, arguments.targets.into(), &readings);
+    let found = identifiable::at_readings(&chain, &freedom, arguments.targets.into(), &readings);
     let form = dh_form(&chain, &readings);
     let text = || {
         Ok(format!(
@@ -28,11 +29,11 @@ pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
             chain.base(),
             chain.tip(),
             readings.len(),
-            told::identifiability(&found),
-            told::never_told(&chain),
-            told::dh_form(&form, &chain)
+            report::identifiability::identifiability(&found),
+            report::identifiability::never_identifiable(&chain),
+            report::identifiability::dh_form(&form, &chain)
         ))
     };
-    delivery.deliver(text, || Ok(told::to_json(&chain, readings.len(), &found, &form)))?;
+    delivery.deliver(text, || Ok(report::identifiability::to_json(&chain, readings.len(), &found, &form)))?;
     Ok(Status::Same)
 }

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
 use crate::progress::Spinner;
-use denavit_calibrate::plan::{PlanOptions, plan};
+use denavit_calibrate::apply::plan::{PlanOptions, plan};
 use denavit_model::nalgebra::{Point3, Vector3};
 
 /// Runs the command.

@@ -4,12 +4,14 @@ use crate::args::SimulateArguments;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{Outputs, Slot, Status};
+use denavit_calibrate::apply::simulate::columns::columns;
+use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, granted};
+use denavit_calibrate::apply::simulate::{
+    SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth,
+};
 use denavit_calibrate::effects::recorded;
 use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::measurements::{Covariate, write};
-use denavit_calibrate::simulate::columns::columns;
-use denavit_calibrate::simulate::wish::{Wish, granted};
-use denavit_calibrate::simulate::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
+use denavit_calibrate::observation::measurements::{Covariate, write};
 use denavit_calibrate::{NoEffects, ObservationKind};
 use denavit_model::Chain;
 use std::path::Path;
@@ -27,7 +29,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let robot = measured::robot(&arguments.robot)?;
     let chain = &robot.chain;
     let options = options(arguments, chain)?;
-    let wishes = arguments.effect.iter().map(|text| text.parse::<Wish>()).collect::<Result<Vec<_>, _>>();
+    let wishes = arguments.effect.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
     let wishes = wishes.map_err(|error| Failure::Argument(format!("--effect {error}")))?;
     let loaded = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
     if let Some(file) = &arguments.effects {

@@ -14,7 +14,7 @@ fn level(rule: &Rule) -> &'static str {
 
 /// One rule in Markdown: what it finds, why that matters, an example and its mend.
 pub fn explain(rule: &Rule) -> String {
-    let mend = if rule.fixable { "`--fix` mends it" } else { "to be mended by hand" };
+    let mend = if rule.fixable { "`--fix` fixes it" } else { "to be fixed by hand" };
     let mut out = format!("## {} {}\n\n", rule.code, rule.name);
     let _ = writeln!(out, "{}. *{}; {mend}.*\n\n{}\n", rule.summary, level(rule), rule.why);
     let _ = writeln!(out, "```xml\n{}\n```\n", rule.bad.trim());

@@ -1,0 +1,33 @@
+//! What measurements of a chain could identify, before any is made.
+
+use crate::apply::simulate::{SimulationOptions, simulate};
+use crate::identify::identifiability::{Identifiability, identifiability};
+use crate::observation::kinds::KINDS;
+use crate::observation::parameters::{Freedom, NoEffects};
+use denavit_model::Chain;
+
+/// What poses, positions of so many targets and distances can identify of a chain, measured at `rows` readings spread over the
+/// joint range.
+pub fn of_chain(chain: &Chain, freedom: &Freedom, targets: usize, rows: usize) -> Vec<Identifiability> {
+    measured(chain, freedom, &SimulationOptions { rows, targets, ..as_drawn() })
+}
+
+/// The same, measured at these joint readings (rad, m; one value per coordinate).
+pub fn at_readings(chain: &Chain, freedom: &Freedom, targets: usize, readings: &[Vec<f64>]) -> Vec<Identifiability> {
+    let options = SimulationOptions { rows: readings.len(), targets, readings: Some(readings.to_vec()), ..as_drawn() };
+    measured(chain, freedom, &options)
+}
+
+/// Axes as drawn and no noise; a target beside the last axis and an anchor in general position.
+fn as_drawn() -> SimulationOptions {
+    SimulationOptions { turn: 0.0, shift: 0.0, noise_position: 0.0, noise_orientation: 0.0, ..Default::default() }
+}
+
+fn measured(chain: &Chain, freedom: &Freedom, options: &SimulationOptions) -> Vec<Identifiability> {
+    let read = KINDS.into_iter().filter(|kind| kind.numbers() > 0);
+    let found = read.map(|kind| {
+        let run = simulate(chain, &SimulationOptions { kind, ..options.clone() }, &NoEffects);
+        identifiability(&run.data, &run.arm, &NoEffects, freedom)
+    });
+    found.collect()
+}

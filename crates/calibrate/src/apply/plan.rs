@@ -1,0 +1,380 @@
+//! Which poses to measure: those that make the parameters best observable.
+//!
+//! D-optimal design: among candidate poses choose `count` that make det(Jᵀ J / noise² + P) largest, P the prior; greedily,
+//! then by exchange (Fedorov 1972; Mitchell 1974, DETMAX) until no exchange helps.
+
+mod written;
+
+use crate::identify::proportion::{OutOfProportion, within_proportion};
+use crate::identify::residual::{ResidualModel, Scratch};
+use crate::observation::arm::{Arm, Perturbation, RowState};
+use crate::observation::gauge;
+use crate::observation::kinds::{ObservationKind, Seen};
+use crate::observation::measurements::{Measurements, Scene};
+use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use denavit_model::Chain;
+use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use thiserror::Error;
+
+/// What to plan for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanOptions {
+    /// Number of poses.
+    pub count: usize,
+    /// What will be measured.
+    pub kind: ObservationKind,
+    /// Which parts of the arm will be fitted.
+    pub freedom: Freedom,
+    /// Poses to choose from, one value per coordinate; `None`: spread over the joint limits.
+    pub candidates: Option<Vec<Vec<f64>>>,
+    /// How many to spread.
+    pub spread: usize,
+    /// Share of the joint range to keep away from each limit.
+    pub margin: f64,
+    /// Lowest and highest corner of the box in which the target must stay, base frame, m.
+    pub allowed: Option<[Point3<f64>; 2]>,
+    /// Where the target sits on the tip, m.
+    pub target: Vector3<f64>,
+    /// Where the anchor of a distance instrument stands, base frame, m.
+    pub anchor: Vector3<f64>,
+    /// Standard deviation of one measured component, m and rad alike.
+    pub noise: f64,
+    /// The prior.
+    pub tolerances: Tolerances,
+    /// Seed of the spread candidates and of the random poses that the plan is compared with.
+    pub seed: u64,
+}
+
+impl PlanOptions {
+    /// Every axis, candidates over the whole joint range, a target 0.1 m beside and before the tip.
+    pub fn new(chain: &Chain, count: usize, kind: ObservationKind) -> Self {
+        Self {
+            count,
+            kind,
+            freedom: Freedom::axes(chain.joints().len()),
+            candidates: None,
+            spread: 1000,
+            margin: 0.02,
+            allowed: None,
+            target: Vector3::new(0.1, 0.0, 0.1),
+            anchor: Vector3::new(1.0, 1.0, 0.0) * chain.size(),
+            noise: 5e-5,
+            tolerances: Tolerances::default(),
+            seed: 0,
+        }
+    }
+}
+
+/// Why there is no plan.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// Fewer candidates than poses wanted.
+    #[error(
+        "{wanted} poses are to be chosen, but only {left} of {candidates} candidates are within the limits and the box; \
+         allow more or ask for fewer"
+    )]
+    TooFewCandidates {
+        /// Wanted.
+        wanted: usize,
+        /// Usable.
+        left: usize,
+        /// All.
+        candidates: usize,
+    },
+    /// A robot larger than anything that is measured.
+    #[error(transparent)]
+    OutOfProportion(#[from] OutOfProportion),
+    /// Numbers of the robot that are too far apart in size.
+    #[error(
+        "the information of these poses cannot be computed: lengths of the robot, the target's or the anchor's place are too \
+         far apart in size; give them in m, and leave out what is not measured"
+    )]
+    Degenerate,
+    /// A candidate of another length.
+    #[error("candidate {row}: {found} values, but the chain has {expected} coordinates")]
+    Length {
+        /// Counted from 1.
+        row: usize,
+        /// Its values.
+        found: usize,
+        /// Coordinates.
+        expected: usize,
+    },
+}
+
+/// Observability indices of a set of poses, from the singular values s1 ≥ … ≥ sL > 0 of the identification Jacobian in
+/// units of the tolerances, the common frame left out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Observability {
+    /// (s1 ··· sL)^(1/L) / √poses (Borm, Menq 1991).
+    pub o1: f64,
+    /// sL / s1 (Driels, Pathre 1990).
+    pub o2: f64,
+    /// sL (Nahvi, Hollerbach, Hayward 1994).
+    pub o3: f64,
+    /// sL² / s1 (Nahvi, Hollerbach 1996).
+    pub o4: f64,
+    /// 1 / (1/s1 + … + 1/sL) (Sun, Hollerbach 2008).
+    pub o5: f64,
+    /// Number of singular values that count.
+    pub rank: usize,
+}
+
+/// Poses to measure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Names of the coordinates.
+    pub joints: Vec<String>,
+    /// The poses, one value per coordinate, rad or m, in the order of the candidates.
+    pub poses: Vec<Vec<f64>>,
+    /// Their indices.
+    pub observability: Observability,
+    /// The same for as many candidates taken at random: means over [`RANDOM_SETS`] sets.
+    pub at_random: Observability,
+    /// Candidates that could be used.
+    pub usable: usize,
+    /// Exchanges made.
+    pub exchanges: usize,
+}
+
+/// Sets of random poses that a plan is compared with.
+pub const RANDOM_SETS: usize = 10;
+/// Below this share of the largest a singular value counts as zero.
+const RANK_TOLERANCE: f64 = 1e-9;
+/// An exchange must raise the logarithm of the determinant by this much.
+const LEAST_GAIN: f64 = 1e-6;
+/// Sweeps over all chosen poses.
+const MOST_SWEEPS: usize = 20;
+
+/// Choose poses.
+///
+/// # Errors
+/// Too few candidates are left, or one has the wrong length.
+pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
+    within_proportion(chain)?;
+    let all = candidates(chain, options)?;
+    let total = all.len();
+    let mut arm = Arm::new(chain, &Scene::of(options.kind, 1));
+    arm.targets[0].translation.vector = options.target;
+    arm.points.fill(options.anchor);
+    let usable: Vec<Vec<f64>> = all.into_iter().filter(|q| allowed(chain, &arm, q, options)).collect();
+    if usable.len() < options.count || options.count == 0 {
+        return Err(PlanError::TooFewCandidates { wanted: options.count, left: usable.len(), candidates: total });
+    }
+    let design = Design::new(chain, &arm, usable, options);
+    let (chosen, exchanges) = design.choose(options.count).ok_or(PlanError::Degenerate)?;
+    Ok(Plan {
+        joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
+        poses: chosen.iter().map(|&index| design.candidates[index].clone()).collect(),
+        observability: design.observability(&chosen),
+        at_random: design.at_random(options.count, options.seed),
+        usable: design.candidates.len(),
+        exchanges,
+    })
+}
+
+/// Candidates spread evenly over the joint range: an additive recurrence in the generalised golden ratio (Roberts 2018).
+fn candidates(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, PlanError> {
+    let n = chain.coordinates().len();
+    if let Some(given) = &options.candidates {
+        if let Some(row) = given.iter().position(|q| q.len() != n) {
+            return Err(PlanError::Length { row: row + 1, found: given[row].len(), expected: n });
+        }
+        return Ok(given.clone());
+    }
+    // The root of x^(n+1) = x + 1.
+    let mut phi = 2.0f64;
+    for _ in 0..60 {
+        phi = (1.0 + phi).powf(1.0 / (n as f64 + 1.0));
+    }
+    // Every seed starts the sequence elsewhere; 0 in the middle.
+    let start = |k: usize| 0.5 + options.seed as f64 * 0.618_033_988_749_895 * (k as f64 + 1.0).sqrt();
+    let at = |row: usize, (k, coordinate): (usize, &denavit_model::Coordinate)| {
+        let (lower, upper) = coordinate.range();
+        let inset = options.margin * (upper - lower);
+        let share = (start(k) + (row + 1) as f64 * phi.powi(-(i32::try_from(k).unwrap_or(0) + 1))).fract();
+        lower + inset + (upper - lower - 2.0 * inset) * share
+    };
+    Ok((0..options.spread)
+        .map(|row| chain.coordinates().iter().enumerate().map(|pair| at(row, pair)).collect())
+        .collect())
+}
+
+fn allowed(chain: &Chain, arm: &Arm, q: &[f64], options: &PlanOptions) -> bool {
+    let within = chain.coordinates().iter().zip(q).all(|(coordinate, value)| {
+        let (lower, upper) = coordinate.range();
+        coordinate.limits.range.is_none() || (*value >= lower && *value <= upper)
+    });
+    let target = chain.fk(q) * Point3::from(arm.targets[0].translation.vector);
+    within
+        && options
+            .allowed
+            .is_none_or(|[low, high]| (0..3).all(|axis| target[axis] >= low[axis] && target[axis] <= high[axis]))
+}
+
+/// Jacobian rows of every candidate, and what is known before measuring.
+struct Design {
+    candidates: Vec<Vec<f64>>,
+    /// Each candidate's rows over the noise, parameters in units of what is expected of them.
+    rows: Vec<DMatrix<f64>>,
+    before: DMatrix<f64>,
+    noise: f64,
+}
+
+impl Design {
+    fn new(chain: &Chain, arm: &Arm, candidates: Vec<Vec<f64>>, options: &PlanOptions) -> Self {
+        let data = read_as_predicted(arm, &candidates, options);
+        let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
+        let n = layout.len();
+        // A millimetre and a milliradian for what has no tolerance of its own.
+        let unit: Vec<f64> = layout.parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1e-3)).collect();
+        let problem = ResidualModel { data: &data, layout: &layout, effects: &NoEffects };
+        let height = options.kind.height();
+        let mut scratch = Scratch::new(&layout, arm);
+        let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * n]);
+        let rows = (0..candidates.len())
+            .map(|row| {
+                problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+                DMatrix::from_fn(height, n, |i, k| jacobian[i * n + k] * unit[k] / options.noise)
+            })
+            .collect();
+        let mut before = DMatrix::<f64>::identity(n, n) * 1e-6;
+        for i in layout.joints.clone() {
+            for k in layout.joints.clone() {
+                before[(i, k)] += layout.prior[(i, k)] * unit[i] * unit[k];
+            }
+        }
+        let held = gauge::in_scaled(gauge::conditions(&layout, arm), &unit);
+        before += &held * held.transpose();
+        Self { candidates, rows, before, noise: options.noise }
+    }
+
+    /// ln det growth when rows are added to a design with this inverse.
+    fn gain(inverse: &DMatrix<f64>, rows: &DMatrix<f64>) -> f64 {
+        let mut inner = rows * inverse * rows.transpose();
+        for i in 0..inner.nrows() {
+            inner[(i, i)] += 1.0;
+        }
+        inner.determinant().max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// (M ± Rᵀ R)⁻¹ from M⁻¹ (Woodbury).
+    fn updated(inverse: &DMatrix<f64>, rows: &DMatrix<f64>, sign: f64) -> Option<DMatrix<f64>> {
+        let along = inverse * rows.transpose();
+        let mut inner = rows * &along * sign;
+        for i in 0..inner.nrows() {
+            inner[(i, i)] += 1.0;
+        }
+        Some(inverse - &along * inner.try_inverse()? * along.transpose() * sign)
+    }
+
+    fn inverse(&self, chosen: &[usize]) -> Option<DMatrix<f64>> {
+        let mut matrix = self.before.clone();
+        for &index in chosen {
+            matrix += self.rows[index].transpose() * &self.rows[index];
+        }
+        Some(matrix.cholesky()?.inverse())
+    }
+
+    fn best(&self, inverse: &DMatrix<f64>, chosen: &[usize]) -> Option<(usize, f64)> {
+        (0..self.rows.len())
+            .filter(|index| !chosen.contains(index))
+            .map(|index| (index, Self::gain(inverse, &self.rows[index])))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The poses and the exchanges made; `None` where rounding leaves nothing of the information.
+    fn choose(&self, count: usize) -> Option<(Vec<usize>, usize)> {
+        let mut chosen: Vec<usize> = Vec::with_capacity(count);
+        let mut inverse = self.inverse(&[])?;
+        while chosen.len() < count {
+            let Some((index, _)) = self.best(&inverse, &chosen) else { break };
+            chosen.push(index);
+            inverse = self.inverse(&chosen)?;
+        }
+        let mut exchanges = 0;
+        for _ in 0..MOST_SWEEPS {
+            let mut changed = false;
+            for place in 0..chosen.len() {
+                let out = chosen[place];
+                let Some(without) = Self::updated(&inverse, &self.rows[out], -1.0) else { continue };
+                let own = Self::gain(&without, &self.rows[out]);
+                let Some((index, gain)) = self.best(&without, &chosen) else { continue };
+                if gain > own + LEAST_GAIN {
+                    chosen[place] = index;
+                    inverse = self.inverse(&chosen)?;
+                    exchanges += 1;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        chosen.sort_unstable();
+        Some((chosen, exchanges))
+    }
+
+    fn at_random(&self, count: usize, seed: u64) -> Observability {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut drawn = || {
+            let mut order: Vec<(f64, usize)> =
+                (0..self.candidates.len()).map(|index| (random.random::<f64>(), index)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            order[..count].iter().map(|(_, index)| *index).collect::<Vec<usize>>()
+        };
+        let sets: Vec<Observability> = (0..RANDOM_SETS).map(|_| self.observability(&drawn())).collect();
+        let mean = |of: fn(&Observability) -> f64| sets.iter().map(of).sum::<f64>() / RANDOM_SETS as f64;
+        Observability {
+            o1: mean(|set| set.o1),
+            o2: mean(|set| set.o2),
+            o3: mean(|set| set.o3),
+            o4: mean(|set| set.o4),
+            o5: mean(|set| set.o5),
+            rank: sets.iter().map(|set| set.rank).min().unwrap_or(0),
+        }
+    }
+
+    fn observability(&self, chosen: &[usize]) -> Observability {
+        let (height, columns) = (self.rows[0].nrows(), self.rows[0].ncols());
+        let mut matrix = DMatrix::zeros(height * chosen.len(), columns);
+        for (k, &index) in chosen.iter().enumerate() {
+            matrix.rows_mut(k * height, height).copy_from(&(&self.rows[index] * self.noise));
+        }
+        let mut values: Vec<f64> = matrix.singular_values().iter().copied().collect();
+        values.sort_by(|a, b| b.total_cmp(a));
+        let largest = values.first().copied().unwrap_or(0.0);
+        values.retain(|value| *value > RANK_TOLERANCE * largest);
+        let smallest = values.last().copied().unwrap_or(0.0);
+        let rank = values.len();
+        let mean_log = values.iter().map(|value| value.ln()).sum::<f64>() / rank.max(1) as f64;
+        Observability {
+            o1: mean_log.exp() / (chosen.len() as f64).sqrt(),
+            o2: smallest / largest,
+            o3: smallest,
+            o4: smallest * smallest / largest,
+            o5: values.iter().map(|value| value.recip()).sum::<f64>().recip(),
+            rank,
+        }
+    }
+}
+
+/// What is predicted, in place of what is to be measured: only the derivatives are used.
+fn read_as_predicted(arm: &Arm, poses: &[Vec<f64>], options: &PlanOptions) -> Measurements {
+    let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+    let mut data = Measurements::empty("plan", joints, Scene::of(options.kind, 1));
+    let (mut state, deviation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let (series, mut values) = (data.scene.series[0].clone(), Vec::new());
+    for (row, reading) in poses.iter().enumerate() {
+        arm.state_into(reading, None, &mut state);
+        values.clear();
+        options.kind.predict(&Seen::new(arm, &state.tip, &deviation, &series, &[], false), &mut values);
+        data.observed.push(0, &values);
+        data.end_row(reading, row + 1, false);
+    }
+    data
+}

@@ -1,0 +1,253 @@
+//! Measurement files for trials and teaching: a robot that differs from its drawing, an instrument, noise. Seeded.
+
+pub mod columns;
+pub mod effect_specification;
+pub mod truth;
+
+use crate::effects::survey::{with_run_order, with_run_order_after};
+use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
+use crate::observation::kinds::{Disturbance, ObservationKind, POSITION, Seen};
+use crate::observation::measurements::{Covariate, Measurements, Scene};
+use crate::observation::parameters::Effects;
+use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
+use denavit_model::{Chain, Coordinate, Pose, se3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+/// What to simulate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulationOptions {
+    /// What the instrument measures.
+    pub kind: ObservationKind,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of targets (positions; else 1).
+    pub targets: usize,
+    /// Same seed, same file.
+    pub seed: u64,
+    /// Standard deviation of the change of each axis' direction, rad.
+    pub turn: f64,
+    /// Standard deviation of the change of each axis' place, m.
+    pub shift: f64,
+    /// Standard deviation of the noise of one position component or distance, m.
+    pub noise_position: f64,
+    /// Standard deviation of the noise of one rotation vector component, rad.
+    pub noise_orientation: f64,
+    /// Share of rows with a gross error of 5 to 50 mm.
+    pub outliers: f64,
+    /// Numeric columns that come along, one value per row each.
+    pub covariates: Vec<Covariate>,
+    /// Joint readings, one value per coordinate and row (rad, m), instead of random ones within the limits.
+    pub readings: Option<Vec<Vec<f64>>>,
+    /// Rows of the same run that were measured before, with run order: it goes on from there.
+    pub before: Option<Measurements>,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        Self {
+            kind: POSITION,
+            rows: 100,
+            targets: 1,
+            seed: 0,
+            turn: 1e-3,
+            shift: 1e-3,
+            noise_position: 5e-5,
+            noise_orientation: 5e-5,
+            outliers: 0.0,
+            covariates: Vec::new(),
+            readings: None,
+            before: None,
+        }
+    }
+}
+
+/// A simulated run: the data, and the arm that they came from.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    /// The true arm.
+    pub arm: Arm,
+    /// What was measured.
+    pub data: Measurements,
+    /// Rows with a gross error.
+    pub outliers: Vec<usize>,
+}
+
+/// Draw a true arm near the nominal one, and measure it.
+///
+/// What is drawn depends on the seed and the options alone, not on the effects.
+pub fn simulate<E: Effects>(chain: &Chain, options: &SimulationOptions, effects: &E) -> Simulation {
+    let mut random = ChaCha8Rng::seed_from_u64(options.seed);
+    let arm = draw_arm(chain, options, &mut random);
+    measure(&arm, options, effects, &mut random)
+}
+
+/// Measure a given arm with a seed of its own.
+pub fn simulate_arm<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E) -> Simulation {
+    measure(arm, options, effects, &mut ChaCha8Rng::seed_from_u64(options.seed))
+}
+
+/// Random joint readings within the limits: `rows` times one value per coordinate, rad or m.
+pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
+    let n = chain.coordinates().len();
+    let mut flat = vec![0.0; rows * n];
+    readings_into(chain, seed, &mut flat);
+    (0..rows).map(|row| flat[row * n..(row + 1) * n].to_vec()).collect()
+}
+
+/// The same into a slice, row by row.
+pub fn readings_into(chain: &Chain, seed: u64, readings: &mut [f64]) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    // Not the numbers that the arm and the noise are drawn from.
+    random.set_stream(1 << 33);
+    for row in readings.chunks_exact_mut(chain.coordinates().len().max(1)) {
+        for (value, coordinate) in row.iter_mut().zip(chain.coordinates()) {
+            *value = drawn(coordinate, &mut random);
+        }
+    }
+}
+
+/// The same as a controller is told them: rounded to 1 µrad and 1 µm, where the robot then is.
+pub fn commanded_readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
+    let rounded = |reading: Vec<f64>| reading.iter().map(|value| (value * 1e6).round() / 1e6).collect();
+    readings(chain, rows, seed).into_iter().map(rounded).collect()
+}
+
+/// Measured values with the digits that an instrument of this noise shows: two beyond it. Without noise, all digits.
+pub fn as_displayed(data: &Measurements, options: &SimulationOptions) -> Measurements {
+    let mut data = data.clone();
+    let shown = |value: f64| {
+        if options.noise_position == 0.0 {
+            return value;
+        }
+        let digits = 10f64.powf((2.0 - options.noise_position.log10().floor()).min(15.0));
+        (value * digits).round() / digits
+    };
+    for observation in 0..data.observations() {
+        let lengths = data.series_of(observation).kind.lengths();
+        data.observed.values_mut(observation)[..lengths].iter_mut().for_each(|value| *value = shown(*value));
+    }
+    data
+}
+
+fn drawn(coordinate: &Coordinate, random: &mut ChaCha8Rng) -> f64 {
+    let (lower, upper) = coordinate.range();
+    lower + (upper - lower) * random.random::<f64>()
+}
+
+fn normal(random: &mut ChaCha8Rng, deviation: f64) -> f64 {
+    random.sample::<f64, _>(StandardNormal) * deviation
+}
+
+fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
+    Vector3::new(normal(random, deviation), normal(random, deviation), normal(random, deviation))
+}
+
+fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng) -> Arm {
+    let size = chain.size();
+    let scene = Scene::of_several(options.kind, options.targets);
+    let mut arm = Arm::new(chain, &scene);
+    for (index, joint) in chain.joints().iter().enumerate() {
+        let turned = [normal(random, options.turn), normal(random, options.turn)];
+        let moved = [normal(random, options.shift), normal(random, options.shift)];
+        arm.change_axis(index, &AxisBasis::of(&joint.screw), turned, moved, 0.0);
+    }
+    for point in &mut arm.points {
+        let away = normal_vector(random, 1.0);
+        *point = away * (size / away.norm().max(1e-3));
+    }
+    for (setup, instrument) in arm.instruments.iter_mut().enumerate() {
+        if scene.has_instrument(setup) {
+            let (turn, place) = (normal_vector(random, 1.0), normal_vector(random, size));
+            *instrument = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, place.x, place.y, place.z));
+        }
+    }
+    for (index, target) in arm.targets.iter_mut().enumerate() {
+        target.translation.vector = normal_vector(random, 0.1 * size);
+        if scene.turns(index) {
+            target.rotation = Rotation3::from_scaled_axis(normal_vector(random, 0.5));
+        }
+    }
+    arm
+}
+
+fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, random: &mut ChaCha8Rng) -> Simulation {
+    let coordinates = arm.nominal.coordinates();
+    let mut readings = options.readings.clone().unwrap_or_default();
+    if options.readings.is_none() {
+        let draw = |_| coordinates.iter().map(|coordinate| drawn(coordinate, random)).collect();
+        readings.extend((0..options.rows).map(draw));
+    }
+    let mut data = unmeasured(arm, options, &readings);
+    let seen = match &options.before {
+        Some(before) => with_run_order_after(data.clone(), before),
+        None => with_run_order(data.clone()),
+    };
+    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let mut outliers = Vec::new();
+    for row in 0..options.rows {
+        perturbation.clear();
+        effects.perturb(Row::new(&seen, row), arm, &mut perturbation);
+        arm.state_into(data.reading(row), Some(&perturbation), &mut state);
+        let gross = random.random::<f64>() < options.outliers;
+        let direction = normal_vector(random, 1.0).normalize();
+        let error = direction * (5e-3 + 45e-3 * random.random::<f64>());
+        let error = if gross { error } else { Vector3::zeros() };
+        if gross {
+            outliers.push(row);
+        }
+        observe(arm, &state, &perturbation, options, error, row, &mut data, random);
+    }
+    Simulation { arm: arm.clone(), data, outliers }
+}
+
+/// Puts in what the instrument reads in a row, noise and a gross error added.
+#[expect(clippy::too_many_arguments, reason = "it is one step of the loop above")]
+fn observe(
+    arm: &Arm,
+    state: &RowState,
+    perturbation: &Perturbation,
+    options: &SimulationOptions,
+    gross: Vector3<f64>,
+    row: usize,
+    data: &mut Measurements,
+    random: &mut ChaCha8Rng,
+) {
+    let mut values = Vec::new();
+    for observation in data.of_row(row) {
+        let series = data.series_of(observation).clone();
+        values.clear();
+        let measured = data.observed.values(observation);
+        series.kind.predict(&Seen::new(arm, &state.tip, perturbation, &series, measured, false), &mut values);
+        let mut errors = Disturbance {
+            gross,
+            position: options.noise_position,
+            orientation: options.noise_orientation,
+            draw: &mut |deviation| normal(random, deviation),
+        };
+        series.kind.disturb(&mut values, &mut errors);
+        data.observed.values_mut(observation).copy_from_slice(&values);
+    }
+}
+
+/// The rows, nothing measured yet.
+fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> Measurements {
+    let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+    let scene = Scene::of_several(options.kind, arm.targets.len());
+    let mut data = Measurements::empty("simulation", joints, scene);
+    data.covariates.clone_from(&options.covariates);
+    let nothing = vec![0.0; options.kind.numbers()];
+    for (row, reading) in readings.iter().enumerate() {
+        (0..data.scene.series.len()).for_each(|series| data.observed.push(series, &nothing));
+        data.end_row(reading, row + 2, false);
+    }
+    data
+}
+
+/// base_from_target without instrument and noise, for a target of the arm.
+pub fn true_target(arm: &Arm, q: &[f64], target: usize) -> Pose {
+    let mut state = RowState::default();
+    arm.state_into(q, None, &mut state);
+    state.tip * arm.targets[target]
+}

@@ -1,0 +1,51 @@
+//! What a simulated file was made of, as JSON: for judging what a calibration found.
+
+use crate::apply::simulate::{Simulation, SimulationOptions};
+use crate::effects::model::EffectModel;
+use crate::observation::parameters::{Freedom, Layout, Tolerances};
+use denavit_model::Pose;
+use denavit_model::nalgebra::UnitQuaternion;
+use serde_json::{Map, Value, json};
+
+/// Version of the format.
+pub const SCHEMA: &str = "denavit.simulation/1";
+
+fn pose(pose: &Pose) -> Value {
+    let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+    let xyz: [f64; 3] = pose.translation.vector.into();
+    let xyzw: [f64; 4] = quaternion.coords.into();
+    json!({"xyz": xyz, "quaternion_xyzw": xyzw})
+}
+
+/// The truth of a run: how far each axis is from its drawing (rad, m, by the names of a calibration's parameters), the
+/// instrument, the targets, noise, the rows with gross errors (counted from 1) and the effects.
+pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectModel) -> String {
+    let (arm, chain) = (&run.arm, &run.arm.nominal);
+    let freedom = Freedom::axes(chain.joints().len());
+    let layout = Layout::new(chain, &run.data.scene, &freedom, &Tolerances::default(), Vec::new());
+    let difference = layout.difference(arm, arm);
+    let axes: Map<String, Value> =
+        layout.joints.clone().map(|k| (layout.parameters[k].name.clone(), json!(difference[k]))).collect();
+    let mut truth = json!({
+        "schema": SCHEMA,
+        "robot": chain.name(),
+        "base": chain.base(),
+        "tip": chain.tip(),
+        "measurement": options.kind,
+        "rows": options.rows,
+        "seed": options.seed,
+        "noise": {"position_m": options.noise_position, "orientation_rad": options.noise_orientation},
+        "axes": axes,
+    });
+    for (point, name) in arm.points.iter().zip(&run.data.scene.points) {
+        let place: [f64; 3] = (*point).into();
+        truth[name] = json!(place);
+    }
+    if run.data.scene.has_instruments() {
+        truth["instrument_from_base"] = pose(&arm.instruments[0]);
+    }
+    truth["tip_from_targets"] = arm.targets.iter().map(pose).collect();
+    truth["gross_errors"] = run.outliers.iter().map(|row| json!(row + 1)).collect();
+    truth["effects"] = serde_json::from_str(&effects.to_json()).unwrap_or(Value::Null);
+    serde_json::to_string_pretty(&truth).expect("names are texts and numbers are numbers") + "\n"
+}

@@ -1,0 +1,240 @@
+//! The JSON of `calibrate`: names and order are a contract.
+
+use crate::calibration::adoption::Adopted;
+use crate::calibration::drawing_differences::DrawingDifference;
+use crate::identify::redundancy::Redundancy;
+use crate::identify::residual_statistics::{Errors, LengthFound};
+use crate::observation::measurements::ColumnUse;
+use crate::trace::infer::lines::Line;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// Version of the contract.
+pub const SCHEMA: &str = "denavit.calibration/1";
+
+/// The result of a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationReport {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// The robot's name.
+    pub robot: String,
+    /// Name of the base link.
+    pub base: String,
+    /// Name of the tip link.
+    pub tip: String,
+    /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
+    pub measurement: String,
+    /// What every column of the data was taken for; empty where the rows came from no file.
+    pub columns: Vec<ColumnUse>,
+    /// Rows used.
+    pub samples: Samples,
+    /// Numbers measured beside numbers found.
+    pub redundancy: Redundancy,
+    /// Counts of parameters.
+    pub identifiability: Counts,
+    /// What cannot be told.
+    pub unidentifiable: Vec<Unidentifiable>,
+    /// Error after each stage.
+    pub stages: Vec<Stage>,
+    /// Which stage the calibrated robot is.
+    pub adopted: Adopted,
+    /// How far each axis is from its drawing at that stage.
+    pub parameters: Vec<Identified>,
+    /// Axes that are many tolerances from where they are drawn.
+    pub differs_from_drawing: Vec<DrawingDifference>,
+    /// Effects that are sure enough to be named.
+    pub effects: Vec<EffectEntry>,
+    /// Effects that stay in the model although another may act in their stead; left out where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub one_of: Vec<EffectEntry>,
+    /// Error curves of joints, no cause claimed; left out where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<CurveEntry>,
+    /// What no effect explains.
+    pub unexplained: Unexplained,
+}
+
+/// Rows used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Samples {
+    /// Rows fitted, rejected ones included.
+    pub train: usize,
+    /// Rows held out; `locate` rows not counted.
+    pub test: usize,
+    /// Rows with a rejected value: their lines in the file.
+    pub rejected: Vec<usize>,
+    /// Rows that repeat the measured values of the row before although a joint moved; left out of everything.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stale: Vec<usize>,
+    /// Held-out rows that are off by far more than the others, and are counted all the same: their lines in their file.
+    pub test_outliers: Vec<usize>,
+}
+
+/// A parameter of a joint as it was identified.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identified {
+    /// Its name, such as `elbow_joint.turn_x`.
+    pub parameter: String,
+    /// Its joint.
+    pub joint: String,
+    /// DrawingDifference from the drawing, in the unit.
+    pub change: f64,
+    /// Standard deviation, the prior included.
+    pub std: f64,
+    /// Half the width of the interval that holds the true value with 95 %: Student's, the prior included.
+    pub half_interval_95: f64,
+    /// `rad`, `m`, `m/rad` or `1`.
+    pub unit: &'static str,
+    /// How much of the spread is the prior's: 1 where the data say nothing.
+    pub held_by_prior: f64,
+}
+
+/// What a parameter is held by that the data cannot tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Held {
+    /// It was not moved.
+    Nominal,
+    /// The prior keeps it near the drawing, together with what it cannot be told from.
+    Prior,
+}
+
+/// The paper's count and the numerical rank.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// 5h + 4r + 2t + n and what the measurement adds.
+    pub expected: usize,
+    /// Rank of the identification Jacobian.
+    pub rank: usize,
+}
+
+/// A parameter that the data cannot tell.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Unidentifiable {
+    /// Its name.
+    pub parameter: String,
+    /// Its joint; empty where it has none.
+    pub joint: String,
+    /// Why.
+    pub why: String,
+    /// What it is held by.
+    pub held: Held,
+}
+
+/// Error after a stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stage {
+    /// `nominal`, `geometric`, `geometric + <kind>(<where>)` …
+    pub name: String,
+    /// On the fitted rows, rejected ones left out.
+    pub train: Errors,
+    /// On the held-out rows; absent without any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub test: Option<Errors>,
+    /// Known distances between points as the fitted rows alone say them; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub train_lengths: Vec<LengthFound>,
+    /// The same of the held-out rows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub test_lengths: Vec<LengthFound>,
+    /// Whether the fit settled.
+    pub converged: bool,
+    /// Whether this is the calibrated robot that is handed on.
+    pub adopted: bool,
+    /// Whether held-out rows came out worse than at the stage before, by more than chance; such a stage is not adopted.
+    pub worse_on_held_out: bool,
+}
+
+/// An effect that the data ask for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectEntry {
+    /// Its kind.
+    pub kind: String,
+    /// The joint that it acts at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Where it acts, when that is no joint: `base`, `target`, `anchor`, `instrument`, …
+    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// The recorded quantity that drives it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covariate: Option<String>,
+    /// Its numbers by name: value, standard deviation, unit.
+    pub parameters: Map<String, Value>,
+    /// Probability that it does not act: what is left of the posterior mass.
+    pub p_value: f64,
+    /// Twice the logarithm of the odds of the best model with it against the best without it.
+    pub delta_bic: f64,
+    /// Posterior probability that this kind acts at this place.
+    pub probability: f64,
+    /// Share of resampled runs that find it.
+    pub found_again: f64,
+    /// The joint that drives it, where that is not the one that it acts at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_by: Option<String>,
+    /// What may act in its stead, the most probable first.
+    pub ambiguous_with: Vec<Rival>,
+}
+
+/// A rival of an effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its kind.
+    pub kind: String,
+    /// Where it acts: a joint, or `base`, `target`, …
+    pub joint: String,
+    /// Posterior probability that it acts and the other does not.
+    pub probability: f64,
+}
+
+/// The error of a joint's value as a smooth function of its own reading, no cause claimed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveEntry {
+    /// The joint.
+    pub joint: String,
+    /// Of readings and errors: `rad` or `m`.
+    pub unit: &'static str,
+    /// Root mean square over the range of the data, about the mean.
+    pub rms: f64,
+    /// How far apart readings must be for the curve to differ: the length scale of its kernel.
+    pub length: f64,
+    /// How unsure the curve is where no data were: there it is taken as 0.
+    pub std_without_data: f64,
+    /// By how much the curve raises the logarithm of the marginal likelihood.
+    pub log_evidence: f64,
+    /// Sines that hold much of it, the strongest first.
+    pub lines: Vec<Line>,
+    /// The curve over the range of the data: add it to the reading to have the joint's true value.
+    pub table: Vec<CurvePoint>,
+}
+
+/// A curve at one reading.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// The reading.
+    pub at: f64,
+    /// What is added to it.
+    pub value: f64,
+    /// Standard deviation of that.
+    pub std: f64,
+}
+
+/// What no effect explains.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unexplained {
+    /// Whether what is left has structure.
+    pub structured: bool,
+    /// Probability of such structure by chance.
+    pub p_value: f64,
+    /// Where it is, the largest share first.
+    #[serde(rename = "where")]
+    pub places: Vec<crate::trace::Structure>,
+}
+
+impl CalibrationReport {
+    /// As JSON text, indented.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("names are texts and numbers are numbers")
+    }
+}

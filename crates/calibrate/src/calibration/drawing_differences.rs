@@ -1,0 +1,58 @@
+//! Where a robot is not what its drawing says: a link of another length, not a link made within its tolerance.
+
+use crate::identify::solve::Fit;
+use denavit_model::nalgebra::DVector;
+use serde::Serialize;
+
+/// So many standard deviations of the prior are no tolerance any more; arms with hand-set wrists reach eleven.
+const MANY_TOLERANCES: f64 = 15.0;
+/// And so many of the fit's own, or it may be chance.
+const SURE: f64 = 5.0;
+
+/// An axis that lies elsewhere than drawn, seen from the axes before it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawingDifference {
+    /// The parameter, such as `elbow_joint.move_x`.
+    pub parameter: String,
+    /// Its joint.
+    pub joint: String,
+    /// How far it is off beyond what the axes before it say, in the unit.
+    pub value: f64,
+    /// `rad`, `m`, `m/rad` or `1`.
+    pub unit: &'static str,
+    /// The same in standard deviations of the prior.
+    pub tolerances: f64,
+}
+
+/// Parameters that moved by many tolerances, the largest first.
+///
+/// With the prior's covariance C = L Lᵀ in the order of the chain, L⁻¹ η is what each number adds to those before it. The
+/// base is free in the prior, so a common motion of all axes counts for nothing.
+pub fn drawing_differences<E>(fit: &Fit<E>) -> Vec<DrawingDifference> {
+    let count = fit.layout.joints.len();
+    let factor = fit.layout.prior.clone().cholesky().and_then(|precision| precision.inverse().cholesky());
+    let Some(lower) = factor.map(|factor| factor.l()) else { return Vec::new() };
+    let moved = DVector::from_vec(fit.layout.difference(&fit.arm, &fit.arm)[fit.layout.joints.clone()].to_vec());
+    let Some(own) = lower.solve_lower_triangular(&moved) else { return Vec::new() };
+    let covariance = fit.covariance.view((0, 0), (count, count));
+    let spread =
+        lower.solve_lower_triangular(&covariance).and_then(|half| lower.solve_lower_triangular(&half.transpose()));
+    let joints = fit.arm.nominal.joints();
+    let mut found: Vec<DrawingDifference> = Vec::new();
+    for index in 0..count {
+        let sure = spread.as_ref().map_or(0.0, |spread| spread[(index, index)].max(0.0).sqrt());
+        if own[index].abs() < MANY_TOLERANCES || own[index].abs() < SURE * sure {
+            continue;
+        }
+        let parameter = &fit.layout.parameters[index];
+        found.push(DrawingDifference {
+            parameter: parameter.name.clone(),
+            joint: parameter.kind.joint().map_or_else(String::new, |joint| joints[joint].name.clone()),
+            value: own[index] * lower[(index, index)],
+            unit: parameter.unit,
+            tolerances: own[index].abs(),
+        });
+    }
+    found.sort_by(|a, b| b.tolerances.total_cmp(&a.tolerances));
+    found
+}

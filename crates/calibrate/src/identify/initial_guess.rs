@@ -1,0 +1,273 @@
+//! Where the instrument, the anchor and the targets stand: first guesses that a fit can start from.
+
+use crate::identify::solve::{Fit, FitOptions, fit};
+use crate::observation::arm::Arm;
+use crate::observation::least_squares::least_squares;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vector3};
+use denavit_model::{Chain, Pose, se3};
+
+/// Rows that the search for a start looks at.
+const ROWS_FOR_START: usize = 60;
+/// Rows that place the robot as drawn before its axes are fitted: more do not make a better start.
+const ROWS_FOR_PLACEMENT: usize = 1000;
+/// Rows that must see each target among these.
+const LEAST_SIGHTS: usize = 30;
+/// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
+const GOOD_ENOUGH: f64 = 0.01;
+
+/// The nominal robot with instrument (or anchor) and targets fitted: the stage `nominal`.
+///
+/// # Shape and units
+/// `weights`: one per observation, 0 for what is to be left out.
+pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options: &FitOptions) -> Fit<NoEffects> {
+    let freedom = Freedom::placement(chain.joints().len());
+    let layout = Layout::new(chain, &data.scene, &freedom, &Tolerances::default(), Vec::new());
+    let start = start(chain, data, weights, &layout);
+    fit(data, &layout, &start, &NoEffects, weights, options)
+}
+
+/// Rows spread over the run that do for placing the robot as drawn; `None` where that takes all of them.
+pub(crate) fn some_rows(data: &Measurements) -> Option<Measurements> {
+    let rows = data.len();
+    if rows <= ROWS_FOR_PLACEMENT {
+        return None;
+    }
+    let spread: Vec<usize> = (0..ROWS_FOR_PLACEMENT).map(|k| k * (rows - 1) / (ROWS_FOR_PLACEMENT - 1)).collect();
+    let some = data.subset(&spread);
+    let mut sights = vec![0; some.scene.targets.len()];
+    (0..some.observations()).for_each(|observation| sights[some.series_of(observation).target] += 1);
+    sights.iter().all(|sights| *sights >= LEAST_SIGHTS).then_some(some)
+}
+
+/// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.
+fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -> Arm {
+    if data.scene.setups.len() > 1 {
+        return assembled(chain, data, weights);
+    }
+    let rows = usable_rows(data, weights);
+    let few = data.subset(&rows);
+    let weights: Vec<f64> =
+        rows.iter().flat_map(|&row| data.of_row(row)).map(|observation| weights[observation]).collect();
+    let tips: Vec<Pose> = (0..few.len()).map(|row| chain.fk(few.reading(row))).collect();
+    let good = GOOD_ENOUGH * chain.size();
+    let mut best: Option<(f64, Arm)> = None;
+    for guess in guesses(chain, &few, &tips) {
+        let options = FitOptions { robust: true, most_iterations: 30 };
+        let fit = fit(&few, layout, &guess, &NoEffects, &weights, &options);
+        let left = misfit(&fit);
+        if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
+            best = Some((left, fit.arm));
+        }
+        if left < good {
+            break;
+        }
+    }
+    best.map_or_else(|| Arm::new(chain, &data.scene), |(_, arm)| arm)
+}
+
+/// A start for each setup by itself, put together.
+fn assembled(chain: &Chain, data: &Measurements, weights: &[f64]) -> Arm {
+    let mut arm = Arm::new(chain, &data.scene);
+    for setup in 0..data.scene.setups.len() {
+        let (part, observations) = data.of_one_setup(setup);
+        let weights: Vec<f64> = observations.iter().map(|&observation| weights[observation]).collect();
+        let freedom = Freedom::placement(chain.joints().len());
+        let layout = Layout::new(chain, &part.scene, &freedom, &Tolerances::default(), Vec::new());
+        let own = start(chain, &part, &weights, &layout);
+        arm.instruments[setup] = own.instruments.first().copied().unwrap_or_else(Pose::identity);
+        for (name, target) in part.scene.targets.iter().zip(&own.targets) {
+            if let Some(index) = data.scene.targets.iter().position(|known| known == name) {
+                arm.targets[index] = *target;
+            }
+        }
+        for (name, point) in part.scene.points.iter().zip(&own.points) {
+            if let Some(index) = data.scene.points.iter().position(|known| known == name) {
+                arm.points[index] = *point;
+            }
+        }
+    }
+    arm
+}
+
+/// The largest noise level of the lengths, m.
+fn misfit(fit: &Fit<NoEffects>) -> f64 {
+    fit.noise.levels.iter().fold(0.0f64, |most, level| most.max(*level))
+}
+
+/// Some rows spread over the run, those that see the most targets.
+fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
+    let useful: Vec<usize> =
+        (0..data.len()).filter(|&row| data.of_row(row).any(|observation| weights[observation] > 0.0)).collect();
+    if useful.len() <= ROWS_FOR_START {
+        return useful;
+    }
+    (0..ROWS_FOR_START).map(|k| useful[k * (useful.len() - 1) / (ROWS_FOR_START - 1)]).collect()
+}
+
+/// Arms to start from: with the instrument turned in many ways, or the points in many places.
+fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Box<dyn Iterator<Item = Arm> + 'a> {
+    let targets = data.scene.targets.len();
+    if !data.scene.has_instruments() {
+        return Box::new(point_guesses(chain, data, tips));
+    }
+    let from_tips = std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); targets]));
+    let turned = turned_frames().into_iter().map(move |rotation| {
+        let offsets = offsets_for(data, tips, &rotation);
+        aligned(chain, data, tips, &offsets)
+    });
+    Box::new(from_tips.chain(turned))
+}
+
+/// Measured positions: row, target, place in the instrument's frame, m.
+fn positions(data: &Measurements) -> impl Iterator<Item = (usize, usize, Vector3<f64>)> + '_ {
+    (0..data.len()).flat_map(move |row| {
+        data.of_row(row).filter_map(move |observation| {
+            let series = data.series_of(observation);
+            Some((row, series.target, series.kind.position(data.observed.values(observation))?))
+        })
+    })
+}
+
+/// The arm with the instrument where it fits best for these targets (tip frame, m), and targets and points to match.
+fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3<f64>]) -> Arm {
+    let mut arm = Arm::new(chain, &data.scene);
+    let on_arm = |row: usize, target: usize| tips[row].rotation * offsets[target] + tips[row].translation.vector;
+    let pairs: Vec<_> = positions(data).map(|(row, target, measured)| (on_arm(row, target), measured)).collect();
+    let Some(instrument) = rigid_fit(&pairs) else { return arm };
+    arm.instruments[0] = instrument;
+    for (target, pose) in arm.targets.iter_mut().enumerate() {
+        let seen: Vec<Vector3<f64>> = positions(data)
+            .filter(|(_, of, _)| *of == target)
+            .map(|(row, _, measured)| {
+                let in_base = instrument.inverse() * Point3::from(measured);
+                (tips[row].inverse() * in_base).coords
+            })
+            .collect();
+        if !seen.is_empty() {
+            pose.translation.vector = seen.iter().sum::<Vector3<f64>>() / seen.len() as f64;
+        }
+        let mut sum = Matrix3::zeros();
+        for (row, tip) in tips.iter().enumerate() {
+            for observation in data.of_row(row) {
+                let series = data.series_of(observation);
+                let turn = series.kind.orientation(data.observed.values(observation));
+                if let Some(orientation) = turn.filter(|_| series.target == target) {
+                    sum += (tip.rotation.inverse() * instrument.rotation.inverse() * orientation).into_inner();
+                }
+            }
+        }
+        if sum != Matrix3::zeros() {
+            pose.rotation = nearest_rotation(&sum);
+        }
+    }
+    let points = places_of_points(data, tips, &arm).into_iter();
+    arm.points = points.map(|places| places.first().copied().unwrap_or_default()).collect();
+    arm
+}
+
+/// For each point where it may stand, the targets being where this arm has them.
+fn places_of_points(data: &Measurements, tips: &[Pose], arm: &Arm) -> Vec<Vec<Vector3<f64>>> {
+    let of_point = |point: usize| {
+        let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
+        for (row, tip) in tips.iter().enumerate() {
+            for observation in data.of_row(row) {
+                let series = data.series_of(observation);
+                if series.point == Some(point) {
+                    predicted.push((tip * Point3::from(arm.targets[series.target].translation.vector)).coords);
+                    values.push(data.observed.values(observation));
+                    kind = Some(series.kind);
+                }
+            }
+        }
+        kind.map_or_else(Vec::new, |kind| kind.points(&predicted, &values))
+    };
+    (0..data.scene.points.len()).map(of_point).collect()
+}
+
+/// The motion that takes the first points of the pairs to the second with the least squares; `None` without pairs.
+///
+/// # Source
+/// Kabsch 1976; Umeyama 1991 for the sign.
+fn rigid_fit(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Pose> {
+    if pairs.is_empty() {
+        return None;
+    }
+    let count = pairs.len() as f64;
+    let from = pairs.iter().map(|pair| pair.0).sum::<Vector3<f64>>() / count;
+    let to = pairs.iter().map(|pair| pair.1).sum::<Vector3<f64>>() / count;
+    let spread = pairs.iter().map(|pair| (pair.1 - to) * (pair.0 - from).transpose()).sum::<Matrix3<f64>>();
+    let rotation = nearest_rotation(&spread);
+    Some(se3::pose(rotation, to - rotation * from))
+}
+
+fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation3<f64> {
+    let svd = matrix.svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };
+    let sign = (u * v_t).determinant().signum();
+    let mut turned = u;
+    let last = svd.singular_values.imin();
+    turned.column_mut(last).scale_mut(sign);
+    Rotation3::from_matrix_unchecked(turned * v_t)
+}
+
+/// 24 turns of a cube and as many between them.
+fn turned_frames() -> Vec<Rotation3<f64>> {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let mut frames = Vec::new();
+    for yaw in 0..4 {
+        for [roll, pitch] in [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+            let turn = se3::rotation_from_rpy([roll * quarter, pitch * quarter, f64::from(yaw) * quarter]);
+            frames.push(turn);
+            frames.push(turn * se3::rotation_from_rpy([0.5 * quarter, 0.5 * quarter, 0.0]));
+        }
+    }
+    frames
+}
+
+/// Targets (tip frame) that fit best for an instrument of this rotation: R p + x = m is linear in targets and place.
+fn offsets_for(data: &Measurements, tips: &[Pose], rotation: &Rotation3<f64>) -> Vec<Vector3<f64>> {
+    let targets = data.scene.targets.len();
+    let unknowns = 3 * targets + 3;
+    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let mut right = DVector::<f64>::zeros(unknowns);
+    for (row, target, measured) in positions(data) {
+        let tip = &tips[row];
+        let value = measured - rotation * tip.translation.vector;
+        let turn = (rotation * tip.rotation).into_inner();
+        for i in 0..3 {
+            let mut coefficients = DVector::<f64>::zeros(unknowns);
+            for k in 0..3 {
+                coefficients[3 * target + k] = turn[(i, k)];
+            }
+            coefficients[3 * targets + i] = 1.0;
+            matrix.ger(1.0, &coefficients, &coefficients, 1.0);
+            right.axpy(value[i], &coefficients, 1.0);
+        }
+    }
+    let solution = least_squares(matrix, &right);
+    (0..targets)
+        .map(|target| Vector3::new(solution[3 * target], solution[3 * target + 1], solution[3 * target + 2]))
+        .collect()
+}
+
+/// Points where their kinds put them, for targets at the tip and around it.
+fn point_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> impl Iterator<Item = Arm> + 'a {
+    let reach = 0.2 * chain.size();
+    let mut offsets = vec![Vector3::zeros()];
+    for k in 0..3 {
+        offsets.push(Vector3::ith(k, reach));
+        offsets.push(Vector3::ith(k, -reach));
+    }
+    offsets.into_iter().flat_map(move |offset| {
+        let mut arm = Arm::new(chain, &data.scene);
+        arm.targets.iter_mut().for_each(|target| target.translation.vector = offset);
+        let places = places_of_points(data, tips, &arm);
+        let most = places.iter().map(Vec::len).max().unwrap_or(0);
+        (0..most).map(move |choice| {
+            let at = |places: &Vec<Vector3<f64>>| places.get(choice).or(places.first()).copied().unwrap_or_default();
+            Arm { points: places.iter().map(at).collect(), ..arm.clone() }
+        })
+    })
+}

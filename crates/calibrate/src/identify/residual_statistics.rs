@@ -1,0 +1,345 @@
+//! How far predictions are from measured values, on the rows of a fit and on rows that it never saw.
+
+use crate::identify::solve::Fit;
+use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::kinds::{Discrepancy, Part, Seen};
+use crate::observation::measurements::{Measurements, Scene, label_of};
+use crate::observation::parameters::Effects;
+use denavit_model::nalgebra::{Point3, Vector3};
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
+use thiserror::Error;
+
+/// Root mean square, mean and largest of the errors of one sort, m or rad: norms of what has three components.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Error {
+    /// What it is of.
+    pub part: Part,
+    /// Root mean square.
+    pub rms: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Errors of every sort that was measured, as JSON `position_rms_m`, `position_mean_m`, `position_max_m`,
+/// `orientation_rms_rad` and so on.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Errors(pub Vec<Error>);
+
+impl Errors {
+    /// The errors of this word, such as `position`.
+    pub fn of(&self, word: &str) -> Option<&Error> {
+        self.0.iter().find(|error| error.part.word == word)
+    }
+}
+
+impl Serialize for Errors {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3 * self.0.len()))?;
+        for error in &self.0 {
+            let Part { word, unit, .. } = error.part;
+            for (what, value) in [("rms", error.rms), ("mean", error.mean), ("max", error.max)] {
+                map.serialize_entry(&format!("{word}_{what}_{unit}"), &value)?;
+            }
+        }
+        map.end()
+    }
+}
+
+/// Why a test file cannot be predicted.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum TestError {
+    /// Another kind of value was measured.
+    #[error("{file}: it measures {found}, but the model was fitted to {expected}; test with the same kind of value")]
+    OtherKind {
+        /// The test file.
+        file: String,
+        /// What it holds.
+        found: String,
+        /// What was fitted.
+        expected: String,
+    },
+    /// A setup whose instrument the fit does not know.
+    #[error(
+        "{file}: setup \"{setup}\" is not among the fitted ones ({known}), so nobody knows where its instrument stands; \
+         fit some of its rows, too"
+    )]
+    UnplacedSetup {
+        /// The test file.
+        file: String,
+        /// The setup.
+        setup: String,
+        /// Those of the fit.
+        known: String,
+    },
+    /// The rows that were fitted.
+    #[error(
+        "{file}: these are the rows of {fitted}; a test needs rows that were not fitted: measure some, or say --hold-out 0.3"
+    )]
+    SameRows {
+        /// The test file.
+        file: String,
+        /// The fitted file.
+        fitted: String,
+    },
+    /// A recorded quantity that the fitted rows have and these lack.
+    #[error(
+        "{file}: column \"{column}\" of {fitted} is missing here, and effects may follow it; add it, or remove it from \
+         both files"
+    )]
+    MissingColumn {
+        /// The test file.
+        file: String,
+        /// The column.
+        column: String,
+        /// The fitted file.
+        fitted: String,
+    },
+    /// A target that the fit does not know and no row places.
+    #[error(
+        "{file}: target \"{target}\" is not among the fitted ones ({known}) and no row places it; set locate = 1 in a \
+         row that sees it, or measure a fitted target"
+    )]
+    UnplacedTarget {
+        /// The test file.
+        file: String,
+        /// The target.
+        target: String,
+        /// Those of the fit.
+        known: String,
+    },
+}
+
+/// Readings nearer than this are the same configuration, rad or m: a micrometre on a metre.
+const SAME_READING: f64 = 1e-6;
+
+/// One residual: measured minus predicted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// Index of the row.
+    pub row: usize,
+    /// Index of the observation.
+    pub observation: usize,
+    /// Index of the series that it belongs to.
+    pub series: usize,
+    /// Of the lengths, base frame, m; what is one number stands in x.
+    pub place: Vector3<f64>,
+    /// Of the orientation, a rotation vector in the base frame, rad; 0 where none is measured.
+    pub turn: Vector3<f64>,
+}
+
+impl Residual {
+    /// Norm of the error of the lengths, m.
+    pub fn distance(&self) -> f64 {
+        self.place.norm()
+    }
+}
+
+/// Residuals of all observations of `data` that do not only place targets.
+///
+/// # Shape and units
+/// The arm's targets, instruments and points are those of `data`: see [`placed`].
+pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
+    let mut found = Vec::with_capacity(data.observations());
+    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    for row in (0..data.len()).filter(|&row| !data.locate[row]) {
+        stand(arm, effects, data, row, &mut state, &mut perturbation);
+        for observation in data.of_row(row) {
+            let (series, values) = (data.series_of(observation), data.observed.values(observation));
+            let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
+            let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
+            found.push(Residual { row, observation, series: data.observed.series(observation), place, turn });
+        }
+    }
+    found
+}
+
+fn stand<E: Effects>(
+    arm: &Arm,
+    effects: &E,
+    data: &Measurements,
+    row: usize,
+    state: &mut RowState,
+    perturbation: &mut Perturbation,
+) {
+    perturbation.clear();
+    let perturbed = effects.perturb(Row::new(data, row), arm, perturbation);
+    arm.state_into(data.reading(row), perturbed.then_some(perturbation), state);
+}
+
+/// The arm with the targets of other data: fitted ones by name, others where the `locate` rows put them.
+///
+/// What the model leaves unexplained where a `locate` row stands is no part of the target's place. Where a fitted row has
+/// the same readings, the fitted targets show it: the target is placed beside where they are seen, not beside where they
+/// are predicted.
+///
+/// # Errors
+/// Another kind of value, or a target that nothing places.
+pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements) -> Result<Arm, TestError> {
+    let arm = &fit.arm;
+    let (here, known) = (&data.scene, &fitted.scene);
+    if !here.kinds().iter().all(|kind| known.kinds().contains(kind)) {
+        return Err(TestError::OtherKind { file: data.source.clone(), found: here.words(), expected: known.words() });
+    }
+    let mut placed = Arm { targets: Vec::new(), instruments: Vec::new(), points: Vec::new(), ..arm.clone() };
+    let fitted_place = |names: &[String], name: &String| names.iter().position(|other| other == name);
+    for name in &here.setups {
+        let setup = fitted_place(&known.setups, name).map(|setup| arm.instruments[setup]);
+        placed.instruments.push(setup.unwrap_or_else(denavit_model::Pose::identity));
+    }
+    for name in &here.points {
+        let point = fitted_place(&known.points, name).map(|point| arm.points[point]);
+        placed.points.push(point.unwrap_or_else(Vector3::zeros));
+    }
+    let unplaced: Vec<usize> =
+        (0..here.points.len()).filter(|&point| fitted_place(&known.points, &here.points[point]).is_none()).collect();
+    for (target, name) in here.targets.iter().enumerate() {
+        let located = locate(fit, fitted, data, target);
+        let own = fitted_place(&known.targets, name).map(|index| arm.targets[index]);
+        let pose = match (located, own) {
+            (Some(place), orientation) => {
+                let mut pose = orientation.unwrap_or_default();
+                pose.translation.vector = place;
+                pose
+            }
+            (None, Some(pose)) => pose,
+            (None, None) => {
+                return Err(TestError::UnplacedTarget {
+                    file: data.source.clone(),
+                    target: name.clone(),
+                    known: known.targets.join(", "),
+                });
+            }
+        };
+        placed.targets.push(pose);
+    }
+    for series in here.series.iter().filter(|series| series.kind.unknowns().instrument) {
+        if !known.setups.contains(&here.setups[series.setup]) {
+            let (file, setup) = (data.source.clone(), here.setups[series.setup].clone());
+            return Err(TestError::UnplacedSetup { file, setup, known: known.setups.join(", ") });
+        }
+    }
+    place_points(&mut placed, &fit.effects, data, &unplaced);
+    Ok(placed)
+}
+
+/// Puts points that no fit has seen where the rows that see them have them.
+fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, points: &[usize]) {
+    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    for &point in points {
+        let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
+        for row in 0..data.len() {
+            for observation in data.of_row(row) {
+                let series = data.series_of(observation);
+                if series.point == Some(point) {
+                    stand(arm, effects, data, row, &mut state, &mut perturbation);
+                    let own = data.observed.values(observation);
+                    predicted.push(Seen::new(arm, &state.tip, &perturbation, series, own, false).predicted);
+                    values.push(own);
+                    kind = Some(series.kind);
+                }
+            }
+        }
+        if let Some(place) = kind.and_then(|kind| kind.points(&predicted, &values).first().copied()) {
+            arm.points[point] = place;
+        }
+    }
+}
+
+/// A known distance between two points, and what the rows that see them say of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LengthFound {
+    /// The points' labels.
+    pub between: [String; 2],
+    /// As known, m.
+    pub known_m: f64,
+    /// Between the mean places, m.
+    pub found_m: f64,
+}
+
+/// The known distances as the rows alone say them, each point standing where its own rows have it.
+pub fn lengths_found<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<LengthFound> {
+    if data.scene.lengths.is_empty() {
+        return Vec::new();
+    }
+    let mut arm = arm.clone();
+    place_points(&mut arm, effects, data, &(0..data.scene.points.len()).collect::<Vec<usize>>());
+    let found = data.scene.lengths.iter().map(|known| {
+        let [a, b] = known.points;
+        LengthFound {
+            between: known.points.map(|point| label_of(&data.scene.points[point]).to_owned()),
+            known_m: known.length,
+            found_m: (arm.points[a] - arm.points[b]).norm(),
+        }
+    });
+    found.collect()
+}
+
+/// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows.
+fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, target: usize) -> Option<Vector3<f64>> {
+    let arm = &fit.arm;
+    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+    for row in (0..data.len()).filter(|&row| data.locate[row]) {
+        for observation in data.of_row(row) {
+            let (series, values) = (data.series_of(observation), data.observed.values(observation));
+            let Some(measured) = series.kind.position(values).filter(|_| series.target == target) else { continue };
+            stand(arm, &fit.effects, data, row, &mut state, &mut perturbation);
+            let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
+            let in_base =
+                instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);
+            let on_tip = state.tip.inverse() * Point3::from(in_base - leftover(fit, fitted, data.reading(row)));
+            sum += on_tip.coords - perturbation.target;
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| sum / count)
+}
+
+/// Mean residual (measured minus predicted) of the fitted rows with these readings, base frame, m; 0 without such rows.
+fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, reading: &[f64]) -> Vector3<f64> {
+    let alike = |row: &usize| {
+        fitted.reading(*row).iter().zip(reading).all(|(fitted, reading)| (fitted - reading).abs() <= SAME_READING)
+    };
+    let rows: Vec<usize> = (0..fitted.len()).filter(alike).collect();
+    let weights: Vec<f64> =
+        rows.iter().flat_map(|&row| fitted.of_row(row)).map(|observation| fit.weights[observation]).collect();
+    let kept: Vec<Vector3<f64>> = residuals(&fit.arm, &fit.effects, &fitted.subset(&rows))
+        .into_iter()
+        .filter(|residual| {
+            weights[residual.observation] > 0.0 && fitted.scene.series[residual.series].kind.place().height == 3
+        })
+        .map(|residual| residual.place)
+        .collect();
+    kept.iter().sum::<Vector3<f64>>() / kept.len().max(1) as f64
+}
+
+fn instrument_of(arm: &Arm, fitted: &Measurements, setup: &String) -> denavit_model::Pose {
+    let index = fitted.scene.setups.iter().position(|name| name == setup);
+    index.map_or_else(denavit_model::Pose::identity, |index| arm.instruments[index])
+}
+
+/// Root mean square, mean and largest of each sort of error.
+pub fn errors(residuals: &[Residual], scene: &Scene) -> Errors {
+    let of = |(channel, part): (usize, &Part)| {
+        let norms: Vec<f64> = residuals
+            .iter()
+            .filter_map(|residual| {
+                let channels = scene.series[residual.series].channels;
+                let which = channels.iter().position(|own| *own == Some(channel))?;
+                Some(if which == 0 { residual.place.norm() } else { residual.turn.norm() })
+            })
+            .collect();
+        let count = norms.len() as f64;
+        (count > 0.0).then(|| Error {
+            part: *part,
+            rms: (norms.iter().map(|v| v * v).sum::<f64>() / count).sqrt(),
+            mean: norms.iter().sum::<f64>() / count,
+            max: norms.iter().fold(0.0f64, |a, b| a.max(*b)),
+        })
+    };
+    Errors(scene.channels.iter().enumerate().filter_map(of).collect())
+}

@@ -1,0 +1,543 @@
+//! Levenberg-Marquardt over the normal equations: prior, gauge, noise levels and gross outliers.
+
+use crate::effects::{EffectModel, Statics};
+use crate::identify::normal_equations::Sums;
+use crate::identify::residual::ResidualModel;
+use crate::observation::arm::Arm;
+use crate::observation::gauge;
+use crate::observation::kinds::Part;
+use crate::observation::measurements::{Measurements, Scene, Series};
+use crate::observation::parameters::{Effects, Known, Layout};
+use denavit_model::nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Standard deviation of one measured component, by noise channel of the scene: m and rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    /// One per channel.
+    pub levels: Vec<f64>,
+}
+
+impl Noise {
+    /// Equal to a hundredth: the prior's weight will not change any more.
+    fn near(&self, other: &Self) -> bool {
+        self.levels.iter().zip(&other.levels).all(|(a, b)| (a - b).abs() <= 0.01 * b)
+    }
+
+    /// The level of the channel that comes first: that of lengths, m.
+    pub fn first(&self) -> f64 {
+        self.levels.first().copied().unwrap_or(0.0)
+    }
+
+    /// Squared residual of an observation over the noise.
+    ///
+    /// # Shape and units
+    /// `square`: of the lengths (m²) and of the angles (rad²).
+    pub fn chi_squared(&self, series: &Series, square: [f64; 2]) -> f64 {
+        let over = |part: usize| {
+            let level = series.channels[part].map_or(0.0, |channel| self.levels[channel]);
+            if level > 0.0 { square[part] / level.powi(2) } else { 0.0 }
+        };
+        over(0) + over(1)
+    }
+}
+
+/// How a fit treats outliers, and when it stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitOptions {
+    /// Weigh down and then reject what lies far outside the noise.
+    pub robust: bool,
+    /// Stop after this many steps.
+    pub most_iterations: usize,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self { robust: true, most_iterations: 60 }
+    }
+}
+
+/// A fit's result.
+#[derive(Debug, Clone)]
+pub struct Fit<E> {
+    /// The arm as identified.
+    pub arm: Arm,
+    /// The effects as identified.
+    pub effects: E,
+    /// Which numbers were free.
+    pub layout: Layout,
+    /// Noise of one component, freed of the parameters' share.
+    pub noise: Noise,
+    /// 1 or, for rejected observations, 0.
+    pub weights: Vec<f64>,
+    /// Squared residual norms of all observations, lengths (m²) and angles (rad²).
+    pub squares: Vec<[f64; 2]>,
+    /// Covariance of the parameters, in their units, the common frame held (see [`gauge`]).
+    pub covariance: DMatrix<f64>,
+    /// Parameters that the data pay for: the trace of the hat matrix, by channel.
+    pub parameters_used: Vec<f64>,
+    /// Values measured and kept, by channel.
+    pub values: Vec<f64>,
+    /// Steps taken.
+    pub iterations: usize,
+    /// Whether the last step was too small to matter.
+    pub converged: bool,
+}
+
+/// Damping that is always there, relative to the scaled diagonal: holds what the data do not see at all, biases nothing.
+const LEAST_DAMPING: f64 = 1e-12;
+/// Weight of the gauge's conditions relative to the scaled diagonal.
+const GAUGE_WEIGHT: f64 = 10.0;
+/// Share of the nominal robot's residual that the first step takes for noise. Where prior and data disagree two noise
+/// levels can explain themselves; from below the data's is found.
+const TRUST_AT_START: f64 = 0.03;
+/// Noise is never taken to be smaller than this share of the robot's size: rounding.
+const ROUNDING: f64 = 1e-14;
+/// χ² of a step after which the next is small beside a change of the weights.
+const PROMISE_NEAR_END: f64 = 1e3;
+/// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
+const PROMISE_FOR_REJECTION: f64 = 1.0;
+/// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
+const PROMISE_AT_END: f64 = 1e-4;
+/// Measured values beyond the parameters that it takes to tell the noise.
+pub const DEGREES_FOR_NOISE: f64 = 6.0;
+/// Noise that is taken where the data have too few degrees of freedom to tell it: share of the robot's size (a tenth of a
+/// millimetre on a metre, what instruments and repeatability make together) and rad.
+pub const ASSUMED_NOISE: f64 = 1e-4;
+/// One clean file in a hundred may have a row that far out.
+const FALSE_REJECTIONS: f64 = 0.01;
+/// Gross means this many times further out than that: what the model lacks is no outlier.
+const GROSS: f64 = 1.5;
+/// If more than this share lies outside, it is not outliers.
+const MOST_REJECTIONS: f64 = 0.3;
+
+impl<E> Fit<E> {
+    /// The same fit, seen as that of a model of effects which has none.
+    pub fn with_model(&self, statics: &Statics) -> Fit<EffectModel> {
+        Fit {
+            arm: self.arm.clone(),
+            effects: EffectModel::new(statics.clone(), Vec::new()),
+            layout: self.layout.clone(),
+            noise: self.noise.clone(),
+            weights: self.weights.clone(),
+            squares: self.squares.clone(),
+            covariance: self.covariance.clone(),
+            parameters_used: self.parameters_used.clone(),
+            values: self.values.clone(),
+            iterations: self.iterations,
+            converged: self.converged,
+        }
+    }
+}
+
+struct System {
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    scale: DVector<f64>,
+    gauge: Option<DMatrix<f64>>,
+}
+
+struct State<E> {
+    arm: Arm,
+    effects: E,
+    sums: Sums,
+    prior: f64,
+}
+
+/// Fit the free numbers of `layout` to the data, starting at `arm`.
+///
+/// Minimises Σ w |r|²/σ² + ηᵀ P η, σ estimated from the residuals by channel, η the axes' departure from nominal, P
+/// the [prior](crate::observation::prior). The departure of the
+/// targets, where the gauge asks for it, is taken from the `arm` given.
+///
+/// # Shape and units
+/// `weights`: one per observation, 0 for what is to be left out from the start.
+pub fn fit<E: Effects>(
+    data: &Measurements,
+    layout: &Layout,
+    arm: &Arm,
+    effects: &E,
+    weights: &[f64],
+    options: &FitOptions,
+) -> Fit<E> {
+    Solver { data, layout, reference: arm.clone(), options: *options }.run(arm, effects, weights)
+}
+
+struct Solver<'a> {
+    data: &'a Measurements,
+    layout: &'a Layout,
+    reference: Arm,
+    options: FitOptions,
+}
+
+impl Solver<'_> {
+    fn run<E: Effects>(&self, arm: &Arm, effects: &E, given: &[f64]) -> Fit<E> {
+        let mut weights = given.to_vec();
+        let mut state = self.evaluate(arm.clone(), effects.clone(), &weights);
+        let mut used = self.unused();
+        let mut robust = self.options.robust;
+        let mut noise = self.noise_of(&state.sums.squares, &weights, &used, robust);
+        // The nominal robot's residual is not noise: trust the data more than that in the first step.
+        noise.levels.iter_mut().for_each(|level| *level *= TRUST_AT_START);
+        let (mut damping, mut iterations, mut rounds, mut converged) = (LEAST_DAMPING, 0, 0, false);
+        while iterations < self.options.most_iterations {
+            iterations += 1;
+            let system = self.system(&state, &noise);
+            let (next, promise) = self.step(&state, &system, &noise, &weights, &mut damping);
+            let stuck = next.is_none();
+            if let Some(next) = next {
+                state = next;
+            }
+            if robust {
+                noise = self.noise_of(&state.sums.squares, &weights, &used, true);
+                if stuck || promise < PROMISE_FOR_REJECTION || noise == self.rounding() || iterations > 12 {
+                    robust = false;
+                    weights = self.kept(&state.sums.squares, given, &noise);
+                    state = self.evaluate(state.arm, state.effects, &weights);
+                    used = self.parameters_used(&state, &noise);
+                    noise = self.noise_of(&state.sums.squares, &weights, &used, false);
+                } else {
+                    weights = self.downweighted(&state.sums.squares, given, &noise);
+                    if promise < PROMISE_NEAR_END {
+                        // The next step gains less than other weights change: sums with the old ones would mislead it.
+                        state = self.evaluate(state.arm, state.effects, &weights);
+                    }
+                }
+                continue;
+            }
+            used = self.parameters_used(&state, &noise);
+            let settled = self.noise_of(&state.sums.squares, &weights, &used, false);
+            let steady = settled.near(&noise);
+            noise = settled;
+            let rounding = noise == self.rounding();
+            if (stuck || promise < PROMISE_AT_END || rounding) && steady {
+                let kept = if self.options.robust && rounds < 4 {
+                    self.kept(&state.sums.squares, given, &noise)
+                } else {
+                    weights.clone()
+                };
+                if kept == weights {
+                    converged = true;
+                    break;
+                }
+                rounds += 1;
+                weights = kept;
+                state = self.evaluate(state.arm, state.effects, &weights);
+            }
+        }
+        self.finish(state, weights, iterations, converged)
+    }
+
+    fn finish<E: Effects>(&self, state: State<E>, weights: Vec<f64>, iterations: usize, converged: bool) -> Fit<E> {
+        let mut noise = self.noise_of(&state.sums.squares, &weights, &self.unused(), false);
+        let mut used = self.unused();
+        for _ in 0..4 {
+            used = self.parameters_used(&state, &noise);
+            noise = self.noise_of(&state.sums.squares, &weights, &used, false);
+        }
+        let covariance = self.covariance(&state, &noise);
+        Fit {
+            values: state.sums.channels.iter().map(|channel| channel.count).collect(),
+            arm: state.arm,
+            effects: state.effects,
+            layout: self.layout.clone(),
+            noise,
+            weights,
+            squares: state.sums.squares,
+            covariance,
+            parameters_used: used,
+            iterations,
+            converged,
+        }
+    }
+
+    fn scene(&self) -> &Scene {
+        &self.data.scene
+    }
+
+    fn known(&self, arm: &Arm) -> Vec<Known> {
+        self.layout.known_lengths(self.scene(), arm)
+    }
+
+    fn unused(&self) -> Vec<f64> {
+        vec![0.0; self.scene().channels.len()]
+    }
+
+    fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
+        let sums = ResidualModel { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
+        let known: f64 = self.known(&arm).iter().map(|known| known.residual.powi(2)).sum();
+        let prior = self.layout.prior_cost(&arm, &self.reference) + known;
+        State { arm, effects, sums, prior }
+    }
+
+    fn objective<E>(&self, state: &State<E>, weights: &[f64], noise: &Noise) -> f64 {
+        let sizes = self.sizes(&state.sums.squares, noise);
+        sizes.zip(weights).map(|(size, weight)| weight * size).sum::<f64>() + state.prior
+    }
+
+    fn system<E: Effects>(&self, state: &State<E>, noise: &Noise) -> System {
+        let n = self.layout.len();
+        let difference = DVector::from_vec(self.layout.difference(&state.arm, &self.reference));
+        let mut matrix = DMatrix::<f64>::zeros(n, n);
+        let mut gradient = DVector::<f64>::zeros(n);
+        for (channel, sigma) in state.sums.channels.iter().zip(&noise.levels) {
+            let weight = sigma.powi(-2);
+            for i in 0..n {
+                gradient[i] -= weight * channel.gradient[i];
+                for k in i..n {
+                    matrix[(i, k)] += weight * channel.matrix[i * n + k];
+                }
+            }
+        }
+        for known in self.known(&state.arm) {
+            for (i, a) in &known.columns {
+                gradient[*i] -= a * known.residual;
+                for (k, b) in known.columns.iter().filter(|(k, _)| k >= i) {
+                    matrix[(*i, *k)] += a * b;
+                }
+            }
+        }
+        matrix.fill_lower_triangle_with_upper_triangle();
+        // The joints come first in the layout.
+        let count = self.layout.joints.len();
+        let pull = &self.layout.prior * difference.rows(0, count);
+        let mut block = matrix.view_mut((0, 0), (count, count));
+        block += &self.layout.prior;
+        let mut joints = gradient.rows_mut(0, count);
+        joints -= pull;
+        let scale = DVector::from_fn(n, |i, _| if matrix[(i, i)] > 0.0 { matrix[(i, i)].powf(-0.5) } else { 1.0 });
+        for i in 0..n {
+            for k in 0..n {
+                matrix[(i, k)] *= scale[i] * scale[k];
+            }
+        }
+        gradient.component_mul_assign(&scale);
+        let gauge = (!self.layout.joints.is_empty())
+            .then(|| gauge::in_scaled(gauge::conditions(self.layout, &self.reference), scale.as_slice()));
+        System { matrix, gradient, scale, gauge }
+    }
+
+    /// A step that lowers the objective, and the χ² that it promised; `None` when there is none.
+    fn step<E: Effects>(
+        &self,
+        state: &State<E>,
+        system: &System,
+        noise: &Noise,
+        weights: &[f64],
+        damping: &mut f64,
+    ) -> (Option<State<E>>, f64) {
+        let before = self.objective(state, weights, noise);
+        let mut promise = 0.0;
+        for _ in 0..12 {
+            let Some(scaled) = system.solve(*damping) else {
+                *damping = (*damping * 10.0).max(1e-10);
+                continue;
+            };
+            promise = scaled.dot(&(&system.matrix * &scaled));
+            if promise < PROMISE_AT_END {
+                return (None, promise);
+            }
+            let step: Vec<f64> = scaled.iter().zip(system.scale.iter()).map(|(y, s)| y * s).collect();
+            let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
+            let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
+            let next = self.evaluate(arm, effects, weights);
+            let after = self.objective(&next, weights, noise);
+            if after <= before + 1e-9 * promise.min(1.0) {
+                *damping = (*damping * 0.1).max(LEAST_DAMPING);
+                return (Some(next), promise);
+            }
+            if promise < PROMISE_AT_END.max(1e-9 * before) {
+                break;
+            }
+            *damping = (*damping * 10.0).max(1e-6);
+        }
+        (None, promise)
+    }
+
+    /// The least noise that there can be.
+    fn rounding(&self) -> Noise {
+        let least = |part: &Part| if part.unit == "m" { ROUNDING * self.reference.nominal.size() } else { ROUNDING };
+        Noise { levels: self.scene().channels.iter().map(least).collect() }
+    }
+
+    /// χ² of every observation.
+    fn sizes<'s>(&'s self, squares: &'s [[f64; 2]], noise: &'s Noise) -> impl Iterator<Item = f64> + 's {
+        squares.iter().enumerate().map(|(at, square)| noise.chi_squared(self.data.series_of(at), *square))
+    }
+
+    /// Noise of one component by channel: from the median while outliers are still in, else from the sum of squares
+    /// over the degrees of freedom that the parameters leave.
+    fn noise_of(&self, squares: &[[f64; 2]], weights: &[f64], used: &[f64], robust: bool) -> Noise {
+        let mut noise = self.rounding();
+        for (channel, level) in noise.levels.iter_mut().enumerate() {
+            let degrees = self.scene().channels[channel].height as f64;
+            let of_channel = |at: usize| {
+                let part = self.data.series_of(at).channels.iter().position(|own| *own == Some(channel))?;
+                (weights[at] > 0.0).then_some((squares[at][part], weights[at]))
+            };
+            let kept = (0..squares.len()).filter_map(of_channel);
+            let variance = if robust {
+                let mut values: Vec<f64> = kept.map(|(square, _)| square).collect();
+                median(&mut values) / median_of_chi_squared(degrees)
+            } else {
+                let (mut sum, mut count) = (0.0, 0.0);
+                for (square, weight) in kept {
+                    sum += weight * square;
+                    count += weight * degrees;
+                }
+                // Where few degrees of freedom are left, an assumed noise stands in for those that are missing.
+                let missing = missing_degrees(count, used[channel]);
+                let lengths = self.scene().channels[channel].unit == "m";
+                let assumed = ASSUMED_NOISE * if lengths { self.reference.nominal.size() } else { 1.0 };
+                (sum + missing * assumed * assumed) / (count - used[channel] + missing)
+            };
+            *level = variance.sqrt().max(*level);
+        }
+        noise
+    }
+
+    /// For each series, the χ² that an observation of it passes with this probability.
+    fn limits(&self, share: f64) -> Vec<f64> {
+        let degrees = |series: &Series| quantile_of_chi_squared(series.kind.height() as f64, share);
+        self.scene().series.iter().map(degrees).collect()
+    }
+
+    /// Huber's weights, for what lies outside 99 % of the noise.
+    fn downweighted(&self, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
+        let limits = self.limits(0.99);
+        let weight = |at: usize, size: f64| {
+            let limit = limits[self.data.observed.series(at)];
+            (limit / size.max(limit)).sqrt()
+        };
+        let sizes = self.sizes(squares, noise).enumerate();
+        sizes.zip(given).map(|((at, size), given)| given * weight(at, size)).collect()
+    }
+
+    /// 0 for gross outliers.
+    fn kept(&self, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
+        gross(self.data, squares, given, noise)
+    }
+
+    fn parameters_used<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Vec<f64> {
+        let system = self.system(state, noise);
+        let mut used = self.unused();
+        let Some(inverse) = system.inverse() else { return used };
+        let n = self.layout.len();
+        for (k, (channel, sigma)) in state.sums.channels.iter().zip(&noise.levels).enumerate() {
+            for i in 0..n {
+                for j in 0..n {
+                    let (low, high) = (i.min(j), i.max(j));
+                    let scaled = channel.matrix[low * n + high] * system.scale[i] * system.scale[j] / (sigma * sigma);
+                    used[k] += inverse[(i, j)] * scaled;
+                }
+            }
+        }
+        used
+    }
+
+    fn covariance<E: Effects>(&self, state: &State<E>, noise: &Noise) -> DMatrix<f64> {
+        let system = self.system(state, noise);
+        let n = self.layout.len();
+        let mut covariance = system.inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
+        if let Some(conditions) = &system.gauge {
+            // The limit of ever heavier conditions: they hold exactly.
+            let along = &covariance * conditions;
+            if let Some(inverse) = (conditions.transpose() * &along).try_inverse() {
+                covariance -= &along * inverse * along.transpose();
+            }
+        }
+        for i in 0..n {
+            for k in 0..n {
+                covariance[(i, k)] *= system.scale[i] * system.scale[k];
+            }
+        }
+        covariance
+    }
+}
+
+impl System {
+    fn damped(&self, damping: f64) -> DMatrix<f64> {
+        let mut matrix = self.matrix.clone();
+        if let Some(conditions) = &self.gauge {
+            matrix.gemm(GAUGE_WEIGHT, conditions, &conditions.transpose(), 1.0);
+        }
+        for i in 0..matrix.nrows() {
+            matrix[(i, i)] += damping;
+        }
+        matrix
+    }
+
+    /// The scaled step.
+    fn solve(&self, damping: f64) -> Option<DVector<f64>> {
+        let step = self.damped(damping).cholesky()?.solve(&self.gradient);
+        step.iter().all(|x| x.is_finite()).then_some(step)
+    }
+
+    fn inverse(&self) -> Option<DMatrix<f64>> {
+        Some(self.damped(LEAST_DAMPING).cholesky()?.inverse())
+    }
+}
+
+/// Degrees of freedom that must be assumed beside `count` values of which the parameters use `used`.
+pub(crate) fn missing_degrees(count: f64, used: f64) -> f64 {
+    if count == 0.0 { 0.0 } else { (DEGREES_FOR_NOISE - (count - used)).max(0.0) }
+}
+
+/// Indices of squared residuals (m² and rad²), each with the index of its series, that are gross outliers beside the median
+/// of their channel.
+pub(crate) fn outside(scene: &Scene, squares: &[(usize, [f64; 2])]) -> Vec<usize> {
+    let level = |(channel, part): (usize, &Part)| {
+        let own = squares.iter().filter_map(|(series, square)| {
+            let place = scene.series[*series].channels.iter().position(|own| *own == Some(channel))?;
+            Some(square[place])
+        });
+        let mut values: Vec<f64> = own.collect();
+        (median(&mut values) / median_of_chi_squared(part.height as f64)).sqrt()
+    };
+    let noise = Noise { levels: scene.channels.iter().enumerate().map(level).collect() };
+    let share = 1.0 - FALSE_REJECTIONS / squares.len().max(1) as f64;
+    let far = |&index: &usize| {
+        let (series, square) = squares[index];
+        let series = &scene.series[series];
+        let limit = quantile_of_chi_squared(series.kind.height() as f64, share);
+        noise.chi_squared(series, square) > GROSS * GROSS * limit
+    };
+    (0..squares.len()).filter(far).collect()
+}
+
+/// The given weights, 0 for gross outliers.
+pub(crate) fn gross(data: &Measurements, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
+    let count = given.iter().filter(|weight| **weight > 0.0).count().max(1);
+    let share = 1.0 - FALSE_REJECTIONS / count as f64;
+    let degrees = |series: &Series| quantile_of_chi_squared(series.kind.height() as f64, share);
+    let limits: Vec<f64> = data.scene.series.iter().map(degrees).collect();
+    let outside: Vec<bool> = squares
+        .iter()
+        .enumerate()
+        .map(|(at, square)| {
+            let size = noise.chi_squared(data.series_of(at), *square);
+            given[at] > 0.0 && size > GROSS * GROSS * limits[data.observed.series(at)]
+        })
+        .collect();
+    let rejected = outside.iter().filter(|outside| **outside).count();
+    if rejected as f64 > MOST_REJECTIONS * count as f64 {
+        return given.to_vec();
+    }
+    outside.iter().zip(given).map(|(outside, given)| if *outside { 0.0 } else { *given }).collect()
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn quantile_of_chi_squared(degrees: f64, share: f64) -> f64 {
+    ChiSquared::new(degrees).expect("an observation has at least one value").inverse_cdf(share)
+}
+
+fn median_of_chi_squared(degrees: f64) -> f64 {
+    quantile_of_chi_squared(degrees, 0.5)
+}

@@ -1,0 +1,120 @@
+//! The place of a target in the instrument's frame.
+//!
+//! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m what is read, p the target.
+
+use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
+use crate::observation::measurements::Problem;
+use crate::observation::parameters::{Layout, Sensitivity};
+use denavit_model::nalgebra::{Matrix3, Vector3};
+
+#[derive(Debug)]
+pub(super) struct Position;
+
+pub(super) const PART: Part = Part { word: "position", height: 3, unit: "m" };
+
+fn read(seen: &Seen<'_>) -> Vector3<f64> {
+    Vector3::new(seen.values[0], seen.values[1], seen.values[2])
+}
+
+/// What was read, in the base frame.
+pub(super) fn in_base(seen: &Seen<'_>) -> Vector3<f64> {
+    let instrument = seen.instrument();
+    instrument.rotation.inverse() * (read(seen) / (1.0 + seen.perturbation.scale) - instrument.translation.vector)
+}
+
+/// What a longer scale of the instrument does.
+pub(super) fn by_scale(seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
+    let scale = effect.scale / (1.0 + seen.perturbation.scale).powi(2);
+    -(seen.instrument().rotation.inverse() * read(seen) * scale)
+}
+
+/// Columns of the instrument in the rows of the place.
+pub(super) fn instrument_columns(seen: &Seen<'_>, layout: &Layout, rows: &mut Rows<'_>) {
+    let Some(column) = layout.instruments[seen.series.setup] else { return };
+    // In the instrument's own axes the residual is m - X p: it follows X where the target is predicted.
+    let [x, y, z]: [f64; 3] = if seen.weighed { seen.predicted } else { in_base(seen) }.into();
+    rows.put(0, column, &[0.0, -z, y, -1.0, 0.0, 0.0]);
+    rows.put(1, column, &[z, 0.0, -x, 0.0, -1.0, 0.0]);
+    rows.put(2, column, &[-y, x, 0.0, 0.0, 0.0, -1.0]);
+}
+
+/// What a perfect instrument reads.
+pub(super) fn predict(seen: &Seen<'_>, values: &mut Vec<f64>) {
+    let instrument = seen.instrument();
+    let there = instrument.rotation * seen.predicted + instrument.translation.vector;
+    values.extend((there * (1.0 + seen.perturbation.scale)).iter());
+}
+
+pub(super) fn disturb(values: &mut [f64], errors: &mut Disturbance<'_>) {
+    let noise = errors.vector(errors.position);
+    for k in 0..3 {
+        values[k] = values[k] + errors.gross[k] + noise[k];
+    }
+}
+
+impl Observe for Position {
+    fn name(&self) -> &'static str {
+        "position"
+    }
+
+    fn plural(&self) -> &'static str {
+        "positions"
+    }
+
+    fn place(&self) -> Part {
+        PART
+    }
+
+    fn unknowns(&self) -> Unknowns {
+        Unknowns { instrument: true, ..Unknowns::default() }
+    }
+
+    fn numbers(&self) -> usize {
+        3
+    }
+
+    fn discrepancy(&self, seen: &Seen<'_>) -> Discrepancy {
+        Discrepancy { place: in_base(seen) - seen.predicted, turn: Vector3::zeros() }
+    }
+
+    fn follows(&self, _seen: &Seen<'_>) -> Follows {
+        Follows::Whole
+    }
+
+    fn by_effect(&self, seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
+        by_scale(seen, effect)
+    }
+
+    fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, _left: &Matrix3<f64>, rows: &mut Rows<'_>) {
+        instrument_columns(seen, layout, rows);
+    }
+
+    fn in_lanes(&self) -> bool {
+        true
+    }
+
+    fn position(&self, values: &[f64]) -> Option<Vector3<f64>> {
+        Some(Vector3::new(values[0], values[1], values[2]))
+    }
+
+    fn predict(&self, seen: &Seen<'_>, values: &mut Vec<f64>) {
+        predict(seen, values);
+    }
+
+    fn disturb(&self, values: &mut [f64], errors: &mut Disturbance<'_>) {
+        disturb(values, errors);
+    }
+
+    fn columns(&self, target: &str) -> Vec<String> {
+        ["x", "y", "z"].map(|axis| format!("{axis}{target}")).into()
+    }
+
+    fn of_several(&self) -> bool {
+        true
+    }
+
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
+        values.extend_from_slice(cells);
+        Ok(0.0)
+    }
+}

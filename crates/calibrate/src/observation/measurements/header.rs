@@ -1,0 +1,237 @@
+//! What each column of a measurement file is.
+
+use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
+use super::problem::Problem;
+use crate::observation::kinds::{KINDS, ObservationKind};
+use denavit_model::{Coordinate, Quantity};
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Reading of this coordinate.
+    Joint(usize),
+    /// A number of this group: which group, which of its columns.
+    Value(usize, usize),
+    /// Standard deviation of the lengths of this group and column, or of all lengths of the row.
+    Spread(Option<(usize, usize)>),
+    /// Whether the row only places targets.
+    Locate,
+    /// Something else: a number or a text.
+    Other,
+}
+
+/// The columns of a file.
+#[derive(Debug, Clone)]
+pub(super) struct Header {
+    pub names: Vec<String>,
+    pub roles: Vec<Role>,
+    pub groups: Vec<Group>,
+    /// The column that says which setup a row belongs to.
+    pub setup: Option<usize>,
+}
+
+/// Columns that make up one observation.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    pub kind: ObservationKind,
+    pub target: String,
+    pub columns: Vec<String>,
+    /// The column that tells its points apart.
+    pub label: Option<usize>,
+}
+
+const COMPONENTS: [&str; 3] = ["x", "y", "z"];
+const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
+
+impl Header {
+    /// Reads the header row.
+    pub fn read(names: Vec<String>, coordinates: &[Coordinate]) -> Result<Self, Vec<Problem>> {
+        let mut problems = naming(&names)?;
+        let targets = targets(&names, &mut problems);
+        let groups = groups(&names, &targets);
+        let roles = roles(&names, coordinates, &groups);
+        for (index, coordinate) in coordinates.iter().enumerate() {
+            if !roles.contains(&Role::Joint(index)) {
+                problems.push(missing_joint(coordinate, &names, &roles, coordinates));
+            }
+        }
+        measured(&names, &roles, &groups, &targets, &mut problems);
+        for (name, role) in names.iter().zip(&roles) {
+            if *role == Role::Other {
+                let suggested = problems.iter().any(
+                    |problem| matches!(problem, Problem::NothingMeasured { suggestion: Some(other) } if other == name),
+                );
+                let near = || near_miss(name, &names, coordinates).filter(|_| !suggested);
+                problems.extend(unknown_joint(name, coordinates).or_else(near));
+            }
+        }
+        problems.extend(orientation_left_out(&names, &roles));
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let setup = names.iter().position(|name| name == "setup");
+        Ok(Self { names, roles, groups, setup })
+    }
+}
+
+/// What is wrong with the names as such.
+///
+/// # Errors
+/// The columns are separated by something else than commas: nothing else can be said then.
+pub(super) fn naming(names: &[String]) -> Result<Vec<Problem>, Vec<Problem>> {
+    if let [only] = names {
+        for (separator, word) in [(';', "semicolons"), ('\t', "tabs"), (' ', "spaces")] {
+            if only.contains(separator) {
+                return Err(vec![Problem::Separator { found: only.clone(), separator: word }]);
+            }
+        }
+    }
+    let mut problems = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        if name.is_empty() {
+            problems.push(Problem::NamelessColumn(index + 1));
+        } else if names[..index].contains(name) {
+            problems.push(Problem::DuplicateColumn(name.clone()));
+        }
+    }
+    Ok(problems)
+}
+
+/// Names of the targets: what follows x, y, z; digits alone.
+fn targets(names: &[String], problems: &mut Vec<Problem>) -> Vec<String> {
+    let mut targets: Vec<String> = Vec::new();
+    for name in names {
+        let Some(suffix) = name.strip_prefix(['x', 'y', 'z']) else { continue };
+        if suffix.chars().all(|c| c.is_ascii_digit()) && !targets.iter().any(|target| target == suffix) {
+            targets.push(suffix.into());
+        }
+    }
+    for target in &targets {
+        let columns = COMPONENTS.map(|component| format!("{component}{target}"));
+        let present = columns.iter().find(|column| names.contains(column)).cloned().unwrap_or_default();
+        for missing in columns.iter().filter(|column| !names.contains(column)) {
+            let group = columns.join(", ");
+            problems.push(Problem::Incomplete { missing: missing.clone(), present: present.clone(), group });
+        }
+    }
+    targets
+}
+
+/// The observations that a row may hold, by kind and target; no column belongs to two.
+fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for kind in KINDS {
+        let unnamed = std::iter::once(String::new());
+        for target in unnamed.chain(targets.iter().filter(|target| !target.is_empty()).cloned()) {
+            let columns = kind.columns(&target);
+            let free =
+                |column: &String| names.contains(column) && !groups.iter().any(|group| group.columns.contains(column));
+            let label = kind.unknowns().point.and_then(|word| names.iter().position(|name| name == word));
+            let known = groups.iter().any(|group| group.kind == kind && columns.is_empty());
+            if columns.iter().all(free) && !known && (label.is_some() || !columns.is_empty()) {
+                let target = kind.own_target().map_or(target, String::from);
+                groups.push(Group { kind, target, columns, label });
+            }
+        }
+    }
+    groups
+}
+
+fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<Role> {
+    let role = |name: &String| {
+        if let Some(index) = coordinates.iter().position(|coordinate| coordinate.name == *name) {
+            return Role::Joint(index);
+        }
+        for (group, of) in groups.iter().enumerate() {
+            if let Some(column) = of.columns.iter().position(|column| column == name) {
+                return Role::Value(group, column);
+            }
+        }
+        let spread = |column: &str| {
+            let at = |(group, of): (usize, &Group)| {
+                let column = of.columns.iter().position(|own| own == column)?;
+                (column < of.kind.lengths()).then_some((group, column))
+            };
+            groups.iter().enumerate().find_map(at)
+        };
+        match (name.as_str(), name.strip_suffix(".std").and_then(spread)) {
+            ("locate", _) => Role::Locate,
+            ("std", _) => Role::Spread(None),
+            (_, Some(of)) => Role::Spread(Some(of)),
+            _ => Role::Other,
+        }
+    };
+    names.iter().map(role).collect()
+}
+
+/// What is wrong with the measured columns.
+fn measured(names: &[String], roles: &[Role], groups: &[Group], targets: &[String], problems: &mut Vec<Problem>) {
+    let has = |wanted: &str| names.iter().any(|name| name == wanted);
+    if groups.is_empty() && targets.is_empty() {
+        let other = |wanted: &str| {
+            names.iter().zip(roles).find(|(name, role)| {
+                **role == Role::Other && (name.eq_ignore_ascii_case(wanted) || nearly(name, wanted))
+            })
+        };
+        let suggestion = ["distance", "x", "x1"].iter().find_map(|wanted| other(wanted)).map(|(name, _)| name.clone());
+        problems.push(Problem::NothingMeasured { suggestion });
+    }
+    let Some(present) = QUATERNION.iter().find(|name| has(name)) else { return };
+    for missing in QUATERNION.iter().filter(|name| !has(name)) {
+        problems.push(Problem::Incomplete {
+            missing: (*missing).into(),
+            present: (*present).into(),
+            group: "qx, qy, qz, qw".into(),
+        });
+    }
+    if targets.len() > 1 {
+        problems.push(Problem::QuaternionOfSeveral(targets.len()));
+    }
+}
+
+fn missing_joint(coordinate: &Coordinate, names: &[String], roles: &[Role], coordinates: &[Coordinate]) -> Problem {
+    let free = names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str());
+    no_column(coordinate, free, coordinates)
+}
+
+/// A joint without a column; `free`: columns that are nothing else.
+pub(super) fn no_column<'a>(
+    coordinate: &Coordinate,
+    free: impl Iterator<Item = &'a str>,
+    coordinates: &[Coordinate],
+) -> Problem {
+    Problem::MissingJoint {
+        joint: coordinate.name.clone(),
+        suggestion: nearest(&coordinate.name, free),
+        joints: coordinates.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn unknown_joint(column: &str, coordinates: &[Coordinate]) -> Option<Problem> {
+    let (joint, quantity) = column.rsplit_once('.')?;
+    let known = OF_JOINTS.contains(&quantity);
+    if !known || coordinates.iter().any(|coordinate| coordinate.name == joint) {
+        return None;
+    }
+    let suggestion = nearest(joint, coordinates.iter().map(|coordinate| coordinate.name.as_str()));
+    Some(Problem::ColumnOfUnknownJoint { column: column.into(), joint: joint.into(), suggestion })
+}
+
+/// The candidate that is most like a name, if one is like it at all.
+fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    candidates
+        .map(|candidate| (strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase()), candidate))
+        .filter(|(likeness, candidate)| *likeness > 0.88 || candidate.eq_ignore_ascii_case(name))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.into())
+}
+
+fn nearly(name: &str, wanted: &str) -> bool {
+    wanted.len() > 3 && strsim::damerau_levenshtein(&name.to_lowercase(), wanted) <= 2
+}
+
+/// Whether a covariate's values count angles or lengths of a joint, so that units apply: `<joint>.velocity`.
+pub(super) fn quantity_of(column: &str, coordinates: &[Coordinate]) -> Option<Quantity> {
+    let (joint, word) = column.rsplit_once('.')?;
+    (word == "velocity").then(|| coordinates.iter().find(|c| c.name == joint).map(|c| c.quantity)).flatten()
+}

@@ -1,0 +1,536 @@
+//! Reading a measurement file, row by row.
+
+use super::columns::{self, ColumnUse};
+use super::header::{Header, Role, quantity_of};
+use super::join::in_setup;
+use super::near_miss::KNOWN_COVARIATES;
+use super::plausible;
+use super::problem::{DataError, DataProblem, Problem};
+use super::units::Units;
+use super::{Covariate, Label, Measurements, Scene};
+use denavit_model::nalgebra::{Matrix3, Vector3};
+use denavit_model::{Chain, Quantity};
+use std::fmt;
+use std::io::{BufRead as _, Read};
+
+/// No more problems than this are listed.
+const MOST_PROBLEMS: usize = 10;
+
+/// A measurement file's content and what a user must know of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The content, SI units.
+    pub data: Measurements,
+    /// Findings that are no failure.
+    pub notes: Vec<DataNote>,
+    /// What every column was taken for, in the file's order.
+    pub columns: Vec<ColumnUse>,
+}
+
+/// A finding that is no failure but must not be silent.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum DataNote {
+    /// A target that repeats another in every row: counted once.
+    DuplicateTarget {
+        /// The one left out.
+        target: String,
+        /// The one that it repeats.
+        of: String,
+    },
+    /// A joint with one reading in all rows.
+    NeverMoves {
+        /// The joint.
+        joint: String,
+        /// Its reading, rad or m.
+        at: f64,
+    },
+    /// Readings outside of the joint's limits.
+    OutsideLimits {
+        /// The joint.
+        joint: String,
+        /// How many rows.
+        rows: usize,
+    },
+    /// Quaternions were brought to length 1.
+    Normalised {
+        /// The largest deviation from 1.
+        by: f64,
+    },
+    /// A target that no row sees: left out.
+    NeverSeen {
+        /// The target.
+        target: String,
+    },
+}
+
+impl fmt::Display for DataNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DuplicateTarget { target, of } => {
+                write!(f, "target {target} repeats target {of} in every row; it is counted once")
+            }
+            Self::NeverMoves { joint, at } => {
+                write!(
+                    f,
+                    "joint \"{joint}\" stands at {at} in every row; the data cannot separate its axis from its neighbours'"
+                )
+            }
+            Self::OutsideLimits { joint, rows } => {
+                write!(f, "joint \"{joint}\" is outside of its limits in {rows} rows")
+            }
+            Self::Normalised { by } => write!(f, "quaternions were brought to length 1, by up to {by:.1e}"),
+            Self::NeverSeen { target } => write!(f, "target {target} is seen in no row; it is left out"),
+        }
+    }
+}
+
+/// Reads measured data for a chain.
+///
+/// # Shape and units
+/// CSV with a header row; `#` lines are comments. One column per coordinate of the chain, by name; measured values
+/// `x,y,z`, with `qx,qy,qz,qw` for poses, or `x1,y1,z1,x2,…`, or `distance`. `units` are the file's; the result is in
+/// m and rad.
+///
+/// # Errors
+/// All problems found, each with file and line.
+pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Loaded, DataError> {
+    let mut reader = rows_of(input);
+    let mut problems = Problems::new(source);
+    let mut record = csv::StringRecord::new();
+    let (names, header_line) = header_row(&mut reader, source)?;
+    let header = match Header::read(names, chain.coordinates()) {
+        Ok(header) => header,
+        Err(found) => {
+            for problem in found {
+                problems.add(header_line, problem);
+            }
+            return Err(problems.error());
+        }
+    };
+    let mut table = Table::new(&header, chain, units, source);
+    loop {
+        match reader.read_record(&mut record) {
+            Ok(true) => table.row(&record, reader.position().line() - 1, &mut problems),
+            Ok(false) => break,
+            Err(error) => {
+                problems.add(line_of(&error), unreadable(&error));
+                break;
+            }
+        }
+    }
+    table.finish(chain, problems)
+}
+
+/// The rows of a file, header included, `#` lines left out.
+pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .flexible(true)
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_reader(FaultyCells::new(LineFeeds(input)).chain(&b"\n"[..]))
+}
+
+/// The names in the header row, and its line.
+pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> Result<(Vec<String>, u64), DataError> {
+    let mut record = csv::StringRecord::new();
+    let (line, problem) = match reader.read_record(&mut record) {
+        Ok(true) => {
+            let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
+            return Ok((names, reader.position().line() - 1));
+        }
+        Ok(false) => (0, Problem::NoHeader),
+        Err(error) => (line_of(&error), unreadable(&error)),
+    };
+    Err(Problems::new(source).only(line, problem))
+}
+
+/// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.
+///
+/// A record's own position is of no use: it counts from before the comments above it.
+struct LineFeeds<R>(R);
+
+impl<R: Read> Read for LineFeeds<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            let count = self.0.read(buffer)?;
+            let mut kept = 0;
+            for index in 0..count {
+                if buffer[index] != b'\r' {
+                    buffer[kept] = buffer[index];
+                    kept += 1;
+                }
+            }
+            if kept > 0 || count == 0 {
+                return Ok(kept);
+            }
+        }
+    }
+}
+
+/// What spreadsheets write into a cell that they could not compute; German ones, too.
+pub(super) const FAULTS: [&str; 12] = [
+    "#N/A", "#NV", "#REF!", "#VALUE!", "#DIV/0!", "#NAME?", "#NUM!", "#NULL!", "#WERT!", "#BEZUG!", "#ZAHL!", "#NAME!",
+];
+
+/// Input in which a row that begins with a spreadsheet's error is a row, not a comment: a blank goes before it.
+struct FaultyCells<R> {
+    lines: std::io::BufReader<R>,
+    line: Vec<u8>,
+    at: usize,
+}
+
+impl<R: Read> FaultyCells<R> {
+    fn new(input: R) -> Self {
+        Self { lines: std::io::BufReader::new(input), line: Vec::new(), at: 0 }
+    }
+}
+
+impl<R: Read> Read for FaultyCells<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        if self.at == self.line.len() {
+            self.line.clear();
+            self.at = 0;
+            self.lines.read_until(b'\n', &mut self.line)?;
+            let fault = |fault: &str| {
+                let rest = self.line.strip_prefix(fault.as_bytes());
+                rest.is_some_and(|rest| rest.first().is_none_or(|next| b",;\t\n ".contains(next)))
+            };
+            if FAULTS.iter().any(|known| fault(known)) {
+                self.line.insert(0, b' ');
+            }
+        }
+        let count = buffer.len().min(self.line.len() - self.at);
+        buffer[..count].copy_from_slice(&self.line[self.at..self.at + count]);
+        self.at += count;
+        Ok(count)
+    }
+}
+
+pub(super) fn line_of(error: &csv::Error) -> u64 {
+    error.position().map_or(0, csv::Position::line)
+}
+
+pub(super) fn unreadable(error: &csv::Error) -> Problem {
+    match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => Problem::Unreadable("the text is not UTF-8".into()),
+        csv::ErrorKind::Io(error) => Problem::Unreadable(error.to_string()),
+        _ => Problem::Unreadable(error.to_string()),
+    }
+}
+
+/// Problems of a file while it is read.
+pub(super) struct Problems<'a> {
+    source: &'a str,
+    pub found: Vec<DataProblem>,
+    more: usize,
+}
+
+impl<'a> Problems<'a> {
+    pub fn new(source: &'a str) -> Self {
+        Self { source, found: Vec::new(), more: 0 }
+    }
+
+    pub fn add(&mut self, line: u64, problem: Problem) {
+        if self.found.len() < MOST_PROBLEMS {
+            self.found.push(DataProblem { file: self.source.into(), line, problem });
+        } else {
+            self.more += 1;
+        }
+    }
+
+    pub fn error(self) -> DataError {
+        DataError { problems: self.found, more: self.more }
+    }
+
+    pub fn only(mut self, line: u64, problem: Problem) -> DataError {
+        self.add(line, problem);
+        self.error()
+    }
+}
+
+/// A column that is neither joint nor measured value, while it is not known whether it holds numbers.
+struct OtherColumn {
+    name: String,
+    factor: f64,
+    numbers: Vec<f64>,
+    texts: Vec<String>,
+    /// The first cell that is not a number: row index, line, text.
+    first_text: Option<(usize, u64, String)>,
+    must_be_numeric: bool,
+}
+
+struct Table<'a> {
+    header: &'a Header,
+    factors: Vec<f64>,
+    data: Measurements,
+    others: Vec<OtherColumn>,
+    normalised_by: f64,
+    /// Which series a group's observations in a setup, with a label, belong to.
+    series: Vec<(usize, String, String, usize)>,
+    /// Standard deviations of the lengths of each observation, m.
+    spreads: Vec<[f64; 3]>,
+}
+
+impl<'a> Table<'a> {
+    fn new(header: &'a Header, chain: &Chain, units: Units, source: &str) -> Self {
+        let coordinates = chain.coordinates();
+        let of = |quantity: Quantity| if quantity == Quantity::Angle { units.angle } else { units.length };
+        let factor = |(name, role): (&String, &Role)| match role {
+            Role::Joint(index) => of(coordinates[*index].quantity),
+            Role::Value(group, column) if *column < header.groups[*group].kind.lengths() => units.length,
+            Role::Other => quantity_of(name, coordinates).map_or(1.0, of),
+            Role::Spread(_) => units.length,
+            Role::Value(..) | Role::Locate => 1.0,
+        };
+        let factors: Vec<f64> = header.names.iter().zip(&header.roles).map(factor).collect();
+        let tells_apart = |name: &String| {
+            let columns = header.groups.iter().filter_map(|group| group.label).chain(header.setup);
+            columns.into_iter().any(|column| header.names[column] == *name)
+        };
+        let other = |((name, role), factor): ((&String, &Role), &f64)| {
+            (*role == Role::Other).then(|| OtherColumn {
+                name: name.clone(),
+                factor: *factor,
+                numbers: Vec::new(),
+                texts: Vec::new(),
+                first_text: tells_apart(name).then(|| (0, 0, String::new())),
+                must_be_numeric: KNOWN_COVARIATES.contains(&name.as_str())
+                    || name.rsplit_once('.').is_some_and(|(joint, _)| coordinates.iter().any(|c| c.name == joint)),
+            })
+        };
+        let others = header.names.iter().zip(&header.roles).zip(&factors).filter_map(other).collect();
+        let joints = coordinates.iter().map(|coordinate| coordinate.name.clone()).collect();
+        let mut data = Measurements::empty(source, joints, Scene::default());
+        let mut series = Vec::new();
+        // What no label tells apart is there although no row may see it.
+        for (group, of) in header.groups.iter().enumerate() {
+            if header.setup.is_none() && of.label.is_none() {
+                series.push((group, String::new(), String::new(), data.scene.add(of.kind, "", &of.target, None)));
+            }
+        }
+        Self { header, factors, data, others, normalised_by: 0.0, series, spreads: Vec::new() }
+    }
+
+    fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
+        let expected = self.header.names.len();
+        if record.len() != expected {
+            problems.add(line, Problem::Ragged { found: record.len(), expected });
+            return;
+        }
+        let row = self.data.lines.len();
+        let mut reading = vec![0.0; self.data.joints.len()];
+        let mut cells: Vec<Vec<Option<f64>>> =
+            self.header.groups.iter().map(|of| vec![None; of.columns.len()]).collect();
+        let mut unreadable = vec![false; cells.len()];
+        let mut spreads = vec![[f64::NAN; 3]; cells.len()];
+        let mut locate = false;
+        let mut other = 0;
+        for (column, cell) in record.iter().enumerate() {
+            let name = &self.header.names[column];
+            let role = self.header.roles[column];
+            if role == Role::Other {
+                self.others[other].take(row, line, cell);
+                other += 1;
+                continue;
+            }
+            if let Role::Value(group, _) = role
+                && cell.is_empty()
+                && (self.header.groups.len() > 1 || self.header.groups[group].kind.of_several())
+            {
+                continue;
+            }
+            let value = match number(name, cell) {
+                Ok(value) => value * self.factors[column],
+                Err(problem) => {
+                    problems.add(line, problem);
+                    if let Role::Value(group, _) = role {
+                        unreadable[group] = true;
+                    }
+                    0.0
+                }
+            };
+            match role {
+                Role::Joint(index) => reading[index] = value,
+                Role::Value(group, column) => cells[group][column] = Some(value),
+                Role::Spread(of) => {
+                    if value <= 0.0 && !cell.is_empty() {
+                        problems.add(line, Problem::NotADeviation { column: name.clone(), value });
+                    }
+                    match of {
+                        Some((group, column)) => spreads[group][column] = value,
+                        None => spreads.iter_mut().for_each(|spread| *spread = [value; 3]),
+                    }
+                }
+                Role::Locate => {
+                    if value != 0.0 && value != 1.0 {
+                        problems.add(line, Problem::NotAFlag(value));
+                    }
+                    locate = value != 0.0;
+                }
+                Role::Other => {}
+            }
+        }
+        for (group, cells) in cells.iter().enumerate().filter(|(group, _)| !unreadable[*group]) {
+            let label = |column: Option<usize>| column.and_then(|column| record.get(column)).unwrap_or("");
+            let of = &self.header.groups[group];
+            let labels = [label(self.header.setup), label(of.label)];
+            self.observation(line, group, labels, cells, spreads[group], problems);
+        }
+        self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
+    }
+
+    /// What the cells of a group say; all of them empty: not seen.
+    fn observation(
+        &mut self,
+        line: u64,
+        group: usize,
+        [setup, label]: [&str; 2],
+        cells: &[Option<f64>],
+        spread: [f64; 3],
+        problems: &mut Problems<'_>,
+    ) {
+        let of = &self.header.groups[group];
+        let there: Vec<f64> = cells.iter().flatten().copied().collect();
+        if there.is_empty() && (!cells.is_empty() || label.is_empty()) {
+            return;
+        }
+        if there.len() < cells.len() {
+            problems.add(line, Problem::PartOfTarget { target: of.target.clone() });
+            return;
+        }
+        let mut values = Vec::new();
+        match of.kind.of_cells(&there, &mut values) {
+            Ok(changed) => {
+                self.normalised_by = self.normalised_by.max(changed);
+                let series = self.series_of(group, setup, label);
+                self.data.observed.push(series, &values);
+                self.spreads.push(spread);
+            }
+            Err(problem) => problems.add(line, problem),
+        }
+    }
+
+    fn series_of(&mut self, group: usize, setup: &str, label: &str) -> usize {
+        let same = |known: &&(usize, String, String, usize)| known.0 == group && known.1 == setup && known.2 == label;
+        if let Some(known) = self.series.iter().find(same) {
+            return known.3;
+        }
+        let of = &self.header.groups[group];
+        let (own, target, point) = in_setup(of.kind.own_target().is_some(), setup, &of.target, label);
+        let series = self.data.scene.add(of.kind, &own, &target, Some(&point));
+        self.series.push((group, setup.into(), label.into(), series));
+        series
+    }
+
+    /// How sure each observation is, beside the others of its channel.
+    fn levels(&mut self) {
+        if !self.header.roles.iter().any(|role| matches!(role, Role::Spread(_))) {
+            return;
+        }
+        let channels = self.data.scene.channels.len();
+        let (mut sums, mut counts) = (vec![0.0; channels], vec![0.0; channels]);
+        let channel = |observation: usize| self.data.series_of(observation).channels[0].unwrap_or(0);
+        let known = |spread: &[f64; 3]| spread.iter().filter(|s| s.is_finite()).map(|s| s.ln()).collect::<Vec<f64>>();
+        for (observation, spread) in self.spreads.iter().enumerate() {
+            let logarithms = known(spread);
+            sums[channel(observation)] += logarithms.iter().sum::<f64>();
+            counts[channel(observation)] += logarithms.len() as f64;
+        }
+        let level = |observation: usize, spread: &[f64; 3]| {
+            let usual = (sums[channel(observation)] / f64::max(counts[channel(observation)], 1.0)).exp();
+            let factor = |k: usize| if spread[k].is_finite() { usual / spread[k] } else { 1.0 };
+            Matrix3::from_diagonal(&Vector3::new(factor(0), factor(1), factor(2)))
+        };
+        let levels = self.spreads.iter().enumerate().map(|(at, spread)| level(at, spread)).collect();
+        self.data.observed.set_levels(levels);
+    }
+
+    fn finish(mut self, chain: &Chain, mut problems: Problems<'_>) -> Result<Loaded, DataError> {
+        if self.data.lines.is_empty() && problems.found.is_empty() {
+            problems.add(0, Problem::NoRows);
+        }
+        for column in std::mem::take(&mut self.others) {
+            column.finish(&mut self.data, &mut problems);
+        }
+        if !problems.found.is_empty() {
+            return Err(problems.error());
+        }
+        let mut notes = Vec::new();
+        // Rounding to six digits is not worth a word.
+        if self.normalised_by > 1e-5 {
+            notes.push(DataNote::Normalised { by: self.normalised_by });
+        }
+        self.levels();
+        plausible::drop_targets(&mut self.data, &mut notes);
+        for (line, problem) in plausible::problems(&self.data, chain) {
+            problems.add(line, problem);
+        }
+        if !problems.found.is_empty() {
+            return Err(problems.error());
+        }
+        notes.extend(plausible::notes(&self.data, chain));
+        let columns = columns::used(self.header, &self.data);
+        Ok(Loaded { data: self.data, notes, columns })
+    }
+}
+
+impl OtherColumn {
+    fn take(&mut self, row: usize, line: u64, cell: &str) {
+        if self.first_text.is_none() {
+            match cell.parse::<f64>() {
+                Ok(value) if value.is_finite() => {
+                    self.numbers.push(value * self.factor);
+                    return;
+                }
+                _ => {
+                    self.first_text = Some((row, line, cell.into()));
+                    // What came before was read as numbers; as texts they are written the shortest way.
+                    self.texts = self.numbers.iter().map(|value| (value / self.factor).to_string()).collect();
+                }
+            }
+        }
+        self.texts.push(cell.into());
+    }
+
+    fn finish(self, data: &mut Measurements, problems: &mut Problems<'_>) {
+        let Some((row, line, text)) = self.first_text else {
+            let side = |value: &f64| *value == 0.0 || value.abs() == 1.0;
+            let odd = self.name.ends_with(".approach").then(|| self.numbers.iter().position(|value| !side(value)));
+            if let Some(row) = odd.flatten() {
+                let problem = Problem::NotASide { column: self.name, value: self.numbers[row] };
+                problems.add(data.lines[row] as u64, problem);
+                return;
+            }
+            data.covariates.push(Covariate { name: self.name, values: self.numbers });
+            return;
+        };
+        let numeric = self.texts.iter().filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite)).count();
+        if self.must_be_numeric || row > 0 && 2 * numeric > self.texts.len() {
+            problems.add(line, number(&self.name, &text).err().unwrap_or(Problem::Empty { column: self.name }));
+        } else {
+            data.labels.push(Label { name: self.name, values: self.texts });
+        }
+    }
+}
+
+/// A finite number.
+pub(super) fn number(column: &str, cell: &str) -> Result<f64, Problem> {
+    if cell.is_empty() {
+        return Err(Problem::Empty { column: column.into() });
+    }
+    match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(Problem::NotFinite {
+            column: column.into(),
+            text: cell.into(),
+            mend: if column.starts_with(['x', 'y', 'z']) && column[1..].chars().all(|c| c.is_ascii_digit()) {
+                "leave the cells of a target empty where it was not seen"
+            } else {
+                "correct the cell or remove the row"
+            },
+        }),
+        Err(_) => Err(Problem::NotANumber { column: column.into(), text: cell.into() }),
+    }
+}

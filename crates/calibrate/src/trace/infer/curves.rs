@@ -1,0 +1,573 @@
+//! Joint error curves, fitted together with geometry, frames and the effects that are known: linearise, maximise the marginal
+//! likelihood, step, and again.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::Candidate;
+use crate::effects::curve::{Curve, Waves};
+use crate::effects::model::EffectModel;
+use crate::effects::survey::Survey;
+use crate::identify::residual::ResidualModel;
+use crate::identify::residual_statistics;
+use crate::identify::solve::{Fit, Noise, gross};
+use crate::observation::arm::Arm;
+use crate::observation::gauge;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::Tolerances;
+use crate::trace::infer::evidence::{Model, Posterior};
+use crate::trace::infer::gram::{Columns, Gram};
+use crate::trace::infer::maximum;
+use crate::trace::infer::model::Hyperparameters;
+use crate::trace::infer::replicates;
+use crate::trace::linear::{Linear, linearise};
+use crate::trace::leftover::Block;
+use crate::trace::search::Field;
+use denavit_model::Screw;
+use denavit_model::nalgebra::DMatrix;
+use std::ops::Range;
+
+/// The fastest wave of a curve has this many periods per turn; a slide: as many over its range. Time grows with its cube.
+const HIGHEST_ORDER: f64 = 60.0;
+/// Measured values for each number of the model, at least. With fewer a wave only repeats the prior, at the cube's cost.
+const VALUES_PER_NUMBER: usize = 4;
+/// A curve has at least this many waves, or it is no curve.
+const FEWEST_WAVES: usize = 3;
+/// Linearisations, at most: one may go to leaving out curves; after that the second changes little, the third hardly
+/// anything.
+const ROUNDS: usize = 6;
+/// A round that gains less than this changes no probability by a tenth.
+const SETTLED: f64 = 0.1;
+/// Nor does one count that gains less than this for each value: noise is then known to a few parts in a hundred thousand,
+/// and rows at the edge of being outliers come and go.
+const SETTLED_PER_VALUE: f64 = 2e-5;
+/// Stretches of the run that each part of it is made of, where there are parts: enough that no part lacks what was moved
+/// one after the other, and each long beside the time over which a run's errors are alike.
+const STRETCHES: usize = 4;
+/// A step is not cut shorter than this share of it.
+const LEAST_SHARE: f64 = 0.1;
+/// The mean of a curve is held to a thousandth of what the noise would let one see.
+const FIRM: f64 = 1e6;
+/// One clean file in a hundred may show a curve.
+const FALSE_CURVES: f64 = 0.01;
+
+/// How curves are sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveOptions {
+    /// Share of clean files in which a curve may be shown.
+    pub false_curves: f64,
+}
+
+impl Default for CurveOptions {
+    fn default() -> Self {
+        Self { false_curves: FALSE_CURVES }
+    }
+}
+
+/// Geometry, effects and curves, fitted together.
+#[derive(Debug, Clone)]
+pub struct CurveFit {
+    /// The model; its effects hold the curves.
+    pub fit: Fit<EffectModel>,
+    /// Logarithm of the marginal likelihood.
+    pub score: f64,
+    /// For each curve by how much it raises that.
+    pub gains: Vec<f64>,
+}
+
+/// Fits a curve for each moving joint beside `fit`; those that the data do not ask for are left out.
+///
+/// # Shape and units
+/// `reference`: the arm that the geometric fit started from, see [`crate::identify::solve::fit`].
+pub fn fit_curves(
+    survey: &Survey,
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+    reference: &Arm,
+    options: &CurveOptions,
+) -> CurveFit {
+    let mut state = State::new(survey, data, fit);
+    let mut found: Option<(f64, Hyperparameters)> = None;
+    for _ in 0..ROUNDS {
+        let round = Round::new(data, &state, reference);
+        let model = round.model();
+        let reached = match &found {
+            None => maximum::from_afar(&model),
+            Some((_, last)) => maximum::from_near(&model, last),
+        };
+        let Some((score, hyper)) = reached else { break };
+        let (hyper, kept) = asked_for(&model, score, hyper, *options);
+        if kept.contains(&false) {
+            state.keep(&kept);
+            if state.joints.is_empty() {
+                break;
+            }
+            found = Some((f64::NEG_INFINITY, hyper));
+            continue;
+        }
+        // Each round is in units of its own noise: the score of the values themselves.
+        let score = score + round.units();
+        round.step(data, &mut state, &hyper);
+        let enough = SETTLED.max(SETTLED_PER_VALUE * round.linear.values() as f64);
+        let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
+        found = Some((score, hyper));
+        state.fit.converged = settled;
+        if settled {
+            break;
+        }
+    }
+    state.finish(data, reference, found)
+}
+
+/// The model at one point of the iteration.
+pub(super) struct State {
+    fit: Fit<EffectModel>,
+    /// Joints that have a curve.
+    pub(super) joints: Vec<usize>,
+    waves: Vec<Waves>,
+    ranges: Vec<(f64, f64)>,
+    /// What each curve is a function of, row by row.
+    readings: Vec<Vec<f64>>,
+    groups: Vec<Vec<usize>>,
+}
+
+impl State {
+    pub(super) fn new(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>) -> Self {
+        let joints: Vec<usize> = survey.moving().collect();
+        let values: f64 = fit.values.iter().sum();
+        // Counts of values are far below 2^53.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let most = (values as usize / VALUES_PER_NUMBER).saturating_sub(fit.layout.len()) / joints.len().max(1);
+        let chain = &survey.statics.chain;
+        let waves = |&joint: &usize| {
+            let (low, high) = survey.ranges[joint];
+            let slides = survey.slides(joint);
+            let highest = if slides { HIGHEST_ORDER * std::f64::consts::TAU / (high - low) } else { HIGHEST_ORDER };
+            let continuous = chain.coordinates()[chain.joints()[joint].coordinate].continuous;
+            Waves::over(low, high, continuous, highest, most.max(FEWEST_WAVES))
+        };
+        let reading = |&joint: &usize| -> Vec<f64> {
+            (0..data.len()).map(|row| chain.joints()[joint].value(data.reading(row))).collect()
+        };
+        Self {
+            waves: joints.iter().map(waves).collect(),
+            ranges: joints.iter().map(|&joint| survey.ranges[joint]).collect(),
+            readings: joints.iter().map(reading).collect(),
+            groups: replicates::groups(data),
+            fit: fit.clone(),
+            joints,
+        }
+    }
+
+    pub(super) fn keep(&mut self, kept: &[bool]) {
+        fn of<T: Clone>(list: &[T], kept: &[bool]) -> Vec<T> {
+            list.iter().zip(kept).filter(|(_, kept)| **kept).map(|(item, _)| item.clone()).collect()
+        }
+        self.waves = of(&self.waves, kept);
+        self.ranges = of(&self.ranges, kept);
+        self.readings = of(&self.readings, kept);
+        self.joints = of(&self.joints, kept);
+        let joints = &self.joints;
+        self.fit.effects.curves.retain(|curve| joints.contains(&curve.joint));
+    }
+
+    /// The fit with the covariance and noise of the whole model.
+    fn finish(mut self, data: &Measurements, reference: &Arm, found: Option<(f64, Hyperparameters)>) -> CurveFit {
+        let none = |fit| CurveFit { fit, score: f64::NEG_INFINITY, gains: Vec::new() };
+        let Some((_, hyper)) = found else { return none(self.fit) };
+        let round = Round::new(data, &self, reference);
+        let model = round.model();
+        let (Some(score), Some(posterior)) = (model.score(&hyper), model.posterior(&hyper)) else {
+            return none(self.fit);
+        };
+        let order = round.layout_order(&self);
+        let count = order.len();
+        self.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
+        let gains = (0..self.waves.len()).map(|curve| score - without(&model, &hyper, curve)).collect();
+        CurveFit { fit: self.fit, score, gains }
+    }
+}
+
+/// The score when a curve is made nothing, all else as it is.
+fn without(model: &Model<'_>, hyper: &Hyperparameters, curve: usize) -> f64 {
+    let mut hyper = hyper.clone();
+    hyper.kernels[curve].log_variance -= 40.0;
+    model.score(&hyper).unwrap_or(f64::NEG_INFINITY)
+}
+
+/// Which curves raise the score by more than chance would in one clean file of those allowed. The best of a variance and a
+/// length gains more than g by chance with probability e^-g (half a χ² of two degrees of freedom, and half nothing at all).
+fn asked_for(
+    model: &Model<'_>,
+    score: f64,
+    hyper: Hyperparameters,
+    options: CurveOptions,
+) -> (Hyperparameters, Vec<bool>) {
+    let least = (model.waves.len() as f64 / options.false_curves).ln();
+    let (mut score, mut hyper) = (score, hyper);
+    let mut kept = vec![true; hyper.kernels.len()];
+    loop {
+        let weakest = (0..kept.len())
+            .filter(|&curve| kept[curve])
+            .map(|curve| (score - without(model, &hyper, curve), curve))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((gain, curve)) = weakest.filter(|(gain, _)| *gain < least) else { break };
+        kept[curve] = false;
+        hyper.kernels[curve].log_variance = (model.visible[curve] * 1e-12).ln();
+        score -= gain;
+    }
+    let kernels = hyper.kernels.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(kernel, _)| *kernel).collect();
+    (Hyperparameters { log_noise: hyper.log_noise, kernels }, kept)
+}
+
+/// One linearisation with its products.
+pub(super) struct Round {
+    linear: Linear,
+    /// The values in units of which everything is, summed logarithms.
+    log_units: f64,
+    /// Of all values.
+    pub(super) gram: Gram,
+    /// The same by part of the run.
+    pub(super) parts: Vec<Gram>,
+    pub(super) waves: Vec<Waves>,
+    /// Columns of geometry and frames.
+    pub(super) always: usize,
+    /// Columns of each candidate.
+    pub(super) candidates: Vec<Range<usize>>,
+    pub(super) precision: DMatrix<f64>,
+    pub(super) pull: Vec<f64>,
+    pub(super) charge: f64,
+    log_precision: f64,
+    pub(super) means: Vec<Vec<f64>>,
+    pub(super) firm: Vec<f64>,
+    /// For each curve the largest variance that it may have, rad² or m².
+    largest: Vec<f64>,
+    /// For each curve the variance, rad² or m², at which it is as large as the noise.
+    visible: Vec<f64>,
+}
+
+impl Round {
+    /// The model at a state, its effects and curves as free as geometry is.
+    fn new(data: &Measurements, state: &State, reference: &Arm) -> Self {
+        Self::beside(data, state, reference, None, &[], 1)
+    }
+
+    /// The same with candidates and other columns in the place of the state's effects, products by part of the run: stretches
+    /// of rows are dealt to the parts in turn.
+    ///
+    /// # Shape and units
+    /// `others`: in units of the noise, as [`linearise`] has them at this state.
+    pub(super) fn beside(
+        data: &Measurements,
+        state: &State,
+        reference: &Arm,
+        candidates: Option<&[Candidate]>,
+        others: &[Block],
+        parts: usize,
+    ) -> Self {
+        let mut fit = state.fit.clone();
+        if !state.groups.is_empty() || data.scene.series.len() > 1 {
+            let residuals = residual_statistics::residuals(&fit.arm, &fit.effects, data);
+            for (weight, shared) in fit.weights.iter_mut().zip(replicates::weights(data, &state.groups, &residuals)) {
+                *weight *= shared;
+            }
+        }
+        let mut carriers: Vec<Carrier> = state.joints.iter().map(|&joint| Carrier::Joint(joint)).collect();
+        let wanted = candidates.unwrap_or_default().iter().map(|candidate| candidate.term.carrier);
+        for carrier in wanted.chain(others.iter().map(|block| block.carrier)) {
+            if !carriers.contains(&carrier) {
+                carriers.push(carrier);
+            }
+        }
+        let linear = linearise(data, &fit, reference, &carriers);
+        let values = linear.values();
+        let column = |matrix: &'_ DMatrix<f64>, index: usize| -> Vec<f64> {
+            matrix.column(index).rows(0, values).iter().map(|cell| -cell).collect()
+        };
+        let always = linear.geometry.ncols();
+        let mut plain: Vec<Vec<f64>> = (0..always).map(|k| column(&linear.geometry, k)).collect();
+        let joints: Vec<Vec<f64>> = (0..state.joints.len()).map(|k| column(&linear.carriers, k)).collect();
+        // Effects and curves enter with what they are, not with how they change.
+        let mut explained: Vec<f64> = linear.residual.rows(0, values).iter().copied().collect();
+        let coefficients = fit.effects.effects.iter().flat_map(|effect| effect.coefficients.iter().copied());
+        for (index, coefficient) in coefficients.enumerate() {
+            let column = column(&linear.effects, index);
+            for (y, x) in explained.iter_mut().zip(&column) {
+                *y += x * coefficient;
+            }
+            if candidates.is_none() {
+                plain.push(column);
+            }
+        }
+        let field = Field { data, statics: &fit.effects.statics, linear: &linear };
+        let mut ranges = Vec::new();
+        let columns = candidates.unwrap_or_default().iter().map(|candidate| field.columns(&candidate.term));
+        for columns in columns.chain(others.iter().map(|block| block.columns(&field))) {
+            ranges.push(plain.len()..plain.len() + columns.ncols());
+            plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
+        }
+        for curve in &fit.effects.curves {
+            let Some(index) = state.joints.iter().position(|&joint| joint == curve.joint) else { continue };
+            let at: Vec<f64> = state.readings[index].iter().map(|&reading| curve.value(reading)).collect();
+            for ((y, x), row) in explained.iter_mut().zip(&joints[index]).zip(&linear.rows) {
+                *y += x * at[*row];
+            }
+        }
+        let (precision, pull, charge, log_precision) = prior(&linear, &fit, reference, &plain);
+        let visible: Vec<f64> = joints
+            .iter()
+            .map(|column| values as f64 / column.iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE))
+            .collect();
+        // No gear errs by more than the zero of a joint may be off.
+        let tolerances = Tolerances::default();
+        let most = |&joint: &usize| {
+            let slides = matches!(fit.arm.nominal.joints()[joint].screw, Screw::Prismatic(_));
+            if slides { tolerances.zero_slide } else { tolerances.zero_turn }.powi(2)
+        };
+        let largest = state.joints.iter().map(most).collect();
+        let means = state.waves.iter().zip(&state.readings).map(|(waves, readings)| mean_of(waves, readings)).collect();
+        let firm = visible.iter().map(|visible| FIRM / visible).collect();
+        let stretch = data.len().div_ceil(STRETCHES * parts).max(1);
+        let part_of = |row: usize| (row / stretch) % parts;
+        let of_part = |part: usize| {
+            let own: Vec<usize> = (0..values).filter(|&value| part_of(linear.rows[value]) == part).collect();
+            fn pick<T: Copy>(list: &[T], own: &[usize]) -> Vec<T> {
+                own.iter().map(|&value| list[value]).collect()
+            }
+            let picked: Vec<Vec<f64>> = plain.iter().chain(&joints).map(|column| pick(column, &own)).collect();
+            let borrowed: Vec<&[f64]> = picked.iter().map(Vec::as_slice).collect();
+            let columns = Columns {
+                explained: &pick(&explained, &own),
+                plain: &borrowed[..plain.len()],
+                joints: &borrowed[plain.len()..],
+                rows: &pick(&linear.rows, &own),
+                channels: &pick(&linear.channels, &own),
+                weights: &pick(&linear.weights, &own),
+            };
+            Gram::of(&columns, &state.waves, &state.readings)
+        };
+        let parts: Vec<Gram> = (0..parts).map(of_part).collect();
+        let gram = Gram::weighted(&parts, &vec![1.0; parts.len()]);
+        let waves = state.waves.clone();
+        let level = |(channel, weight): (&usize, &f64)| {
+            let level = fit.noise.levels.get(*channel).copied().unwrap_or(1.0);
+            if level > 0.0 { weight * level.ln() } else { 0.0 }
+        };
+        let log_units = linear.channels.iter().zip(&linear.weights).map(level).sum();
+        Self {
+            linear,
+            log_units,
+            gram,
+            parts,
+            waves,
+            always,
+            candidates: ranges,
+            precision,
+            pull,
+            charge,
+            log_precision,
+            means,
+            firm,
+            largest,
+            visible,
+        }
+    }
+
+    /// What the score lacks to be that of the values in m and rad.
+    fn units(&self) -> f64 {
+        -self.log_units
+    }
+
+    fn model(&self) -> Model<'_> {
+        Model {
+            gram: &self.gram,
+            precision: &self.precision,
+            pull: &self.pull,
+            charge: self.charge,
+            log_precision: self.log_precision,
+            waves: &self.waves,
+            means: &self.means,
+            firm: &self.firm,
+            largest: &self.largest,
+            visible: &self.visible,
+        }
+    }
+
+    /// For each number of the layout its place among the plain columns: geometry without effects, then effects.
+    fn layout_order(&self, state: &State) -> Vec<usize> {
+        let effects = state.fit.layout.effects.clone();
+        let geometry = self.linear.geometry.ncols();
+        (0..state.fit.layout.len())
+            .map(|index| {
+                if effects.contains(&index) {
+                    geometry + index - effects.start
+                } else if index < effects.start {
+                    index
+                } else {
+                    index - effects.len()
+                }
+            })
+            .collect()
+    }
+
+    /// The curves as the posterior has them.
+    fn curves(&self, state: &State, posterior: &Posterior, hyper: &Hyperparameters) -> Vec<Curve> {
+        let mut first = self.gram.plain;
+        let mut curves = Vec::new();
+        for (index, (waves, kernel)) in state.waves.iter().zip(&hyper.kernels).enumerate() {
+            let weights = posterior.mean[first..first + waves.len()].to_vec();
+            let prior: Vec<f64> = kernel.variances(waves).into_iter().map(|(variance, _)| variance).collect();
+            curves.push(Curve {
+                joint: state.joints[index],
+                range: state.ranges[index],
+                size: (0.5 * kernel.log_variance).exp(),
+                length: kernel.log_length.exp(),
+                spread: spread(posterior, first, waves, &prior, kernel.log_variance.exp(), state.ranges[index]),
+                waves: waves.clone(),
+                weights,
+            });
+            first += waves.len();
+        }
+        curves
+    }
+
+    /// The state after the step to the posterior's mean, with its noise and its outliers.
+    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters) {
+        let Some(posterior) = self.model().posterior(hyper) else { return };
+        let curves = self.curves(state, &posterior, hyper);
+        let order = self.layout_order(state);
+        let step: Vec<f64> = order.iter().map(|&index| posterior.mean[index]).collect();
+        let fit = &mut state.fit;
+        let had = fit.effects.curves.clone();
+        let chi = |squares: &[[f64; 2]]| {
+            let kept = squares.iter().zip(&fit.weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0);
+            kept.map(|(at, (square, weight))| weight * fit.noise.chi_squared(data.series_of(at), *square)).sum::<f64>()
+        };
+        let before = chi(&ResidualModel { data, layout: &fit.layout, effects: &fit.effects }.squares(&fit.arm));
+        // What is linear here need not be so at the end of a long step: half of it, then.
+        let mut share = 1.0;
+        let (arm, effects, squares) = loop {
+            let part: Vec<f64> = step.iter().map(|step| step * share).collect();
+            let arm = gauge::centred(&fit.layout, &fit.layout.stepped(&fit.arm, &part), &fit.arm);
+            let mut effects = fit.effects.clone();
+            let mut values = step[fit.layout.effects.clone()].iter();
+            for effect in &mut effects.effects {
+                for (coefficient, value) in effect.coefficients.iter_mut().zip(&mut values) {
+                    *coefficient += (value - *coefficient) * share;
+                }
+            }
+            effects.curves.clone_from(&curves);
+            for curve in &mut effects.curves {
+                let old = had.iter().find(|old| old.joint == curve.joint && old.weights.len() == curve.weights.len());
+                for (index, weight) in curve.weights.iter_mut().enumerate() {
+                    let old = old.map_or(0.0, |old| old.weights[index]);
+                    *weight = old + (*weight - old) * share;
+                }
+            }
+            let squares = ResidualModel { data, layout: &fit.layout, effects: &effects }.squares(&arm);
+            if chi(&squares) <= before || share < LEAST_SHARE {
+                break (arm, effects, squares);
+            }
+            share *= 0.5;
+        };
+        fit.arm = arm;
+        fit.effects = effects;
+        // Noise of each channel from what is left over the values that are left.
+        let covariances = posterior.covariances();
+        let noise = (-hyper.log_noise).exp();
+        let mut left = fit.noise.levels.clone();
+        let mut used = vec![0.0; left.len()];
+        let mut counts = vec![0.0; left.len()];
+        for (channel, sums) in self.gram.channels.iter().enumerate() {
+            let size = self.gram.size;
+            for i in 0..size {
+                let range = i * size..i * size + i + 1;
+                let twice: f64 = covariances[range.clone()].iter().zip(&sums.matrix[range]).map(|(a, b)| a * b).sum();
+                let own = covariances[i * size + i] * sums.matrix[i * size + i];
+                used[channel] += (2.0 * twice - own) * noise;
+            }
+            let free = (sums.count - used[channel]).max(1.0);
+            left[channel] *= (sums.misfit(&posterior.mean) / free).max(f64::MIN_POSITIVE).sqrt();
+            counts[channel] = sums.count;
+        }
+        fit.noise = Noise { levels: left };
+        fit.parameters_used = used;
+        fit.values = counts;
+        fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
+        fit.squares = squares;
+    }
+}
+
+/// Mean of each wave over the rows.
+fn mean_of(waves: &Waves, readings: &[f64]) -> Vec<f64> {
+    let mut values = vec![0.0; waves.len()];
+    let mut sums = vec![0.0; waves.len()];
+    for &reading in readings {
+        waves.values_into(reading, &mut values);
+        for (sum, value) in sums.iter_mut().zip(&values) {
+            *sum += value / readings.len() as f64;
+        }
+    }
+    sums
+}
+
+/// Standard deviation of a curve over its range: what the waves' posterior says, and what the waves leave out of the kernel.
+fn spread(
+    posterior: &Posterior,
+    first: usize,
+    waves: &Waves,
+    prior: &[f64],
+    variance: f64,
+    range: (f64, f64),
+) -> Vec<f64> {
+    let count = waves.len();
+    let block: Vec<f64> =
+        (0..count * count).map(|k| posterior.covariance(first + k / count, first + k % count)).collect();
+    let mut values = vec![0.0; count];
+    Curve::places(range)
+        .map(|reading| {
+            waves.values_into(reading, &mut values);
+            let told: f64 = block
+                .chunks_exact(count)
+                .zip(&values)
+                .map(|(row, own)| own * row.iter().zip(&values).map(|(c, b)| c * b).sum::<f64>())
+                .sum();
+            let carried: f64 = prior.iter().zip(&values).map(|(v, b)| v * b * b).sum();
+            (told + (variance - carried).max(0.0)).max(0.0).sqrt()
+        })
+        .collect()
+}
+
+/// Prior of the plain columns about the present state: precision, pull, charge, log |Λ| of the effects.
+fn prior(
+    linear: &Linear,
+    fit: &Fit<EffectModel>,
+    reference: &Arm,
+    plain: &[Vec<f64>],
+) -> (DMatrix<f64>, Vec<f64>, f64, f64) {
+    let geometry = linear.geometry.ncols();
+    let mut precision = DMatrix::zeros(plain.len(), plain.len());
+    let joints = fit.layout.joints.len();
+    let tolerance = &fit.layout.prior;
+    precision.view_mut((0, 0), (joints, joints)).copy_from(tolerance);
+    let difference = fit.layout.difference(&fit.arm, reference);
+    let mut pull = vec![0.0; plain.len()];
+    let mut charge = 0.0;
+    for i in 0..joints {
+        pull[i] = -(0..joints).map(|k| tolerance[(i, k)] * difference[k]).sum::<f64>();
+        charge -= pull[i] * difference[i];
+    }
+    // The common frame is held as in a fit: these rows come last in the linearisation.
+    let held = linear.geometry.nrows() - linear.values() - if joints > 0 { joints } else { 0 };
+    let frame = linear.geometry.rows(linear.geometry.nrows() - held, held);
+    let holding = frame.transpose() * frame;
+    let mut block = precision.view_mut((0, 0), (geometry, geometry));
+    block += holding;
+    // Unit information: an effect is expected as large as one measured value in the mean tells it.
+    let mut log_precision = 0.0;
+    let values = linear.values() as f64;
+    for (offset, column) in plain[geometry..].iter().enumerate() {
+        let information = (column.iter().map(|x| x * x).sum::<f64>() / values).max(f64::MIN_POSITIVE);
+        precision[(geometry + offset, geometry + offset)] = information;
+        log_precision += information.ln();
+    }
+    (precision, pull, charge, log_precision)
+}

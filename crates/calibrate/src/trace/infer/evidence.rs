@@ -1,0 +1,217 @@
+//! The score of a model: its log marginal likelihood, all numbers but the hyperparameters integrated out.
+//!
+//! With A = Λ + G/σ² (Λ prior precision, G = XᵀX, b = Xᵀy/σ² and what the prior pulls):
+//!
+//! ```text
+//! 2 log p(y) = -N log σ² - yᵀy/σ² - dᵀΛd + bᵀA⁻¹b - log|A| + log|Λ| + constants
+//! ```
+//! It holds Occam's factor (log|Λ| - log|A|): a block that could explain anything pays for it. Constants (flat priors, the
+//! held frame) are the same for all models of one robot and one file.
+
+use crate::effects::curve::Waves;
+use crate::trace::infer::gram::Gram;
+use crate::trace::infer::model::Hyperparameters;
+use crate::trace::infer::triangle::{Triangle, dot};
+use denavit_model::nalgebra::DMatrix;
+
+/// A model whose products are formed.
+#[derive(Debug, Clone)]
+pub struct Model<'a> {
+    /// Products of all columns.
+    pub gram: &'a Gram,
+    /// Prior precision of the plain columns; 0 where the prior is flat.
+    pub precision: &'a DMatrix<f64>,
+    /// What the prior pulls the plain columns by: precision times the way from the present state to the prior's mean.
+    pub pull: &'a [f64],
+    /// dᵀΛd at the present state.
+    pub charge: f64,
+    /// log |Λ| of the effects' part.
+    pub log_precision: f64,
+    /// The waves of each curve.
+    pub waves: &'a [Waves],
+    /// The mean of each curve's waves over the rows: a curve has no mean, for that is the joint's zero and geometry's.
+    pub means: &'a [Vec<f64>],
+    /// How firmly that holds for each curve, 1/rad² or 1/m².
+    pub firm: &'a [f64],
+    /// For each curve the largest variance that it may have, rad² or m².
+    pub largest: &'a [f64],
+    /// For each curve the variance at which it is as large as the noise, rad² or m².
+    pub visible: &'a [f64],
+}
+
+/// What the data say of every number at given hyperparameters.
+#[derive(Debug, Clone)]
+pub struct Posterior {
+    /// Expected values: plain columns, then curve by curve.
+    pub mean: Vec<f64>,
+    /// Inverse of the scaled factor, column by column, each multiplied by its column's scale: C = Rᵀ R.
+    root: Vec<f64>,
+    size: usize,
+}
+
+impl Posterior {
+    /// Covariance of two numbers.
+    pub fn covariance(&self, a: usize, b: usize) -> f64 {
+        let first = a.max(b);
+        dot(&self.column(a)[first..], &self.column(b)[first..])
+    }
+
+    fn column(&self, index: usize) -> &[f64] {
+        &self.root[index * self.size..(index + 1) * self.size]
+    }
+
+    /// The whole covariance, row by row.
+    pub fn covariances(&self) -> Vec<f64> {
+        crate::identify::gram::products(&self.root, &self.root, self.size)
+    }
+}
+
+impl Model<'_> {
+    /// The log marginal likelihood; `None` where the system is not positive.
+    pub fn score(&self, hyper: &Hyperparameters) -> Option<f64> {
+        self.factored(hyper).map(|factored| factored.score)
+    }
+
+    /// The same with its derivatives by [`Hyperparameters::to_vec`].
+    pub fn score_and_gradient(&self, hyper: &Hyperparameters) -> Option<(f64, Vec<f64>)> {
+        let factored = self.factored(hyper)?;
+        let posterior = factored.posterior();
+        // Numbers that the data pay for: tr(C G/σ²) = n - tr(C Λ).
+        let mut used = self.gram.size as f64;
+        for i in 0..self.gram.plain {
+            for k in 0..self.gram.plain {
+                let precision = self.precision[(i, k)];
+                if precision != 0.0 {
+                    used -= precision * posterior.covariance(i, k);
+                }
+            }
+        }
+        let mut gradient = vec![0.0];
+        let mut first = self.gram.plain;
+        for (curve, (kernel, waves)) in hyper.kernels.iter().zip(self.waves).enumerate() {
+            let (mut by_variance, mut by_length) = (0.0, 0.0);
+            let variances = kernel.variances(waves);
+            let charge = self.charge_of_mean(curve, &variances);
+            // Held to nothing, the mean is one number less that the data pay for.
+            used -= 1.0;
+            for (offset, (variance, slope)) in variances.into_iter().enumerate() {
+                let index = first + offset;
+                let own = posterior.covariance(index, index) / variance;
+                let held = self.firm[curve] * self.means[curve][offset].powi(2) * variance / charge;
+                let part = 0.5 * (posterior.mean[index].powi(2) / variance + own - 1.0 + held);
+                used -= own;
+                by_variance += part;
+                by_length += part * slope;
+            }
+            gradient.extend([by_variance, by_length]);
+            first += waves.len();
+        }
+        let precision = (-hyper.log_noise).exp();
+        let (mut misfit, mut count) = (0.0, 0.0);
+        for channel in &self.gram.channels {
+            misfit += channel.misfit(&posterior.mean) * precision;
+            count += channel.count;
+        }
+        gradient[0] = 0.5 * (misfit + used - count);
+        Some((factored.score, gradient))
+    }
+
+    /// What the data say of every number.
+    pub fn posterior(&self, hyper: &Hyperparameters) -> Option<Posterior> {
+        Some(self.factored(hyper)?.posterior())
+    }
+
+    /// By how much holding the mean raises the prior's determinant: 1 + κ cᵀVc.
+    fn charge_of_mean(&self, curve: usize, variances: &[(f64, f64)]) -> f64 {
+        let sum: f64 =
+            self.means[curve].iter().zip(variances).map(|(mean, (variance, _))| mean * mean * variance).sum();
+        1.0 + self.firm[curve] * sum
+    }
+
+    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
+        let (size, plain) = (self.gram.size, self.gram.plain);
+        let noise = (-hyper.log_noise).exp();
+        let mut matrix = vec![0.0; size * size];
+        let mut right = vec![0.0; size];
+        right[..plain].copy_from_slice(self.pull);
+        let (mut count, mut square) = (0.0, self.charge);
+        for channel in &self.gram.channels {
+            for (sum, cell) in matrix.iter_mut().zip(&channel.matrix).chain(right.iter_mut().zip(&channel.right)) {
+                *sum += cell * noise;
+            }
+            count += channel.count;
+            square += channel.square * noise;
+        }
+        for i in 0..plain {
+            for k in 0..=i {
+                matrix[i * size + k] += self.precision[(i, k)];
+            }
+        }
+        let mut log_prior = self.log_precision;
+        let mut index = plain;
+        for (curve, (kernel, waves)) in hyper.kernels.iter().zip(self.waves).enumerate() {
+            let variances = kernel.variances(waves);
+            log_prior += self.charge_of_mean(curve, &variances).ln();
+            let first = index;
+            for (variance, _) in variances {
+                matrix[index * size + index] += 1.0 / variance;
+                log_prior -= variance.ln();
+                let held = self.firm[curve] * self.means[curve][index - first];
+                for (cell, mean) in
+                    matrix[index * size + first..=index * size + index].iter_mut().zip(&self.means[curve])
+                {
+                    *cell += held * mean;
+                }
+                index += 1;
+            }
+        }
+        let scale: Vec<f64> = (0..size).map(|i| matrix[i * size + i].powf(-0.5)).collect();
+        for i in 0..size {
+            for k in 0..=i {
+                matrix[i * size + k] *= scale[i] * scale[k];
+            }
+            right[i] *= scale[i];
+        }
+        let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
+        let factor = Triangle::factor(matrix, size)?;
+        let half = factor.forward(&right);
+        let log_determinant = factor.log_determinant() - 2.0 * log_scale;
+        let score = 0.5 * (log_prior - log_determinant - count * hyper.log_noise - square + dot(&half, &half));
+        score.is_finite().then_some(Factored { score, factor, half, scale })
+    }
+}
+
+struct Factored {
+    score: f64,
+    factor: Triangle,
+    half: Vec<f64>,
+    scale: Vec<f64>,
+}
+
+impl Factored {
+    fn posterior(&self) -> Posterior {
+        let size = self.scale.len();
+        let mut root = self.factor.inverse_columns();
+        let mut mean = Vec::with_capacity(size);
+        for (index, (column, scale)) in root.chunks_exact_mut(size).zip(&self.scale).enumerate() {
+            for cell in &mut column[index..] {
+                *cell *= scale;
+            }
+            mean.push(dot(&column[index..], &self.half[index..]));
+        }
+        Posterior { mean, root, size }
+    }
+}
+
+impl crate::trace::infer::gram::Channel {
+    /// |y - X m|² by the products alone.
+    pub fn misfit(&self, mean: &[f64]) -> f64 {
+        let size = mean.len();
+        let mut sum = self.square;
+        for i in 0..size {
+            let row = &self.matrix[i * size..i * size + i];
+            sum += mean[i] * (2.0 * dot(row, &mean[..i]) + self.matrix[i * size + i] * mean[i] - 2.0 * self.right[i]);
+        }
+        sum
+    }
+}

@@ -1,0 +1,265 @@
+//! Products of all columns of the linearised model with each other and with what was measured: formed once, then the cost of
+//! a score does not depend on the number of rows.
+//!
+//! A curve's columns are the joint's column times its waves at the row's reading. So only one product of joint columns is
+//! taken per row and pair of joints, and the waves are multiplied with that.
+
+use crate::effects::curve::Waves;
+use crate::identify::gram::products;
+use std::sync::Mutex;
+
+/// Rows whose waves are at hand at once: these stay in the processor's memory.
+const ROWS: usize = 256;
+
+/// The linearised model, value by value, in units of the noise.
+#[derive(Debug, Clone, Copy)]
+pub struct Columns<'a> {
+    /// What is to be explained.
+    pub explained: &'a [f64],
+    /// Columns of geometry, frames and effects.
+    pub plain: &'a [&'a [f64]],
+    /// The column of each curve's joint.
+    pub joints: &'a [&'a [f64]],
+    /// The row of each value, ascending.
+    pub rows: &'a [usize],
+    /// 0 or 1: lengths and turns.
+    pub channels: &'a [usize],
+    /// Each value's weight.
+    pub weights: &'a [f64],
+}
+
+/// Products of one channel's values.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    /// Lower triangle, row by row: plain columns first, then curve by curve.
+    pub matrix: Vec<f64>,
+    /// With what is to be explained.
+    pub right: Vec<f64>,
+    /// Of that with itself.
+    pub square: f64,
+    /// Values, weighted.
+    pub count: f64,
+}
+
+/// Products of all columns by channel.
+#[derive(Debug, Clone)]
+pub struct Gram {
+    /// Lengths, and turns where poses are measured.
+    pub channels: Vec<Channel>,
+    /// How many columns are plain.
+    pub plain: usize,
+    /// How many columns there are.
+    pub size: usize,
+}
+
+impl Channel {
+    fn zeros(size: usize) -> Self {
+        Self { matrix: vec![0.0; size * size], right: vec![0.0; size], square: 0.0, count: 0.0 }
+    }
+
+    fn add(&mut self, other: &Self, weight: f64) {
+        for (sum, part) in self.matrix.iter_mut().zip(&other.matrix).chain(self.right.iter_mut().zip(&other.right)) {
+            *sum += part * weight;
+        }
+        self.square += other.square * weight;
+        self.count += other.count * weight;
+    }
+}
+
+impl Gram {
+    /// The sum of the products of several parts of the values, each so many times.
+    ///
+    /// # Panics
+    /// There is no part.
+    pub fn weighted(parts: &[Self], weights: &[f64]) -> Self {
+        let channels = parts.iter().map(|part| part.channels.len()).max().expect("there is a part");
+        let (plain, size) = (parts[0].plain, parts[0].size);
+        let mut sum = Self { channels: vec![Channel::zeros(size); channels], plain, size };
+        for (part, weight) in parts.iter().zip(weights) {
+            for (channel, part) in sum.channels.iter_mut().zip(&part.channels) {
+                channel.add(part, *weight);
+            }
+        }
+        sum
+    }
+
+    /// The products of `columns`; `readings[curve][row]` is what each curve is a function of.
+    pub fn of(columns: &Columns<'_>, waves: &[Waves], readings: &[Vec<f64>]) -> Self {
+        let plain = columns.plain.len();
+        let size = plain + waves.iter().map(Waves::len).sum::<usize>();
+        let channels = columns.channels.iter().max().map_or(1, |last| last + 1);
+        // Stretches of values that cover whole rows.
+        let mut stretches = Vec::new();
+        let mut from = 0;
+        while from < columns.rows.len() {
+            let last = columns.rows[from] + ROWS;
+            let to = from + columns.rows[from..].partition_point(|row| *row < last);
+            stretches.push(from..to);
+            from = to;
+        }
+        let queue = Mutex::new(stretches.into_iter());
+        let work = || {
+            let mut sums = vec![Channel::zeros(size); channels];
+            loop {
+                let next = queue.lock().expect("taking a stretch does not panic").next();
+                let Some(range) = next else { return sums };
+                for (channel, sums) in sums.iter_mut().enumerate() {
+                    add_stretch(columns, waves, readings, range.clone(), channel, sums);
+                }
+            }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let channels = std::thread::scope(|scope| {
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let mut sums = work();
+            for other in others {
+                for (sum, part) in sums.iter_mut().zip(other.join().expect("products do not panic")) {
+                    sum.add(&part, 1.0);
+                }
+            }
+            sums
+        });
+        Self { channels, plain, size }
+    }
+}
+
+fn add_stretch(
+    columns: &Columns<'_>,
+    waves: &[Waves],
+    readings: &[Vec<f64>],
+    range: std::ops::Range<usize>,
+    channel: usize,
+    sums: &mut Channel,
+) {
+    let own: Vec<usize> = range.filter(|&value| columns.channels[value] == channel).collect();
+    if own.is_empty() {
+        return;
+    }
+    let pick = |column: &[f64]| own.iter().map(|&value| column[value]).collect::<Vec<f64>>();
+    let (plain, size) = (columns.plain.len(), sums.right.len());
+    let explained = pick(columns.explained);
+    let cells: Vec<f64> = columns.plain.iter().flat_map(|column| pick(column)).collect();
+    sums.square += explained.iter().map(|y| y * y).sum::<f64>();
+    sums.count += own.iter().map(|&value| columns.weights[value]).sum::<f64>();
+    let of_plain = products(&cells, &cells, own.len());
+    for row in 0..plain {
+        for column in 0..=row {
+            sums.matrix[row * size + column] += of_plain[row * plain + column];
+        }
+    }
+    for (sum, part) in sums.right.iter_mut().zip(products(&cells, &explained, own.len())) {
+        *sum += part;
+    }
+    // From here on one line per row: the place of each value's row among them.
+    let mut rows: Vec<usize> = Vec::new();
+    let place: Vec<usize> = own
+        .iter()
+        .map(|&value| {
+            if rows.last() != Some(&columns.rows[value]) {
+                rows.push(columns.rows[value]);
+            }
+            rows.len() - 1
+        })
+        .collect();
+    let count = rows.len();
+    let per_row = |a: &[f64], b: &[f64], out: &mut [f64]| {
+        for ((a, b), &place) in a.iter().zip(b).zip(&place) {
+            out[place] += a * b;
+        }
+    };
+    let joints: Vec<Vec<f64>> = columns.joints.iter().map(|column| pick(column)).collect();
+    let waves_at: Vec<Vec<f64>> = waves
+        .iter()
+        .zip(readings)
+        .map(|(waves, readings)| {
+            let mut at = vec![0.0; waves.len() * count];
+            let mut values = vec![0.0; waves.len()];
+            for (line, &row) in rows.iter().enumerate() {
+                waves.values_into(readings[row], &mut values);
+                for (wave, value) in values.iter().enumerate() {
+                    at[wave * count + line] = *value;
+                }
+            }
+            at
+        })
+        .collect();
+    let mut first = plain;
+    for (i, own_waves) in waves_at.iter().enumerate() {
+        let many = waves[i].len();
+        let mut driven = vec![0.0; (plain + 1) * count];
+        for (column, out) in driven.chunks_exact_mut(count).enumerate() {
+            let other = if column < plain { &cells[column * own.len()..(column + 1) * own.len()] } else { &explained };
+            per_row(&joints[i], other, out);
+        }
+        for (line, cells) in products(&driven, own_waves, count).chunks_exact(plain + 1).enumerate() {
+            let row = first + line;
+            for (sum, cell) in sums.matrix[row * size..].iter_mut().zip(&cells[..plain]) {
+                *sum += cell;
+            }
+            sums.right[row] += cells[plain];
+        }
+        let mut column = plain;
+        for (j, other_waves) in waves_at.iter().enumerate().take(i + 1) {
+            let mut scale = vec![0.0; count];
+            per_row(&joints[i], &joints[j], &mut scale);
+            let scaled: Vec<f64> =
+                own_waves.chunks_exact(count).flat_map(|wave| wave.iter().zip(&scale).map(|(b, s)| b * s)).collect();
+            let block = products(other_waves, &scaled, count);
+            for (line, cells) in block.chunks_exact(waves[j].len()).enumerate() {
+                let row = first + line;
+                for (sum, cell) in sums.matrix[row * size + column..].iter_mut().zip(cells) {
+                    *sum += cell;
+                }
+            }
+            column += waves[j].len();
+        }
+        first += many;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_those_of_the_columns_written_out() {
+        let rows: Vec<usize> = (0..600).flat_map(|row| [row; 6]).collect();
+        let channels: Vec<usize> = (0..rows.len()).map(|value| (value % 6) / 3).collect();
+        let cell = |value: usize, k: usize| ((value * 7 + k * 13) as f64 * 0.61).sin();
+        let column = |k: usize| -> Vec<f64> { (0..rows.len()).map(|value| cell(value, k)).collect() };
+        let (y, plain, joints) = (column(0), [column(1), column(2)], [column(3), column(4)]);
+        let weights = vec![1.0; rows.len()];
+        let waves = [Waves::over(0.0, 1.0, false, 12.0, 9), Waves::over(-4.0, 4.0, true, 3.0, 9)];
+        let readings: Vec<Vec<f64>> =
+            (0..2).map(|k| (0..600).map(|row| 0.5 + 0.5 * cell(row, 9 + k)).collect()).collect();
+        let columns = Columns {
+            explained: &y,
+            plain: &plain.each_ref().map(Vec::as_slice),
+            joints: &joints.each_ref().map(Vec::as_slice),
+            rows: &rows,
+            channels: &channels,
+            weights: &weights,
+        };
+        let gram = Gram::of(&columns, &waves, &readings);
+        let written = |value: usize| -> Vec<f64> {
+            let mut cells = vec![plain[0][value], plain[1][value]];
+            for k in 0..2 {
+                cells.extend(waves[k].values(readings[k][rows[value]]).iter().map(|b| b * joints[k][value]));
+            }
+            cells
+        };
+        for channel in 0..2 {
+            let own: Vec<usize> = (0..rows.len()).filter(|&value| channels[value] == channel).collect();
+            let sums = &gram.channels[channel];
+            assert_eq!(sums.count, own.len() as f64);
+            for a in 0..gram.size {
+                let right: f64 = own.iter().map(|&value| written(value)[a] * y[value]).sum();
+                assert!((sums.right[a] - right).abs() < 1e-9);
+                for b in 0..=a {
+                    let sum: f64 = own.iter().map(|&value| written(value)[a] * written(value)[b]).sum();
+                    assert!((sums.matrix[a * gram.size + b] - sum).abs() < 1e-9, "{a} {b}");
+                }
+            }
+        }
+    }
+}

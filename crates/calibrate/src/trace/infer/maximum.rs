@@ -1,0 +1,131 @@
+//! The hyperparameters at which the marginal likelihood is largest.
+
+use crate::trace::infer::evidence::Model;
+use crate::trace::infer::model::{Hyperparameters, Kernel};
+use denavit_model::nalgebra::{DMatrix, DVector};
+
+/// A gain of the logarithm that changes no probability by more than a hundredth.
+const NEGLIGIBLE: f64 = 0.01;
+/// Steps of the search; it needs some twenty.
+const MOST_STEPS: usize = 60;
+/// No step changes a hyperparameter by more than this factor's logarithm.
+const LONGEST: f64 = 1.5;
+/// Shares of the variance that the curves are taken to explain at the start.
+const SHARES: [f64; 3] = [0.05, 0.5, 0.95];
+/// Lengths that the search starts from, as shares of the interval's width: some waves over it, and one.
+const LENGTHS: [f64; 3] = [0.02, 0.07, 0.25];
+/// A curve is not ten times as large as all that geometry leaves: it would be geometry that it stands in for.
+const MOST: f64 = 100.0;
+/// A curve's variance is not followed below this share of the size that would be seen: it is nothing then.
+const NOTHING: f64 = 1e-6;
+
+/// Where each hyperparameter may lie.
+#[derive(Debug, Clone)]
+struct Bounds {
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl Bounds {
+    /// A length is never shorter than what the fastest wave can follow, nor longer than twice the interval, where a curve is
+    /// all but a straight line.
+    fn new(model: &Model<'_>) -> Self {
+        let (mut low, mut high) = (vec![-30.0], vec![5.0]);
+        for ((waves, visible), largest) in model.waves.iter().zip(model.visible).zip(model.largest) {
+            low.extend([(visible * NOTHING).ln(), (1.0 / waves.frequency(waves.len() - 1)).ln()]);
+            high.extend([(visible * MOST).min(*largest).ln(), (std::f64::consts::TAU / waves.frequency(0)).ln()]);
+        }
+        Self { low, high }
+    }
+
+    fn clamped(&self, mut at: Vec<f64>) -> Vec<f64> {
+        for ((value, low), high) in at.iter_mut().zip(&self.low).zip(&self.high) {
+            *value = value.clamp(*low, low.max(*high));
+        }
+        at
+    }
+}
+
+/// The maximum from the best of a few starts.
+pub fn from_afar(model: &Model<'_>) -> Option<(f64, Hyperparameters)> {
+    let bounds = Bounds::new(model);
+    let curves = model.waves.len().max(1) as f64;
+    let start = |share: f64, length: f64| {
+        let kernels = model.waves.iter().zip(model.visible).map(|(waves, visible)| Kernel {
+            log_variance: (visible * share / curves).ln(),
+            log_length: (length * std::f64::consts::PI / waves.frequency(0)).ln(),
+        });
+        let at = Hyperparameters { log_noise: (1.0 - share).ln(), kernels: kernels.collect() };
+        Hyperparameters::from_slice(&bounds.clamped(at.to_vec()))
+    };
+    let starts = SHARES.iter().flat_map(|&share| LENGTHS.iter().map(move |&length| (share, length)));
+    let best = starts
+        .filter_map(|(share, length)| {
+            let at = start(share, length);
+            Some((model.score(&at)?, at))
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    climb(model, &best.1, &bounds)
+}
+
+/// The maximum near a start.
+pub fn from_near(model: &Model<'_>, start: &Hyperparameters) -> Option<(f64, Hyperparameters)> {
+    climb(model, start, &Bounds::new(model))
+}
+
+/// Quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno) between bounds, uphill.
+fn climb(model: &Model<'_>, start: &Hyperparameters, bounds: &Bounds) -> Option<(f64, Hyperparameters)> {
+    let mut at = DVector::from_vec(bounds.clamped(start.to_vec()));
+    let count = at.len();
+    let score = |at: &DVector<f64>| model.score_and_gradient(&Hyperparameters::from_slice(at.as_slice()));
+    let (mut value, gradient) = score(&at)?;
+    let mut gradient = DVector::from_vec(gradient);
+    let first = DMatrix::from_diagonal_element(count, count, 1.0 / gradient.amax().max(1.0));
+    let mut inverse = first.clone();
+    for _ in 0..MOST_STEPS {
+        // A bound that the score pushes against holds its number.
+        let held: Vec<bool> = (0..count)
+            .map(|k| (at[k] <= bounds.low[k] && gradient[k] < 0.0) || (at[k] >= bounds.high[k] && gradient[k] > 0.0))
+            .collect();
+        let free = DVector::from_fn(count, |k, _| if held[k] { 0.0 } else { gradient[k] });
+        let mut step = &inverse * &free;
+        for (k, held) in held.iter().enumerate() {
+            if *held {
+                step[k] = 0.0;
+            }
+        }
+        if step.dot(&free) <= 0.0 {
+            inverse.copy_from(&first);
+            step = &inverse * &free;
+        }
+        let longest = step.amax();
+        if longest > LONGEST {
+            step *= LONGEST / longest;
+        }
+        let mut found = None;
+        for _ in 0..12 {
+            let next = DVector::from_vec(bounds.clamped((&at + &step).as_slice().to_vec()));
+            if let Some((reached, slope)) = score(&next)
+                && reached >= value
+            {
+                found = Some((next, reached, DVector::from_vec(slope)));
+                break;
+            }
+            step *= 0.3;
+        }
+        let Some((next, reached, slope)) = found else { break };
+        let (moved, bent) = (&next - &at, &gradient - &slope);
+        let curvature = moved.dot(&bent);
+        if curvature > 1e-12 {
+            let rho = 1.0 / curvature;
+            let left = DMatrix::identity(count, count) - &moved * bent.transpose() * rho;
+            inverse = &left * inverse * left.transpose() + &moved * moved.transpose() * rho;
+        }
+        let gain = reached - value;
+        (at, value, gradient) = (next, reached, slope);
+        if gain < NEGLIGIBLE {
+            break;
+        }
+    }
+    Some((value, Hyperparameters::from_slice(at.as_slice())))
+}
