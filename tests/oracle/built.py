@@ -23,8 +23,12 @@ def target():
 
 
 def denavit():
-    """The release build of the program."""
-    program = Path(os.environ.get("DENAVIT", target() / "release" / "denavit"))
-    if not program.is_file():
-        raise FileNotFoundError(f"there is no {program}; cargo build --release -p denavit makes it, or name one in DENAVIT")
-    return program
+    """The program: the one that DENAVIT names, else the newer of the builds at hand."""
+    if given := os.environ.get("DENAVIT"):
+        programs = [Path(given)]
+    else:
+        programs = [target() / profile / "denavit" for profile in ("debug", "release")]
+    built = [program for program in programs if program.is_file()]
+    if not built:
+        raise FileNotFoundError(f"there is no {programs[0]}; cargo build -p denavit makes it, or name one in DENAVIT")
+    return max(built, key=lambda program: program.stat().st_mtime)

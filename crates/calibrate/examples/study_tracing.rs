@@ -189,8 +189,7 @@ fn main() {
             );
         }
         for f in &result.findings {
-            let rivals: Vec<String> =
-                f.rivals.iter().map(|r| format!("{}({})", r.kind.name(), r.place)).collect();
+            let rivals: Vec<String> = f.rivals.iter().map(|r| format!("{}({})", r.kind.name(), r.place)).collect();
             println!(
                 "   found {}({}) {:?} {:?} dBIC {:.1} p {:.1e} rivals {:?}",
                 f.term.kind.name(),

@@ -20,9 +20,7 @@ fn main() {
     let statics = Statics::of(&robot, &chain);
     let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
     let load = |path: &str| {
-        read(path, std::fs::File::open(path).unwrap(), &chain, units)
-            .unwrap_or_else(|error| panic!("{error}"))
-            .data
+        read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
     };
     let mut options = CalibrateOptions::geometry(&chain);
     let word = std::env::var("EFFECTS").unwrap_or_else(|_| "auto".into());

@@ -17,6 +17,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
+use crate::identify::lack_of_fit::lack_of_fit;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
@@ -271,7 +272,8 @@ pub fn calibrate_and_tell(
     let last = stages.adopt(&beyond);
     let (stages, residuals) = (stages.done, stages.residuals);
     let reached = last.checked_sub(2).map(|index| &beyond[index]);
-    let adopted = reached.map_or(if last == 0 { Adopted::Nominal } else { Adopted::Geometric }, |reached| reached.adopted);
+    let adopted =
+        reached.map_or(if last == 0 { Adopted::Nominal } else { Adopted::Geometric }, |reached| reached.adopted);
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
     let (weights, (parameters, differs)) = match reached {
         Some(reached) => (&reached.fit.weights, identified(reached.fit)),
@@ -282,6 +284,7 @@ pub fn calibrate_and_tell(
         let findings = named.iter().flat_map(|found| &found.findings);
         findings.filter(|finding| finding.named == of).map(|finding| entry(finding, chain)).collect()
     };
+    let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
         robot: chain.name().into(),
@@ -297,6 +300,7 @@ pub fn calibrate_and_tell(
             test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &residuals[last].test)),
         },
         redundancy,
+        repeats,
         identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,

@@ -6,6 +6,7 @@ pub mod identifiability;
 pub mod initial_guess;
 pub mod intervals;
 mod jacobian_block;
+pub mod lack_of_fit;
 pub mod normal_equations;
 pub mod proportion;
 pub mod quantization;

@@ -54,7 +54,14 @@ pub struct TraceOptions {
 impl TraceOptions {
     /// All kinds, eight effects at most, one false claim in two hundred clean files.
     pub fn new(identify: IdentifyOptions) -> Self {
-        Self { identify, kinds: Vec::new(), max_effects: 8, gear_ratios: Vec::new(), false_claims: 0.005, curves: CurveOptions::default() }
+        Self {
+            identify,
+            kinds: Vec::new(),
+            max_effects: 8,
+            gear_ratios: Vec::new(),
+            false_claims: 0.005,
+            curves: CurveOptions::default(),
+        }
     }
 }
 

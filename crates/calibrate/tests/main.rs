@@ -17,6 +17,7 @@ mod plan_and_compensate;
 mod real;
 mod recovery;
 mod redundancy;
+mod repeats;
 mod runs;
 mod statistics;
 mod tracing;

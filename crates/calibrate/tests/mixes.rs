@@ -4,6 +4,8 @@
 
 use crate::measured::measured;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
+use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::identifiability::identifiability;
 use denavit_calibrate::identify::residual::Scratch;
 use denavit_calibrate::identify::residual_statistics::lengths_found;
@@ -11,7 +13,8 @@ use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION, SOCKET};
 use denavit_calibrate::observation::measurements::{Measurements, Units, read, read_socket, write};
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
 use denavit_model::nalgebra::{Matrix3, Vector3};
-use denavit_model::{Chain, examples};
+use denavit_model::tree::Reading;
+use denavit_model::{Chain, examples, urdf};
 
 /// The same robot measured in another kind; `rows` of it.
 fn measured_as(arm: &Arm, kind: denavit_calibrate::ObservationKind, rows: usize, noise: f64) -> Measurements {
@@ -228,4 +231,49 @@ fn sockets_and_a_known_distance_tell_the_whole_robot() {
     let found = identifiability(&data, &arm, &NoEffects, &Freedom::axes(6));
     // Six joints of four, three for the ball, nine for the sockets, less the frame that nobody sees.
     assert_eq!((found.rank, found.expected), (30, 30), "{}", found.formula);
+}
+
+/// Position rms of the held-out rows of one setup, m.
+fn held_out_rms(result: &Calibration, setup: &str) -> f64 {
+    let test = result.test.as_ref().unwrap();
+    let own: Vec<f64> = result.residuals[1]
+        .test
+        .iter()
+        .filter(|residual| test.scene.setups[test.scene.series[residual.series].setup] == setup)
+        .map(|residual| residual.place.norm_squared())
+        .collect();
+    assert!(own.len() > 100, "{} rows of {setup}", own.len());
+    (own.iter().sum::<f64>() / own.len() as f64).sqrt()
+}
+
+/// One robot, measured in July and in October with the tracker and its target mounted anew: one fit of both is as good for
+/// each as a fit of its own.
+#[test]
+fn two_campaigns_of_one_arm_share_the_arm_alone() {
+    let drawn = include_str!("../../../robots/universal_robots/ur10.urdf");
+    let chain = urdf::read("ur10.urdf", drawn).unwrap().chain(None, None, Reading::default()).unwrap().value;
+    let thinned = |file: &str, setup: &str, every: usize| -> Option<[Measurements; 2]> {
+        let path = measured(&format!("ipa_ur10/{file}.csv"))?;
+        let data = read(file, std::fs::File::open(path).unwrap(), &chain, Units::default()).unwrap().data;
+        let rows = |from: usize| (from..data.len()).step_by(every).collect::<Vec<_>>();
+        Some([rows(0), rows(every / 2)].map(|rows| data.subset(&rows).of_setup(setup)))
+    };
+    let (Some([july, july_test]), Some([october, october_test])) =
+        (thinned("grid", "july", 20), thinned("joint_configurations", "october", 3))
+    else {
+        return;
+    };
+    let options = CalibrateOptions::geometry(&chain);
+    let statics = Statics::of_chain(&chain);
+    let fit = |train: Measurements, test: Measurements| {
+        calibrate(&chain, &statics, train, Some(test), &options).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let both = Measurements::joined(vec![july.clone(), october.clone()]).unwrap();
+    assert_eq!(both.scene.setups, ["july", "october"]);
+    let both = fit(both, Measurements::joined(vec![july_test.clone(), october_test.clone()]).unwrap());
+    for (setup, own) in [("july", fit(july, july_test)), ("october", fit(october, october_test))] {
+        let (alone, together) = (held_out_rms(&own, setup), held_out_rms(&both, setup));
+        println!("{setup}: {:.3} mm alone, {:.3} mm in one fit with the other", alone * 1e3, together * 1e3);
+        assert!(together < 1.1 * alone, "{setup}: {together} against {alone}");
+    }
 }

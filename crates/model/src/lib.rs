@@ -20,6 +20,8 @@ pub mod screw;
 pub mod se3;
 pub mod tree;
 pub mod urdf;
+#[cfg(feature = "urdf-rs")]
+pub mod urdf_rs_robot;
 mod well_formed;
 pub mod write;
 

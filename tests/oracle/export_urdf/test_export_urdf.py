@@ -23,9 +23,9 @@ def export_urdf():
     given = os.environ.get("DENAVIT_EXPORT_URDF")
     if given:
         return given
-    build = ["cargo", "build", "--quiet", "--release", "-p", "denavit-export", "--example", "export_urdf"]
+    build = ["cargo", "build", "--quiet", "--workspace", "--example", "export_urdf"]
     subprocess.run(build, cwd=corpus.WORKSPACE, check=True)
-    return str(built.target() / "release/examples/export_urdf")
+    return str(built.target() / "debug/examples/export_urdf")
 
 
 def export(program, flags, folder):

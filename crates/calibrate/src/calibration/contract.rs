@@ -2,6 +2,7 @@
 
 use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
+use crate::identify::lack_of_fit::LackOfFit;
 use crate::identify::redundancy::Redundancy;
 use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::observation::measurements::ColumnUse;
@@ -31,6 +32,9 @@ pub struct CalibrationReport {
     pub samples: Samples,
     /// Numbers measured beside numbers found.
     pub redundancy: Redundancy,
+    /// What postures that were measured more than once say of the noise and of the model; left out where there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub repeats: Vec<LackOfFit>,
     /// Counts of parameters.
     pub identifiability: Counts,
     /// What cannot be told.

@@ -4,21 +4,19 @@ use crate::observation::measurements::Measurements;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Readings nearer than this are one posture, rad or m.
-const SAME_POSTURE: f64 = 1e-6;
 /// Effects are looked for when there are at least this many degrees of freedom per parameter: below that the search over
 /// hundreds of candidates names some in clean data (`tests/redundancy.rs`).
 const DEGREES_PER_PARAMETER: f64 = 2.0;
 
-/// Measured numbers beside the parameters that they tell.
+/// Measured numbers beside the parameters that they identify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Redundancy {
     /// Different postures of the robot among the fitted rows.
     pub postures: usize,
-    /// Numbers measured at them: six per pose, three per position, one per distance. A posture measured again tells the
+    /// Numbers measured at them: six per pose, three per position, one per distance. A posture measured again shows the
     /// noise, but nothing more of the robot.
     pub values: usize,
-    /// Numbers that they tell: the rank.
+    /// Parameters that they identify: the rank.
     pub parameters: usize,
     /// Values less parameters.
     pub degrees_of_freedom: usize,
@@ -27,7 +25,7 @@ pub struct Redundancy {
 }
 
 impl Redundancy {
-    /// Counts the rows of `data`, of which `rank` parameters are told.
+    /// Counts the rows of `data`, which identify `rank` parameters.
     pub fn of(data: &Measurements, rank: usize) -> Self {
         let (postures, values) = different(data);
         let degrees = values.saturating_sub(rank);
@@ -43,21 +41,11 @@ impl Redundancy {
 
 /// Different postures, and the numbers measured at them, each posture counted once.
 pub fn different(data: &Measurements) -> (usize, usize) {
-    // Adding 0 makes one zero of two.
-    let key =
-        |row: usize| data.reading(row).iter().map(|value| (value / SAME_POSTURE).round() + 0.0).collect::<Vec<f64>>();
-    let mut rows: Vec<(Vec<f64>, usize)> = (0..data.len()).map(|row| (key(row), row)).collect();
-    let order = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
-    rows.sort_by(|a, b| order(&a.0, &b.0).unwrap_or(std::cmp::Ordering::Equal).then(a.1.cmp(&b.1)));
-    let (mut postures, mut values) = (0, 0);
-    for alike in rows.chunk_by(|a, b| a.0 == b.0) {
-        postures += 1;
-        let seen: BTreeSet<usize> = alike
-            .iter()
-            .flat_map(|(_, row)| data.of_row(*row))
-            .map(|observation| data.observed.series(observation))
-            .collect();
-        values += seen.into_iter().map(|series| data.scene.series[series].kind.height()).sum::<usize>();
-    }
-    (postures, values)
+    let postures = data.postures();
+    let seen = |rows: &Vec<usize>| -> usize {
+        let series = rows.iter().flat_map(|row| data.of_row(*row)).map(|observation| data.observed.series(observation));
+        let series: BTreeSet<usize> = series.collect();
+        series.into_iter().map(|series| data.scene.series[series].kind.height()).sum()
+    };
+    (postures.len(), postures.iter().map(seen).sum())
 }

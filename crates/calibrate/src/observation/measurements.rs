@@ -74,6 +74,8 @@ pub struct Measurements {
 pub(crate) const QUATERNION_TOLERANCE: f64 = 1e-3;
 /// Joint readings closer than this are one reading, rad or m.
 const SAME_READING: f64 = 1e-9;
+/// Readings nearer than this are one posture, rad or m: far below what a controller repeats.
+const SAME_POSTURE: f64 = 1e-6;
 
 impl Measurements {
     /// No rows yet.
@@ -158,6 +160,16 @@ impl Measurements {
     /// The numeric column of this name.
     pub fn covariate(&self, name: &str) -> Option<&Covariate> {
         self.covariates.iter().find(|covariate| covariate.name == name)
+    }
+
+    /// Indices of the rows by posture: rows whose readings agree to a microradian and a micrometre stand together, in order.
+    pub fn postures(&self) -> Vec<Vec<usize>> {
+        // Adding 0 makes one zero of two.
+        let key = |row: usize| self.reading(row).iter().map(|value| (value / SAME_POSTURE).round() + 0.0).collect();
+        let mut rows: Vec<(Vec<f64>, usize)> = (0..self.len()).map(|row| (key(row), row)).collect();
+        let order = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
+        rows.sort_by(|a, b| order(&a.0, &b.0).unwrap_or(std::cmp::Ordering::Equal).then(a.1.cmp(&b.1)));
+        rows.chunk_by(|a, b| a.0 == b.0).map(|alike| alike.iter().map(|(_, row)| *row).collect()).collect()
     }
 
     /// Number of observations.

@@ -250,6 +250,7 @@ pub fn calibration(result: &Calibration) -> String {
             let _ = writeln!(text, "attainable on rows held out: {attainable:.4} mm rms{of}");
         }
     }
+    text.push_str(&trust::repeats(&report.repeats));
     if let Some(rounding) = &result.rounding {
         let _ = writeln!(text, "{rounding}");
     }

@@ -3,6 +3,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::CalibrationReport;
+use crate::identify::lack_of_fit::LackOfFit;
 use std::fmt::Write;
 
 /// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
@@ -108,6 +109,37 @@ pub(super) fn not_adopted(report: &CalibrationReport) -> String {
         } else if !stage.converged {
             let _ = writeln!(text, "\"{}\" did not settle: its errors are of no use", stage.name);
         }
+    }
+    text
+}
+
+/// A model that misses nothing comes out like this once in so many files.
+const LACK_OF_FIT: f64 = 0.001;
+
+/// What postures that were measured again say.
+pub(super) fn repeats(repeats: &[LackOfFit]) -> String {
+    let mut text = String::new();
+    for repeat in repeats {
+        let (factor, unit) = if repeat.unit == "rad" { (1e3, "mrad") } else { (1e3, "mm") };
+        let _ = writeln!(
+            text,
+            "{} postures measured again ({} {}s): repeats differ by {:.4} {unit} per component, the pure error",
+            repeat.postures,
+            repeat.observations,
+            repeat.of,
+            repeat.pure_error * factor
+        );
+        let ratio = repeat.f.map_or_else(|| "repeats are equal".into(), |f| format!("F = {f:.1}"));
+        let verdict = if repeat.p_value < LACK_OF_FIT {
+            format!("the model misses {:.4} {unit} beside it", repeat.missed * factor)
+        } else {
+            "the model misses nothing that they show".into()
+        };
+        let _ = writeln!(
+            text,
+            "  {verdict} ({ratio} with {} and {} degrees of freedom, p {:.1e})",
+            repeat.missed_degrees, repeat.pure_degrees, repeat.p_value
+        );
     }
     text
 }

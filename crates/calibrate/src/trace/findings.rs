@@ -36,35 +36,34 @@ impl Tracer<'_> {
 
 /// The numbers of an effect of a fit, the first of them at `first` in its layout.
 pub(crate) fn values(fit: &Fit<EffectModel>, index: usize, first: usize) -> Vec<Value> {
-        let effect = &fit.effects.effects[index];
-        let statics = &fit.effects.statics;
-        let mut values: Vec<Value> = effect
-            .coefficients
-            .iter()
-            .enumerate()
-            .map(|(k, value)| {
-                let (name, carrier, driver) = effect.term.coefficient_name(statics, k);
-                let variance = fit.covariance[(first + k, first + k)];
-                let unit = if driver == "1" { carrier.to_string() } else { format!("{carrier}/({driver})") };
-                Value { name, value: *value, std: Some(variance.max(0.0).sqrt()), unit }
-            })
-            .collect();
-        let chosen =
-            |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
-        match &effect.term.driver {
-            Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
-            Driver::Bump { joint, at, width, .. } => {
-                let unit = Driver::Reading(*joint).unit(&statics.chain);
-                values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
-            }
-            Driver::Decay { constant, covariate, .. } => {
-                values.push(chosen("time_constant", *constant, unit_of(covariate)));
-            }
-            Driver::Steps { at, covariate } => {
-                let unit = unit_of(covariate);
-                values.extend(at.iter().enumerate().map(|(k, at)| chosen(&format!("at_{}", k + 1), *at, unit)));
-            }
-            _ => {}
+    let effect = &fit.effects.effects[index];
+    let statics = &fit.effects.statics;
+    let mut values: Vec<Value> = effect
+        .coefficients
+        .iter()
+        .enumerate()
+        .map(|(k, value)| {
+            let (name, carrier, driver) = effect.term.coefficient_name(statics, k);
+            let variance = fit.covariance[(first + k, first + k)];
+            let unit = if driver == "1" { carrier.to_string() } else { format!("{carrier}/({driver})") };
+            Value { name, value: *value, std: Some(variance.max(0.0).sqrt()), unit }
+        })
+        .collect();
+    let chosen = |name: &str, value: f64, unit: &str| Value { name: name.into(), value, std: None, unit: unit.into() };
+    match &effect.term.driver {
+        Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
+        Driver::Bump { joint, at, width, .. } => {
+            let unit = Driver::Reading(*joint).unit(&statics.chain);
+            values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
         }
-        values
+        Driver::Decay { constant, covariate, .. } => {
+            values.push(chosen("time_constant", *constant, unit_of(covariate)));
+        }
+        Driver::Steps { at, covariate } => {
+            let unit = unit_of(covariate);
+            values.extend(at.iter().enumerate().map(|(k, at)| chosen(&format!("at_{}", k + 1), *at, unit)));
+        }
+        _ => {}
     }
+    values
+}

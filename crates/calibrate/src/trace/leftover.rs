@@ -58,7 +58,14 @@ pub struct Leftover {
 
 impl Default for Leftover {
     fn default() -> Self {
-        Self { structured: false, p_value: 1.0, places: Vec::new(), columns: DMatrix::zeros(0, 0), blocks: Vec::new(), drop: 0.0 }
+        Self {
+            structured: false,
+            p_value: 1.0,
+            places: Vec::new(),
+            columns: DMatrix::zeros(0, 0),
+            blocks: Vec::new(),
+            drop: 0.0,
+        }
     }
 }
 

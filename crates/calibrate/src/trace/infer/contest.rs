@@ -314,7 +314,8 @@ impl Contest<'_> {
         let most = self.kernels.iter().map(Vec::len).max().unwrap_or(0);
         let mut settings = vec![self.bare()];
         for kernel in 1..=most {
-            let curves: Vec<usize> = self.kernels.iter().map(|own| if kernel <= own.len() { kernel } else { 0 }).collect();
+            let curves: Vec<usize> =
+                self.kernels.iter().map(|own| if kernel <= own.len() { kernel } else { 0 }).collect();
             for curve in 0..curves.len() {
                 let mut less = curves.clone();
                 less[curve] = 0;
@@ -396,7 +397,8 @@ impl Contest<'_> {
             }
         } else {
             list.push(Setting { unnamed: None, ..setting.clone() });
-            let sizes = (0..self.unnamed.len()).flat_map(|structure| (0..SIZES.len()).map(move |size| (structure, size)));
+            let sizes =
+                (0..self.unnamed.len()).flat_map(|structure| (0..SIZES.len()).map(move |size| (structure, size)));
             list.extend(sizes.map(|unnamed| Setting { unnamed: Some(unnamed), ..setting.clone() }));
         }
         list.retain(|other| other != setting);

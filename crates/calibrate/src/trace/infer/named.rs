@@ -1,18 +1,18 @@
 //! Which causes are named: those that nearly all the posterior mass holds, and that resampled runs find again.
 
-use crate::observation::arm::Arm;
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::curve::Curve;
 use crate::effects::driver::Driver;
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
+use crate::identify::solve::Fit;
+use crate::observation::arm::Arm;
+use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Products, Seen, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Kernel;
-use crate::observation::measurements::Measurements;
-use crate::identify::solve::Fit;
 use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
 use rand::{RngExt, SeedableRng};

@@ -8,22 +8,9 @@ use crate::identify::residual_statistics::Residual;
 use crate::observation::measurements::Measurements;
 use denavit_model::nalgebra::Vector3;
 
-/// Readings nearer than this are one posture, rad or m: far below what a controller repeats.
-const SAME: f64 = 1e-6;
-
 /// Rows by posture: each group in order, rows that stand alone left out.
 pub fn groups(data: &Measurements) -> Vec<Vec<usize>> {
-    let key = |row: usize| -> Vec<i64> {
-        // Readings are far below 2^63 of these steps.
-        #[allow(clippy::cast_possible_truncation)]
-        data.reading(row).iter().map(|value| (value / SAME).round() as i64).collect()
-    };
-    let mut rows: Vec<(Vec<i64>, usize)> = (0..data.len()).map(|row| (key(row), row)).collect();
-    rows.sort();
-    rows.chunk_by(|a, b| a.0 == b.0)
-        .filter(|group| group.len() > 1)
-        .map(|group| group.iter().map(|(_, row)| *row).collect())
-        .collect()
+    data.postures().into_iter().filter(|rows| rows.len() > 1).collect()
 }
 
 /// The weight of each observation: 1, or less where others share its misfit.
