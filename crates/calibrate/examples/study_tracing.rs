@@ -7,7 +7,6 @@
 #![allow(clippy::too_many_lines, reason = "a study runs from top to bottom")]
 
 use denavit_calibrate::effects::Statics;
-use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
 use denavit_calibrate::observation::measurements::{Measurements, Units, read};
 use denavit_calibrate::trace::{TraceOptions, trace};

@@ -310,14 +310,7 @@ pub fn calibrate_and_tell(
         effects: entries(true),
         one_of: entries(false),
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(reached.fit, reached.gains)),
-        unexplained: found.as_ref().map_or(
-            Unexplained { structured: false, p_value: 1.0, places: Vec::new() },
-            |found| Unexplained {
-                structured: found.leftover.structured,
-                p_value: found.leftover.p_value,
-                places: found.leftover.places.clone(),
-            },
-        ),
+        unexplained: unexplained(found.as_ref()),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
     Ok(Calibration {
@@ -357,6 +350,16 @@ fn rows_of(
         }
     }
     Ok((train, test))
+}
+
+/// What no effect explains, as the report says it.
+fn unexplained(found: Option<&Trace>) -> Unexplained {
+    let none = || Unexplained { structured: false, p_value: 1.0, places: Vec::new() };
+    found.map_or_else(none, |found| Unexplained {
+        structured: found.leftover.structured,
+        p_value: found.leftover.p_value,
+        places: found.leftover.places.clone(),
+    })
 }
 
 /// What no row tells, as the report says it.

@@ -6,6 +6,7 @@ mod bad_input;
 mod curves;
 mod diagnosis;
 mod factory;
+mod honesty;
 mod identifiability;
 mod jacobian;
 mod measured;

@@ -27,6 +27,9 @@ const MOST_JUDGED: usize = 80;
 /// probability model predicts best).
 const KEPT: f64 = 0.5;
 
+/// A bump holds so many rows.
+const ROWS_IN_BUMP: usize = 5;
+
 /// The whole of it.
 pub(crate) fn trace(
     statics: &Statics,
@@ -169,11 +172,10 @@ fn own_causes(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
 
 /// Whether a bump holds enough rows to be seen as one: what stands between two rows is nothing.
 fn wide_enough(candidate: &Candidate, data: &Measurements, statics: &Statics) -> bool {
-    const ROWS: usize = 5;
     let Driver::Bump { joint, at, width, .. } = candidate.term.driver else { return true };
     let moving = &statics.chain.joints()[joint];
     let readings = (0..data.len()).map(|row| moving.value(data.reading(row)));
-    readings.filter(|reading| (reading - at).abs() < width).count() >= ROWS
+    readings.filter(|reading| (reading - at).abs() < width).count() >= ROWS_IN_BUMP
 }
 
 /// A fit seen on some of its rows.

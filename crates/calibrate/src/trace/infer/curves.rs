@@ -172,7 +172,8 @@ impl State {
     /// The fit with the covariance and noise of the whole model.
     fn finish(mut self, data: &Measurements, reference: &Arm, found: Option<(f64, Hyperparameters)>) -> CurveFit {
         let none = |fit| CurveFit { fit, score: f64::NEG_INFINITY, gains: Vec::new() };
-        let Some((_, hyper)) = found else { return none(self.fit) };
+        // Without a curve the fit is as it was given.
+        let Some((_, hyper)) = found.filter(|_| !self.joints.is_empty()) else { return none(self.fit) };
         let round = Round::new(data, &self, reference);
         let model = round.model();
         let (Some(score), Some(posterior)) = (model.score(&hyper), model.posterior(&hyper)) else {
@@ -325,33 +326,18 @@ impl Round {
         let largest = state.joints.iter().map(most).collect();
         let means = state.waves.iter().zip(&state.readings).map(|(waves, readings)| mean_of(waves, readings)).collect();
         let firm = visible.iter().map(|visible| FIRM / visible).collect();
-        let stretch = data.len().div_ceil(STRETCHES * parts).max(1);
-        let part_of = |row: usize| (row / stretch) % parts;
-        let of_part = |part: usize| {
-            let own: Vec<usize> = (0..values).filter(|&value| part_of(linear.rows[value]) == part).collect();
-            fn pick<T: Copy>(list: &[T], own: &[usize]) -> Vec<T> {
-                own.iter().map(|&value| list[value]).collect()
-            }
-            let picked: Vec<Vec<f64>> = plain.iter().chain(&joints).map(|column| pick(column, &own)).collect();
-            let borrowed: Vec<&[f64]> = picked.iter().map(Vec::as_slice).collect();
-            let columns = Columns {
-                explained: &pick(&explained, &own),
-                plain: &borrowed[..plain.len()],
-                joints: &borrowed[plain.len()..],
-                rows: &pick(&linear.rows, &own),
-                channels: &pick(&linear.channels, &own),
-                weights: &pick(&linear.weights, &own),
-            };
-            Gram::of(&columns, &state.waves, &state.readings)
+        let columns = Columns {
+            explained: &explained,
+            plain: &borrowed(&plain),
+            joints: &borrowed(&joints),
+            rows: &linear.rows,
+            channels: &linear.channels,
+            weights: &linear.weights,
         };
-        let parts: Vec<Gram> = (0..parts).map(of_part).collect();
+        let parts = by_part(&columns, state, data.len(), parts);
         let gram = Gram::weighted(&parts, &vec![1.0; parts.len()]);
         let waves = state.waves.clone();
-        let level = |(channel, weight): (&usize, &f64)| {
-            let level = fit.noise.levels.get(*channel).copied().unwrap_or(1.0);
-            if level > 0.0 { weight * level.ln() } else { 0.0 }
-        };
-        let log_units = linear.channels.iter().zip(&linear.weights).map(level).sum();
+        let log_units = log_units(&linear, &fit.noise);
         Self {
             linear,
             log_units,
@@ -494,6 +480,48 @@ impl Round {
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
     }
+}
+
+fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
+/// Products by part of the run: stretches of rows are dealt to the parts in turn.
+fn by_part(columns: &Columns<'_>, state: &State, rows: usize, parts: usize) -> Vec<Gram> {
+    fn pick<T: Copy>(list: &[T], own: &[usize]) -> Vec<T> {
+        own.iter().map(|&value| list[value]).collect()
+    }
+    if parts == 1 {
+        return vec![Gram::of(columns, &state.waves, &state.readings)];
+    }
+    let stretch = rows.div_ceil(STRETCHES * parts).max(1);
+    let of_part = |part: usize| {
+        let in_part = |value: &usize| (columns.rows[*value] / stretch) % parts == part;
+        let own: Vec<usize> = (0..columns.rows.len()).filter(in_part).collect();
+        let all = columns.plain.iter().chain(columns.joints);
+        let picked: Vec<Vec<f64>> = all.map(|column| pick(column, &own)).collect();
+        let picked = borrowed(&picked);
+        let (plain, joints) = picked.split_at(columns.plain.len());
+        let columns = Columns {
+            explained: &pick(columns.explained, &own),
+            plain,
+            joints,
+            rows: &pick(columns.rows, &own),
+            channels: &pick(columns.channels, &own),
+            weights: &pick(columns.weights, &own),
+        };
+        Gram::of(&columns, &state.waves, &state.readings)
+    };
+    (0..parts).map(of_part).collect()
+}
+
+/// The levels of noise in units of which the values are, summed logarithms.
+fn log_units(linear: &Linear, noise: &Noise) -> f64 {
+    let level = |(channel, weight): (&usize, &f64)| {
+        let level = noise.levels.get(*channel).copied().unwrap_or(1.0);
+        if level > 0.0 { weight * level.ln() } else { 0.0 }
+    };
+    linear.channels.iter().zip(&linear.weights).map(level).sum()
 }
 
 /// Mean of each wave over the rows.

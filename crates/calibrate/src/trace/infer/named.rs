@@ -102,31 +102,13 @@ pub(crate) fn judge(
 ) -> Vec<Judged> {
     let candidates = question.candidates;
     let mut state = State::new(survey, data, fit);
-    let kernel = |joint: usize| -> Vec<Kernel> {
-        let own = question.curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
-        let mut kernels: Vec<Kernel> = Vec::new();
-        for curve in own {
-            let kernel = Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() };
-            if !kernels.contains(&kernel) {
-                kernels.push(kernel);
-            }
-        }
-        kernels
-    };
+    let kernel = |joint: usize| kernels_of(question.curves, joint);
     let has: Vec<bool> = state.joints.iter().map(|&joint| !kernel(joint).is_empty()).collect();
     state.keep(&has);
     let kernels: Vec<Vec<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
     let blocks: Vec<Block> = question.structures.iter().flatten().cloned().collect();
     let mut round = Round::beside(data, &state, reference, Some(candidates), &blocks, PARTS);
-    for (candidate, columns) in candidates.iter().zip(&round.candidates) {
-        let bounded = matches!(
-            candidate.term.kind,
-            Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash
-        );
-        for column in columns.clone().filter(|_| bounded) {
-            round.precision[(column, column)] = round.precision[(column, column)].max(LARGEST.powi(-2));
-        }
-    }
+    bound(&mut round, candidates);
     let members: Vec<Member> = candidates
         .iter()
         .zip(&round.candidates)
@@ -168,40 +150,20 @@ pub(crate) fn judge(
     let mut kept: Vec<usize> = which.iter().filter_map(|set| seen.get(set)).map(|(_, setting)| *setting).collect();
     kept.sort_unstable();
     kept.dedup();
-    let resampled = if set.is_empty() {
-        Vec::new()
-    } else {
-        let again = |gram: &Gram| -> Vec<usize> {
-            let products = Products::of(gram);
-            let grounds: Vec<Ground> =
-                kept.iter().filter_map(|&setting| contest.ground(&products, &settings[setting])).collect();
-            let mut seen = Seen::new();
-            for start in &which {
-                contest.climb(&grounds, &mut seen, start);
-            }
-            seen.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set)
-        };
-        resampled(&round.parts, &again)
+    let again = |gram: &Gram| -> Vec<usize> {
+        let products = Products::of(gram);
+        let grounds: Vec<Ground> =
+            kept.iter().filter_map(|&setting| contest.ground(&products, &settings[setting])).collect();
+        let mut seen = Seen::new();
+        for start in &which {
+            contest.climb(&grounds, &mut seen, start);
+        }
+        seen.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set)
     };
+    let resampled = if set.is_empty() { Vec::new() } else { resampled(&round.parts, &again) };
     set.iter()
         .map(|&member| {
             let mine = &names[member];
-            let (present, absent) = (mass(&|set| has(set, mine)), mass(&|set| !has(set, mine)));
-            let mut rivals: Vec<Alternative> = Vec::new();
-            for name in &names {
-                let known = rivals.iter().any(|rival| (rival.kind, &rival.place) == (name.0, &name.1));
-                if name == mine || known {
-                    continue;
-                }
-                // It acts where the other does not, and then more than beside it: what acts in any case is no rival.
-                let instead = mass(&|set| has(set, name) && !has(set, mine));
-                let beside = mass(&|set| has(set, name) && has(set, mine)) - present;
-                let (instead, rival) = (instead.exp(), instead - absent > beside + MORE);
-                if instead > RIVAL && rival {
-                    rivals.push(Alternative { kind: name.0, place: name.1.clone(), probability: instead });
-                }
-            }
-            rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
             let without = seen
                 .iter()
                 .filter(|(other, _)| !has(other, mine))
@@ -210,14 +172,54 @@ pub(crate) fn judge(
             let again = resampled.iter().filter(|found| has(found, mine)).count();
             Judged {
                 candidate: candidates[member].clone(),
-                probability: present.exp(),
-                log_absent: absent,
+                probability: mass(&|set| has(set, mine)).exp(),
+                log_absent: mass(&|set| !has(set, mine)),
                 found_again: again as f64 / resampled.len().max(1) as f64,
                 gain: seen[set].0 - without,
-                rivals,
+                rivals: rivals(&seen, &names, mine),
             }
         })
         .collect()
+}
+
+/// Kernels that the curve of a joint had beside the models at hand.
+fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
+    let own = curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
+    let mut kernels: Vec<Kernel> = Vec::new();
+    for curve in own {
+        let kernel = Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() };
+        if !kernels.contains(&kernel) {
+            kernels.push(kernel);
+        }
+    }
+    kernels
+}
+
+/// Holds periodic errors, bumps and play to the size that machines have.
+fn bound(round: &mut Round, candidates: &[Candidate]) {
+    let bounded = [Kind::TransmissionError, Kind::AxisWobble, Kind::LocalJointError, Kind::Backlash];
+    for (candidate, columns) in candidates.iter().zip(&round.candidates) {
+        for column in columns.clone().filter(|_| bounded.contains(&candidate.term.kind)) {
+            round.precision[(column, column)] = round.precision[(column, column)].max(LARGEST.powi(-2));
+        }
+    }
+}
+
+/// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
+fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<Alternative> {
+    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+    let (present, absent) = (mass(seen, &|set| has(set, mine)), mass(seen, &|set| !has(set, mine)));
+    let mut rivals: Vec<Alternative> = Vec::new();
+    for name in names.iter().filter(|name| *name != mine) {
+        let known = rivals.iter().any(|rival| (rival.kind, &rival.place) == (name.0, &name.1));
+        let instead = mass(seen, &|set| has(set, name) && !has(set, mine));
+        let beside = mass(seen, &|set| has(set, name) && has(set, mine)) - present;
+        if !known && instead.exp() > RIVAL && instead - absent > beside + MORE {
+            rivals.push(Alternative { kind: name.0, place: name.1.clone(), probability: instead.exp() });
+        }
+    }
+    rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    rivals
 }
 
 /// Logarithm of the share of the mass that sets hold of which `holds` is true.
