@@ -58,7 +58,7 @@ fn calibrated(effect: &str, columns: &str) -> (Folder, serde_json::Value) {
 #[test]
 fn the_loop_closes_from_simulation_to_commands() {
     let (folder, report) = calibrated("joint_compliance@elbow_joint=0.4mm", "time,payload");
-    assert_eq!(report["schema"], "denavit.calibration/1");
+    assert_eq!(report["schema"], "denavit.calibration/2");
     assert_eq!(report["effects"][0]["kind"], "joint_compliance");
     assert_eq!(report["effects"][0]["joint"], "elbow_joint");
     let truth = json_file(&folder.path("truth.json"));

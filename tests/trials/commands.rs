@@ -74,3 +74,18 @@ fn commands_keep_the_configuration_or_say_that_it_changes() {
         assert!(run.stdout.contains("line 3: out"), "{}", run.stdout);
     }
 }
+
+#[test]
+fn residuals_of_every_row_are_a_table_of_their_own() {
+    let trial = Trial::new().with_robot("arm.urdf", "universal_robots/ur5e.urdf");
+    trial.run("simulate arm.urdf --rows 60 -o data.csv").succeeded();
+    let run = trial.run("calibrate arm.urdf --data data.csv --effects none --hold-out 0.3 --residuals rows.csv --json");
+    let json: serde_json::Value = serde_json::from_str(&run.succeeded()).unwrap();
+    let text = trial.text("rows.csv");
+    assert!(text.starts_with("line,setup,target,held_out,rejected,dx_mm,dy_mm,dz_mm\n"), "{text}");
+    assert_eq!(text.lines().count() - 1, json["rows"].as_array().unwrap().len());
+    let held_out = json["rows"].as_array().unwrap().iter().filter(|row| row["held_out"] == true).count();
+    assert_eq!(held_out, 18);
+    let refused = trial.run("calibrate arm.urdf --data data.csv --effects none --residuals data.csv");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+}

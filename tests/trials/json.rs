@@ -40,7 +40,7 @@ const KINDS: &[Kind] = &[
         file: Some("truth.json"),
     },
     Kind {
-        schema: "denavit.calibration/1",
+        schema: "denavit.calibration/2",
         purpose: "the report of a calibration",
         before: &[SIMULATE],
         command: "calibrate arm.urdf --data data.csv --hold-out 0.3 --json",

@@ -4,6 +4,7 @@ pub mod adoption;
 pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
+pub mod rows;
 
 use self::diagnosis::Diagnosis;
 use crate::calibration::adoption::{Adopted, worse};
@@ -305,6 +306,8 @@ pub fn calibrate_and_tell(
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
         adopted,
+        placements: None,
+        rows: Vec::new(),
         parameters,
         differs_from_drawing: differs,
         effects: entries(true),
@@ -313,7 +316,7 @@ pub fn calibrate_and_tell(
         unexplained: unexplained(found.as_ref()),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
-    Ok(Calibration {
+    let mut result = Calibration {
         report,
         identification,
         beyond: reached.map(|reached| reached.fit.clone()),
@@ -324,7 +327,10 @@ pub fn calibrate_and_tell(
         train,
         test,
         residuals,
-    })
+    };
+    result.report.placements = Some(rows::placements(&result));
+    result.report.rows = rows::rows(&result);
+    Ok(result)
 }
 
 /// The rows to fit and those to judge by.

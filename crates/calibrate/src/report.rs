@@ -7,6 +7,7 @@ pub mod findings;
 pub mod html;
 pub mod identifiability;
 pub mod plots;
+pub mod rows;
 pub mod text;
 pub mod trace_plots;
 pub mod trust;

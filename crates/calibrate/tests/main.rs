@@ -19,6 +19,7 @@ mod real;
 mod recovery;
 mod redundancy;
 mod repeats;
+mod rows;
 mod runs;
 mod statistics;
 mod tracing;

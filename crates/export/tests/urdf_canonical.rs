@@ -238,10 +238,7 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
             troubles.push(format!("{file}: the export of the export differs"));
         }
     }
-    if robots == 0 {
-        println!("skipped, because ../shared/vendor is missing");
-        return;
-    }
+    assert!(robots > 0, "robots/ holds some at least");
     worst.sort_by(|a, b| b.0.total_cmp(&a.0));
     println!(
         "{reading:?} {link_frames:?} {frames:?}: {robots} robots ({unchanged} canonical already, {refused} refused by the \

@@ -6,6 +6,14 @@
 //! ```
 //! The command line and the Python package read robots through this crate. It opens the files that it is given and what a
 //! xacro file includes; it writes nothing and prints nothing.
+//!
+//! ```
+//! use denavit_load::{Loaded, Options, from_text};
+//! let table = "joint,kind,theta,d,alpha,a\nj1,revolute,0,0.4,-90,0.025\nj2,revolute,0,0,0,0.56\n";
+//! let opened = from_text("arm.csv", table, &Options::default())?;
+//! assert!(matches!(opened.robot, Loaded::Table { .. }));
+//! # Ok::<(), denavit_load::LoadError>(())
+//! ```
 
 mod canonical;
 mod checked;

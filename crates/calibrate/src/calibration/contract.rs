@@ -2,6 +2,7 @@
 
 use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
+use crate::calibration::rows::{Placements, RowEntry};
 use crate::identify::lack_of_fit::LackOfFit;
 use crate::identify::redundancy::Redundancy;
 use crate::identify::residual_statistics::{Errors, LengthFound};
@@ -10,8 +11,8 @@ use crate::trace::infer::lines::Line;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Version of the contract.
-pub const SCHEMA: &str = "denavit.calibration/1";
+/// Version of the contract. The second adds `placements`, `rows`, `repeats` and `curves` to the first, and changes nothing of it.
+pub const SCHEMA: &str = "denavit.calibration/2";
 
 /// The result of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,6 +44,9 @@ pub struct CalibrationReport {
     pub stages: Vec<Stage>,
     /// Which stage the calibrated robot is.
     pub adopted: Adopted,
+    /// Where instruments, targets and points were found at that stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub placements: Option<Placements>,
     /// How far each axis is from its drawing at that stage.
     pub parameters: Vec<Identified>,
     /// Axes that are many tolerances from where they are drawn.
@@ -57,6 +61,8 @@ pub struct CalibrationReport {
     pub curves: Vec<CurveEntry>,
     /// What no effect explains.
     pub unexplained: Unexplained,
+    /// What the adopted stage leaves of every observation, fitted rows first.
+    pub rows: Vec<RowEntry>,
 }
 
 /// Rows used.

@@ -3,7 +3,7 @@
 use crate::calibration::{Calibration, StageResiduals};
 use crate::effects::catalogue::{KINDS, Kind};
 use crate::report::plots::{self, Plot, PlotError};
-use crate::report::{text, trace_plots};
+use crate::report::{rows, text, trace_plots};
 use crate::trace::Trace;
 use denavit_model::nalgebra::Vector3;
 use minijinja::value::Serde;
@@ -57,6 +57,9 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),
                 parameters => text::final_parameters(result),
+                worst_rows => rows::worst(&result.report.rows),
+                placements => result.report.placements.as_ref().map(rows::placements),
+                tables => Value::from(Serde(rows::tables(result))),
             },
         )
         .map_err(|error| PageError::Template(Box::new(error)))

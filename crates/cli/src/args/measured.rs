@@ -102,6 +102,9 @@ pub struct CalibrateArguments {
     /// Write what a maker's controller or ROS package takes: ur, xarm, franka, robot-calibration; see docs/makers.md
     #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
     pub out_for: Vec<String>,
+    /// Write what the calibrated model leaves of every row, as CSV: fitted, rejected and held-out rows
+    #[arg(long, value_name = "FILE")]
+    pub residuals: Option<PathBuf>,
     /// Write the effects as JSON, for fk, compensate and simulate
     #[arg(long, value_name = "FILE")]
     pub effects_out: Option<PathBuf>,

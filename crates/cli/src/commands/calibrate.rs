@@ -8,6 +8,7 @@ use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::Loaded;
 use denavit_calibrate::IdentifyOptions;
+use denavit_calibrate::calibration::rows;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
 use denavit_calibrate::report::{html, text};
@@ -58,6 +59,7 @@ struct Places {
     urdf: Option<Slot>,
     dh: Option<Slot>,
     effects: Option<Slot>,
+    residuals: Option<Slot>,
     makers: Vec<(Slot, &'static Maker)>,
 }
 
@@ -79,6 +81,7 @@ impl Places {
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
             dh: outputs.add_if("--dh", arguments.dh.as_deref())?,
             effects: outputs.add_if("--effects-out", arguments.effects_out.as_deref())?,
+            residuals: outputs.add_if("--residuals", arguments.residuals.as_deref())?,
             outputs,
         })
     }
@@ -166,6 +169,9 @@ fn texts(
         let written = (maker.render)(&Calibrated { chain: &calibrated, drawn, effects: &found })?;
         written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
         texts.push((*slot, written.text));
+    }
+    if let Some(slot) = places.residuals {
+        texts.push((slot, rows::to_csv(&result.report.rows)));
     }
     if let Some(slot) = places.effects {
         texts.push((slot, result.effects(&robot.statics).to_json()));

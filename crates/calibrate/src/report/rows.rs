@@ -1,0 +1,82 @@
+//! Where instruments and targets were found, which rows fit worst, and the table before and after, as text.
+
+use crate::calibration::Calibration;
+use crate::calibration::rows::{Placed, Placements, RowEntry};
+use crate::report::text::table;
+use denavit_dh::convert::{self, HAYATI_BELOW};
+use denavit_dh::{Convention, NearParallel, Options, Parallelism};
+use denavit_export::formats::FORMATS;
+use denavit_export::{Sheet, Units};
+use denavit_model::Chain;
+
+/// So many rows are listed.
+const LISTED: usize = 15;
+
+/// Instruments, targets and points: places in mm, orientations as quaternions x, y, z, w.
+pub fn placements(found: &Placements) -> String {
+    let mut rows = vec![["", "name", "x, mm", "y, mm", "z, mm", "qx", "qy", "qz", "qw"].map(String::from).to_vec()];
+    let mut add = |what: &str, placed: &[Placed]| {
+        for one in placed {
+            let mut row = vec![what.to_owned(), one.name.clone()];
+            row.extend(one.xyz.iter().map(|value| format!("{:.4}", value * 1e3)));
+            row.extend(match one.quaternion {
+                Some(quaternion) => quaternion.map(|value| format!("{value:.6}")),
+                None => [const { String::new() }; 4],
+            });
+            rows.push(row);
+        }
+    };
+    add("instrument from base", &found.instruments);
+    add("target on the tip", &found.targets);
+    add("point in the base frame", &found.points);
+    table(&rows)
+}
+
+/// The rows that the adopted model fits worst, the largest first.
+pub fn worst(rows: &[RowEntry]) -> String {
+    let size = |row: &RowEntry| row.place.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let mut order: Vec<&RowEntry> = rows.iter().collect();
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let mut lines = vec![["line", "setup", "target", "", "residual, mm", "rotation, mrad"].map(String::from).to_vec()];
+    for row in order.into_iter().take(LISTED) {
+        let what = match (row.held_out, row.rejected) {
+            (true, _) => "held out",
+            (false, true) => "rejected",
+            (false, false) => "fitted",
+        };
+        let turn = row.turn.iter().map(|value| value * value).sum::<f64>().sqrt();
+        lines.push(vec![
+            row.line.to_string(),
+            row.setup.clone(),
+            row.target.clone(),
+            what.into(),
+            format!("{:.4}", size(row) * 1e3),
+            if row.turn.is_empty() { String::new() } else { format!("{:.4}", turn * 1e3) },
+        ]);
+    }
+    table(&lines)
+}
+
+/// The table of the robot as drawn and as calibrated; `None` where it has none in text.
+pub fn tables(result: &Calibration) -> Option<[String; 2]> {
+    let arm = result.arm();
+    Some([dh_table(&arm.nominal)?, dh_table(&arm.chain())?])
+}
+
+fn dh_table(chain: &Chain) -> Option<String> {
+    let options = Options {
+        parallelism: Parallelism::Exact,
+        near_parallel: NearParallel::HayatiBelow(HAYATI_BELOW),
+        ..Options::default()
+    };
+    let made = convert::table(chain, &options).ok()?;
+    let sheet = Sheet {
+        table: &made.value,
+        convention: Convention::Hayati,
+        units: Units::default(),
+        notes: &[],
+        source: chain.name(),
+        gauge: "simple",
+    };
+    (FORMATS.iter().find(|format| format.name == "text")?.render)(&sheet).ok()
+}
