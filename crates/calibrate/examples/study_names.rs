@@ -25,7 +25,7 @@ fn main() {
     let mut times: BTreeMap<String, u64> = BTreeMap::new();
     for seed in 0..draws {
         let file = std::fs::File::open(&arguments[2]).unwrap();
-        let data = read(&arguments[2], file, &chain, units.clone()).unwrap_or_else(|error| panic!("{error}")).data;
+        let data = read(&arguments[2], file, &chain, units).unwrap_or_else(|error| panic!("{error}")).data;
         let mut options = CalibrateOptions::geometry(&chain);
         options.trace = Some(TraceOptions::new(options.identify.clone()));
         options.hold_out = Some(HoldOut { share: 0.2, seed });

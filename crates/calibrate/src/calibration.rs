@@ -152,7 +152,7 @@ pub struct Calibration {
     /// Nominal and geometric fit.
     pub identification: Identification,
     /// The fit that was adopted, if it holds more than geometry.
-    pub beyond: Option<Fit<EffectModel>>,
+    pub beyond: Option<Box<Fit<EffectModel>>>,
     /// What the tracer found, if it was asked.
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
@@ -181,7 +181,7 @@ impl Calibration {
 
     /// The fit that was adopted, if it holds more than geometry: effects or error curves.
     pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
-        self.beyond.as_ref()
+        self.beyond.as_deref()
     }
 
     /// The effects and error curves at the stage that was adopted; none where none was looked for.
@@ -281,10 +281,7 @@ pub fn calibrate_and_tell(
         None if last == 0 => (&identification.nominal.weights, identified(&identification.nominal)),
         None => (&geometric.weights, identified(geometric)),
     };
-    let entries = |of: bool| -> Vec<EffectEntry> {
-        let findings = named.iter().flat_map(|found| &found.findings);
-        findings.filter(|finding| finding.named == of).map(|finding| entry(finding, chain)).collect()
-    };
+    let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
@@ -319,7 +316,7 @@ pub fn calibrate_and_tell(
     let mut result = Calibration {
         report,
         identification,
-        beyond: reached.map(|reached| reached.fit.clone()),
+        beyond: reached.map(|reached| Box::new(reached.fit.clone())),
         trace: found,
         curves,
         identifiability: identifiable,
@@ -591,6 +588,12 @@ fn without_stale_rows(data: Measurements) -> (Measurements, Vec<usize>) {
 fn rejected(data: &Measurements, weights: &[f64]) -> Vec<usize> {
     let out = |row: &usize| data.of_row(*row).any(|observation| weights[observation] == 0.0);
     (0..data.len()).filter(out).map(|row| data.lines[row]).collect()
+}
+
+/// The effects that are named, or those that are not.
+fn entries(found: Option<&Trace>, named: bool, chain: &Chain) -> Vec<EffectEntry> {
+    let findings = found.iter().flat_map(|found| &found.findings);
+    findings.filter(|finding| finding.named == named).map(|finding| entry(finding, chain)).collect()
 }
 
 fn entry(finding: &Finding, chain: &Chain) -> EffectEntry {

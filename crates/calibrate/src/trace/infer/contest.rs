@@ -412,7 +412,7 @@ pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
     let Some((best, _)) = order.first() else { return Vec::new() };
     let mut which: Vec<Vec<usize>> = vec![(*best).clone()];
-    for member in best.iter() {
+    for member in *best {
         if let Some((other, _)) = order.iter().find(|(other, _)| !other.contains(member))
             && !which.contains(other)
         {
