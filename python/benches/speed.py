@@ -18,16 +18,18 @@ import numpy as np
 
 import denavit as dn
 
-COUNT = 100_000
+COUNT = 10_000
 """Configurations of a batch; packages without batches are timed on `FEW` of them."""
-FEW = 2_000
-REPEATS = 7
+FEW = 200
+SECONDS = 2.0
+"""For so long each is run again and again."""
 
 
 def best(work: Callable[[], object]) -> float:
-    """Shortest of some runs, s."""
-    times = []
-    for _ in range(REPEATS):
+    """Shortest of many runs, s: on a busy machine most are interrupted, and the shortest is the one that was not."""
+    work()
+    times, until = [], time.perf_counter() + SECONDS
+    while time.perf_counter() < until or len(times) < 5:
         started = time.perf_counter()
         work()
         times.append(time.perf_counter() - started)
@@ -44,8 +46,18 @@ def own(path: str) -> Iterator[tuple[str, str, float]]:
     yield name, "fk, batch, all cores", best(lambda: chain.fk(q, out=poses, threads=0)) / COUNT
     yield name, "tips, batch into out", best(lambda: chain.tips(q, out=tips)) / COUNT
     yield name, "jacobian, batch into out", best(lambda: chain.jacobian(q, out=jacobians)) / COUNT
-    one, pose = q[0].copy(), np.empty((4, 4))
-    yield name, "fk, one call each", best(lambda: [chain.fk(one, out=pose) for _ in range(FEW)]) / FEW
+
+
+def call(path: str) -> Iterator[tuple[str, str, float]]:
+    """Time one call for one configuration, from Python and of the native method that it calls."""
+    chain = dn.load(path).chain()
+    one, pose = chain.sample(1)[0], np.empty((4, 4))
+    native, name = chain._native.fk, f"denavit {dn.__version__}"
+    yield name, "fk, one call each, into out", best(lambda: [chain.fk(one, out=pose) for _ in range(FEW)]) / FEW
+    yield name, "the same without the method in Python", best(lambda: [native(one, pose, 1) for _ in range(FEW)]) / FEW
+    few = chain.sample(32)
+    poses = np.empty((32, 4, 4))
+    yield name, "fk, 32 configurations a call, into out", best(lambda: [chain.fk(few, out=poses) for _ in range(FEW)]) / FEW
 
 
 def pinocchio(path: str) -> Iterator[tuple[str, str, float]]:
@@ -91,17 +103,57 @@ def pytorch_kinematics(path: str) -> Iterator[tuple[str, str, float]]:
     yield name, "jacobian, batch", best(lambda: serial.jacobian(q)) / COUNT
 
 
+def ikpy(path: str) -> Iterator[tuple[str, str, float]]:
+    """Chains of ikpy, one configuration after the other."""
+    ikpy_chain: Any = import_module("ikpy.chain")
+    mine = dn.load(path).chain()
+    theirs = ikpy_chain.Chain.from_urdf_file(path, base_elements=[mine.base])
+    rows = np.zeros((FEW, len(theirs.links)))
+    moving = [index for index, link in enumerate(theirs.links) if link.joint_type == "revolute"]
+    rows[:, moving] = mine.sample(FEW)[:, : len(moving)]
+    yield f"ikpy {version('ikpy')}", "fk, loop in Python", best(lambda: [theirs.forward_kinematics(row) for row in rows]) / FEW
+
+
+def jax(path: str) -> Iterator[tuple[str, str, float]]:
+    """Product of exponentials in jax, compiled, over a batch; axes are this package's, arithmetic is jax's; float64 on the CPU."""
+    library, numeric = import_module("jax"), import_module("jax.numpy")
+    library.config.update("jax_enable_x64", True)
+    chain = dn.load(path).chain()
+    home, screws = numeric.asarray(chain.home()), numeric.asarray(chain.screws())
+
+    def exponential(screw: Any, angle: Any) -> Any:
+        w, v = screw[:3], screw[3:]
+        zero = numeric.zeros(())
+        skew = numeric.stack([zero, -w[2], w[1], w[2], zero, -w[0], -w[1], w[0], zero]).reshape(3, 3)
+        s, c = numeric.sin(angle), numeric.cos(angle)
+        turn = numeric.eye(3) + s * skew + (1 - c) * skew @ skew
+        slide = (angle * numeric.eye(3) + (1 - c) * skew + (angle - s) * skew @ skew) @ v
+        return numeric.eye(4).at[:3, :3].set(turn).at[:3, 3].set(slide)
+
+    def pose(q: Any) -> Any:
+        found = numeric.eye(4)
+        for index in range(screws.shape[0]):
+            found = found @ exponential(screws[index], q[index])
+        return found @ home
+
+    batch = library.jit(library.vmap(pose))
+    q = numeric.asarray(chain.sample(COUNT))
+    assert np.allclose(batch(q), chain.fk(np.asarray(q)), atol=1e-12)
+    name = f"jax {version('jax')}, CPU"
+    yield name, "fk, batch (product of exponentials)", best(lambda: batch(q).block_until_ready()) / COUNT
+
+
 def main() -> None:
     """Print the table."""
     path = sys.argv[1]
     print(f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}, numpy {np.__version__}; {path}\n")
     print("| package | what | µs per configuration |\n|---|---|---:|")
-    for measure in (own, pinocchio, roboticstoolbox, pytorch_kinematics):
+    for measure in (own, call, pinocchio, roboticstoolbox, ikpy, jax, pytorch_kinematics):
         try:
             for name, what, seconds in measure(path):
                 print(f"| {name} | {what} | {1e6 * seconds:.3f} |", flush=True)
-        except ImportError as missing:
-            print(f"| {measure.__name__} | not installed ({missing.name}) | |")
+        except (ImportError, OSError, ValueError) as missing:
+            print(f"| {measure.__name__} | cannot be imported or run here: {str(missing).splitlines()[0][:80]} | |")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from __future__ import annotations
 from importlib.metadata import version as _version
 
 from denavit.chain import Chain, Coordinate
+from denavit.commands import Commands
 from denavit.compare import (
     Check,
     Diff,
@@ -21,38 +22,75 @@ from denavit.compare import (
 )
 from denavit.errors import (
     ArgumentError,
+    CalibrationError,
     ChainError,
+    DataError,
     DenavitError,
     ExportError,
     ReadError,
     RobotError,
 )
+from denavit.fit import Fit, calibrate
+from denavit.measurements import Measurements
+from denavit.records import Records
+from denavit.results import (
+    Coefficient,
+    Curve,
+    Effect,
+    Errors,
+    Leftover,
+    Parameter,
+    Place,
+    Prediction,
+    Residuals,
+    Rival,
+)
 from denavit.robot import ChainListing, Robot, load
+from denavit.run import Plan, Simulation
 from denavit.table import Match, Note, Row, Table
 
 __version__ = _version("denavit")
 
 __all__ = [
     "ArgumentError",
+    "CalibrationError",
     "Chain",
     "ChainError",
     "ChainListing",
     "Check",
+    "Coefficient",
+    "Commands",
     "Coordinate",
+    "Curve",
+    "DataError",
     "DenavitError",
     "Diff",
+    "Effect",
+    "Errors",
     "ExportError",
     "Finding",
     "Fingerprint",
+    "Fit",
     "JointDifference",
+    "Leftover",
     "Match",
+    "Measurements",
     "Note",
+    "Parameter",
+    "Place",
+    "Plan",
+    "Prediction",
     "ReadError",
+    "Records",
+    "Residuals",
+    "Rival",
     "Robot",
     "RobotError",
     "Row",
+    "Simulation",
     "Table",
     "TipDifference",
+    "calibrate",
     "check",
     "diff",
     "fingerprint",

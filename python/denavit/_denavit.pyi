@@ -1,9 +1,29 @@
-from typing import final
+from collections.abc import Callable
+from typing import TypedDict, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _Array = NDArray[np.float64]
+_Given = tuple[str, str, str]
+_Residuals = tuple[NDArray[np.uintp], _Array, _Array]
+Wanted = _Given | _Array
+
+class RowsGiven(TypedDict):
+    data: list[_Given]
+    sockets: list[tuple[str, _Given]]
+    distances: list[str]
+    test: _Given | None
+    hold_out_setups: list[str]
+
+class SearchGiven(TypedDict):
+    scales: list[str]
+    pitches: list[str]
+    effects: list[str]
+    max_effects: int
+    gear_ratios: list[str]
+    hold_out: float | None
+    seed: int
 
 @final
 class Robot:
@@ -79,6 +99,32 @@ class Findings:
     def fails(self) -> bool: ...
     def render(self, format: str) -> str: ...
 
+@final
+class Effects:
+    def __new__(cls, chain: Chain, text: str) -> Effects: ...
+    def curve(self, joint: str, q: _Array) -> tuple[_Array, _Array] | None: ...
+    def compensate(
+        self,
+        nominal: Chain,
+        calibrated: Chain,
+        wanted: Wanted,
+        given: list[tuple[str, float]],
+        allowed: tuple[float, float],
+    ) -> tuple[str, str, str, list[str]]: ...
+
+@final
+class Fit:
+    @property
+    def notes(self) -> list[str]: ...
+    def json(self) -> str: ...
+    def text(self) -> str: ...
+    def html(self) -> str: ...
+    def urdf(self) -> tuple[str, str, list[str]] | None: ...
+    def poe(self) -> str: ...
+    def effects(self) -> str: ...
+    def residuals(self) -> list[tuple[str, _Residuals, _Residuals]]: ...
+    def predict(self, later: _Given) -> tuple[str, _Residuals]: ...
+
 def read_text(name: str) -> tuple[str, str]: ...
 def compare(
     a: Robot,
@@ -104,3 +150,30 @@ def fingerprint_matches(
     only_motion: bool,
 ) -> bool: ...
 def check(file: str, text: str, allow: list[str], deny: list[str], config: str | None, package_path: list[str]) -> Findings: ...
+def calibrate(chain: Chain, rows: RowsGiven, search: SearchGiven, progress: Callable[[str], object] | None) -> Fit: ...
+def plan(
+    chain: Chain,
+    wanted: int,
+    measure: str,
+    candidates: _Array | None,
+    spread: int,
+    box: list[float],
+    target: list[float],
+    anchor: list[float] | None,
+    seed: int,
+) -> tuple[str, str, str, _Array]: ...
+def simulate(
+    chain: Chain,
+    rows: int,
+    test_rows: int | None,
+    measure: str,
+    targets: int,
+    seed: int,
+    geometry_error: tuple[float, float],
+    noise: tuple[float, float],
+    outliers: float,
+    effects: list[str],
+    saved: str | None,
+    columns: list[str],
+    q: _Array | None,
+) -> tuple[str, str | None, str]: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,10 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
+from denavit._frozen import Frozen
 from denavit.table import Table
 
 if TYPE_CHECKING:
+    from denavit.fit import Fit
     from denavit.robot import Robot
+    from denavit.run import Plan, Simulation
 
 Array = NDArray[np.float64]
 
@@ -41,7 +45,7 @@ class Coordinate:
     continuous: bool = False
 
 
-class Chain:
+class Chain(Frozen):
     """A chain of joints from a base link to a tip link; made by `Robot.chain`.
 
     Joint values are arrays whose last axis has one value for each of the n coordinates (rad, m): shape ``(n,)`` for one
@@ -59,33 +63,19 @@ class Chain:
     """
 
     __slots__ = ("_native", "_robot")
+    _made_by = "a chain is one of a robot: use robot.chain(base, tip)"
     _native: _denavit.Chain
     _robot: Robot
 
-    def __init__(self, *_: object) -> None:
-        raise TypeError("a chain is one of a robot: use robot.chain(base, tip)")
-
     @classmethod
     def _of(cls, robot: Robot, native: _denavit.Chain) -> Chain:
-        self = object.__new__(cls)
-        object.__setattr__(self, "_native", native)
-        object.__setattr__(self, "_robot", robot)
-        return self
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a Chain does not change; {name} cannot be set")
+        return cls._with(_native=native, _robot=robot)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self._robot, self.base, self.tip, self.exact)
+        return _again, self._key()
 
     def _key(self) -> tuple[Robot, str, str, bool]:
         return self._robot, self.base, self.tip, self.exact
-
-    def __eq__(self, other: object) -> bool:
-        return self._key() == other._key() if isinstance(other, Chain) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._key())
 
     def __len__(self) -> int:
         return len(self._native.coordinates())
@@ -231,6 +221,80 @@ class Chain:
             tolerance: Neighbouring axes closer to parallel than this are made parallel, rad; 0: none.
         """
         return Table._of(self, self._native.table(convention, gauge, tolerance), (convention, gauge, tolerance))
+
+    def plan(
+        self,
+        count: int,
+        *,
+        measure: Literal["positions", "poses", "distances"] = "positions",
+        candidates: ArrayLike | None = None,
+        spread: int = 1000,
+        box: Sequence[float] = (),
+        target: Sequence[float] = (0.1, 0.0, 0.1),
+        anchor: Sequence[float] | None = None,
+        seed: int = 0,
+    ) -> Plan:
+        """Choose the poses to measure that make the robot best observable; `denavit plan`.
+
+        Args:
+            count: Poses to choose.
+            measure: What will be measured.
+            candidates: Joint values to choose from, rad and m, shape ``(N, n)``; by default spread over the joint limits.
+            spread: How many to spread.
+            box: Box in which the target must stay, base frame, m: ``x0, x1, y0, y1, z0, z1``.
+            target: Where the target sits on the tip, m.
+            anchor: Where the anchor of a distance instrument stands, base frame, m; by default the arm's size away.
+            seed: Of the spread candidates and of the random poses that the plan is compared with.
+
+        Raises:
+            ArgumentError: Fewer candidates than poses are left within the limits and the box, or an argument cannot be.
+        """
+        from denavit.run import plan
+
+        return plan(self, count, measure, candidates, spread, box, target, anchor, seed)
+
+    def simulate(
+        self,
+        rows: int = 100,
+        *,
+        q: ArrayLike | Plan | None = None,
+        test: int | None = None,
+        measure: Literal["positions", "poses", "distances"] = "positions",
+        targets: int = 1,
+        seed: int = 0,
+        geometry_error: tuple[float, float] = (1e-3, 1e-3),
+        noise: tuple[float, float] = (5e-5, 5e-5),
+        outliers: float = 0.0,
+        effect: Sequence[str] = (),
+        effects: Fit | None = None,
+        columns: Sequence[str] = (),
+    ) -> Simulation:
+        """Make measurements of a robot that differs from its drawing, for trials and teaching; `denavit simulate`.
+
+        Args:
+            rows: Rows to measure, at random joint values within the limits.
+            q: Joint values to measure at, rad and m, shape ``(N, n)``, or a plan, instead of random ones.
+            test: Rows of the same robot, measured later, to judge by.
+            measure: What is measured.
+            targets: Targets on the tip that a position measurement sees.
+            seed: Same seed, same data.
+            geometry_error: How far each axis is from its drawing, standard deviations: m and rad.
+            noise: Of each measured component, standard deviations: m, and rad for poses.
+            outliers: Share of rows with a gross error of 5 to 50 mm.
+            effect: Effects by name, place and strength, such as ``joint_compliance@elbow_joint=0.1mm``.
+            effects: A fit whose effects act, too.
+            columns: What is recorded beside the measurements: ``time``, ``temperature``, ``payload``, …
+
+        Examples:
+            >>> import denavit as dn
+            >>> chain = dn.load("robots/universal_robots/ur5e.urdf").chain()
+            >>> run = chain.simulate(50, seed=1, test=20)
+            >>> len(run.data), len(run.test)
+            (50, 20)
+        """
+        from denavit.run import simulate
+
+        return simulate(self, rows, q, test, measure, targets, seed, geometry_error, noise, outliers, effect, effects, columns)
 
     def to_yourdfpy(self) -> Any:
         """The robot as `yourdfpy` reads it; of URDF sources only."""

@@ -74,3 +74,11 @@ class ChainError(DenavitError):
 
 class ExportError(DenavitError):
     """A robot or table that a format cannot hold."""
+
+
+class DataError(DenavitError):
+    """Measurements or poses that cannot be read."""
+
+
+class CalibrationError(DenavitError):
+    """Measurements that give no calibration."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from denavit import _denavit
 from denavit._files import save
+from denavit._frozen import Frozen
 from denavit.bridges.sources import text_of
 from denavit.chain import Chain
 from denavit.errors import ArgumentError
@@ -40,7 +41,7 @@ class ChainListing:
     default: bool
 
 
-class Robot:
+class Robot(Frozen):
     """A robot as its source gives it; made by `load`.
 
     Robots are values: they do not change, can be pickled, and are equal where their sources read the same.
@@ -55,11 +56,9 @@ class Robot:
     """
 
     __slots__ = ("_native", "_origin")
+    _made_by = "a robot is read, not made: use denavit.load"
     _native: _denavit.Robot
     _origin: Origin
-
-    def __init__(self, *_: object) -> None:
-        raise TypeError("a robot is read, not made: use denavit.load")
 
     @classmethod
     def _of(cls, origin: Origin) -> Robot:
@@ -68,24 +67,14 @@ class Robot:
         if native.urdf is not None and native.file != file:
             # What a xacro file included is in the URDF: this is what is kept.
             origin = (native.file, native.urdf, {}, (), False, False)
-        self = object.__new__(cls)
-        object.__setattr__(self, "_native", native)
-        object.__setattr__(self, "_origin", origin)
-        return self
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a Robot does not change; {name} cannot be set")
+        return cls._with(_native=native, _origin=origin)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot._of, (self._origin,)
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Robot):
-            return NotImplemented
-        return self._origin[1:] == other._origin[1:]
-
-    def __hash__(self) -> int:
-        return hash((self._origin[1], self._origin[4:]))
+    def _key(self) -> tuple[object, ...]:
+        _, text, arguments, *others = self._origin
+        return text, tuple(sorted(arguments.items())), *others
 
     def __repr__(self) -> str:
         counts = self._native.counts

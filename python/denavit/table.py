@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from denavit import _denavit
 from denavit._files import save
+from denavit._frozen import Frozen
 from denavit.bridges.sources import text_of
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ class Match:
         return self.text.rstrip()
 
 
-class Table:
+class Table(Frozen):
     """A chain's Denavit-Hartenberg numbers; made by `Chain.table`.
 
     Examples:
@@ -118,36 +119,22 @@ class Table:
     """
 
     __slots__ = ("_chain", "_json", "_native", "_options")
+    _made_by = "a table is one of a chain: use chain.table(convention)"
     _native: _denavit.Table
     _chain: Chain
     _options: tuple[Any, Any, float]
     _json: dict[str, Any]
 
-    def __init__(self, *_: object) -> None:
-        raise TypeError("a table is one of a chain: use chain.table(convention)")
-
     @classmethod
     def _of(cls, chain: Chain, native: _denavit.Table, options: tuple[Any, Any, float]) -> Table:
-        self = object.__new__(cls)
-        for name, value in (("_native", native), ("_chain", chain), ("_options", options)):
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "_json", json.loads(native.render("json", "m,rad")))
-        return self
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a Table does not change; {name} cannot be set")
+        return cls._with(_native=native, _chain=chain, _options=options, _json=json.loads(native.render("json", "m,rad")))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (self._chain, *self._options)
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Table):
-            return NotImplemented
-        same = ("convention", "coordinates", "joints", "rows")
-        return all(self._json[name] == other._json[name] for name in same)
-
-    def __hash__(self) -> int:
-        return hash(self.rows)
+    def _key(self) -> str:
+        said = ("convention", "coordinates", "joints", "rows")
+        return json.dumps([self._json[name] for name in said], sort_keys=True)
 
     def __repr__(self) -> str:
         return self.format("text").rstrip()

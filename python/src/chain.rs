@@ -12,6 +12,7 @@ use denavit_model::chain::Quantity;
 use denavit_model::{CompiledChain, JacobianFrame, Note, Noted};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// Name, `angle` or `length`, lower and upper limit, velocity, effort, continuous.
@@ -46,14 +47,28 @@ impl Chain {
     }
 }
 
-/// The shape of a result: that of the configurations, then what belongs to each.
-fn shape(q: &Configurations<'_>, each: &[usize]) -> Vec<usize> {
-    q.leading().iter().chain(each).copied().collect()
-}
-
 /// The work, with the interpreter unlocked where there is much of it.
 fn worked(py: Python<'_>, count: usize, work: impl FnOnce() + Send) {
     if count < FEW { work() } else { py.detach(work) }
+}
+
+/// A result for each of the configurations: into `out` where it is given, else into a new array of their shape and `each`.
+///
+/// `fill` takes how many threads may share the work, the joint values one after the other, and the numbers to fill.
+fn filled<'py>(
+    q: &Configurations<'py>,
+    each: &[usize],
+    out: Option<&Bound<'py, PyAny>>,
+    threads: usize,
+    py: Python<'py>,
+    fill: impl FnOnce(NonZeroUsize, &[f64], &mut [f64]) + Send,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let shape: Vec<usize> = q.leading().iter().chain(each).copied().collect();
+    let (array, mut writable) = result(py, out, &shape)?;
+    let (values, count) = (q.values()?, q.count());
+    let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
+    worked(py, count, || fill(arrays::threads(threads, count), values, numbers));
+    Ok(array)
 }
 
 #[pymethods]
@@ -147,14 +162,9 @@ impl Chain {
         threads: usize,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let q = Configurations::of(q, self.compiled.coordinates())?;
-        let (array, mut writable) = result(py, out, &shape(&q, &[4, 4]))?;
-        let (values, count) = (q.values()?, q.count());
-        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
-        let (matrices, _) = numbers.as_chunks_mut::<16>();
-        worked(py, count, || {
-            self.compiled.matrices_into_by_threads(arrays::threads(threads, count), values, matrices);
-        });
-        Ok(array)
+        filled(&q, &[4, 4], out, threads, py, |threads, values, numbers| {
+            self.compiled.matrices_into_by_threads(threads, values, numbers.as_chunks_mut::<16>().0);
+        })
     }
 
     /// The tip's origin in the base frame.
@@ -167,14 +177,9 @@ impl Chain {
         threads: usize,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let q = Configurations::of(q, self.compiled.coordinates())?;
-        let (array, mut writable) = result(py, out, &shape(&q, &[3]))?;
-        let (values, count) = (q.values()?, q.count());
-        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
-        let (tips, _) = numbers.as_chunks_mut::<3>();
-        worked(py, count, || {
-            self.compiled.tips_into_by_threads(arrays::threads(threads, count), values, tips);
-        });
-        Ok(array)
+        filled(&q, &[3], out, threads, py, |threads, values, numbers| {
+            self.compiled.tips_into_by_threads(threads, values, numbers.as_chunks_mut::<3>().0);
+        })
     }
 
     /// Jacobians, angular rows first.
@@ -195,14 +200,9 @@ impl Chain {
         };
         let n = self.compiled.coordinates();
         let q = Configurations::of(q, n)?;
-        let (array, mut writable) = result(py, out, &shape(&q, &[6, n]))?;
-        let (values, count) = (q.values()?, q.count());
-        let numbers = writable.as_slice_mut().map_err(|error| argument(error.to_string()))?;
-        worked(py, count, || {
-            let threads = arrays::threads(threads, count);
+        filled(&q, &[6, n], out, threads, py, |threads, values, numbers| {
             self.compiled.jacobians_into_by_threads(threads, frame, values, numbers);
-        });
-        Ok(array)
+        })
     }
 
     /// Random joint values within the limits.

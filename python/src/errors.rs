@@ -1,6 +1,8 @@
 //! Errors of the library as the package's exceptions, with file, line, column and hint.
 
+use denavit_calibrate::observation::measurements::DataError;
 use denavit_load::LoadError;
+use denavit_load::measured::MeasuredError;
 use denavit_model::{Place, TreeError, UrdfError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -19,6 +21,10 @@ pub enum Class {
     Chain,
     /// A robot that a format cannot hold.
     Export,
+    /// Measurements that cannot be read.
+    Data,
+    /// Measurements that cannot be fitted.
+    Calibration,
 }
 
 impl Class {
@@ -29,6 +35,8 @@ impl Class {
             Self::Robot => "RobotError",
             Self::Chain => "ChainError",
             Self::Export => "ExportError",
+            Self::Data => "DataError",
+            Self::Calibration => "CalibrationError",
         }
     }
 }
@@ -112,6 +120,28 @@ pub fn load(failure: &LoadError) -> PyErr {
         LoadError::Export(_) => error(Class::Export, &message, Spot::default()),
         _ => error(Class::Robot, &message, Spot::default()),
     }
+}
+
+/// The exception of words and files that make no calibration.
+pub fn measured(failure: &MeasuredError) -> PyErr {
+    match failure {
+        MeasuredError::Data(failure) => data(failure),
+        MeasuredError::OutOfProportion(_) => error(Class::Robot, &failure.to_string(), Spot::default()),
+        other => argument(other.to_string()),
+    }
+}
+
+/// The exception of measurements or poses that cannot be read, with the first line that is wrong.
+pub fn data(failure: &DataError) -> PyErr {
+    let first = failure.problems.first();
+    let line = first.and_then(|first| usize::try_from(first.line).ok()).filter(|line| *line > 0);
+    let spot = Spot { file: first.map(|first| first.file.clone()), line, ..Spot::default() };
+    error(Class::Data, &failure.to_string(), spot)
+}
+
+/// The exception of measurements that give no calibration.
+pub fn calibration(message: &str, file: &str) -> PyErr {
+    error(Class::Calibration, message, Spot::file(file))
 }
 
 /// The exception of a chain that is not there.

@@ -7,7 +7,10 @@ mod arrays;
 mod chain;
 mod compare;
 mod errors;
+mod given;
+mod measured;
 mod robot;
+mod run;
 mod table;
 
 use pyo3::prelude::*;
@@ -20,7 +23,13 @@ mod _denavit {
     #[pymodule_export]
     use crate::compare::{Comparison, Findings, check, compare, fingerprint, fingerprint_matches};
     #[pymodule_export]
+    use crate::given::Effects;
+    #[pymodule_export]
+    use crate::measured::{Fit, calibrate};
+    #[pymodule_export]
     use crate::robot::{Robot, read_text};
+    #[pymodule_export]
+    use crate::run::{plan, simulate};
     #[pymodule_export]
     use crate::table::Table;
 }

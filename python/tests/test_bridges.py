@@ -65,3 +65,20 @@ def test_robot_descriptions_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     assert dn.load("my_arm_description").name == "ur5e"
     with pytest.raises(dn.ReadError):
         dn.load("no_such_arm_description")
+
+
+def test_a_robot_that_robot_descriptions_lists_is_a_source() -> None:
+    listed = real("robot_descriptions._descriptions").DESCRIPTIONS
+    assert "ur5e_description" in listed
+    # Reading one of these clones a repository, which no test does: what is read is the path that such a module names, above.
+
+
+def test_urchin_both_chains_agree(ur5e: dn.Robot, chain: dn.Chain) -> None:
+    urchin = real("urchin")
+    theirs = urchin.URDF.load(ur5e.file)
+    again = dn.load(theirs)
+    assert dn.diff(ur5e, again, only="kinematics").same
+    for q in chain.sample(5):
+        placed = theirs.link_fk(dict(zip(chain.joints, q, strict=True)), use_names=True)
+        expected = np.linalg.inv(placed["base"]) @ placed["tool0"]
+        np.testing.assert_allclose(again.chain("base", "tool0").fk(q), expected, atol=1e-9)

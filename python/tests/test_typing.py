@@ -1,7 +1,8 @@
-"""Types: mypy --strict over the package and over a user's script, and the stub of the native module against the module."""
+"""Types: mypy --strict over package and script, pyright's strict mode over the script, the stub against the native module."""
 
 from __future__ import annotations
 
+import json
 import os
 import runpy
 import subprocess
@@ -25,6 +26,19 @@ def test_the_package_and_a_script_pass_mypy_strict(tmp_path: Path) -> None:
     run("mypy", *options, os.fspath(HERE / "user_script.py"), folder=tmp_path)
 
 
+def test_a_script_passes_pyright_strict(tmp_path: Path) -> None:
+    pytest.importorskip("basedpyright", reason="skipped, because basedpyright is not installed")
+    import denavit
+
+    settings = {"include": [os.fspath(HERE / "user_script.py")], "typeCheckingMode": "strict"}
+    settings["extraPaths"] = [os.fspath(Path(denavit.__file__).parents[1])]
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings))
+    words = [sys.executable, "-m", "basedpyright", "-p", os.fspath(tmp_path), "--pythonpath", sys.executable]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "0 errors" in done.stdout
+
+
 def test_the_script_runs() -> None:
     names = runpy.run_path(os.fspath(HERE / "user_script.py"))
     assert names["same"]
@@ -33,5 +47,6 @@ def test_the_script_runs() -> None:
 def test_the_stub_is_that_of_the_native_module(tmp_path: Path) -> None:
     allowed = tmp_path / "allowed"
     # Aliases of the stub, and what the interpreter adds to a module.
-    allowed.write_text("denavit\\._denavit\\._Array\ndenavit\\._denavit\\.__all__\n")
+    names = ("_Array", "_Given", "_Residuals", "Wanted", "RowsGiven", "SearchGiven", "__all__")
+    allowed.write_text("".join(f"denavit\\._denavit\\.{name}\n" for name in names))
     run("mypy.stubtest", "denavit._denavit", "--allowlist", os.fspath(allowed), "--ignore-unused-allowlist", folder=tmp_path)

@@ -13,3 +13,11 @@ reach: float = float(np.linalg.norm(tips, axis=1).max())
 table = chain.table("distal")
 offsets: list[float | None] = [row.d for row in table.rows]
 same: bool = dn.diff(robot, "robots/universal_robots/ur5e_dh.csv").same
+run = chain.simulate(60, seed=1, test=20)
+fit = dn.calibrate(chain, run.data, test=run.test, effects=None)
+rms: float = float(np.sqrt(np.mean(fit.residuals.distance**2)))
+names: list[str] = [effect.kind for effect in fit.effects]
+sure: list[float] = [parameter.sd for parameter in fit.parameters]
+added = fit.curves["elbow_joint"](Q[:, 2])
+commands = fit.compensate(chain.fk(Q[:2])).q
+poses = chain.plan(12, spread=100).q

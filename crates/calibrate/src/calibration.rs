@@ -4,6 +4,7 @@ pub mod adoption;
 pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
+pub mod prediction;
 pub mod rows;
 
 use self::diagnosis::Diagnosis;
@@ -34,6 +35,7 @@ use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
+use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// Name of the stage with error curves.
@@ -123,6 +125,9 @@ pub enum CalibrateError {
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
+    /// Whoever was told what it is at said to stop.
+    #[error("stopped before it was done")]
+    Stopped,
 }
 
 fn in_postures(rows: usize, postures: usize) -> String {
@@ -215,29 +220,25 @@ pub fn calibrate(
     test: Option<Measurements>,
     options: &CalibrateOptions,
 ) -> Result<Calibration, CalibrateError> {
-    calibrate_and_tell(chain, statics, data, test, options, &mut |_| {})
+    calibrate_and_tell(chain, statics, data, test, options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// As [`calibrate`], and tells what it starts with.
+/// As [`calibrate`], and tells what it starts with, which is when it can be stopped.
 ///
 /// # Errors
-/// As [`calibrate`].
+/// As [`calibrate`]; [`CalibrateError::Stopped`].
 pub fn calibrate_and_tell(
     chain: &Chain,
     statics: &Statics,
     data: Measurements,
     test: Option<Measurements>,
     options: &CalibrateOptions,
-    progress: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Calibration, CalibrateError> {
-    let (data, mut stale) = without_stale_rows(data);
-    let test = test.map(|test| {
-        let (test, more) = without_stale_rows(test);
-        stale.extend(more);
-        test
-    });
+    let mut begin = |stage| if progress(stage).is_break() { Err(CalibrateError::Stopped) } else { Ok(()) };
+    let (data, test, stale) = fresh(data, test);
     let (train, test) = rows_of(data, test, options)?;
-    progress(Progress::Geometry);
+    begin(Progress::Geometry)?;
     within_proportion(chain)?;
     let identification = identify(chain, &train, &options.identify);
     diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
@@ -247,22 +248,25 @@ pub fn calibrate_and_tell(
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);
-    let found = options.trace.as_ref().filter(|_| redundancy.enough_for_effects).map(|options| {
-        progress(Progress::Effects);
-        trace(statics, &train, geometric, options)
-    });
+    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects);
+    if wanted.is_some() {
+        begin(Progress::Effects)?;
+    }
+    let found = wanted.map(|options| trace(statics, &train, geometric, options));
     if let (Some(test), Some(found)) = (&test, &found) {
         let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
         recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
     }
     let wanted = options.curves.as_ref().filter(|_| found.is_none() && redundancy.enough_for_effects);
+    if wanted.is_some() {
+        begin(Progress::Curves)?;
+    }
     let curves = wanted.map(|options| {
-        progress(Progress::Curves);
         let survey = Survey::of(statics, &train, Vec::new());
         fit_curves(&survey, &train, &geometric.with_model(statics), &geometric.arm, options)
     });
     let curves = curves.or_else(|| found.as_ref().map(|found| found.curves.clone()));
-    progress(Progress::Judgement);
+    begin(Progress::Judgement)?;
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
     stages.add("geometric".into(), geometric)?;
@@ -416,7 +420,11 @@ fn has_a_meaning(data: &Measurements, name: &str) -> bool {
 }
 
 /// Every wanted column of the fitted rows that varies is there in the rows that judge.
-fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str) -> bool) -> Result<(), TestError> {
+pub(crate) fn recorded_too(
+    train: &Measurements,
+    test: &Measurements,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<(), TestError> {
     let varies = |values: &[f64]| values.iter().any(|value| *value != values[0]);
     let missing = train
         .covariates
@@ -560,6 +568,17 @@ fn stage_name(found: &Trace) -> String {
         format!(" + {}({}){doubt}", finding.term.kind.name(), finding.place)
     };
     format!("geometric{}", found.findings.iter().map(of).collect::<String>())
+}
+
+/// Both files without rows whose reading came late, and the lines of those.
+fn fresh(data: Measurements, test: Option<Measurements>) -> (Measurements, Option<Measurements>, Vec<usize>) {
+    let (data, mut stale) = without_stale_rows(data);
+    let test = test.map(|test| {
+        let (test, more) = without_stale_rows(test);
+        stale.extend(more);
+        test
+    });
+    (data, test, stale)
 }
 
 /// The rows without those that repeat the measured values of the row before, digit for digit, although a joint moved: the

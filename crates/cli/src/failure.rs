@@ -31,15 +31,15 @@ pub enum Failure {
     /// A configuration file that is none.
     #[error(transparent)]
     Check(#[from] denavit_load::CheckError),
+    /// Words or files that make no calibration.
+    #[error(transparent)]
+    Measured(#[from] denavit_load::measured::MeasuredError),
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] denavit_calibrate::observation::measurements::DataError),
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
-    /// A robot larger than anything that is measured.
-    #[error(transparent)]
-    OutOfProportion(#[from] denavit_calibrate::identify::proportion::OutOfProportion),
     /// Effects that cannot be read.
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),

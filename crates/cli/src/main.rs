@@ -4,7 +4,6 @@ mod args;
 mod commands;
 mod delivery;
 mod failure;
-mod gather;
 mod measured;
 mod output;
 mod progress;

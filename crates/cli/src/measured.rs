@@ -4,12 +4,12 @@ use crate::args::{GivenArguments, MeasureName, RobotArguments};
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
+use denavit_calibrate::ObservationKind;
+use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::effects::{EffectModel, recorded};
-use denavit_calibrate::identify::proportion::within_proportion;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, poses, poses::Poses};
-use denavit_calibrate::{Freedom, ObservationKind};
+use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
+use denavit_load::measured::{DataFile, moving};
 use denavit_model::Chain;
 
 /// A robot, its chain and what gravity acts on; notes are said.
@@ -25,14 +25,7 @@ pub fn robot(arguments: &RobotArguments) -> Result<Robot, Failure> {
     let noted = loaded.chain(&arguments.selection())?;
     output::remark(&noted.notes);
     let chain = noted.value;
-    if chain.joints().is_empty() {
-        let (base, tip) = (chain.base(), chain.tip());
-        return Err(Failure::Argument(format!(
-            "{}: nothing moves between \"{base}\" and \"{tip}\"; choose --base and --tip",
-            arguments.robot
-        )));
-    }
-    within_proportion(&chain)?;
+    moving(&arguments.robot, &chain)?;
     let statics = loaded.statics(&chain, arguments.selection().reading);
     Ok(Robot { loaded, chain, statics })
 }
@@ -50,45 +43,15 @@ pub fn units(written: &str) -> Result<Units, Failure> {
     written.parse().map_err(|error| Failure::Argument(format!("--units: {error}")))
 }
 
-/// Reads a file by a reader that takes its name, its text and the units.
-pub fn read<T>(
-    file: &str,
-    written: &str,
-    reader: impl FnOnce(&str, &str, Units) -> Result<T, measurements::DataError>,
-) -> Result<T, Failure> {
-    let units = units(written)?;
+/// A file of measurements.
+pub fn data_file(file: &str, units: Units) -> Result<DataFile, Failure> {
     let (name, text) = source::read_text(file)?;
-    Ok(reader(&name, &text, units)?)
+    Ok(DataFile { name, text, units })
 }
 
-/// Reads measurements and what their columns were taken for; what must be known of them is said.
-pub fn measurements(file: &str, chain: &Chain, written: &str) -> Result<(Measurements, Vec<ColumnUse>), Failure> {
-    let units = units(written)?;
-    let (name, text) = source::read_text(file)?;
-    let loaded = measurements::read(&name, text.as_bytes(), chain, units)?;
-    for note in &loaded.notes {
-        output::mention(format!("{name}: {note}"));
-    }
-    Ok((loaded.data, loaded.columns))
-}
-
-/// The other chains of a tree whose joints all have a column in these data: what was measured may be one of them.
-pub fn other_chains(loaded: &Loaded, chain: &Chain, data: &Measurements) -> Vec<Chain> {
-    let Loaded::Robot(tree) = loaded else { return Vec::new() };
-    let names = |chain: &Chain| chain.coordinates().iter().map(|c| c.name.clone()).collect::<Vec<_>>();
-    let recorded = |name: &String| data.joints.contains(name) || data.covariate(name).is_some();
-    let listed = tree.leaf_chains().into_iter().filter(|listing| listing.coordinates.iter().all(recorded));
-    let chains = listed.filter_map(|listing| {
-        Some(tree.chain(Some(&listing.base), Some(&listing.tip), denavit_model::Reading::Intended).ok()?.value)
-    });
-    let mut others: Vec<Chain> = Vec::new();
-    for other in chains {
-        let known = names(&other) == names(chain) || others.iter().any(|known| names(known) == names(&other));
-        if !other.joints().is_empty() && !known {
-            others.push(other);
-        }
-    }
-    others
+/// Says what must be known.
+pub fn mention(notes: &[String]) {
+    notes.iter().for_each(output::mention);
 }
 
 /// Reads a list of poses.
@@ -122,57 +85,6 @@ pub fn given(arguments: &GivenArguments) -> Result<Vec<(String, f64)>, Failure> 
         parsed.ok_or_else(|| Failure::Argument(format!("--given: \"{word}\" is no NAME=VALUE, such as payload=2.5")))
     };
     arguments.given.iter().map(pair).collect()
-}
-
-/// Whether everything is known that the effects with a part in where the tip is follow; `known` says so of a name.
-pub fn all_known(file: &str, model: &EffectModel, known: &dyn Fn(&str) -> bool) -> Result<(), Failure> {
-    let chain = &model.statics.chain;
-    for effect in model.effects.iter().filter(|effect| recorded::moves_the_tip(&effect.term)) {
-        for name in recorded::needed(&effect.term, chain) {
-            if !known(&name) {
-                let name = recorded::plain(&name);
-                let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
-                return Err(Failure::Argument(format!(
-                    "{file}: {kind} at {place} follows \"{name}\"; give its value: --given \"{name}=VALUE\""
-                )));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Says which effects have no part in where the tip is.
-pub fn without_part_in_the_tip(file: &str, model: &EffectModel) {
-    let chain = &model.statics.chain;
-    for effect in model.effects.iter().filter(|effect| !recorded::moves_the_tip(&effect.term)) {
-        let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
-        output::mention(format!("{file}: {kind} at {place} changes what is measured, not where the tip is; left out"));
-    }
-}
-
-/// What is fitted: every axis, and scales and pitches of the joints that were named.
-pub fn freedom(chain: &Chain, scales: &[String], pitches: &[String]) -> Result<Freedom, Failure> {
-    let joints = chain.joints();
-    let mut freedom = Freedom::axes(joints.len());
-    for (option, words, flags) in
-        [("--scales", scales, &mut freedom.scales), ("--pitches", pitches, &mut freedom.pitches)]
-    {
-        for word in words {
-            if word == "all" {
-                flags.fill(true);
-                continue;
-            }
-            let joint = joints.iter().position(|joint| joint.name == *word).ok_or_else(|| {
-                let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
-                Failure::Argument(format!(
-                    "{option}: the chain has no joint \"{word}\"; write all, or of {}",
-                    names.join(", ")
-                ))
-            })?;
-            flags[joint] = true;
-        }
-    }
-    Ok(freedom)
 }
 
 /// Millimetres and milliradians as m and rad; one number alone leaves the other at its default.

@@ -18,6 +18,7 @@
 mod canonical;
 mod checked;
 mod error;
+pub mod measured;
 mod read;
 mod robot;
 mod table;

@@ -6,6 +6,7 @@ import csv
 import io
 import os
 from collections.abc import Iterable, Mapping
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -115,13 +116,14 @@ def _table(rows: list[dict[str, object]], convention: str | None) -> str:
         out.write(f"# convention: {convention}\n")
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([[_cell(row.get(name)) for name in columns] for row in rows])
+    writer.writerows([[cell(row.get(name)) for name in columns] for row in rows])
     return out.getvalue()
 
 
-def _cell(value: object) -> str:
+def cell(value: object) -> str:
+    """A value as a cell of CSV that reads back as it is; empty where it is none."""
     if value is None or value != value:  # noqa: PLR0124 - not a number: a cell that a data frame has no value for
         return ""
     if isinstance(value, str):
         return value
-    return repr(float(value)) if not isinstance(value, int) else str(value)  # type: ignore[arg-type]
+    return str(int(value)) if isinstance(value, Integral) else repr(float(value))  # type: ignore[arg-type]

@@ -1,5 +1,9 @@
 //! Joint commands that reach given poses with the robot as it is: Newton on the full model.
 
+mod in_order;
+
+pub use in_order::in_order;
+
 use denavit_model::chain::Quantity;
 use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector6};
 use denavit_model::{Chain, Pose, Screw, se3};
@@ -34,6 +38,27 @@ pub struct Command {
     /// Whether the arm keeps the configuration (elbow up or down, wrist flipped or not) of the joint values that the search
     /// started near: it comes from there without passing a singularity.
     pub keeps_configuration: bool,
+}
+
+/// How far a command may miss and still count as one that reaches its pose: m and rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    /// m.
+    pub position: f64,
+    /// rad.
+    pub orientation: f64,
+}
+
+impl Allowed {
+    /// Whether the command reaches its pose and keeps the limits.
+    pub fn met_by(&self, command: &Command) -> bool {
+        self.reached_by(command) && command.outside.is_empty()
+    }
+
+    /// Whether the command reaches its pose.
+    pub fn reached_by(&self, command: &Command) -> bool {
+        command.position_error <= self.position && command.orientation_error <= self.orientation
+    }
 }
 
 /// Orientation weighs as this lever (share of the robot's size) where a pose is out of reach.

@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod effect_specification;
+pub mod files;
 pub mod truth;
 
 use crate::effects::survey::{with_run_order, with_run_order_after};

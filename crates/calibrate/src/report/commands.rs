@@ -1,6 +1,6 @@
 //! Compensated joint commands as text, CSV and JSON.
 
-use crate::apply::compensate::Command;
+use crate::apply::compensate::{Allowed, Command};
 use crate::observation::measurements::Units;
 use denavit_model::Chain;
 use serde_json::{Map, Value, json};
@@ -8,27 +8,6 @@ use std::fmt::Write;
 
 /// Version of the JSON.
 pub const SCHEMA: &str = "denavit.commands/1";
-
-/// How far a command may miss and still count as one that reaches its pose: m and rad.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Allowed {
-    /// m.
-    pub position: f64,
-    /// rad.
-    pub orientation: f64,
-}
-
-impl Allowed {
-    /// Whether the command reaches its pose and keeps the limits.
-    pub fn met_by(&self, command: &Command) -> bool {
-        self.reached_by(command) && command.outside.is_empty()
-    }
-
-    /// Whether the command reaches its pose.
-    pub fn reached_by(&self, command: &Command) -> bool {
-        command.position_error <= self.position && command.orientation_error <= self.orientation
-    }
-}
 
 /// What is expected of the commands that reach their poses, and the rows of `lines` that do not or that leave the limits.
 pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> String {

@@ -2,23 +2,20 @@
 
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
-use crate::gather;
 use crate::measured::{self, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::Loaded;
-use denavit_calibrate::IdentifyOptions;
-use denavit_calibrate::calibration::rows;
-use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
-use denavit_calibrate::effects::catalogue::{KINDS, Kind};
+use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
+use denavit_calibrate::observation::measurements::Units;
 use denavit_calibrate::report::{html, text};
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
+use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, other_chains, rows, search};
 use denavit_model::{Chain, Reading};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Runs the command.
@@ -28,10 +25,11 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&inputs)?;
     let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
-    let mut options = options(arguments, &robot.chain)?;
+    let mut options = search(&search_asked(arguments), &robot.chain)?;
     let products = products(arguments, &robot)?;
-    let gather::Rows { data, test, columns } = gather::rows(arguments, &robot.chain)?;
-    options.other_chains = measured::other_chains(&robot.loaded, &robot.chain, &data);
+    let Rows { data, test, columns, notes } = rows(&rows_asked(arguments)?, &robot.chain)?;
+    measured::mention(&notes);
+    options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
     let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
@@ -40,6 +38,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
             Progress::Curves => "fitting error curves of the joints",
             Progress::Judgement => "judging on rows held out",
         });
+        ControlFlow::Continue(())
     })?;
     drop(spinner);
     result.report.columns = columns;
@@ -171,7 +170,7 @@ fn texts(
         texts.push((*slot, written.text));
     }
     if let Some(slot) = places.residuals {
-        texts.push((slot, rows::to_csv(&result.report.rows)));
+        texts.push((slot, denavit_calibrate::calibration::rows::to_csv(&result.report.rows)));
     }
     if let Some(slot) = places.effects {
         texts.push((slot, result.effects(&robot.statics).to_json()));
@@ -179,48 +178,38 @@ fn texts(
     Ok(texts)
 }
 
-fn options(arguments: &CalibrateArguments, chain: &Chain) -> Result<CalibrateOptions, Failure> {
-    let freedom = measured::freedom(chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
-    let identify = IdentifyOptions { freedom, ..IdentifyOptions::axes(chain) };
-    let trace = match arguments.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["none" | "curves"] => None,
-        ["auto"] => Some(Vec::new()),
-        ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, Failure>>()?),
-    };
-    let gear_ratios = gear_ratios(&arguments.gear_ratio, chain)?;
-    let trace = trace.map(|kinds| TraceOptions {
-        kinds,
+/// What is fitted and looked for.
+fn search_asked(arguments: &CalibrateArguments) -> SearchAsked {
+    SearchAsked {
+        scales: arguments.freedom.scales.clone(),
+        pitches: arguments.freedom.pitches.clone(),
+        effects: arguments.effects.clone(),
         max_effects: arguments.max_effects,
-        gear_ratios,
-        ..TraceOptions::new(identify.clone())
-    });
-    let hold_out = arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed });
-    let curves = (arguments.effects == ["curves"]).then(CurveOptions::default);
-    Ok(CalibrateOptions { identify, hold_out, trace, curves, other_chains: Vec::new() })
+        gear_ratios: arguments.gear_ratio.clone(),
+        hold_out: arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed }),
+    }
 }
 
-fn kind(word: &str) -> Result<Kind, Failure> {
-    Kind::named(word).ok_or_else(|| {
-        let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
-        Failure::Argument(format!(
-            "--effects: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
-            names.join(", ")
-        ))
+/// The files to fit and to judge by.
+fn rows_asked(arguments: &CalibrateArguments) -> Result<RowsAsked, Failure> {
+    let units = measured::units(&arguments.units)?;
+    let read = |file: &String| measured::data_file(file, units);
+    Ok(RowsAsked {
+        data: arguments.data.iter().map(read).collect::<Result<_, _>>()?,
+        sockets: arguments.socket.iter().map(|word| socket(word, units)).collect::<Result<_, _>>()?,
+        distances: arguments.distance.clone(),
+        test: arguments.test.as_ref().map(read).transpose()?,
+        hold_out_setups: arguments.hold_out_setups.clone(),
     })
 }
 
-fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, Failure> {
-    let mut ratios = Vec::new();
-    for word in written {
-        let wrong = |why: &str| Failure::Argument(format!("--gear-ratio: \"{word}\" {why}"));
-        let (name, ratio) = word.split_once('=').ok_or_else(|| wrong("has no joint; write NAME=RATIO"))?;
-        let joint = chain.joints().iter().position(|joint| joint.name == name);
-        let joint = joint.ok_or_else(|| wrong("names no joint of the chain"))?;
-        let ratio = ratio.parse::<f64>().ok().filter(|ratio| ratio.is_finite() && *ratio != 0.0);
-        ratios.resize(chain.joints().len(), None);
-        ratios[joint] = Some(ratio.ok_or_else(|| wrong("has no number"))?);
-    }
-    Ok(ratios)
+/// `LABEL=FILE`.
+fn socket(word: &str, units: Units) -> Result<(String, DataFile), Failure> {
+    let (label, file) =
+        word.split_once('=').filter(|(label, file)| !label.is_empty() && !file.is_empty()).ok_or_else(|| {
+            Failure::Argument(format!("--socket \"{word}\": write LABEL=FILE, such as front/0=front_0.csv"))
+        })?;
+    Ok((label.to_owned(), measured::data_file(file, units)?))
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, Failure> {

@@ -10,6 +10,7 @@ use denavit_calibrate::effects::driver::{Conditions, Statics};
 use denavit_calibrate::effects::recorded;
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
+use denavit_load::measured::{all_known, without_part_in_the_tip};
 use denavit_model::chain::{Chain, Coordinate, Quantity};
 use denavit_model::nalgebra::UnitQuaternion;
 use denavit_model::problems::nearest_name;
@@ -123,8 +124,8 @@ fn with_effects(
     let model = measured::effects(Some(file), statics)?;
     let given = measured::given(given)?;
     let known = |name: &str| recorded::given(&given, name);
-    measured::all_known(file, &model, &|name| known(name).is_some())?;
-    measured::without_part_in_the_tip(file, &model);
+    all_known(file, &model, &|name| known(name).is_some())?;
+    measured::mention(&without_part_in_the_tip(file, &model));
     Ok(model.fk(chain, &Conditions { reading: q, covariate: &known }))
 }
 

@@ -9,13 +9,14 @@ use denavit_calibrate::apply::identifiable;
 use denavit_calibrate::apply::simulate;
 use denavit_calibrate::identify::dh_form::dh_form;
 use denavit_calibrate::report;
+use denavit_load::measured::freedom;
 
 /// Runs the command.
 pub fn run(arguments: &IdentifyArguments) -> Result<Status, Failure> {
     measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.data.as_deref()])?;
     let delivery = Delivery::of(None, &arguments.json, arguments.robot.files().chain(arguments.data.as_deref()))?;
     let chain = measured::robot(&arguments.robot)?.chain;
-    let freedom = measured::freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
+    let freedom = freedom(&chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
     let readings = match &arguments.data {
         Some(file) => measured::joint_values(file, &chain, &arguments.units)?,
         None => simulate::readings(&chain, arguments.rows.into(), 0),

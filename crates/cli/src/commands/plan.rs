@@ -7,7 +7,8 @@ use crate::measured;
 use crate::output::Status;
 use crate::progress::Spinner;
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_model::nalgebra::{Point3, Vector3};
+use denavit_load::measured::corners;
+use denavit_model::nalgebra::Vector3;
 
 /// Runs the command.
 pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
@@ -33,31 +34,6 @@ pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     delivery.deliver(|| Ok(planned.to_csv(&chain, units)), || Ok(planned.to_json(&chain, options.kind)))?;
     delivery.summary(&planned.to_text())?;
     Ok(Status::Same)
-}
-
-/// Lowest and highest corner.
-fn corners(written: &[f64]) -> Result<Option<[Point3<f64>; 2]>, Failure> {
-    let [x0, x1, y0, y1, z0, z1] = match *written {
-        [] => return Ok(None),
-        [x0, x1, y0, y1, z0, z1] => [x0, x1, y0, y1, z0, z1],
-        _ => {
-            let message = format!("--box: {} numbers where X0,X1,Y0,Y1,Z0,Z1 are six", written.len());
-            return Err(Failure::Argument(message));
-        }
-    };
-    for (axis, low, high) in [("X", x0, x1), ("Y", y0, y1), ("Z", z0, z1)] {
-        let ordered = low < high;
-        if !ordered {
-            let message = format!("--box: {axis}0 = {low} is not below {axis}1 = {high}; nothing fits between");
-            return Err(Failure::Argument(message));
-        }
-        if !low.is_finite() || !high.is_finite() {
-            return Err(Failure::Argument(format!(
-                "--box: {axis}0 = {low}, {axis}1 = {high}; write finite numbers in m"
-            )));
-        }
-    }
-    Ok(Some([Point3::new(x0, y0, z0), Point3::new(x1, y1, z1)]))
 }
 
 fn place(option: &str, written: &[f64]) -> Result<Vector3<f64>, Failure> {

@@ -4,20 +4,11 @@ use crate::args::SimulateArguments;
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{Outputs, Slot, Status};
-use denavit_calibrate::apply::simulate::columns::columns;
-use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, granted};
-use denavit_calibrate::apply::simulate::{
-    SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth,
-};
-use denavit_calibrate::effects::recorded;
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::observation::measurements::{Covariate, write};
-use denavit_calibrate::{NoEffects, ObservationKind};
+use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
+use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
+use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
 use denavit_model::Chain;
 use std::path::Path;
-
-/// The test is drawn from a seed of its own.
-const TEST_SEED: u64 = 0x7465_7374;
 
 /// Runs the command.
 pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
@@ -27,64 +18,28 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let test = outputs.add_if("--test", arguments.test.as_deref())?;
     let truth = outputs.add_if("--truth", arguments.truth.as_deref())?;
     let robot = measured::robot(&arguments.robot)?;
-    let chain = &robot.chain;
-    let options = options(arguments, chain)?;
-    let wishes = arguments.effect.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
-    let wishes = wishes.map_err(|error| Failure::Argument(format!("--effect {error}")))?;
-    let loaded = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
-    if let Some(file) = &arguments.effects {
-        for effect in &loaded.effects {
-            for name in recorded::needed(&effect.term, chain) {
-                if !recorded::told_by_run(&name, &options.covariates) {
-                    let kind = effect.term.kind.name();
-                    let message = format!("{file}: {kind} follows \"{name}\"; record it with --columns \"{name}\"");
-                    return Err(Failure::Argument(message));
-                }
-            }
-        }
-    }
-    // What is drawn does not depend on the effects: the strengths asked for are those on the very rows that are written.
-    let bare = simulate(chain, &options, &NoEffects);
-    let granted = granted(&wishes, &robot.statics, &bare, options.seed)
-        .map_err(|error| Failure::Argument(format!("--effect {error}")))?;
-    let mut model = loaded;
-    model.effects.extend(granted.effects);
-    let run = simulate(chain, &options, &model);
-    let comments = |rows: usize, kind: ObservationKind| {
-        vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]
+    let specifications =
+        arguments.effect.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
+    let asked = FilesAsked {
+        options: options(arguments, &robot.chain)?,
+        specifications: specifications.map_err(|error| Failure::Argument(format!("--effect {error}")))?,
+        columns: arguments.columns.clone(),
+        test_rows: arguments.test.as_ref().map(|_| arguments.test_rows as usize),
     };
-    let data = write(&as_displayed(&run.data, &options), &comments(options.rows, options.kind));
-    let mut texts: Vec<(Slot, String)> = vec![(main, data)];
-    if let Some(slot) = test {
-        let rows = arguments.test_rows as usize;
-        let seed = options.seed ^ TEST_SEED;
-        let later = SimulationOptions {
-            rows,
-            seed,
-            readings: Some(commanded_readings(chain, rows, seed)),
-            before: Some(with_run_order(run.data.clone())),
-            covariates: recorded_columns(arguments, chain, rows, options.rows, seed)?,
-            ..options.clone()
-        };
-        let test = simulate_arm(&run.arm, &later, &model);
-        texts.push((slot, write(&as_displayed(&test.data, &later), &comments(rows, options.kind))));
-    }
-    if let Some(slot) = truth {
-        texts.push((slot, truth::to_json(&run, &options, &model)));
-    }
+    let effects = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
+    let made = files(&robot.chain, &robot.statics, effects, &asked).map_err(|error| {
+        Failure::Argument(match error {
+            FilesError::Effect(error) => format!("--effect {error}"),
+            FilesError::Column(error) => format!("--columns: {error}"),
+            FilesError::Targets(count) => format!("--targets {count}: {error}"),
+            other => format!("{}: {other}", arguments.effects.as_deref().unwrap_or("--effects")),
+        })
+    })?;
+    let mut texts: Vec<(Slot, String)> = vec![(main, made.data)];
+    texts.extend(test.zip(made.test));
+    texts.extend(truth.map(|slot| (slot, made.truth)));
     outputs.write(&texts)?;
     Ok(Status::Same)
-}
-
-fn recorded_columns(
-    arguments: &SimulateArguments,
-    chain: &Chain,
-    rows: usize,
-    first_row: usize,
-    seed: u64,
-) -> Result<Vec<Covariate>, Failure> {
-    columns(&arguments.columns, chain, rows, first_row, seed)
-        .map_err(|error| Failure::Argument(format!("--columns: {error}")))
 }
 
 fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOptions, Failure> {
@@ -96,10 +51,6 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         return Err(Failure::Argument(format!("--outliers: {share} is no share of the rows; write 0 to 1")));
     }
     let kind = measured::kind(arguments.measure);
-    if arguments.targets > 1 && !kind.of_several() {
-        let message = format!("--targets {}: only positions are of several targets at once", arguments.targets);
-        return Err(Failure::Argument(message));
-    }
     let readings = match &arguments.poses {
         Some(file) => measured::joint_values(file, chain, &arguments.units)?,
         None => commanded_readings(chain, arguments.rows as usize, arguments.seed),
@@ -115,7 +66,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         noise_position,
         noise_orientation,
         outliers: share,
-        covariates: recorded_columns(arguments, chain, rows, 0, arguments.seed)?,
+        covariates: Vec::new(),
         readings: Some(readings),
         before: None,
     })

@@ -1,0 +1,106 @@
+//! Simulated measurement files: rows to fit, rows of the same robot measured later, and what they were made of.
+
+use super::columns::{NoColumn, columns};
+use super::effect_specification::{EffectSpecification, EffectSpecificationError, granted};
+use super::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
+use crate::effects::driver::Statics;
+use crate::effects::survey::with_run_order;
+use crate::effects::{EffectModel, recorded};
+use crate::observation::kinds::ObservationKind;
+use crate::observation::measurements::write;
+use crate::observation::parameters::NoEffects;
+use denavit_model::Chain;
+use thiserror::Error;
+
+/// The test is drawn from a seed of its own.
+const TEST_SEED: u64 = 0x7465_7374;
+
+/// What files are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilesAsked {
+    /// Robot, instrument and noise; what is recorded beside is in `columns`.
+    pub options: SimulationOptions,
+    /// Effects by name, place and strength, beside those of `effects`.
+    pub specifications: Vec<EffectSpecification>,
+    /// Names of what is recorded: time, temperature, payload, …
+    pub columns: Vec<String>,
+    /// Rows of the test, if one is asked for.
+    pub test_rows: Option<usize>,
+}
+
+/// Files of a simulated run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Files {
+    /// Rows to fit, CSV.
+    pub data: String,
+    /// Rows of the same robot, measured after the others, CSV.
+    pub test: Option<String>,
+    /// What they were made of, JSON.
+    pub truth: String,
+}
+
+/// Why there are no files.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FilesError {
+    /// A word that names no column.
+    #[error(transparent)]
+    Column(#[from] NoColumn),
+    /// An effect that cannot be had.
+    #[error(transparent)]
+    Effect(#[from] EffectSpecificationError),
+    /// Several targets of what has one.
+    #[error("only positions are of several targets at once")]
+    Targets(usize),
+    /// An effect follows what is not recorded.
+    #[error("{kind} follows \"{column}\"; record it with --columns \"{column}\"")]
+    NotRecorded {
+        /// Of the effect.
+        kind: &'static str,
+        /// What it follows.
+        column: String,
+    },
+}
+
+/// Simulate a run and write its files.
+///
+/// # Errors
+/// A column or effect that cannot be had, several targets of what has one.
+pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &FilesAsked) -> Result<Files, FilesError> {
+    let mut options = asked.options.clone();
+    if options.targets > 1 && !options.kind.of_several() {
+        return Err(FilesError::Targets(options.targets));
+    }
+    options.covariates = columns(&asked.columns, chain, options.rows, 0, options.seed)?;
+    for effect in &effects.effects {
+        for column in recorded::needed(&effect.term, chain) {
+            if !recorded::told_by_run(&column, &options.covariates) {
+                return Err(FilesError::NotRecorded { kind: effect.term.kind.name(), column });
+            }
+        }
+    }
+    // What is drawn does not depend on the effects: the strengths asked for are those on the very rows that are written.
+    let bare = simulate(chain, &options, &NoEffects);
+    let mut model = effects;
+    model.effects.extend(granted(&asked.specifications, statics, &bare, options.seed)?.effects);
+    let run = simulate(chain, &options, &model);
+    let comments = |rows: usize, kind: ObservationKind| {
+        vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]
+    };
+    let data = write(&as_displayed(&run.data, &options), &comments(options.rows, options.kind));
+    let later = |rows: usize| {
+        let seed = options.seed ^ TEST_SEED;
+        let later = SimulationOptions {
+            rows,
+            seed,
+            readings: Some(commanded_readings(chain, rows, seed)),
+            before: Some(with_run_order(run.data.clone())),
+            covariates: columns(&asked.columns, chain, rows, options.rows, seed)?,
+            ..options.clone()
+        };
+        let test = simulate_arm(&run.arm, &later, &model);
+        Ok::<_, FilesError>(write(&as_displayed(&test.data, &later), &comments(rows, options.kind)))
+    };
+    let test = asked.test_rows.map(later).transpose()?;
+    Ok(Files { data, test, truth: truth::to_json(&run, &options, &model) })
+}

@@ -1,0 +1,44 @@
+//! The calibrated model held against rows that were measured later.
+
+use crate::calibration::adoption::Adopted;
+use crate::calibration::{Calibration, recorded_too};
+use crate::effects::recorded::needed;
+use crate::effects::survey::with_run_order_after;
+use crate::identify::residual_statistics::{Errors, Residual, TestError, errors, placed, residuals};
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::Effects;
+
+/// How far later rows are from what the calibrated model says of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Of every sort that was measured.
+    pub errors: Errors,
+    /// Row by row; `locate` rows left out.
+    pub residuals: Vec<Residual>,
+}
+
+impl Calibration {
+    /// Hold the model that was adopted, effects included, against rows measured after the fitted ones; sockets are new places.
+    ///
+    /// # Errors
+    /// Rows of another kind, of a target or setup that nothing places, or without a column that an effect follows.
+    pub fn predict(&self, later: Measurements) -> Result<Prediction, TestError> {
+        let later = with_run_order_after(later.placed_anew(), &self.train);
+        let chain = &self.arm().nominal;
+        if let Some(fit) = self.beyond_geometry() {
+            let follows: Vec<String> = fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
+            recorded_too(&self.train, &later, |name| follows.iter().any(|follows| follows == name))?;
+            return self.predicted(fit, &later);
+        }
+        match self.report.adopted {
+            Adopted::Nominal => self.predicted(&self.identification.nominal, &later),
+            _ => self.predicted(&self.identification.geometric, &later),
+        }
+    }
+
+    fn predicted<E: Effects>(&self, fit: &Fit<E>, later: &Measurements) -> Result<Prediction, TestError> {
+        let residuals = residuals(&placed(fit, &self.train, later)?, &fit.effects, later);
+        Ok(Prediction { errors: errors(&residuals, &later.scene), residuals })
+    }
+}

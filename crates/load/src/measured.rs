@@ -1,0 +1,33 @@
+//! What a calibration is asked for in words, to rows and options.
+//!
+//! Words are those of the command line; messages name its options, and the Python package writes them as its keywords.
+
+mod distance;
+mod rows;
+mod search;
+mod tip;
+mod within;
+
+pub use rows::{DataFile, Rows, RowsAsked, rows};
+pub use search::{SearchAsked, freedom, other_chains, search};
+pub use tip::{all_known, without_part_in_the_tip};
+pub use within::{corners, moving};
+
+use denavit_calibrate::identify::proportion::OutOfProportion;
+use denavit_calibrate::observation::measurements::DataError;
+use thiserror::Error;
+
+/// Why words or files make no rows and no options.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MeasuredError {
+    /// An option that cannot be.
+    #[error("{0}")]
+    Option(String),
+    /// A robot larger than anything that is measured.
+    #[error(transparent)]
+    OutOfProportion(#[from] OutOfProportion),
+    /// Measurements that cannot be read.
+    #[error(transparent)]
+    Data(#[from] DataError),
+}

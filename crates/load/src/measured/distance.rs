@@ -1,0 +1,45 @@
+//! A known distance as it is written.
+
+use super::MeasuredError;
+
+/// How sure a known distance is when nothing is said, m.
+const USUAL_DEVIATION: f64 = 5e-5;
+
+/// Two labels, how far apart they are and how sure that is, m.
+pub struct Known {
+    /// Of sockets or anchors.
+    pub labels: [String; 2],
+    /// m.
+    pub length: f64,
+    /// Standard deviation, m.
+    pub deviation: f64,
+}
+
+/// `LABEL,LABEL=50mm` or `LABEL,LABEL=50mm±0.1mm`.
+pub fn known_distance(word: &str) -> Result<Known, MeasuredError> {
+    let wrong = || {
+        MeasuredError::Option(format!(
+            "--distance \"{word}\": write two labels and their distance, such as front/0,front/1=50mm, or \
+             */0,*/1=50mm+-0.1mm for every placement"
+        ))
+    };
+    let (labels, value) = word.rsplit_once('=').ok_or_else(wrong)?;
+    let (first, second) = labels.split_once(',').ok_or_else(wrong)?;
+    let (length, deviation) = match value.split_once('±').or_else(|| value.split_once("+-")) {
+        Some((length, deviation)) => (metres(length), metres(deviation)),
+        None => (metres(value), Some(USUAL_DEVIATION)),
+    };
+    let (Some(length), Some(deviation)) = (length, deviation) else { return Err(wrong()) };
+    if first.trim().is_empty() || second.trim().is_empty() || first.contains('*') != second.contains('*') {
+        return Err(wrong());
+    }
+    Ok(Known { labels: [first.trim().into(), second.trim().into()], length, deviation })
+}
+
+/// A positive length with its unit, in m.
+fn metres(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let units = [("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6), ("in", 0.0254), ("m", 1.0)];
+    let (number, unit) = units.iter().find_map(|(word, unit)| Some((text.strip_suffix(word)?, unit)))?;
+    number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0).map(|number| number * unit)
+}

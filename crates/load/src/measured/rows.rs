@@ -1,0 +1,134 @@
+//! What is fitted and what it is judged by: files of measurements, files of readings in sockets, known distances.
+
+use super::MeasuredError;
+use super::distance::known_distance;
+use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
+use denavit_model::Chain;
+use std::path::Path;
+
+/// The text of a file of measurements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DataFile {
+    /// What messages call it.
+    pub name: String,
+    /// CSV.
+    pub text: String,
+    /// Units of its numbers.
+    pub units: Units,
+}
+
+/// The rows that a calibration is asked to take.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RowsAsked {
+    /// To fit. Several files are several setups: each has its own instrument frame and targets.
+    pub data: Vec<DataFile>,
+    /// To fit: the socket's label, and joint readings with the ball in it.
+    pub sockets: Vec<(String, DataFile)>,
+    /// Known distances between sockets or anchors: `LABEL,LABEL=50mm` or `LABEL,LABEL=50mm±0.1mm`.
+    pub distances: Vec<String>,
+    /// To judge by.
+    pub test: Option<DataFile>,
+    /// Setups, or placements of sockets, to keep for judging.
+    pub hold_out_setups: Vec<String>,
+}
+
+/// The rows of a calibration.
+#[derive(Debug)]
+pub struct Rows {
+    /// To fit.
+    pub data: Measurements,
+    /// To judge by, where they are said by name.
+    pub test: Option<Measurements>,
+    /// What the columns of the first file were taken for.
+    pub columns: Vec<ColumnUse>,
+    /// What must be known of the files.
+    pub notes: Vec<String>,
+}
+
+/// Reads the rows to fit and those to judge by.
+///
+/// # Errors
+/// A file that cannot be read, a label that no row has, nothing to fit.
+pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
+    let (mut columns, mut notes, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+    let mut read = |file: &DataFile| {
+        let loaded = measurements::read(&file.name, file.text.as_bytes(), chain, file.units)?;
+        notes.extend(loaded.notes.iter().map(|note| format!("{}: {note}", file.name)));
+        Ok::<_, MeasuredError>((loaded.data, loaded.columns))
+    };
+    for (file, setup) in asked.data.iter().zip(setups(&asked.data)) {
+        let (data, used) = read(file)?;
+        if columns.is_empty() {
+            columns = used;
+        }
+        parts.push(if asked.data.len() > 1 { data.of_setup(&setup) } else { data });
+    }
+    for (label, file) in &asked.sockets {
+        parts.push(read_socket(&file.name, file.text.as_bytes(), label, chain, file.units)?);
+    }
+    let Some(mut data) = Measurements::joined(parts) else {
+        return Err(MeasuredError::Option("there is nothing to fit; name a file by --data or --socket".into()));
+    };
+    let mut test = asked.test.as_ref().map(|file| Ok::<_, MeasuredError>(read(file)?.0)).transpose()?;
+    for word in &asked.distances {
+        know(word, &mut data, test.as_mut())?;
+    }
+    if asked.hold_out_setups.is_empty() {
+        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes });
+    }
+    let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
+        MeasuredError::Option(format!(
+            "--hold-out-setups: no row is of a setup \"{name}\"; name setups, or what stands before the / of a socket"
+        ))
+    })?;
+    if train.is_empty() {
+        let message = "--hold-out-setups: nothing is left to fit; name fewer setups";
+        return Err(MeasuredError::Option(message.into()));
+    }
+    Ok(Rows { data: train, test: Some(held), columns, notes })
+}
+
+/// A name for the setup of each file: the file's own without folder and extension; with them where two are called alike, and
+/// counted where even these are one.
+fn setups(files: &[DataFile]) -> Vec<String> {
+    let stem = |file: &DataFile| {
+        Path::new(&file.name).file_stem().map_or_else(|| file.name.clone(), |stem| stem.to_string_lossy().into_owned())
+    };
+    let mut names: Vec<String> = Vec::with_capacity(files.len());
+    for (index, file) in files.iter().enumerate() {
+        let alone = files.iter().filter(|other| stem(other) == stem(file)).count() == 1;
+        let name = if alone { stem(file) } else { file.name.clone() };
+        let before = files[..index].iter().filter(|other| other.name == file.name).count();
+        names.push(if before == 0 { name } else { format!("{name} {}", before + 1) });
+    }
+    names
+}
+
+/// States a known distance in the rows to fit and those to judge by.
+fn know(word: &str, data: &mut Measurements, test: Option<&mut Measurements>) -> Result<(), MeasuredError> {
+    let known = known_distance(word)?;
+    let stated = |data: &mut Measurements| {
+        data.scene.know_length([&known.labels[0], &known.labels[1]], known.length, known.deviation)
+    };
+    if stated(data) + test.map_or(0, stated) > 0 {
+        return Ok(());
+    }
+    let labels: Vec<&str> = data.scene.points.iter().map(|name| label_of(name)).collect();
+    Err(MeasuredError::Option(format!(
+        "--distance \"{word}\": no two sockets or anchors are called so; there are {}",
+        if labels.is_empty() { "none".into() } else { labels.join(", ") }
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_is_a_setup_of_its_own() {
+        let file = |name: &str| DataFile { name: name.into(), text: String::new(), units: Units::default() };
+        let files = ["monday/run.csv", "tuesday/run.csv", "late.csv", "<data frame>", "<data frame>"].map(file);
+        let expected = ["monday/run.csv", "tuesday/run.csv", "late", "<data frame>", "<data frame> 2"];
+        assert_eq!(setups(&files), expected);
+    }
+}

@@ -1,0 +1,120 @@
+//! What a calibration fits and looks for.
+
+use super::MeasuredError;
+use crate::Loaded;
+use denavit_calibrate::calibration::{CalibrateOptions, HoldOut};
+use denavit_calibrate::effects::catalogue::{KINDS, Kind};
+use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::trace::infer::CurveOptions;
+use denavit_calibrate::{Freedom, IdentifyOptions, Measurements};
+use denavit_model::{Chain, Reading};
+
+/// What a calibration is asked to fit and to look for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SearchAsked {
+    /// Joints whose scale is fitted, too: names, or `all`.
+    pub scales: Vec<String>,
+    /// Revolute joints whose pitch is fitted, too: names, or `all`.
+    pub pitches: Vec<String>,
+    /// `none`, `curves`, `auto`, or kinds of effects.
+    pub effects: Vec<String>,
+    /// No more effects than this.
+    pub max_effects: usize,
+    /// Motor turns per joint turn: `NAME=RATIO`.
+    pub gear_ratios: Vec<String>,
+    /// Rows to keep for judging where there is no test file.
+    pub hold_out: Option<HoldOut>,
+}
+
+/// The options of a calibration, but for other chains ([`other_chains`]).
+///
+/// # Errors
+/// A joint or a kind of effect that is not there, a ratio that is no number.
+pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, MeasuredError> {
+    let freedom = freedom(chain, &asked.scales, &asked.pitches)?;
+    let identify = IdentifyOptions { freedom, ..IdentifyOptions::axes(chain) };
+    let trace = match asked.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["none" | "curves"] => None,
+        ["auto"] => Some(Vec::new()),
+        ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, _>>()?),
+    };
+    let gear_ratios = gear_ratios(&asked.gear_ratios, chain)?;
+    let trace = trace.map(|kinds| TraceOptions {
+        kinds,
+        max_effects: asked.max_effects,
+        gear_ratios,
+        ..TraceOptions::new(identify.clone())
+    });
+    let curves = (asked.effects == ["curves"]).then(CurveOptions::default);
+    Ok(CalibrateOptions { identify, hold_out: asked.hold_out, trace, curves, other_chains: Vec::new() })
+}
+
+/// What is fitted: every axis, and scales and pitches of the joints that were named.
+///
+/// # Errors
+/// A name is no joint of the chain.
+pub fn freedom(chain: &Chain, scales: &[String], pitches: &[String]) -> Result<Freedom, MeasuredError> {
+    let joints = chain.joints();
+    let mut freedom = Freedom::axes(joints.len());
+    for (option, words, flags) in
+        [("--scales", scales, &mut freedom.scales), ("--pitches", pitches, &mut freedom.pitches)]
+    {
+        for word in words {
+            if word == "all" {
+                flags.fill(true);
+                continue;
+            }
+            let joint = joints.iter().position(|joint| joint.name == *word).ok_or_else(|| {
+                let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+                MeasuredError::Option(format!(
+                    "{option}: the chain has no joint \"{word}\"; write all, or of {}",
+                    names.join(", ")
+                ))
+            })?;
+            flags[joint] = true;
+        }
+    }
+    Ok(freedom)
+}
+
+/// The other chains of a tree whose joints all have a column in these data: what was measured may be one of them.
+pub fn other_chains(loaded: &Loaded, chain: &Chain, data: &Measurements) -> Vec<Chain> {
+    let Loaded::Robot(tree) = loaded else { return Vec::new() };
+    let names = |chain: &Chain| chain.coordinates().iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    let recorded = |name: &String| data.joints.contains(name) || data.covariate(name).is_some();
+    let listed = tree.leaf_chains().into_iter().filter(|listing| listing.coordinates.iter().all(recorded));
+    let chains = listed
+        .filter_map(|listing| Some(tree.chain(Some(&listing.base), Some(&listing.tip), Reading::Intended).ok()?.value));
+    let mut others: Vec<Chain> = Vec::new();
+    for other in chains {
+        let known = names(&other) == names(chain) || others.iter().any(|known| names(known) == names(&other));
+        if !other.joints().is_empty() && !known {
+            others.push(other);
+        }
+    }
+    others
+}
+
+fn kind(word: &str) -> Result<Kind, MeasuredError> {
+    Kind::named(word).ok_or_else(|| {
+        let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
+        MeasuredError::Option(format!(
+            "--effects: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
+            names.join(", ")
+        ))
+    })
+}
+
+fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, MeasuredError> {
+    let mut ratios = Vec::new();
+    for word in written {
+        let wrong = |why: &str| MeasuredError::Option(format!("--gear-ratio: \"{word}\" {why}"));
+        let (name, ratio) = word.split_once('=').ok_or_else(|| wrong("has no joint; write NAME=RATIO"))?;
+        let joint = chain.joints().iter().position(|joint| joint.name == name);
+        let joint = joint.ok_or_else(|| wrong("names no joint of the chain"))?;
+        let ratio = ratio.parse::<f64>().ok().filter(|ratio| ratio.is_finite() && *ratio != 0.0);
+        ratios.resize(chain.joints().len(), None);
+        ratios[joint] = Some(ratio.ok_or_else(|| wrong("has no number"))?);
+    }
+    Ok(ratios)
+}

@@ -1,0 +1,103 @@
+"""Gathers the pages of the documentation site: pages.py FOLDER.
+
+Links that lead out of the site become text, where what they lead to is a file of the repository; others are left for mkdocs to
+complain about.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import sys
+from pathlib import Path
+
+from nbconvert import MarkdownExporter
+
+TOP = Path(__file__).resolve().parents[2]
+LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
+MOVED = {"README.md": "index.md", "ARCHITECTURE.md": "architecture.md", "robots/README.md": "gallery.md"}
+
+
+def place(file: Path) -> str | None:
+    """Where a file of the repository is in the site."""
+    name = file.relative_to(TOP).as_posix() if file.is_relative_to(TOP) else ""
+    if name in MOVED:
+        return MOVED[name]
+    if file.parent == TOP / "docs" and file.suffix == ".md":
+        return file.name
+    if file.parent == TOP / "examples/notebooks" and file.suffix == ".ipynb":
+        return f"notebooks/{file.stem}.md"
+    return None
+
+
+def linked(text: str, source: Path, page: str) -> str:
+    """The text of a page with its links as they are in the site."""
+
+    def link(found: re.Match[str]) -> str:
+        words, target = found[1], found[2]
+        path, mark, anchor = target.partition("#")
+        if "://" in target or not path:
+            return found[0]
+        file = (source.parent / path).resolve()
+        if file == TOP / "examples/notebooks":
+            file = file / "1_read_a_robot.ipynb"
+        inside = place(file)
+        if inside is not None:
+            return f"[{words}]({os.path.relpath(inside, Path(page).parent)}{mark}{anchor})"
+        return words if file.exists() else found[0]
+
+    # What stands in code is no link.
+    parts = re.split(r"(```.*?```|`[^`\n]*`)", text, flags=re.DOTALL)
+    return "".join(part if part.startswith("`") else LINK.sub(link, part) for part in parts)
+
+
+def reference() -> str:
+    """A page that names every public object of the package; mkdocstrings fills in what they say."""
+    tree = ast.parse((TOP / "python/denavit/__init__.py").read_text(encoding="utf-8"))
+    homes = {
+        name.name: node.module
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("denavit.")
+        for name in node.names
+    }
+    functions = [name for name in homes if name[0].islower()]
+    errors = [name for name, home in homes.items() if home == "denavit.errors"]
+    main = ["Robot", "Chain", "Table", "Diff", "Measurements", "Fit"]
+    others = [name for name in homes if name not in {*functions, *errors, *main}]
+    parts = [("Functions", functions), ("Main classes", main), ("Results", others), ("Errors", errors)]
+    lines = ["# Reference", "", "Lengths are m, angles rad. `import denavit as dn`."]
+    for title, names in parts:
+        lines += ["", f"## {title}"]
+        for name in names:
+            lines += ["", f"::: {homes[name]}.{name}"]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Write every page."""
+    folder = Path(sys.argv[1])
+    sources = [*(TOP / "docs").glob("*.md"), *(TOP / name for name in MOVED)]
+    for source in sources:
+        page = place(source)
+        assert page is not None
+        text = linked(source.read_text(encoding="utf-8"), source, page)
+        if page == "gallery.md":
+            text += '\n## Pages\n\nA page for each, with figures, tables, workspace and a view that moves: <a href="robots/index.html">all of them</a>.\n'
+        path = folder / page
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    for notebook in sorted((TOP / "examples/notebooks").glob("*.ipynb")):
+        page = f"notebooks/{notebook.stem}.md"
+        text, resources = MarkdownExporter().from_filename(str(notebook))
+        (folder / "notebooks").mkdir(exist_ok=True)
+        for name, content in resources["outputs"].items():
+            own = f"{notebook.stem}_{name}"
+            text = text.replace(f"({name})", f"({own})")
+            (folder / "notebooks" / own).write_bytes(content)
+        (folder / page).write_text(linked(text, notebook, page), encoding="utf-8")
+    (folder / "reference.md").write_text(reference(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,306 @@
+"""From measured data to a calibrated model."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from denavit import _denavit
+from denavit import progress as _progress
+from denavit._files import save
+from denavit._frozen import Frozen
+from denavit.chain import Chain
+from denavit.commands import Commands, compensate
+from denavit.errors import ArgumentError, ExportError
+from denavit.measurements import Measurements
+from denavit.records import Records
+from denavit.results import Curve, Effect, Errors, Leftover, Parameter, Prediction, Residuals
+from denavit.robot import Robot, load
+
+if TYPE_CHECKING:
+    from denavit.plot import Plots
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What a calibration left, as plain values: what is kept when it is pickled."""
+
+    json: str
+    text: str
+    effects: str
+    poe: str
+    urdf: tuple[str, str, list[str]] | ExportError | None
+    stages: tuple[tuple[str, Residuals, Residuals], ...]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, native: _denavit.Fit) -> Found:
+        """Everything that a native fit says without being asked further."""
+        try:
+            urdf: tuple[str, str, list[str]] | ExportError | None = native.urdf()
+        except ExportError as error:
+            urdf = error
+        stages = tuple((name, Residuals(*train), Residuals(*test)) for name, train, test in native.residuals())
+        texts = native.json(), native.text(), native.effects(), native.poe()
+        return cls(*texts, urdf, stages, tuple(native.notes))
+
+
+class Fit(Frozen):
+    """A calibration's result; made by `calibrate`. Shows itself as `denavit calibrate` prints it.
+
+    A fit that was pickled keeps its results; `predict` and `report` of it fit once more when they are first called.
+    """
+
+    __slots__ = ("_asked", "_chain", "_found", "_json", "_native")
+    _made_by = "a fit is made from data: use denavit.calibrate"
+    _native: _denavit.Fit | None
+    _chain: Chain
+    _asked: tuple[_denavit.RowsGiven, _denavit.SearchGiven]
+    _found: Found
+    _json: dict[str, Any]
+
+    @classmethod
+    def _of(
+        cls,
+        chain: Chain,
+        asked: tuple[_denavit.RowsGiven, _denavit.SearchGiven],
+        found: Found,
+        native: _denavit.Fit | None = None,
+    ) -> Fit:
+        return cls._with(_chain=chain, _asked=asked, _found=found, _native=native, _json=json.loads(found.json))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Fit._of, (self._chain, self._asked, self._found)
+
+    def _key(self) -> tuple[Chain, str, str]:
+        return self._chain, self._found.json, self._found.effects
+
+    def _fitted(self) -> _denavit.Fit:
+        if self._native is None:
+            object.__setattr__(self, "_native", _denavit.calibrate(self._chain._native, *self._asked, None))
+        assert self._native is not None
+        return self._native
+
+    def __repr__(self) -> str:
+        return self._found.text.rstrip()
+
+    @property
+    def nominal(self) -> Chain:
+        """The chain as drawn."""
+        return self._chain
+
+    @property
+    def robot(self) -> Robot:
+        """The calibrated robot: the URDF with its joint origins corrected, or screw axes where the source is no URDF.
+
+        Raises:
+            ExportError: A URDF has no place for what was fitted (scales, pitches); `chain` has it.
+        """
+        file = f"{self._chain.robot.file} (calibrated)"
+        if isinstance(self._found.urdf, ExportError):
+            raise self._found.urdf
+        return load(self._found.poe if self._found.urdf is None else self._found.urdf[0], file=file)
+
+    @property
+    def chain(self) -> Chain:
+        """The calibrated chain, effects left out."""
+        urdf = self._found.urdf
+        if urdf is None or isinstance(urdf, ExportError):
+            return load(self._found.poe, file=f"{self._chain.robot.file} (calibrated)").chain(exact=True)
+        return self.robot.chain(self._chain.base, urdf[1], exact=True)
+
+    @property
+    def errors(self) -> Records[Errors]:
+        """Errors after each stage."""
+        return Records(Errors._of(stage) for stage in self._json["stages"])
+
+    @property
+    def parameters(self) -> Records[Parameter]:
+        """How far each axis of the calibrated robot is from its drawing."""
+        return Records(Parameter._of(entry) for entry in self._json["parameters"])
+
+    @property
+    def effects(self) -> Records[Effect]:
+        """Effects that the data ask for."""
+        return Records(Effect._of(entry) for entry in self._json["effects"])
+
+    @property
+    def effects_json(self) -> str:
+        """Effects and error curves as ``denavit calibrate --effects-out`` writes them."""
+        return self._found.effects
+
+    @property
+    def curves(self) -> dict[str, Curve]:
+        """The error curve of each joint; 0 where the calibration has none of it (``effects="curves"`` looks for them)."""
+        entries = {entry["joint"]: entry for entry in self._json.get("curves", ())}
+        coordinates = self._chain.coordinates
+        return {c.name: Curve._of(c, entries.get(c.name), self._chain, self._found.effects) for c in coordinates}
+
+    @property
+    def leftover(self) -> Leftover:
+        """What no effect explains."""
+        return Leftover._of(self._json["unexplained"])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known of the data, and of the calibrated URDF."""
+        urdf = self._found.urdf
+        return self._found.notes + (tuple(urdf[2]) if isinstance(urdf, tuple) else ())
+
+    @property
+    def residuals(self) -> Residuals:
+        """Residuals of the calibrated robot on the fitted rows that were kept."""
+        return self.residuals_of()
+
+    def residuals_of(self, stage: str | int | None = None, *, test: bool = False) -> Residuals:
+        """Residuals of a stage, by name or number (by default the one that was adopted), on fitted or held-out rows."""
+        names = [name for name, _, _ in self._found.stages]
+        if stage is None:
+            stage = next(index for index, entry in enumerate(self._json["stages"]) if entry["adopted"])
+        if isinstance(stage, str) and stage not in names:
+            raise ArgumentError(f"there is no stage {stage!r}; the stages are {', '.join(names)}")
+        _, train, held_out = self._found.stages[names.index(stage) if isinstance(stage, str) else stage]
+        return held_out if test else train
+
+    def predict(self, later: Measurements) -> Prediction:
+        """Hold the calibrated model, effects included, against rows that were measured later.
+
+        Raises:
+            DataError: The rows cannot be read.
+            CalibrationError: They are of another kind, or of targets that nothing places.
+        """
+        errors, residuals = self._fitted().predict(later._given())
+        return Prediction(json.loads(errors), Residuals(*residuals))
+
+    def compensate(
+        self,
+        poses: Any,
+        *,
+        given: Mapping[str, float] | None = None,
+        allowed_miss: tuple[float, float] = (1e-6, 1e-6),
+    ) -> Commands:
+        """Joint commands that reach poses with the robot as it is, effects included; `denavit compensate`.
+
+        Args:
+            poses: base_from_tip to reach, m, shape ``(N, 4, 4)``; or joint values of shape ``(N, n)``, which stand for the
+                poses that the robot as drawn has there; or a file or data frame of either, as `denavit compensate` reads it.
+            given: What effects follow, such as ``{"payload": 2.5}``.
+            allowed_miss: How far a command may miss its pose and still count as reaching it, m and rad.
+
+        Raises:
+            ArgumentError: An effect follows what is not given; the poses are none.
+        """
+        return compensate(self, poses, given or {}, allowed_miss)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of ``denavit calibrate --json``."""
+        copied: dict[str, Any] = json.loads(self._found.json)
+        return copied
+
+    def to_json(self) -> str:
+        """The text of ``denavit calibrate --json``."""
+        return self._found.json
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the page with plots, as a whole or not at all."""
+        save(path, self._fitted().html())
+
+    def save_effects(self, path: str | os.PathLike[str]) -> None:
+        """Write the effects as JSON, for ``denavit fk``, ``compensate`` and ``simulate``."""
+        save(path, self._found.effects)
+
+    @property
+    def plot(self) -> Plots:
+        """Plots with matplotlib: `effects()` and `residuals()`."""
+        from denavit.plot import Plots
+
+        return Plots(self)
+
+
+def calibrate(
+    chain: Chain,
+    data: Measurements | Sequence[Measurements] = (),
+    *,
+    test: Measurements | None = None,
+    hold_out: float | None = None,
+    hold_out_setups: Sequence[str] = (),
+    seed: int = 0,
+    socket: Mapping[str, Measurements] | None = None,
+    distance: Sequence[str] = (),
+    effects: Literal["auto", "curves", "none"] | Sequence[str] | None = "auto",
+    max_effects: int = 8,
+    scales: Iterable[str] | Literal["all"] = (),
+    pitches: Iterable[str] | Literal["all"] = (),
+    gear_ratio: Mapping[str, float] | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Fit:
+    """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C ends it.
+
+    Args:
+        chain: The chain as drawn.
+        data: Measurements to fit. Where the instrument stands and where the target sits is found. Several are several setups:
+            each has its own instrument frame and targets.
+        test: Measurements to judge by, never fitted; sockets in it are new places.
+        hold_out: Without `test`: share of the rows to keep for judging.
+        hold_out_setups: Setups, or placements of sockets, to keep for judging.
+        seed: Of the choice of rows held out.
+        socket: Bare joint readings (no header, a column per joint) taken with a ball on the tip in a socket, by label.
+        distance: Known distances between sockets: ``"front/0,front/1=50mm"``, or ``"*/0,*/1=50mm"`` for every placement; how
+            sure one is may follow as ``+-0.1mm``.
+        effects: Effects to look for behind the geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
+            of the joints alone), or ``None``.
+        max_effects: No more effects than this.
+        scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
+        pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
+        gear_ratio: Motor turns per joint turn, by joint.
+        progress: Called with what is going on, ``geometry``, ``effects``, ``curves``, ``judgement``; an exception that it
+            raises ends the fit. By default it is shown in a notebook and on a terminal.
+
+    Raises:
+        DataError: The measurements cannot be read; `file`, `line` and `hint` say more.
+        CalibrationError: They give no calibration.
+
+    Examples:
+        >>> import denavit as dn
+        >>> chain = dn.load("robots/universal_robots/ur5e.urdf").chain("base", "tool0")
+        >>> m = dn.Measurements.read("robots/universal_robots/ur5e_tracker.csv")
+        >>> fit = dn.calibrate(chain, m, hold_out=0.3, effects=None)
+        >>> [errors.stage for errors in fit.errors], len(fit.parameters)
+        (['nominal', 'geometric'], 24)
+    """
+    if test is not None and (hold_out is not None or hold_out_setups):
+        raise ArgumentError("test, hold_out and hold_out_setups exclude each other; give one of them")
+    if hold_out is not None and hold_out_setups:
+        raise ArgumentError("hold_out and hold_out_setups exclude each other; give one of them")
+    if effects is not None and not isinstance(effects, str) and not list(effects):
+        effects = None
+    several = [data] if isinstance(data, Measurements) else list(data)
+    rows: _denavit.RowsGiven = {
+        "data": [part._given() for part in several],
+        "sockets": [(label, part._given()) for label, part in (socket or {}).items()],
+        "distances": _words(distance),
+        "test": None if test is None else test._given(),
+        "hold_out_setups": _words(hold_out_setups),
+    }
+    search: _denavit.SearchGiven = {
+        "scales": _words(scales),
+        "pitches": _words(pitches),
+        "effects": ["none"] if effects is None else _words(effects),
+        "max_effects": max_effects,
+        "gear_ratios": [f"{joint}={float(ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],
+        "hold_out": hold_out,
+        "seed": seed,
+    }
+    if progress is not None:
+        native = _denavit.calibrate(chain._native, rows, search, progress)
+    else:
+        with _progress.shown() as show:
+            native = _denavit.calibrate(chain._native, rows, search, show)
+    return Fit._of(chain, (rows, search), Found.of(native), native)
+
+
+def _words(words: str | Iterable[str]) -> list[str]:
+    return [words] if isinstance(words, str) else list(words)

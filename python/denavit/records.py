@@ -1,0 +1,79 @@
+"""Results in rows."""
+
+from __future__ import annotations
+
+import html
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from dataclasses import Field
+    from typing import ClassVar
+
+    import pandas as pd
+
+
+class Entry(Protocol):
+    """A dataclass."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+
+T = TypeVar("T", bound=Entry)
+
+
+class Records(tuple[T, ...]):
+    """A tuple of results of one sort that shows itself as a table."""
+
+    __slots__ = ()
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A data frame with a row each. Needs pandas."""
+        import pandas as pd
+
+        return pd.DataFrame.from_records(self.rows())
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A dictionary each; what a result has by name is spread out."""
+        return [_flat(entry) for entry in self]
+
+    def _cells(self) -> list[list[str]]:
+        rows = self.rows()
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return [names, *([_shown(row.get(name)) for name in names] for row in rows)] if rows else []
+
+    def __repr__(self) -> str:
+        cells = self._cells()
+        if not cells:
+            return "none"
+        widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
+        lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)
+        return "\n".join(line.rstrip() for line in lines)
+
+    def _repr_html_(self) -> str:
+        cells = self._cells()
+        if not cells:
+            return "none"
+        head, *body = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in cells)
+        rows = "".join(f"<tr>{row}</tr>" for row in body)
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _flat(entry: Entry) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for field in fields(entry):
+        value = getattr(entry, field.name)
+        flat |= (
+            {f"{field.name}_{name}": number for name, number in value.items()} if isinstance(value, dict) else {field.name: value}
+        )
+    return flat
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, tuple):
+        return ", ".join(map(str, value))
+    return str(value)

@@ -1,0 +1,136 @@
+"""A run of measurements before it is made: which poses to take, and what it might look like."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from denavit import _denavit
+from denavit._files import save
+from denavit.chain import Array, Chain
+from denavit.errors import ArgumentError
+from denavit.measurements import Measurements
+
+if TYPE_CHECKING:
+    from denavit.fit import Fit
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Plan:
+    """Poses to measure.
+
+    Attributes:
+        q: The poses, rad and m, shape ``(count, n)``.
+        json: Everything, as ``denavit plan --json`` prints it.
+        csv: The poses as a file.
+        text: How observable they make the robot, in words.
+    """
+
+    q: Array
+    json: dict[str, Any]
+    csv: str
+    text: str
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the poses as CSV, as a whole or not at all."""
+        save(path, self.csv)
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __eq__(self, other: object) -> bool:
+        return (self.json, self.csv) == (other.json, other.csv) if isinstance(other, Plan) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.csv)
+
+    def __repr__(self) -> str:
+        return self.text.rstrip()
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """A simulated run.
+
+    Attributes:
+        data: What was measured.
+        test: What was measured later, of the same robot, where it was asked for.
+        truth: What it was made of, as ``denavit simulate --truth`` writes it.
+    """
+
+    data: Measurements
+    test: Measurements | None
+    truth: dict[str, Any]
+
+    def __hash__(self) -> int:
+        return hash((self.data, self.test))
+
+
+def _joint_rows(name: str, q: ArrayLike | Plan | None) -> Array | None:
+    if q is None:
+        return None
+    array = np.ascontiguousarray(q.q if isinstance(q, Plan) else q, dtype=np.float64)
+    if array.ndim != 2:
+        raise ArgumentError(f"{name} has shape {array.shape}; give one row of joint values per pose, shape (N, n)")
+    return array
+
+
+def plan(
+    chain: Chain,
+    count: int,
+    measure: str,
+    candidates: ArrayLike | None,
+    spread: int,
+    box: Sequence[float],
+    target: Sequence[float],
+    anchor: Sequence[float] | None,
+    seed: int,
+) -> Plan:
+    """See `Chain.plan`."""
+    rows = _joint_rows("candidates", candidates)
+    away = None if anchor is None else list(anchor)
+    found, csv, text, q = _denavit.plan(chain._native, count, measure, rows, spread, list(box), list(target), away, seed)
+    return Plan(q, json.loads(found), csv, text)
+
+
+def simulate(
+    chain: Chain,
+    rows: int,
+    q: ArrayLike | Plan | None,
+    test: int | None,
+    measure: str,
+    targets: int,
+    seed: int,
+    geometry_error: tuple[float, float],
+    noise: tuple[float, float],
+    outliers: float,
+    effect: Sequence[str],
+    effects: Fit | None,
+    columns: Sequence[str],
+) -> Simulation:
+    """See `Chain.simulate`."""
+    saved = None if effects is None else effects.effects_json
+    data, later, truth = _denavit.simulate(
+        chain._native,
+        rows,
+        test,
+        measure,
+        targets,
+        seed,
+        geometry_error,
+        noise,
+        outliers,
+        list(effect),
+        saved,
+        list(columns),
+        _joint_rows("q", q),
+    )
+    name = f"<simulated {chain.name}>"
+    measured_later = None if later is None else Measurements(later, f"<simulated {chain.name}, later>")
+    return Simulation(Measurements(data, name), measured_later, json.loads(truth))
