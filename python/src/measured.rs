@@ -11,7 +11,6 @@ use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::residual_statistics::Residual;
 use denavit_calibrate::observation::kinds::KINDS;
 use denavit_calibrate::observation::measurements::Measurements;
-use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
 use denavit_load::Loaded;
@@ -187,7 +186,7 @@ pub fn calibrate(
         distances: rows.distances,
         test: rows.test.map(Given::file).transpose()?,
         hold_out_setups: rows.hold_out_setups,
-        import: ImportOptions::default(),
+        ..RowsAsked::default()
     };
     let read = py.detach(|| self::rows(&asked, nominal));
     let Rows { data, test, columns, notes } = read.map_err(|failure| measured(&failure))?;

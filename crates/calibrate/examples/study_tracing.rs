@@ -7,7 +7,6 @@
 #![allow(clippy::too_many_lines, reason = "a study runs from top to bottom")]
 
 use denavit_calibrate::effects::Statics;
-use denavit_calibrate::effects::catalogue::Kind;
 use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
 use denavit_calibrate::observation::measurements::{Measurements, Units, read};
 use denavit_calibrate::trace::{TraceOptions, trace};
@@ -139,7 +138,7 @@ fn main() {
             .findings
             .iter()
             .filter(|f| {
-                !matches(f.term.kind.name(), &f.place) && !f.ambiguous_with.iter().any(|(k, p)| matches(k.name(), p))
+                !matches(f.term.kind.name(), &f.place) && !f.rivals.iter().any(|r| matches(r.kind.name(), &r.place))
             })
             .count();
         if truths.is_empty() {
@@ -160,7 +159,7 @@ fn main() {
                 let rival = result
                     .findings
                     .iter()
-                    .any(|f| f.ambiguous_with.iter().any(|(k, p)| k.name() == kind && *p == places[0]));
+                    .any(|f| f.rivals.iter().any(|r| r.kind.name() == kind && r.place == places[0]));
                 good &= right || rival;
                 let key =
                     if truths.len() == 1 { format!("{kind} {strength}") } else { format!("{} at once", truths.len()) };
@@ -189,8 +188,7 @@ fn main() {
             );
         }
         for f in &result.findings {
-            let rivals: Vec<String> =
-                f.ambiguous_with.iter().map(|(k, p): &(Kind, String)| format!("{}({p})", k.name())).collect();
+            let rivals: Vec<String> = f.rivals.iter().map(|r| format!("{}({})", r.kind.name(), r.place)).collect();
             println!(
                 "   found {}({}) {:?} {:?} dBIC {:.1} p {:.1e} rivals {:?}",
                 f.term.kind.name(),

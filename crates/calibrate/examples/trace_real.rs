@@ -1,10 +1,14 @@
 //! Traces one file of measurements: `cargo run --release --example trace_real -- ROBOT.urdf TRAIN.csv [TEST.csv|SHARE]`.
+//!
+//! In the environment: `TIP` (link), `UNITS` (such as mm,deg), `EFFECTS` (auto, curves, none), `SEED` of the share.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::observation::measurements::{Units, read};
+use denavit_calibrate::report::text;
 use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_model::tree::Reading;
 use std::time::Instant;
 
@@ -14,16 +18,18 @@ fn main() {
     let tip = std::env::var("TIP").ok();
     let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
     let statics = Statics::of(&robot, &chain);
+    let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
     let load = |path: &str| {
-        read(path, std::fs::File::open(path).unwrap(), &chain, Units::default())
-            .unwrap_or_else(|error| panic!("{error}"))
-            .data
+        read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
     };
     let mut options = CalibrateOptions::geometry(&chain);
-    options.trace = Some(TraceOptions::new(options.identify.clone()));
+    let word = std::env::var("EFFECTS").unwrap_or_else(|_| "auto".into());
+    options.trace = (word == "auto").then(|| TraceOptions::new(options.identify.clone()));
+    options.curves = (word == "curves").then(CurveOptions::default);
+    let seed = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut test = None;
     match arguments.get(3).map(|word| (word, word.parse::<f64>())) {
-        Some((_, Ok(share))) => options.hold_out = Some(HoldOut { share, seed: 0 }),
+        Some((_, Ok(share))) => options.hold_out = Some(HoldOut { share, seed }),
         Some((path, _)) => test = Some(load(path)),
         None => {}
     }
@@ -31,7 +37,7 @@ fn main() {
     let found =
         calibrate(&chain, &statics, load(&arguments[2]), test, &options).unwrap_or_else(|error| panic!("{error}"));
     println!("{:.2} s", started.elapsed().as_secs_f64());
-    println!("{}", found.report.to_json());
+    println!("{}", text::calibration(&found));
     if let Some(trace) = &found.trace {
         for f in &trace.findings {
             println!("{}({}) {:?} {:?}", f.term.kind.name(), f.place, f.term.carrier, f.term.driver);

@@ -40,6 +40,8 @@ use thiserror::Error;
 
 /// Name of the stage with error curves.
 const CURVES: &str = "geometric + curves";
+/// Readings of one joint that differ by more than this are two postures, rad or m.
+const MOVED: f64 = 1e-3;
 
 /// Rows to hold out of a single file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,6 +156,8 @@ pub struct Calibration {
     pub report: CalibrationReport,
     /// Nominal and geometric fit.
     pub identification: Identification,
+    /// The fit that was adopted, if it holds more than geometry.
+    pub beyond: Option<Box<Fit<EffectModel>>>,
     /// What the tracer found, if it was asked.
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
@@ -182,11 +186,7 @@ impl Calibration {
 
     /// The fit that was adopted, if it holds more than geometry: effects or error curves.
     pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
-        match self.report.adopted {
-            Adopted::Nominal | Adopted::Geometric => None,
-            Adopted::Effects => self.trace.as_ref().map(|trace| &trace.fit),
-            Adopted::Curves => self.curves.as_ref().map(|curves| &curves.fit),
-        }
+        self.beyond.as_deref()
     }
 
     /// The effects and error curves at the stage that was adopted; none where none was looked for.
@@ -236,6 +236,7 @@ pub fn calibrate_and_tell(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Calibration, CalibrateError> {
     let mut begin = |stage| if progress(stage).is_break() { Err(CalibrateError::Stopped) } else { Ok(()) };
+    let (data, test, stale) = fresh(data, test);
     let (train, test) = rows_of(data, test, options)?;
     begin(Progress::Geometry)?;
     within_proportion(chain)?;
@@ -264,32 +265,27 @@ pub fn calibrate_and_tell(
         let survey = Survey::of(statics, &train, Vec::new());
         fit_curves(&survey, &train, &geometric.with_model(statics), &geometric.arm, options)
     });
+    let curves = curves.or_else(|| found.as_ref().map(|found| found.curves.clone()));
     begin(Progress::Judgement)?;
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
     stages.add("geometric".into(), geometric)?;
-    if let Some(found) = &found {
-        for (name, fit) in trace_stages(found) {
-            stages.add(name, fit)?;
-        }
+    let beyond = beyond(curves.as_ref(), found.as_ref());
+    for reached in &beyond {
+        stages.add(reached.name.clone(), reached.fit)?;
     }
-    if let Some(curves) = curves.as_ref().filter(|curves| !curves.fit.effects.curves.is_empty()) {
-        stages.add(CURVES.into(), &curves.fit)?;
-    }
-    let beyond = match (&found, &curves) {
-        (Some(found), _) => Some((Adopted::Effects, &found.fit)),
-        (None, Some(curves)) => Some((Adopted::Curves, &curves.fit)),
-        (None, None) => None,
-    };
-    let adopted = stages.adopt(beyond.filter(|(_, fit)| fit.settled()).map(|(adopted, _)| adopted));
+    let last = stages.adopt(&beyond);
     let (stages, residuals) = (stages.done, stages.residuals);
+    let reached = last.checked_sub(2).map(|index| &beyond[index]);
+    let adopted =
+        reached.map_or(if last == 0 { Adopted::Nominal } else { Adopted::Geometric }, |reached| reached.adopted);
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
-    let (weights, (parameters, differs)) = match (adopted, beyond) {
-        (Adopted::Nominal, _) => (&identification.nominal.weights, identified(&identification.nominal)),
-        (Adopted::Effects | Adopted::Curves, Some((_, fit))) => (&fit.weights, identified(fit)),
-        _ => (&geometric.weights, identified(geometric)),
+    let (weights, (parameters, differs)) = match reached {
+        Some(reached) => (&reached.fit.weights, identified(reached.fit)),
+        None if last == 0 => (&identification.nominal.weights, identified(&identification.nominal)),
+        None => (&geometric.weights, identified(geometric)),
     };
-    let last = stages.iter().position(|stage| stage.adopted).unwrap_or(0);
+    let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
@@ -302,6 +298,7 @@ pub fn calibrate_and_tell(
             train: train.len(),
             test: test.as_ref().map_or(0, |test| test.locate.iter().filter(|locate| !**locate).count()),
             rejected: rejected(&train, weights),
+            stale,
             test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &residuals[last].test)),
         },
         redundancy,
@@ -314,21 +311,16 @@ pub fn calibrate_and_tell(
         rows: Vec::new(),
         parameters,
         differs_from_drawing: differs,
-        effects: named.map_or_else(Vec::new, |found| found.findings.iter().map(entry).collect()),
-        curves: curves.as_ref().filter(|_| adopted == Adopted::Curves).map_or_else(Vec::new, CurveEntry::of_fit),
-        unexplained: found.as_ref().map_or(
-            Unexplained { structured: false, p_value: 1.0, places: Vec::new() },
-            |found| Unexplained {
-                structured: found.leftover.structured,
-                p_value: found.leftover.p_value,
-                places: found.leftover.places.clone(),
-            },
-        ),
+        effects: entries(true),
+        one_of: entries(false),
+        curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(reached.fit, reached.gains)),
+        unexplained: unexplained(found.as_ref()),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
     let mut result = Calibration {
         report,
         identification,
+        beyond: reached.map(|reached| Box::new(reached.fit.clone())),
         trace: found,
         curves,
         identifiability: identifiable,
@@ -365,6 +357,16 @@ fn rows_of(
         }
     }
     Ok((train, test))
+}
+
+/// What no effect explains, as the report says it.
+fn unexplained(found: Option<&Trace>) -> Unexplained {
+    let none = || Unexplained { structured: false, p_value: 1.0, places: Vec::new() };
+    found.map_or_else(none, |found| Unexplained {
+        structured: found.leftover.structured,
+        p_value: found.leftover.p_value,
+        places: found.leftover.places.clone(),
+    })
 }
 
 /// What no row tells, as the report says it.
@@ -516,24 +518,89 @@ impl Stages<'_> {
     }
 
     /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
-    /// `beyond`: what the last stage adds to geometry, if its fit settled.
-    fn adopt(&mut self, beyond: Option<Adopted>) -> Adopted {
-        let (mut adopted, mut at) = (Adopted::Nominal, 0);
-        let last = self.done.len() - 1;
-        for stage in [1, last] {
-            if stage == at {
-                continue;
-            }
+    /// `beyond`: the stages after geometry. Returns its index.
+    fn adopt(&mut self, beyond: &[Beyond<'_>]) -> usize {
+        let mut at = 0;
+        for stage in 1..self.done.len() {
             let worse = worse(&self.residuals[at].test, &self.residuals[stage].test);
             self.done[stage].worse_on_held_out = worse;
-            let reached = if stage == 1 { Some(Adopted::Geometric) } else { beyond };
-            if let Some(reached) = reached.filter(|_| !worse) {
-                (adopted, at) = (reached, stage);
+            let settled = stage.checked_sub(2).is_none_or(|index| beyond[index].fit.settled());
+            if settled && !worse {
+                at = stage;
             }
         }
         self.done[at].adopted = true;
-        adopted
+        at
     }
+}
+
+/// A stage after geometry.
+struct Beyond<'a> {
+    name: String,
+    adopted: Adopted,
+    fit: &'a Fit<EffectModel>,
+    /// Of its curves.
+    gains: &'a [f64],
+}
+
+/// Curves alone; effects alone, where there are curves beside them; both.
+fn beyond<'a>(curves: Option<&'a CurveFit>, found: Option<&'a Trace>) -> Vec<Beyond<'a>> {
+    let mut stages = Vec::new();
+    if let Some(curves) = curves.filter(|curves| !curves.fit.effects.curves.is_empty()) {
+        stages.push(Beyond { name: CURVES.into(), adopted: Adopted::Curves, fit: &curves.fit, gains: &curves.gains });
+    }
+    if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
+        let name = stage_name(found);
+        if !found.fit.effects.curves.is_empty() {
+            stages.push(Beyond { name: name.clone(), adopted: Adopted::Effects, fit: &found.plain, gains: &[] });
+        }
+        let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
+        let name = format!("{name}{beside}");
+        stages.push(Beyond { name, adopted: Adopted::Effects, fit: &found.fit, gains: &found.curve_gains });
+    }
+    stages
+}
+
+/// A stage by its effects; those of which one acts and nobody can say which are marked.
+fn stage_name(found: &Trace) -> String {
+    let of = |finding: &Finding| {
+        let doubt = if finding.named { "" } else { "?" };
+        format!(" + {}({}){doubt}", finding.term.kind.name(), finding.place)
+    };
+    format!("geometric{}", found.findings.iter().map(of).collect::<String>())
+}
+
+/// Both files without rows whose reading came late, and the lines of those.
+fn fresh(data: Measurements, test: Option<Measurements>) -> (Measurements, Option<Measurements>, Vec<usize>) {
+    let (data, mut stale) = without_stale_rows(data);
+    let test = test.map(|test| {
+        let (test, more) = without_stale_rows(test);
+        stale.extend(more);
+        test
+    });
+    (data, test, stale)
+}
+
+/// The rows without those that repeat the measured values of the row before, digit for digit, although a joint moved: the
+/// instrument's reading is then that of the posture before. Also the lines of those rows.
+///
+/// One number alone may repeat by chance: rows of three and more are looked at.
+fn without_stale_rows(data: Measurements) -> (Measurements, Vec<usize>) {
+    let values = |row: usize| -> Vec<f64> {
+        data.of_row(row).flat_map(|observation| data.observed.values(observation).to_vec()).collect()
+    };
+    let repeats = |row: usize| {
+        let (before, here) = (values(row - 1), values(row));
+        let moved = data.reading(row - 1).iter().zip(data.reading(row)).any(|(a, b)| (a - b).abs() > MOVED);
+        moved && here.len() >= 3 && before == here && !data.locate[row]
+    };
+    let (stale, kept): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|&row| row > 0 && repeats(row));
+    // Where many repeat, that is how the file is written, and not a reading that came late.
+    if stale.is_empty() || 20 * stale.len() > data.len() {
+        return (data, Vec::new());
+    }
+    let lines = stale.iter().map(|&row| data.lines[row]).collect();
+    (data.subset(&kept), lines)
 }
 
 /// Lines of the rows with a rejected value.
@@ -542,25 +609,13 @@ fn rejected(data: &Measurements, weights: &[f64]) -> Vec<usize> {
     (0..data.len()).filter(out).map(|row| data.lines[row]).collect()
 }
 
-/// Stages of the tracer by what each added; the last one is what it settled on.
-fn trace_stages(found: &Trace) -> Vec<(String, &Fit<EffectModel>)> {
-    let chain = &found.fit.arm.nominal;
-    let name = |fit: &Fit<EffectModel>| {
-        let terms = fit
-            .effects
-            .effects
-            .iter()
-            .map(|effect| format!(" + {}({})", effect.term.kind.name(), effect.term.carrier.place(chain)));
-        format!("geometric{}", terms.collect::<String>())
-    };
-    let mut stages: Vec<_> = found.stages.iter().map(|fit| (name(fit), fit)).collect();
-    if !found.fit.effects.effects.is_empty() && stages.last().is_none_or(|(last, _)| *last != name(&found.fit)) {
-        stages.push((name(&found.fit), &found.fit));
-    }
-    stages
+/// The effects that are named, or those that are not.
+fn entries(found: Option<&Trace>, named: bool, chain: &Chain) -> Vec<EffectEntry> {
+    let findings = found.iter().flat_map(|found| &found.findings);
+    findings.filter(|finding| finding.named == named).map(|finding| entry(finding, chain)).collect()
 }
 
-fn entry(finding: &Finding) -> EffectEntry {
+fn entry(finding: &Finding, chain: &Chain) -> EffectEntry {
     let joint = finding.term.carrier.joint().map(|_| finding.place.clone());
     let place = joint.is_none().then(|| finding.place.clone());
     let mut parameters = Map::new();
@@ -579,10 +634,17 @@ fn entry(finding: &Finding) -> EffectEntry {
         parameters,
         p_value: finding.p_value,
         delta_bic: finding.delta_bic,
+        probability: finding.probability,
+        found_again: finding.found_again,
+        driven_by: finding.driven_by().map(|driver| chain.joints()[driver].name.clone()),
         ambiguous_with: finding
-            .ambiguous_with
+            .rivals
             .iter()
-            .map(|(kind, joint)| Rival { kind: kind.name().into(), joint: joint.clone() })
+            .map(|rival| Rival {
+                kind: rival.kind.name().into(),
+                joint: rival.place.clone(),
+                probability: rival.probability,
+            })
             .collect(),
     }
 }

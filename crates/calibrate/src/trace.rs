@@ -1,10 +1,8 @@
 //! Trace the residual of a geometric fit to the effects that the model lacks.
 //!
 //! ```text
-//! geometric fit ─► every candidate, projected ─► best by BIC, p over the whole search, held-out ─► refit all ─┐
-//!                         ▲                                                                               │
-//!                         └──────────── until nothing passes; swap, merge, drop ◄─────────────────────────┘
-//!                                                      └─► rivals ─► structure left over
+//! geometric fit ─► error curves of all joints ─► a search step by step proposes ─► sets of effects are judged beside curves
+//! and structure without a name ─► what is sure, and found again on resampled runs, is named ─► all refitted together
 //! ```
 //! No candidate sees a measured value. All of them are tested against geometry at the same state of the model.
 
@@ -14,13 +12,14 @@ mod contest;
 mod drifts;
 mod findings;
 mod holdout;
-mod leftover;
+pub(crate) mod leftover;
 pub(crate) mod linear;
 mod portrait;
 mod projector;
 mod refine;
-mod search;
+pub(crate) mod search;
 mod select;
+mod settle;
 
 use crate::effects::catalogue::Kind;
 use crate::effects::driver::Statics;
@@ -29,6 +28,8 @@ use crate::identify::IdentifyOptions;
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
+use crate::trace::infer::curves::{CurveFit, CurveOptions};
+use crate::trace::infer::named::Alternative;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
@@ -46,12 +47,21 @@ pub struct TraceOptions {
     pub gear_ratios: Vec<Option<f64>>,
     /// Share of clean files in which an effect may be claimed.
     pub false_claims: f64,
+    /// How error curves are sought beside them.
+    pub curves: CurveOptions,
 }
 
 impl TraceOptions {
     /// All kinds, eight effects at most, one false claim in two hundred clean files.
     pub fn new(identify: IdentifyOptions) -> Self {
-        Self { identify, kinds: Vec::new(), max_effects: 8, gear_ratios: Vec::new(), false_claims: 0.005 }
+        Self {
+            identify,
+            kinds: Vec::new(),
+            max_effects: 8,
+            gear_ratios: Vec::new(),
+            false_claims: 0.005,
+            curves: CurveOptions::default(),
+        }
     }
 }
 
@@ -68,7 +78,7 @@ pub struct Value {
     pub unit: String,
 }
 
-/// An effect that the data ask for.
+/// An effect that the data ask for: named, or one of several that the data cannot tell apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The term.
@@ -77,14 +87,27 @@ pub struct Finding {
     pub place: String,
     /// Its numbers.
     pub values: Vec<Value>,
-    /// Probability that chance alone makes the best of all candidates look as good.
+    /// Whether it is sure enough to be named as the cause.
+    pub named: bool,
+    /// Posterior probability that this kind acts at this place.
+    pub probability: f64,
+    /// Share of resampled runs that find it.
+    pub found_again: f64,
+    /// Probability that it does not act: what is left of the posterior mass.
     pub p_value: f64,
-    /// Fall of the information criterion, the effect removed and put back.
+    /// Twice the logarithm of the odds of the best set with it against the best without it.
     pub delta_bic: f64,
-    /// Kinds and places that the data cannot tell from it.
-    pub ambiguous_with: Vec<(Kind, String)>,
+    /// Kinds and places that may act in its stead, the most probable first.
+    pub rivals: Vec<Alternative>,
     /// What the rows say of it.
     pub portrait: Portrait,
+}
+
+impl Finding {
+    /// The joint that drives it, where that is not the one that it acts at.
+    pub fn driven_by(&self) -> Option<usize> {
+        self.term.driver.joint().filter(|driver| Some(*driver) != self.term.carrier.joint())
+    }
 }
 
 /// One cell of the scan over all pairs, before anything was added.
@@ -101,10 +124,14 @@ pub struct ScanCell {
 /// What the tracer found.
 #[derive(Debug, Clone)]
 pub struct Trace {
-    /// Geometry and effects, fitted together.
+    /// Geometry, effects and error curves, fitted together.
     pub fit: Fit<EffectModel>,
-    /// The fit after each effect that was added, in order.
-    pub stages: Vec<Fit<EffectModel>>,
+    /// For each of its curves by how much it raises the logarithm of the marginal likelihood.
+    pub curve_gains: Vec<f64>,
+    /// Geometry and effects without curves.
+    pub plain: Fit<EffectModel>,
+    /// Geometry and curves without effects.
+    pub curves: CurveFit,
     /// The effects, in the model's order.
     pub findings: Vec<Finding>,
     /// How many candidates were tried in one pass.
@@ -134,5 +161,5 @@ pub fn scan(
 /// `data` as given to the geometric fit, with run order added by
 /// [`crate::effects::survey::with_run_order`] where it is known.
 pub fn trace(statics: &Statics, data: &Measurements, geometric: &Fit<NoEffects>, options: &TraceOptions) -> Trace {
-    select::Tracer::new(statics, data, geometric, options).run()
+    settle::trace(statics, data, geometric, options)
 }

@@ -121,6 +121,25 @@ fn a_saved_model_keeps_its_curves() {
     assert_eq!(refused, "e.json: curve 1: it names joint 9; joints are 0 to 5");
 }
 
+/// What an instrument hands out again while the robot is in the next posture is no measurement of that.
+#[test]
+fn rows_with_the_reading_of_the_row_before_are_left_out() {
+    let chain = puma_like();
+    let options = SimulationOptions { kind: POSITION, rows: 120, seed: 8, ..Default::default() };
+    let mut data = simulate(&chain, &options, &NoEffects).data;
+    for row in [30, 77] {
+        let late = data.observed.values(data.of_row(row - 1).next().unwrap()).to_vec();
+        let observation = data.of_row(row).next().unwrap();
+        data.observed.values_mut(observation).copy_from_slice(&late);
+    }
+    let lines = [data.lines[30], data.lines[77]];
+    let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(&chain) };
+    let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
+    assert_eq!((result.report.samples.stale.as_slice(), result.report.samples.train), (&lines[..], 118));
+    let said = text::calibration(&result);
+    assert!(said.contains("left out: the same measured values as in the row before, although joints moved"), "{said}");
+}
+
 /// Jacobi's thesis (Tsinghua 2025) leaves 0.1549 mm in the mean on the same 20 rows, with D-H calibration and a graph network.
 #[test]
 fn jacobi_ur5_on_the_published_split() {

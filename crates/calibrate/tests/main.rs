@@ -7,6 +7,7 @@ mod curves;
 mod diagnosis;
 mod exports;
 mod factory;
+mod honesty;
 mod identifiability;
 mod jacobian;
 mod measured;

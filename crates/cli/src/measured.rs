@@ -61,11 +61,6 @@ pub fn data_file(file: &str, units: Units) -> Result<DataFile, Failure> {
     Ok(DataFile { name, bytes, units })
 }
 
-/// Says what must be known.
-pub fn mention(notes: &[String]) {
-    notes.iter().for_each(output::mention);
-}
-
 /// What the arguments say of the columns of a file of measurements.
 pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Failure> {
     let wrong = |option: &str, error: &dyn std::fmt::Display| Failure::Argument(format!("{option}: {error}"));
@@ -90,6 +85,11 @@ pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Fail
         quaternion: arguments.quaternion.clone(),
         joints: arguments.joints.as_ref().map(program).transpose()?,
     })
+}
+
+/// Says what must be known.
+pub fn mention(notes: &[String]) {
+    notes.iter().for_each(output::mention);
 }
 
 /// Reads a list of poses.

@@ -32,7 +32,7 @@ fn both_read_the_same_joints_and_masses() {
     for path in &found {
         let text = std::fs::read_to_string(path).unwrap();
         let Ok(ours) = denavit_model::urdf::read(path.to_str().unwrap(), &text) else { continue };
-        let Ok(mut theirs) = urdf_rs::read_from_string(&text) else {
+        let Ok(theirs) = urdf_rs::read_from_string(&text) else {
             ours_alone.push(path.display().to_string());
             continue;
         };

@@ -50,12 +50,17 @@ def place(claim):
     return claim.get("joint") or claim.get("where") or ""
 
 
+def claims(report):
+    """What is named, and what stays in the model although another cause may act in its stead."""
+    return report["effects"] + report.get("one_of", [])
+
+
 def of_distance(stage):
     return stage.get("position_rms_m") or stage["distance_rms_m"]
 
 
 def attainable(truth, report):
-    numbers = report["identifiability"]["rank"] + sum(len(effect["parameters"]) for effect in report["effects"])
+    numbers = report["identifiability"]["rank"] + sum(len(effect["parameters"]) for effect in claims(report))
     size = {"pose": 3, "position": 3, "distance": 1}[truth["measure"]]
     per_row = 6 if truth["measure"] == "pose" else size
     return truth["noise_m"] * np.sqrt(size) * np.sqrt(1 + numbers / (truth["count"] * per_row))
@@ -66,10 +71,10 @@ def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measur
     truth, report = calibrated(tmp_path / "case", "--effects", effect, "--arm", arm, "--measure", measure, "--seed", "7", "--payload")
     hidden = truth["effects"][0]
     where = hidden["places"][0].replace("all", "all joints") if hidden["kind"] == "latency" else hidden["places"][0]
-    for claim in report["effects"]:
+    for claim in claims(report):
         rivals = [(rival["kind"], rival["joint"]) for rival in claim["ambiguous_with"]]
-        assert (hidden["kind"], where) in [(claim["kind"], place(claim)), *rivals], report["effects"]
-    assert report["effects"], report["unexplained"]
+        assert (hidden["kind"], where) in [(claim["kind"], place(claim)), *rivals], claims(report)
+    assert claims(report), report["unexplained"]
     before, after = of_distance(report["stages"][1]["test"]), of_distance(report["stages"][-1]["test"])
     print(f"{effect} on {arm}: {before * 1e3:.4f} -> {after * 1e3:.4f} mm, attainable {attainable(truth, report) * 1e3:.4f}")
     assert after < attainable(truth, report) * (2.0 if measure == "distance" else CHANCE)
@@ -79,7 +84,7 @@ def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measur
 def test_nothing_is_named_where_nothing_is(arm, tmp_path):
     measure = "pose" if arm == "scara" else "position"
     _, report = calibrated(tmp_path / "case", "--arm", arm, "--measure", measure, "--seed", "3", "--rich", "--payload")
-    assert report["effects"] == [] and not report["unexplained"]["structured"]
+    assert claims(report) == [] and not report["unexplained"]["structured"]
 
 
 @pytest.mark.parametrize("arm", ["six_axis", "rail_six_axis"])
@@ -88,4 +93,4 @@ def test_what_no_entry_describes_is_said_to_remain_and_where(arm, tmp_path):
     places = truth["effects"][0]["places"]
     assert report["unexplained"]["structured"]
     assert report["unexplained"]["where"][0]["joint"] in places
-    assert {place(claim) for claim in report["effects"]} <= set(places)
+    assert {place(claim) for claim in claims(report)} <= set(places)

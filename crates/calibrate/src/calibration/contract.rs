@@ -51,8 +51,11 @@ pub struct CalibrationReport {
     pub parameters: Vec<Identified>,
     /// Axes that are many tolerances from where they are drawn.
     pub differs_from_drawing: Vec<DrawingDifference>,
-    /// Effects that the data ask for.
+    /// Effects that are sure enough to be named.
     pub effects: Vec<EffectEntry>,
+    /// Effects that stay in the model although another may act in their stead; left out where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub one_of: Vec<EffectEntry>,
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,
@@ -71,6 +74,9 @@ pub struct Samples {
     pub test: usize,
     /// Rows with a rejected value: their lines in the file.
     pub rejected: Vec<usize>,
+    /// Rows that repeat the measured values of the row before although a joint moved; left out of everything.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stale: Vec<usize>,
     /// Held-out rows that are off by far more than the others, and are counted all the same: their lines in their file.
     pub test_outliers: Vec<usize>,
 }
@@ -166,21 +172,30 @@ pub struct EffectEntry {
     pub covariate: Option<String>,
     /// Its numbers by name: value, standard deviation, unit.
     pub parameters: Map<String, Value>,
-    /// Probability that chance makes the best of all candidates look as good.
+    /// Probability that it does not act: what is left of the posterior mass.
     pub p_value: f64,
-    /// Fall of the information criterion.
+    /// Twice the logarithm of the odds of the best model with it against the best without it.
     pub delta_bic: f64,
-    /// What indistinguishable in these data from.
+    /// Posterior probability that this kind acts at this place.
+    pub probability: f64,
+    /// Share of resampled runs that find it.
+    pub found_again: f64,
+    /// The joint that drives it, where that is not the one that it acts at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_by: Option<String>,
+    /// What may act in its stead, the most probable first.
     pub ambiguous_with: Vec<Rival>,
 }
 
 /// A rival of an effect.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rival {
     /// Its kind.
     pub kind: String,
     /// Where it acts: a joint, or `base`, `target`, …
     pub joint: String,
+    /// Posterior probability that it acts and the other does not.
+    pub probability: f64,
 }
 
 /// The error of a joint's value as a smooth function of its own reading, no cause claimed.

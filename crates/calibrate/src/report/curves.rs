@@ -2,7 +2,8 @@
 
 use crate::calibration::contract::{CurveEntry, CurvePoint};
 use crate::effects::curve::Curve;
-use crate::trace::infer::curves::CurveFit;
+use crate::effects::model::EffectModel;
+use crate::identify::solve::Fit;
 use crate::trace::infer::lines::{course, lines};
 use denavit_model::Screw;
 use std::fmt::Write;
@@ -12,8 +13,8 @@ const TABLE: usize = 73;
 
 impl CurveEntry {
     /// An entry for each curve of a fit.
-    pub fn of_fit(found: &CurveFit) -> Vec<Self> {
-        let joints = found.fit.arm.nominal.joints();
+    pub fn of_fit(fit: &Fit<EffectModel>, gains: &[f64]) -> Vec<Self> {
+        let joints = fit.arm.nominal.joints();
         let entry = |(curve, gain): (&Curve, &f64)| {
             let (low, high) = curve.range;
             let at = |k: usize| low + (high - low) * k as f64 / (TABLE - 1) as f64;
@@ -30,7 +31,7 @@ impl CurveEntry {
                 table: (0..TABLE).map(|k| point(at(k))).collect(),
             }
         };
-        found.fit.effects.curves.iter().zip(&found.gains).map(entry).collect()
+        fit.effects.curves.iter().zip(gains).map(entry).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the tracer found, as text for a terminal: each effect, why it is claimed, its rivals, and what remains.
 
-use crate::trace::{Trace, Value};
+use crate::trace::infer::named::Alternative;
+use crate::trace::{Finding, Trace, Value};
 use std::fmt::Write;
 
 fn number(value: &Value) -> String {
@@ -19,29 +20,74 @@ fn probability(p: f64) -> String {
     }
 }
 
+fn rivals(finding: &Finding) -> Vec<String> {
+    let rival =
+        |rival: &Alternative| format!("{} at {} ({})", rival.kind.name(), rival.place, percent(rival.probability));
+    finding.rivals.iter().map(rival).collect()
+}
+
+/// Kind, place and what it follows.
+fn title(finding: &Finding, trace: &Trace) -> String {
+    let mut title = format!("{} at {}", finding.term.kind.name(), finding.place);
+    if let Some(driver) = finding.driven_by() {
+        let _ = write!(title, ", driven by {}", trace.fit.arm.nominal.joints()[driver].name);
+    }
+    if let Some(name) = finding.term.driver.covariate() {
+        let _ = write!(title, ", with {name}");
+    }
+    title
+}
+
+/// A probability that is nearly 1 is not written as if it were.
+fn percent(probability: f64) -> String {
+    match probability {
+        p if p > 0.995 => "over 99 %".into(),
+        p => format!("{:.0} %", 100.0 * p),
+    }
+}
+
 /// The effects with their numbers and rivals, then what no effect explains.
 pub fn findings(trace: &Trace) -> String {
     let mut text = String::new();
     let count = trace.candidates;
+    let (named, open): (Vec<&Finding>, Vec<&Finding>) = trace.findings.iter().partition(|finding| finding.named);
     if trace.findings.is_empty() {
-        let _ = writeln!(text, "no effect beyond geometry, of {count} candidates");
+        let beside = if trace.fit.effects.curves.is_empty() { "" } else { " and error curves" };
+        let _ = writeln!(text, "no effect beyond geometry{beside}, of {count} candidates");
+    } else if named.is_empty() {
+        let _ = writeln!(text, "no effect is sure enough to be named, of {count} candidates");
     } else {
-        let _ = writeln!(text, "effects that the data ask for, of {count} candidates (p counts all of them)");
+        let _ = writeln!(text, "effects that the data ask for, of {count} candidates");
     }
-    for finding in &trace.findings {
-        let driver = finding.term.driver.covariate().map_or_else(String::new, |name| format!(", with {name}"));
-        let _ = writeln!(text, "  {} at {}{driver}", finding.term.kind.name(), finding.place);
+    for finding in named {
+        let _ = writeln!(text, "  {}", title(finding, trace));
         for value in &finding.values {
             let _ = writeln!(text, "      {}", number(value));
         }
-        let _ = writeln!(text, "      why: ΔBIC {:.0}, {}", finding.delta_bic, probability(finding.p_value));
-        let rivals: Vec<String> =
-            finding.ambiguous_with.iter().map(|(kind, place)| format!("{} at {place}", kind.name())).collect();
-        if rivals.is_empty() {
-            let _ = writeln!(text, "      rivals: none");
-        } else {
-            let _ = writeln!(text, "      indistinguishable in these data from {}", rivals.join(", "));
+        let _ = writeln!(
+            text,
+            "      why: probability {}, found again in {:.0} % of resampled runs",
+            percent(finding.probability),
+            100.0 * finding.found_again
+        );
+        let rivals = rivals(finding);
+        if !rivals.is_empty() {
+            let _ = writeln!(text, "      less likely in its stead: {}", rivals.join(", "));
         }
+    }
+    for finding in open {
+        let own = format!("{} ({})", title(finding, trace), percent(finding.probability));
+        let all: Vec<String> = std::iter::once(own).chain(rivals(finding)).collect();
+        if all.len() > 1 {
+            let _ = writeln!(text, "  one of: {}", all.join(", "));
+        } else {
+            let _ = writeln!(text, "  perhaps: {}", all[0]);
+        }
+        for value in &finding.values {
+            let _ = writeln!(text, "      {}", number(value));
+        }
+        let again = 100.0 * finding.found_again;
+        let _ = writeln!(text, "      corrected for, not named: found again in {again:.0} % of resampled runs");
     }
     let left = &trace.leftover;
     if left.structured {

@@ -126,8 +126,7 @@ fn scan(trace: &Trace) -> Scan {
 }
 
 fn remains(result: &Calibration, after: &StageResiduals) -> Result<[Plot; 2], PlotError> {
-    let last = result.trace.as_ref().map(|trace| &trace.fit).or(result.curves.as_ref().map(|curves| &curves.fit));
-    let noise = last.map_or(&result.identification.geometric.noise, |fit| &fit.noise);
+    let noise = result.beyond_geometry().map_or(&result.identification.geometric.noise, |fit| &fit.noise);
     let scene = &result.train.scene;
     Ok([trace_plots::quantiles(&after.train, scene, noise)?, trace_plots::autocorrelation(&after.train, scene, noise)?])
 }

@@ -129,8 +129,8 @@ pub fn parameters<E>(fit: &Fit<E>) -> String {
 
 /// The parameters of the last stage: with effects, where there are some.
 pub fn final_parameters(result: &Calibration) -> String {
-    match &result.trace {
-        Some(trace) => parameters(&trace.fit),
+    match result.beyond_geometry() {
+        Some(fit) => parameters(fit),
         None => parameters(&result.identification.geometric),
     }
 }
@@ -227,7 +227,7 @@ pub fn calibration(result: &Calibration) -> String {
         _ => {}
     }
     text.push_str(&curves(&report.curves));
-    if result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
+    if result.trace.is_none() && result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
         text.push_str("no joint has an error curve that the data ask for\n");
     }
     let Floor { noise, parameters, values, assumed } = floor(result);

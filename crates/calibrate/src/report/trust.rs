@@ -49,6 +49,13 @@ pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
         let more = if lines.len() > LISTED { format!(" and {} more", lines.len() - LISTED) } else { String::new() };
         format!("{}{more}", shown.join(", "))
     };
+    if !samples.stale.is_empty() {
+        let _ = writeln!(
+            text,
+            "left out: the same measured values as in the row before, although joints moved, lines: {}",
+            listed(&samples.stale)
+        );
+    }
     if !samples.rejected.is_empty() {
         let _ = writeln!(text, "rejected as gross outliers, lines: {}", listed(&samples.rejected));
     }
@@ -91,7 +98,8 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
 /// Stages that are not the calibrated robot although they were fitted, and why.
 pub(super) fn not_adopted(report: &CalibrationReport) -> String {
     let mut text = String::new();
-    for stage in &report.stages {
+    let adopted = report.stages.iter().position(|stage| stage.adopted).unwrap_or(0);
+    for stage in report.stages.iter().skip(adopted) {
         if stage.worse_on_held_out {
             let _ = writeln!(
                 text,

@@ -11,8 +11,6 @@ use std::ops::Range;
 const FITTED: usize = 3;
 /// An effect that explains less than this share of what the present one does is no contender.
 const CONTENDS: f64 = 0.7;
-/// Fits whose criteria differ by less than this are as good as each other: beside chance, the second order differs.
-const AS_GOOD: f64 = 20.0;
 /// What a rejected row costs: about the least χ² for which a row is rejected.
 const REJECTION: f64 = 40.0;
 
@@ -35,20 +33,8 @@ impl Tracer<'_> {
         best.map(|(_, next)| self.rescanned(next))
     }
 
-    /// Kinds and places that fit as well as one effect of a state when they take its place.
-    pub(crate) fn as_good_when_fitted(&self, state: &State, index: usize) -> Vec<(Kind, String)> {
-        let had = self.criterion(state);
-        self.contenders(state, index..index + 1)
-            .into_iter()
-            .map(|set| self.refitted(set, Some(state)))
-            // Steps that came to lie at one place are one effect.
-            .filter(|other| other.chosen.len() == state.chosen.len() && self.criterion(other) < had + AS_GOOD)
-            .map(|other| (other.chosen[index].term.kind, other.chosen[index].term.carrier.place(&self.statics.chain)))
-            .collect()
-    }
-
     /// The sets of terms that are worth a fit.
-    fn contenders(&self, state: &State, contested: Range<usize>) -> Vec<Vec<Candidate>> {
+    pub(crate) fn contenders(&self, state: &State, contested: Range<usize>) -> Vec<Vec<Candidate>> {
         let linear = self.linear(state);
         let field = self.field(&linear);
         let mut sets = Vec::new();

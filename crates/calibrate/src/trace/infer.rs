@@ -5,8 +5,10 @@
 //! y = G η + F φ + Σ_j C_j w_j + Σ_e A_e β_e + ε
 //! ```
 //! [`model`] says what each block of columns is and how large its numbers are expected to be, [`evidence`] scores a model,
-//! [`maximum`] finds the few numbers that the score leaves free, [`curves`] fits.
+//! [`maximum`] finds the few numbers that the score leaves free, [`curves`] fits, [`contest`] compares sets of effects,
+//! [`named`] says which of them are sure enough to be named.
 
+pub mod contest;
 pub mod curves;
 pub mod evidence;
 pub mod gram;
@@ -14,6 +16,7 @@ pub mod gram;
 pub mod lines;
 pub mod maximum;
 pub mod model;
+pub mod named;
 mod replicates;
 mod triangle;
 

@@ -50,20 +50,30 @@ pub struct Leftover {
     pub places: Vec<Structure>,
     /// Columns of the blocks that explain it, in units of the noise.
     pub(crate) columns: DMatrix<f64>,
+    /// Those blocks.
+    pub(crate) blocks: Vec<Block>,
     /// How much of the sum of squares they explain.
     pub(crate) drop: f64,
 }
 
 impl Default for Leftover {
     fn default() -> Self {
-        Self { structured: false, p_value: 1.0, places: Vec::new(), columns: DMatrix::zeros(0, 0), drop: 0.0 }
+        Self {
+            structured: false,
+            p_value: 1.0,
+            places: Vec::new(),
+            columns: DMatrix::zeros(0, 0),
+            blocks: Vec::new(),
+            drop: 0.0,
+        }
     }
 }
 
 /// Functions of one or two variables, acting at one carrier.
 #[derive(Debug, Clone)]
-struct Block {
-    carrier: Carrier,
+pub(crate) struct Block {
+    /// Where they act.
+    pub(crate) carrier: Carrier,
     variables: Vec<Variable>,
     /// Values row by row, so many per row.
     values: Vec<f64>,
@@ -111,6 +121,7 @@ pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
         // What explains little in the first round explains little in the next.
         open = scored.iter().take(STILL_OPEN).map(|(_, _, index)| *index).collect();
         let block = &blocks[best];
+        leftover.blocks.push(block.clone());
         let acting = block.carrier.joint().map(Variable::Joint);
         for variable in acting.iter().chain(&block.variables) {
             let place = variable.place(tracer, gain.drop / linear.residual.norm_squared());
@@ -159,7 +170,8 @@ impl Variable {
 }
 
 impl Block {
-    fn columns(&self, field: &Field<'_>) -> DMatrix<f64> {
+    /// In units of the noise.
+    pub(crate) fn columns(&self, field: &Field<'_>) -> DMatrix<f64> {
         let linear = field.linear;
         let Some(carrier) = linear.columns_of(self.carrier) else {
             return DMatrix::zeros(linear.residual.len(), 0);

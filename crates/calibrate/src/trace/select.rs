@@ -15,7 +15,7 @@ use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
 use crate::trace::search::{Field, Rest, Scored, carriers_of};
-use crate::trace::{Trace, TraceOptions};
+use crate::trace::{ScanCell, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
@@ -26,6 +26,8 @@ pub(crate) const SWAP_GAIN: f64 = 2.0;
 const MOST_CONTESTS: usize = 3;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
+/// So many of the best that could still be added are proposed.
+const PROPOSED: usize = 24;
 /// Fewer rejected rows than this are outliers.
 const LEAST_REJECTED: usize = 4;
 /// So many effects may hide behind rejected rows.
@@ -53,6 +55,16 @@ pub struct Tracer<'a> {
 pub struct State {
     pub(crate) chosen: Vec<Candidate>,
     pub(crate) fit: Fit<EffectModel>,
+}
+
+/// What the search puts before the judge.
+pub struct Proposals {
+    /// The terms.
+    pub(crate) candidates: Vec<Candidate>,
+    /// The models that the search ended with.
+    pub(crate) states: Vec<State>,
+    /// The first pass.
+    pub(crate) scan: Vec<ScanCell>,
 }
 
 impl State {
@@ -102,8 +114,8 @@ impl<'a> Tracer<'a> {
         Self { data, statics, options, geometric, survey, candidates, carriers }
     }
 
-    /// The whole search.
-    pub fn run(&self) -> Trace {
+    /// The terms that are worth being judged: a search step by step, from geometry alone.
+    pub fn run(&self) -> Proposals {
         let mut state = self.refitted(Vec::new(), None);
         for _ in 0..MOST_LOCAL {
             let Some(next) = self.local(&state) else { break };
@@ -139,25 +151,54 @@ impl<'a> Tracer<'a> {
         if let Some(next) = self.separated(&state, 0) {
             state = self.rescanned(next);
         }
-        let (mut state, mut leftover) = self.without_mimics(state);
+        let mut candidates = Vec::new();
+        self.propose(&state, &mut candidates);
+        let (mut plain, _) = self.without_mimics(state.clone());
         for _ in 0..MOST_CONTESTS {
-            let Some(next) = self.contested(&state, 0..state.chosen.len()) else { break };
-            (state, leftover) = self.without_mimics(next);
+            let Some(next) = self.contested(&plain, 0..plain.chosen.len()) else { break };
+            (plain, _) = self.without_mimics(next);
         }
-        let stages = self.stages(&state);
-        let findings = self.findings(&state);
-        Trace { fit: state.fit, stages, findings, candidates: self.candidates.len(), scan, leftover }
+        if !same_terms(&plain.chosen, &state.chosen) {
+            self.propose(&plain, &mut candidates);
+        }
+        if !state.chosen.is_empty() && !plain.chosen.is_empty() {
+            self.propose(&self.refitted(Vec::new(), None), &mut candidates);
+        }
+        Proposals { candidates, states: vec![plain, state], scan }
     }
 
-    /// The fit after each effect, in the order in which they were found.
-    fn stages(&self, state: &State) -> Vec<Fit<EffectModel>> {
-        let count = state.chosen.len();
-        let mut stages: Vec<Fit<EffectModel>> =
-            (1..count).map(|k| self.refitted(state.chosen[..k].to_vec(), Some(state)).fit).collect();
-        if count > 0 {
-            stages.push(state.fit.clone());
+    /// Adds the terms of a state, those that come near each of them, and the best that could still be added.
+    fn propose(&self, state: &State, proposed: &mut Vec<Candidate>) {
+        let mut add = |candidate: Candidate| {
+            if !proposed.iter().any(|known| known.term == candidate.term) {
+                proposed.push(candidate);
+            }
+        };
+        state.chosen.iter().cloned().for_each(&mut add);
+        for index in 0..state.chosen.len() {
+            for mut set in self.contenders(state, index..index + 1) {
+                add(set.swap_remove(index));
+            }
         }
-        stages
+        let linear = self.linear(state);
+        let rest = Rest::new(&linear, &linear.effects, &linear.residual);
+        let field = self.field(&linear);
+        let mut scored = field.score(&rest.loose, &self.candidates);
+        scored.retain(|scored| scored.gain.rank > 0 && scored.delta_bic > 0.0);
+        scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+        let mut seen: Vec<(Kind, Carrier)> = Vec::new();
+        for scored in scored {
+            let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
+            if seen.len() < PROPOSED && !seen.contains(&key) {
+                seen.push(key);
+                let refined = seen.len() <= REFINED;
+                add(if refined {
+                    field.refined(&rest.loose, &self.survey, &scored.candidate).candidate
+                } else {
+                    scored.candidate
+                });
+            }
+        }
     }
 
     /// Refits with these terms and refines their scanned numbers at the new state.
@@ -239,11 +280,14 @@ impl<'a> Tracer<'a> {
         let linear = field.linear;
         let clock = self.survey.clock.as_ref().map(|clock| clock.name.as_str());
         let follows_run = scored.candidate.term.driver.covariate().is_some_and(|name| Some(name) == clock);
-        let folds = if follows_run { Folds::Interleaved } else { Folds::Stretches };
+        // A stretch of a file that moves one joint after the other holds all that there is of one: then every fifth row.
+        let folds = if follows_run { &[Folds::Interleaved][..] } else { &[Folds::Stretches, Folds::Interleaved] };
         let columns = field.columns(&scored.candidate.term);
-        let without = held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds);
-        let with = held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds);
-        with < without
+        folds.iter().any(|&folds| {
+            let without = held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds);
+            let with = held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds);
+            with < without
+        })
     }
 
     /// The state with one more term.
@@ -366,7 +410,7 @@ impl<'a> Tracer<'a> {
     }
 }
 
-fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
+pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
 }
 

@@ -12,7 +12,7 @@ use std::path::Path;
 pub struct DataFile {
     /// What messages call it.
     pub name: String,
-    /// What is in it: CSV or another export.
+    /// Its content: CSV, or any export.
     pub bytes: Vec<u8>,
     /// Units of its numbers.
     pub units: Units,
@@ -31,7 +31,7 @@ pub struct RowsAsked {
     pub test: Option<DataFile>,
     /// Setups, or placements of sockets, to keep for judging.
     pub hold_out_setups: Vec<String>,
-    /// How the columns of the files are to be read where they are no table of our own.
+    /// What the columns of the files are, where their names do not say so.
     pub import: ImportOptions,
 }
 

@@ -2,6 +2,7 @@
 //! likelihood, step, and again.
 
 use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::Candidate;
 use crate::effects::curve::{Curve, Waves};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
@@ -17,9 +18,12 @@ use crate::trace::infer::gram::{Columns, Gram};
 use crate::trace::infer::maximum;
 use crate::trace::infer::model::Hyperparameters;
 use crate::trace::infer::replicates;
+use crate::trace::leftover::Block;
 use crate::trace::linear::{Linear, linearise};
+use crate::trace::search::Field;
 use denavit_model::Screw;
 use denavit_model::nalgebra::DMatrix;
+use std::ops::Range;
 
 /// The fastest wave of a curve has this many periods per turn; a slide: as many over its range. Time grows with its cube.
 const HIGHEST_ORDER: f64 = 60.0;
@@ -32,6 +36,12 @@ const FEWEST_WAVES: usize = 3;
 const ROUNDS: usize = 6;
 /// A round that gains less than this changes no probability by a tenth.
 const SETTLED: f64 = 0.1;
+/// Nor does one count that gains less than this for each value: noise is then known to a few parts in a hundred thousand,
+/// and rows at the edge of being outliers come and go.
+const SETTLED_PER_VALUE: f64 = 2e-5;
+/// Stretches of the run that each part of it is made of, where there are parts: enough that no part lacks what was moved
+/// one after the other, and each long beside the time over which a run's errors are alike.
+const STRETCHES: usize = 4;
 /// A step is not cut shorter than this share of it.
 const LEAST_SHARE: f64 = 0.1;
 /// The mean of a curve is held to a thousandth of what the noise would let one see.
@@ -93,8 +103,11 @@ pub fn fit_curves(
             found = Some((f64::NEG_INFINITY, hyper));
             continue;
         }
+        // Each round is in units of its own noise: the score of the values themselves.
+        let score = score + round.units();
         round.step(data, &mut state, &hyper);
-        let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < SETTLED);
+        let enough = SETTLED.max(SETTLED_PER_VALUE * round.linear.values() as f64);
+        let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
         state.fit.converged = settled;
         if settled {
@@ -105,10 +118,10 @@ pub fn fit_curves(
 }
 
 /// The model at one point of the iteration.
-struct State {
+pub(super) struct State {
     fit: Fit<EffectModel>,
     /// Joints that have a curve.
-    joints: Vec<usize>,
+    pub(super) joints: Vec<usize>,
     waves: Vec<Waves>,
     ranges: Vec<(f64, f64)>,
     /// What each curve is a function of, row by row.
@@ -117,7 +130,7 @@ struct State {
 }
 
 impl State {
-    fn new(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>) -> Self {
+    pub(super) fn new(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>) -> Self {
         let joints: Vec<usize> = survey.moving().collect();
         let values: f64 = fit.values.iter().sum();
         // Counts of values are far below 2^53.
@@ -144,7 +157,7 @@ impl State {
         }
     }
 
-    fn keep(&mut self, kept: &[bool]) {
+    pub(super) fn keep(&mut self, kept: &[bool]) {
         fn of<T: Clone>(list: &[T], kept: &[bool]) -> Vec<T> {
             list.iter().zip(kept).filter(|(_, kept)| **kept).map(|(item, _)| item.clone()).collect()
         }
@@ -159,7 +172,8 @@ impl State {
     /// The fit with the covariance and noise of the whole model.
     fn finish(mut self, data: &Measurements, reference: &Arm, found: Option<(f64, Hyperparameters)>) -> CurveFit {
         let none = |fit| CurveFit { fit, score: f64::NEG_INFINITY, gains: Vec::new() };
-        let Some((_, hyper)) = found else { return none(self.fit) };
+        // Without a curve the fit is as it was given.
+        let Some((_, hyper)) = found.filter(|_| !self.joints.is_empty()) else { return none(self.fit) };
         let round = Round::new(data, &self, reference);
         let model = round.model();
         let (Some(score), Some(posterior)) = (model.score(&hyper), model.posterior(&hyper)) else {
@@ -178,10 +192,6 @@ fn without(model: &Model<'_>, hyper: &Hyperparameters, curve: usize) -> f64 {
     let mut hyper = hyper.clone();
     hyper.kernels[curve].log_variance -= 40.0;
     model.score(&hyper).unwrap_or(f64::NEG_INFINITY)
-}
-
-fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
-    columns.iter().map(Vec::as_slice).collect()
 }
 
 /// Which curves raise the score by more than chance would in one clean file of those allowed. The best of a variance and a
@@ -210,17 +220,25 @@ fn asked_for(
 }
 
 /// One linearisation with its products.
-struct Round {
+pub(super) struct Round {
     linear: Linear,
+    /// The values in units of which everything is, summed logarithms.
+    log_units: f64,
     /// Of all values.
-    gram: Gram,
-    waves: Vec<Waves>,
-    precision: DMatrix<f64>,
-    pull: Vec<f64>,
-    charge: f64,
+    pub(super) gram: Gram,
+    /// The same by part of the run.
+    pub(super) parts: Vec<Gram>,
+    pub(super) waves: Vec<Waves>,
+    /// Columns of geometry and frames.
+    pub(super) always: usize,
+    /// Columns of each candidate.
+    pub(super) candidates: Vec<Range<usize>>,
+    pub(super) precision: DMatrix<f64>,
+    pub(super) pull: Vec<f64>,
+    pub(super) charge: f64,
     log_precision: f64,
-    means: Vec<Vec<f64>>,
-    firm: Vec<f64>,
+    pub(super) means: Vec<Vec<f64>>,
+    pub(super) firm: Vec<f64>,
     /// For each curve the largest variance that it may have, rad² or m².
     largest: Vec<f64>,
     /// For each curve the variance, rad² or m², at which it is as large as the noise.
@@ -230,6 +248,22 @@ struct Round {
 impl Round {
     /// The model at a state, its effects and curves as free as geometry is.
     fn new(data: &Measurements, state: &State, reference: &Arm) -> Self {
+        Self::beside(data, state, reference, None, &[], 1)
+    }
+
+    /// The same with candidates and other columns in the place of the state's effects, products by part of the run: stretches
+    /// of rows are dealt to the parts in turn.
+    ///
+    /// # Shape and units
+    /// `others`: in units of the noise, as [`linearise`] has them at this state.
+    pub(super) fn beside(
+        data: &Measurements,
+        state: &State,
+        reference: &Arm,
+        candidates: Option<&[Candidate]>,
+        others: &[Block],
+        parts: usize,
+    ) -> Self {
         let mut fit = state.fit.clone();
         if !state.groups.is_empty() || data.scene.series.len() > 1 {
             let residuals = residual_statistics::residuals(&fit.arm, &fit.effects, data);
@@ -237,13 +271,20 @@ impl Round {
                 *weight *= shared;
             }
         }
-        let carriers: Vec<Carrier> = state.joints.iter().map(|&joint| Carrier::Joint(joint)).collect();
+        let mut carriers: Vec<Carrier> = state.joints.iter().map(|&joint| Carrier::Joint(joint)).collect();
+        let wanted = candidates.unwrap_or_default().iter().map(|candidate| candidate.term.carrier);
+        for carrier in wanted.chain(others.iter().map(|block| block.carrier)) {
+            if !carriers.contains(&carrier) {
+                carriers.push(carrier);
+            }
+        }
         let linear = linearise(data, &fit, reference, &carriers);
         let values = linear.values();
         let column = |matrix: &'_ DMatrix<f64>, index: usize| -> Vec<f64> {
             matrix.column(index).rows(0, values).iter().map(|cell| -cell).collect()
         };
-        let mut plain: Vec<Vec<f64>> = (0..linear.geometry.ncols()).map(|k| column(&linear.geometry, k)).collect();
+        let always = linear.geometry.ncols();
+        let mut plain: Vec<Vec<f64>> = (0..always).map(|k| column(&linear.geometry, k)).collect();
         let joints: Vec<Vec<f64>> = (0..state.joints.len()).map(|k| column(&linear.carriers, k)).collect();
         // Effects and curves enter with what they are, not with how they change.
         let mut explained: Vec<f64> = linear.residual.rows(0, values).iter().copied().collect();
@@ -253,7 +294,16 @@ impl Round {
             for (y, x) in explained.iter_mut().zip(&column) {
                 *y += x * coefficient;
             }
-            plain.push(column);
+            if candidates.is_none() {
+                plain.push(column);
+            }
+        }
+        let field = Field { data, statics: &fit.effects.statics, linear: &linear };
+        let mut ranges = Vec::new();
+        let columns = candidates.unwrap_or_default().iter().map(|candidate| field.columns(&candidate.term));
+        for columns in columns.chain(others.iter().map(|block| block.columns(&field))) {
+            ranges.push(plain.len()..plain.len() + columns.ncols());
+            plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
         }
         for curve in &fit.effects.curves {
             let Some(index) = state.joints.iter().position(|&joint| joint == curve.joint) else { continue };
@@ -284,9 +334,32 @@ impl Round {
             channels: &linear.channels,
             weights: &linear.weights,
         };
-        let gram = Gram::of(&columns, &state.waves, &state.readings);
+        let parts = by_part(&columns, state, data.len(), parts);
+        let gram = Gram::weighted(&parts, &vec![1.0; parts.len()]);
         let waves = state.waves.clone();
-        Self { linear, gram, waves, precision, pull, charge, log_precision, means, firm, largest, visible }
+        let log_units = log_units(&linear, &fit.noise);
+        Self {
+            linear,
+            log_units,
+            gram,
+            parts,
+            waves,
+            always,
+            candidates: ranges,
+            precision,
+            pull,
+            charge,
+            log_precision,
+            means,
+            firm,
+            largest,
+            visible,
+        }
+    }
+
+    /// What the score lacks to be that of the values in m and rad.
+    fn units(&self) -> f64 {
+        -self.log_units
     }
 
     fn model(&self) -> Model<'_> {
@@ -407,6 +480,48 @@ impl Round {
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
     }
+}
+
+fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
+/// Products by part of the run: stretches of rows are dealt to the parts in turn.
+fn by_part(columns: &Columns<'_>, state: &State, rows: usize, parts: usize) -> Vec<Gram> {
+    fn pick<T: Copy>(list: &[T], own: &[usize]) -> Vec<T> {
+        own.iter().map(|&value| list[value]).collect()
+    }
+    if parts == 1 {
+        return vec![Gram::of(columns, &state.waves, &state.readings)];
+    }
+    let stretch = rows.div_ceil(STRETCHES * parts).max(1);
+    let of_part = |part: usize| {
+        let in_part = |value: &usize| (columns.rows[*value] / stretch) % parts == part;
+        let own: Vec<usize> = (0..columns.rows.len()).filter(in_part).collect();
+        let all = columns.plain.iter().chain(columns.joints);
+        let picked: Vec<Vec<f64>> = all.map(|column| pick(column, &own)).collect();
+        let picked = borrowed(&picked);
+        let (plain, joints) = picked.split_at(columns.plain.len());
+        let columns = Columns {
+            explained: &pick(columns.explained, &own),
+            plain,
+            joints,
+            rows: &pick(columns.rows, &own),
+            channels: &pick(columns.channels, &own),
+            weights: &pick(columns.weights, &own),
+        };
+        Gram::of(&columns, &state.waves, &state.readings)
+    };
+    (0..parts).map(of_part).collect()
+}
+
+/// The levels of noise in units of which the values are, summed logarithms.
+fn log_units(linear: &Linear, noise: &Noise) -> f64 {
+    let level = |(channel, weight): (&usize, &f64)| {
+        let level = noise.levels.get(*channel).copied().unwrap_or(1.0);
+        if level > 0.0 { weight * level.ln() } else { 0.0 }
+    };
+    linear.channels.iter().zip(&linear.weights).map(level).sum()
 }
 
 /// Mean of each wave over the rows.

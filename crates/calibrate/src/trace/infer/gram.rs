@@ -67,6 +67,22 @@ impl Channel {
 }
 
 impl Gram {
+    /// The sum of the products of several parts of the values, each so many times.
+    ///
+    /// # Panics
+    /// There is no part.
+    pub fn weighted(parts: &[Self], weights: &[f64]) -> Self {
+        let channels = parts.iter().map(|part| part.channels.len()).max().expect("there is a part");
+        let (plain, size) = (parts[0].plain, parts[0].size);
+        let mut sum = Self { channels: vec![Channel::zeros(size); channels], plain, size };
+        for (part, weight) in parts.iter().zip(weights) {
+            for (channel, part) in sum.channels.iter_mut().zip(&part.channels) {
+                channel.add(part, *weight);
+            }
+        }
+        sum
+    }
+
     /// The products of `columns`; `readings[curve][row]` is what each curve is a function of.
     pub fn of(columns: &Columns<'_>, waves: &[Waves], readings: &[Vec<f64>]) -> Self {
         let plain = columns.plain.len();

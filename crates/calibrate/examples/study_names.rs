@@ -1,0 +1,65 @@
+//! Which effects are named when only four rows of five are given, drawn at random:
+//! `cargo run --release -p denavit-calibrate --example study_names -- ROBOT.urdf DATA.csv [DRAWS]`.
+//!
+//! In the environment: `TIP` (link), `UNITS` (such as mm,deg). Last come the names that recur in fewer than eight of ten draws.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+
+use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
+use denavit_calibrate::effects::Statics;
+use denavit_calibrate::observation::measurements::{Units, read};
+use denavit_calibrate::trace::TraceOptions;
+use denavit_model::tree::Reading;
+use std::collections::BTreeMap;
+
+/// Share of the draws in which a name must recur.
+const RECURS: f64 = 0.8;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let robot = denavit_model::urdf::read(&arguments[1], &std::fs::read_to_string(&arguments[1]).unwrap()).unwrap();
+    let tip = std::env::var("TIP").ok();
+    let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
+    let statics = Statics::of(&robot, &chain);
+    let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
+    let draws: u64 = arguments.get(3).map_or(10, |word| word.parse().unwrap());
+    let mut times: BTreeMap<String, u64> = BTreeMap::new();
+    for seed in 0..draws {
+        let file = std::fs::File::open(&arguments[2]).unwrap();
+        let data = read(&arguments[2], file, &chain, units).unwrap_or_else(|error| panic!("{error}")).data;
+        let mut options = CalibrateOptions::geometry(&chain);
+        options.trace = Some(TraceOptions::new(options.identify.clone()));
+        options.hold_out = Some(HoldOut { share: 0.2, seed });
+        let found = calibrate(&chain, &statics, data, None, &options).unwrap_or_else(|error| panic!("{error}"));
+        let place = |effect: &denavit_calibrate::calibration::contract::EffectEntry| {
+            effect.joint.clone().or(effect.place.clone()).unwrap_or_default()
+        };
+        let mut names: Vec<String> =
+            found.report.effects.iter().map(|effect| format!("{} at {}", effect.kind, place(effect))).collect();
+        names.sort();
+        names.dedup();
+        let open: Vec<String> =
+            found.report.one_of.iter().map(|effect| format!("{} at {}", effect.kind, place(effect))).collect();
+        let stages: Vec<String> = found
+            .report
+            .stages
+            .iter()
+            .map(|stage| {
+                let rms = stage.test.as_ref().map_or(f64::NAN, |test| {
+                    ["position", "distance"].iter().find_map(|word| test.of(word)).map_or(f64::NAN, |error| error.rms)
+                });
+                format!("{:.4}{}", rms * 1e3, if stage.adopted { " (adopted)" } else { "" })
+            })
+            .collect();
+        println!("draw {seed}: named {names:?}, one of several {open:?}; held out {} mm", stages.join(" → "));
+        for name in names {
+            *times.entry(name).or_default() += 1;
+        }
+    }
+    let mut rare = 0;
+    for (name, times) in times {
+        let recurs = times as f64 >= RECURS * draws as f64;
+        rare += if recurs { 0 } else { times };
+        println!("{name}: {times} of {draws}{}", if recurs { "" } else { ", does not recur" });
+    }
+    println!("names that do not recur: {:.2} a draw", rare as f64 / draws as f64);
+}

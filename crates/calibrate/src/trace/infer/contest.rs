@@ -1,0 +1,511 @@
+//! Scores of sets of effects by products alone: geometry, frames, curves and unnamed structure are taken out of the
+//! candidates' products once (a Schur complement), and then a set costs a Cholesky factor of as many unknowns as it has.
+//!
+//! With S what is left of the candidates' products and r of those with the data, P the prior precision of the coefficients,
+//! Q what is left of the data and σ² at its maximum:
+//!
+//! ```text
+//! 2 log p(y | set) = -N log((Q - rᵀ(S+P)⁻¹r)/N) - log|S+P| + log|P| - log|M| + log|Λ|
+//! ```
+//! S, r, Q and the last two terms hang on which curves and which structure are in the model, and how large they may be: a
+//! *setting*. Each set is scored at the setting that suits it best.
+
+use crate::effects::curve::Waves;
+use crate::trace::infer::gram::Gram;
+use crate::trace::infer::model::Kernel;
+use crate::trace::infer::triangle::{Triangle, dot};
+use denavit_model::nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Rounds of single changes from one start; a round without a gain ends it.
+const MOST_ROUNDS: usize = 12;
+/// Sets this far behind the best hold no mass worth counting.
+const BEHIND: f64 = 30.0;
+/// Settings at most: each costs a factor of all that is not a candidate.
+const MOST_SETTINGS: usize = 60;
+
+/// A candidate among the plain columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member {
+    /// Its columns.
+    pub columns: Range<usize>,
+    /// Logarithm of its prior odds against being absent.
+    pub log_odds: f64,
+}
+
+/// Structure without a name: columns that may be in the model together, one of several sizes expected of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unnamed {
+    /// Its columns.
+    pub columns: Vec<usize>,
+}
+
+/// What a structure is expected to do to one value, in units of the noise, squared; column by column.
+pub const SIZES: [f64; 4] = [1e-3, 1e-2, 1e-1, 1.0];
+
+/// What is in the model beside geometry, frames and named effects.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Setting {
+    /// For each curve: 0, or one more than the index of its kernel.
+    pub curves: Vec<usize>,
+    /// The structure and its size, if there is one.
+    pub unnamed: Option<(usize, usize)>,
+}
+
+/// All that sets are judged by.
+#[derive(Debug, Clone)]
+pub struct Contest<'a> {
+    /// Columns of geometry and frames.
+    pub always: usize,
+    /// Prior precision of the plain columns; of candidates and structure on its diagonal.
+    pub precision: &'a DMatrix<f64>,
+    /// What the prior pulls the plain columns by.
+    pub pull: &'a [f64],
+    /// Its cost at the present state.
+    pub charge: f64,
+    /// Waves of each curve.
+    pub waves: &'a [Waves],
+    /// Their means over the rows, which are held to nothing.
+    pub means: &'a [Vec<f64>],
+    /// How firmly.
+    pub firm: &'a [f64],
+    /// Kernels that each curve may have.
+    pub kernels: &'a [Vec<Kernel>],
+    /// Structures without a name.
+    pub unnamed: &'a [Unnamed],
+    /// The candidates.
+    pub members: &'a [Member],
+}
+
+/// Products of all channels together.
+#[derive(Debug, Clone)]
+pub struct Products {
+    matrix: Vec<f64>,
+    right: Vec<f64>,
+    square: f64,
+    count: f64,
+    plain: usize,
+    size: usize,
+}
+
+impl Products {
+    /// Of all channels.
+    pub fn of(gram: &Gram) -> Self {
+        let mut sum = Self {
+            matrix: vec![0.0; gram.size * gram.size],
+            right: vec![0.0; gram.size],
+            square: 0.0,
+            count: 0.0,
+            plain: gram.plain,
+            size: gram.size,
+        };
+        for channel in &gram.channels {
+            for (sum, cell) in
+                sum.matrix.iter_mut().zip(&channel.matrix).chain(sum.right.iter_mut().zip(&channel.right))
+            {
+                *sum += cell;
+            }
+            sum.square += channel.square;
+            sum.count += channel.count;
+        }
+        sum
+    }
+
+    fn cell(&self, i: usize, k: usize) -> f64 {
+        self.matrix[i.max(k) * self.size + i.min(k)]
+    }
+}
+
+/// Candidates with everything else of a setting taken out.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// Products of all candidates' columns.
+    schur: Vec<f64>,
+    right: Vec<f64>,
+    width: usize,
+    /// Half the logarithms of the determinants.
+    base: f64,
+    left: f64,
+    count: f64,
+}
+
+/// Every set seen, with its score at the setting that suits it best, and which that is.
+pub type Seen = BTreeMap<Vec<usize>, (f64, usize)>;
+
+impl Contest<'_> {
+    /// No curve and no structure.
+    pub fn bare(&self) -> Setting {
+        Setting { curves: vec![0; self.waves.len()], unnamed: None }
+    }
+
+    /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
+    pub fn ground(&self, products: &Products, setting: &Setting) -> Option<Ground> {
+        let mut index: Vec<usize> = (0..self.always).collect();
+        let mut prior = vec![0.0; self.always];
+        let mut log_prior = 0.0;
+        if let Some((structure, size)) = setting.unnamed {
+            for &column in &self.unnamed[structure].columns {
+                let precision = self.precision[(column, column)] / SIZES[size];
+                index.push(column);
+                prior.push(precision);
+                log_prior += precision.ln();
+            }
+        }
+        let mut first = products.plain;
+        let mut held: Vec<(Range<usize>, usize)> = Vec::new();
+        for (curve, waves) in self.waves.iter().enumerate() {
+            if let Some(kernel) = setting.curves[curve].checked_sub(1) {
+                let from = index.len();
+                let mut sum = 0.0;
+                let variances = self.kernels[curve][kernel].variances(waves);
+                for (offset, (variance, _)) in variances.into_iter().enumerate() {
+                    index.push(first + offset);
+                    prior.push(1.0 / variance);
+                    log_prior -= variance.ln();
+                    sum += self.means[curve][offset].powi(2) * variance;
+                }
+                log_prior += (1.0 + self.firm[curve] * sum).ln();
+                held.push((from..index.len(), curve));
+            }
+            first += waves.len();
+        }
+        let size = index.len();
+        let mut matrix = vec![0.0; size * size];
+        for i in 0..size {
+            for k in 0..=i {
+                matrix[i * size + k] = products.cell(index[i], index[k]);
+            }
+            matrix[i * size + i] += prior[i];
+        }
+        for i in 0..self.always {
+            for k in 0..=i {
+                matrix[i * size + k] += self.precision[(i, k)];
+            }
+        }
+        for (range, curve) in held {
+            for i in range.clone() {
+                let pull = self.firm[curve] * self.means[curve][i - range.start];
+                for k in range.start..=i {
+                    matrix[i * size + k] += pull * self.means[curve][k - range.start];
+                }
+            }
+        }
+        let scale: Vec<f64> = (0..size).map(|i| matrix[i * size + i].powf(-0.5)).collect();
+        for i in 0..size {
+            for k in 0..=i {
+                matrix[i * size + k] *= scale[i] * scale[k];
+            }
+        }
+        let factor = Triangle::factor(matrix, size)?;
+        let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
+        let base = 0.5 * (log_prior - factor.log_determinant() + 2.0 * log_scale);
+        let right: Vec<f64> = (0..size)
+            .map(|i| (products.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }) * scale[i])
+            .collect();
+        let half = factor.forward(&right);
+        let columns: Vec<usize> = self.members.iter().flat_map(|member| member.columns.clone()).collect();
+        let shares: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|&column| {
+                let along: Vec<f64> = (0..size).map(|i| products.cell(index[i], column) * scale[i]).collect();
+                factor.forward(&along)
+            })
+            .collect();
+        let width = columns.len();
+        let mut schur = vec![0.0; width * width];
+        for i in 0..width {
+            for k in 0..=i {
+                let left = products.cell(columns[i], columns[k]) - dot(&shares[i], &shares[k]);
+                schur[i * width + k] = left;
+                schur[k * width + i] = left;
+            }
+        }
+        let right = columns.iter().zip(&shares).map(|(&c, share)| products.right[c] - dot(share, &half)).collect();
+        let left = products.square + self.charge - dot(&half, &half);
+        (left > 0.0 && base.is_finite()).then_some(Ground { schur, right, width, base, left, count: products.count })
+    }
+
+    /// The score of a set at a setting.
+    fn at(&self, ground: &Ground, set: &[usize]) -> f64 {
+        // Members' columns follow each other among the candidates' products.
+        let first = self.members.first().map_or(0, |member| member.columns.start);
+        let columns: Vec<usize> = set.iter().flat_map(|&member| self.members[member].columns.clone()).collect();
+        let odds: f64 = set.iter().map(|&member| self.members[member].log_odds).sum();
+        let (mut drop, mut determinants) = (0.0, 0.0);
+        if !columns.is_empty() {
+            let size = columns.len();
+            let prior = |i: usize| self.precision[(columns[i], columns[i])];
+            // Scaled, so that coefficients of any unit are told together.
+            let scale: Vec<f64> = (0..size)
+                .map(|i| {
+                    let own = columns[i] - first;
+                    (ground.schur[own * ground.width + own].max(0.0) + prior(i)).powf(-0.5)
+                })
+                .collect();
+            let matrix = DMatrix::from_fn(size, size, |i, k| {
+                let cell = ground.schur[(columns[i] - first) * ground.width + columns[k] - first];
+                (cell + if i == k { prior(i) } else { 0.0 }) * scale[i] * scale[k]
+            });
+            let Some(factor) = matrix.cholesky() else { return f64::NEG_INFINITY };
+            let right = DVector::from_fn(size, |i, _| ground.right[columns[i] - first] * scale[i]);
+            drop = right.dot(&factor.solve(&right));
+            determinants = factor.l_dirty().diagonal().iter().map(|cell| 2.0 * cell.ln()).sum::<f64>()
+                - scale.iter().map(|scale| 2.0 * scale.ln()).sum::<f64>()
+                - (0..size).map(|i| prior(i).ln()).sum::<f64>();
+        }
+        let left = (ground.left - drop) / ground.count;
+        if left <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        ground.base - 0.5 * (ground.count * left.ln() + determinants) + odds
+    }
+
+    /// The score of a set at the setting that suits it best.
+    pub fn best(&self, grounds: &[Ground], set: &[usize]) -> (f64, usize) {
+        let scores = grounds.iter().enumerate().map(|(index, ground)| (self.at(ground, set), index));
+        scores.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
+    }
+
+    /// From a start, the best single change after the other: add, drop, swap. Every set on the way is kept.
+    pub fn climb(&self, grounds: &[Ground], seen: &mut Seen, start: &[usize]) -> Vec<usize> {
+        let mut set = start.to_vec();
+        set.sort_unstable();
+        let mut here = self.best(grounds, &set).0;
+        seen.insert(set.clone(), self.best(grounds, &set));
+        let mut swapping = false;
+        for _ in 0..MOST_ROUNDS {
+            let mut best: Option<(f64, Vec<usize>)> = None;
+            for next in self.changes(&set, swapping) {
+                let score = seen.entry(next.clone()).or_insert_with(|| self.best(grounds, &next)).0;
+                if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
+                    best = Some((score, next));
+                }
+            }
+            match best {
+                Some((score, next)) => (here, set, swapping) = (score, next, false),
+                // Swaps are many: they wait until nothing else helps.
+                None if swapping => break,
+                None => swapping = true,
+            }
+        }
+        set
+    }
+
+    /// Sets that differ by one member added or dropped, or by one changed for another.
+    fn changes(&self, set: &[usize], swapping: bool) -> Vec<Vec<usize>> {
+        let absent: Vec<usize> = (0..self.members.len()).filter(|member| !set.contains(member)).collect();
+        let with = |mut set: Vec<usize>, member: usize| {
+            set.push(member);
+            set.sort_unstable();
+            set
+        };
+        let without = |member: usize| set.iter().copied().filter(|other| *other != member).collect::<Vec<usize>>();
+        if swapping {
+            let swap = |&member: &usize| absent.iter().map(|&other| with(without(member), other)).collect::<Vec<_>>();
+            return set.iter().flat_map(swap).collect();
+        }
+        let added = absent.iter().map(|&member| with(set.to_vec(), member));
+        added.chain(set.iter().map(|&member| without(member))).collect()
+    }
+
+    /// Settings to begin with: every curve with one of its kernels or none, one curve less, structure of every size beside.
+    fn first_settings(&self) -> Vec<Setting> {
+        let most = self.kernels.iter().map(Vec::len).max().unwrap_or(0);
+        let mut settings = vec![self.bare()];
+        for kernel in 1..=most {
+            let curves: Vec<usize> =
+                self.kernels.iter().map(|own| if kernel <= own.len() { kernel } else { 0 }).collect();
+            for curve in 0..curves.len() {
+                let mut less = curves.clone();
+                less[curve] = 0;
+                settings.push(Setting { curves: less, unnamed: None });
+            }
+            settings.push(Setting { curves, unnamed: None });
+        }
+        settings
+    }
+
+    /// Searches from several starts, and finds the settings that suit the sets which matter.
+    ///
+    /// Returns every set seen, and the settings.
+    pub fn run(&self, products: &Products, starts: &[Vec<usize>]) -> (Seen, Vec<Setting>) {
+        let mut settings: Vec<Setting> = Vec::new();
+        let mut grounds: Vec<Ground> = Vec::new();
+        let add = |setting: Setting, grounds: &mut Vec<Ground>, settings: &mut Vec<Setting>| -> Option<usize> {
+            if let Some(known) = settings.iter().position(|other| *other == setting) {
+                return Some(known);
+            }
+            if settings.len() >= MOST_SETTINGS {
+                return None;
+            }
+            let ground = self.ground(products, &setting)?;
+            settings.push(setting);
+            grounds.push(ground);
+            Some(settings.len() - 1)
+        };
+        for setting in self.first_settings() {
+            add(setting, &mut grounds, &mut settings);
+        }
+        let mut seen = Seen::new();
+        if grounds.is_empty() {
+            return (seen, settings);
+        }
+        for _ in 0..3 {
+            seen.clear();
+            for start in starts.iter().chain([&Vec::new()]) {
+                self.climb(&grounds, &mut seen, start);
+            }
+            let before = settings.len();
+            // The best set, the best without each of its members, and none.
+            let mut which = rivals_of_best(&seen);
+            which.push(Vec::new());
+            for set in which {
+                let (mut score, mut at) = self.best(&grounds, &set);
+                for axis in 0..=self.kernels.len() {
+                    for next in self.neighbours(&settings[at], axis) {
+                        let Some(index) = add(next, &mut grounds, &mut settings) else { continue };
+                        let found = self.at(&grounds[index], &set);
+                        if found > score {
+                            (score, at) = (found, index);
+                        }
+                    }
+                }
+            }
+            if settings.len() == before {
+                break;
+            }
+        }
+        // All that matters at every setting.
+        let most = seen.values().map(|(score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
+        for (set, scored) in &mut seen {
+            if scored.0 > most - 2.0 * BEHIND {
+                *scored = self.best(&grounds, set);
+            }
+        }
+        (seen, settings)
+    }
+
+    /// Settings that differ in the structure (axis 0) or in one curve (the axes after it).
+    fn neighbours(&self, setting: &Setting, axis: usize) -> Vec<Setting> {
+        let mut list = Vec::new();
+        if let Some(curve) = axis.checked_sub(1) {
+            for kernel in 0..=self.kernels[curve].len() {
+                let mut next = setting.clone();
+                next.curves[curve] = kernel;
+                list.push(next);
+            }
+        } else {
+            list.push(Setting { unnamed: None, ..setting.clone() });
+            let sizes =
+                (0..self.unnamed.len()).flat_map(|structure| (0..SIZES.len()).map(move |size| (structure, size)));
+            list.extend(sizes.map(|unnamed| Setting { unnamed: Some(unnamed), ..setting.clone() }));
+        }
+        list.retain(|other| other != setting);
+        list
+    }
+}
+
+/// The best set, and for each of its members the best set without it.
+pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
+    let mut order: Vec<(&Vec<usize>, f64)> = seen.iter().map(|(set, (score, _))| (set, *score)).collect();
+    order.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let Some((best, _)) = order.first() else { return Vec::new() };
+    let mut which: Vec<Vec<usize>> = vec![(*best).clone()];
+    for member in *best {
+        if let Some((other, _)) = order.iter().find(|(other, _)| !other.contains(member))
+            && !which.contains(other)
+        {
+            which.push((*other).clone());
+        }
+    }
+    which
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::infer::gram::Columns;
+
+    const VALUES: usize = 60;
+
+    fn cell(value: usize, k: usize) -> f64 {
+        ((value * 7 + k * 13) as f64 * 0.61).sin() + 0.3 * ((value * k + 3) as f64 * 1.7).cos()
+    }
+
+    /// Two columns of geometry, three candidates, two columns of structure, a curve; the data hold the second candidate.
+    #[test]
+    fn scores_are_those_of_the_covariance_written_out_and_the_truth_wins() {
+        let plain: Vec<Vec<f64>> = (0..7).map(|k| (0..VALUES).map(|value| cell(value, k + 1)).collect()).collect();
+        let joint: Vec<f64> = (0..VALUES).map(|value| cell(value, 11)).collect();
+        let explained: Vec<f64> =
+            (0..VALUES).map(|value| 2.0 * plain[0][value] + 1.2 * plain[3][value] + 0.3 * cell(value, 29)).collect();
+        let waves = [Waves::over(0.0, 1.0, false, 12.0, 5)];
+        let readings = vec![(0..VALUES).map(|row| 0.5 + 0.4 * cell(row, 17)).collect::<Vec<f64>>()];
+        let rows: Vec<usize> = (0..VALUES).collect();
+        let borrowed: Vec<&[f64]> = plain.iter().map(Vec::as_slice).collect();
+        let columns = Columns {
+            explained: &explained,
+            plain: &borrowed,
+            joints: &[&joint],
+            rows: &rows,
+            channels: &[0; VALUES],
+            weights: &[1.0; VALUES],
+        };
+        let products = Products::of(&Gram::of(&columns, &waves, &readings));
+        let precision = DMatrix::from_diagonal(&DVector::from_fn(7, |k, _| 0.1 + 0.05 * k as f64));
+        let kernels = vec![vec![Kernel { log_variance: -1.0, log_length: -1.5 }]];
+        let members: Vec<Member> = (2..5).map(|k| Member { columns: k..k + 1, log_odds: -2.0 }).collect();
+        let unnamed = [Unnamed { columns: vec![5, 6] }];
+        let contest = Contest {
+            always: 2,
+            precision: &precision,
+            pull: &[0.0; 7],
+            charge: 0.0,
+            waves: &waves,
+            means: &[vec![0.0; waves[0].len()]],
+            firm: &[0.0],
+            kernels: &kernels,
+            unnamed: &unnamed,
+            members: &members,
+        };
+        let written = |setting: &Setting, set: &[usize]| -> f64 {
+            let mut covariance = DMatrix::<f64>::identity(VALUES, VALUES);
+            let mut add = |column: &dyn Fn(usize) -> f64, variance: f64| {
+                let column = DVector::from_fn(VALUES, |value, _| column(value));
+                covariance += &column * column.transpose() * variance;
+            };
+            for k in (0..2).chain(set.iter().map(|member| member + 2)) {
+                add(&|value| plain[k][value], 1.0 / precision[(k, k)]);
+            }
+            if let Some((_, size)) = setting.unnamed {
+                for k in 5..7 {
+                    add(&|value| plain[k][value], SIZES[size] / precision[(k, k)]);
+                }
+            }
+            if setting.curves[0] == 1 {
+                for (k, (variance, _)) in kernels[0][0].variances(&waves[0]).into_iter().enumerate() {
+                    add(&|value| joint[value] * waves[0].values(readings[0][value])[k], variance);
+                }
+            }
+            let y = DVector::from_column_slice(&explained);
+            let factor = covariance.cholesky().unwrap();
+            let left = y.dot(&factor.solve(&y)) / VALUES as f64;
+            let determinant: f64 = factor.l().diagonal().iter().map(|cell| 2.0 * cell.ln()).sum();
+            -0.5 * (VALUES as f64 * left.ln() + determinant) - 2.0 * set.len() as f64
+        };
+        let bare = contest.bare();
+        let full = Setting { curves: vec![1], unnamed: Some((0, 2)) };
+        let reference = contest.at(&contest.ground(&products, &bare).unwrap(), &[]) - written(&bare, &[]);
+        for setting in [bare, Setting { curves: vec![1], unnamed: None }, full] {
+            let ground = contest.ground(&products, &setting).unwrap();
+            for set in [vec![], vec![1], vec![0, 2], vec![0, 1, 2]] {
+                let found = contest.at(&ground, &set) - written(&setting, &set) - reference;
+                assert!(found.abs() < 1e-8, "{setting:?} {set:?}: off by {found}");
+            }
+        }
+        let (seen, settings) = contest.run(&products, &[vec![0, 2]]);
+        let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
+        assert_eq!((best.as_slice(), &settings[*at]), (&[1][..], &contest.bare()));
+    }
+}

@@ -1,0 +1,269 @@
+//! Which causes are named: those that nearly all the posterior mass holds, and that resampled runs find again.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::{Candidate, KINDS, Kind};
+use crate::effects::curve::Curve;
+use crate::effects::driver::Driver;
+use crate::effects::model::EffectModel;
+use crate::effects::survey::Survey;
+use crate::identify::solve::Fit;
+use crate::observation::arm::Arm;
+use crate::observation::measurements::Measurements;
+use crate::trace::infer::contest::{Contest, Ground, Member, Products, Seen, Unnamed, rivals_of_best};
+use crate::trace::infer::curves::{Round, State};
+use crate::trace::infer::gram::Gram;
+use crate::trace::infer::model::Kernel;
+use crate::trace::leftover::Block;
+use crate::trace::search::handicap;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A cause is named from this probability on.
+pub const NAMED: f64 = 0.95;
+/// And if this share of the resampled runs finds it.
+pub const FOUND_AGAIN: f64 = 0.8;
+/// Parts that the run is resampled from, and how often.
+const PARTS: usize = 10;
+const RESAMPLED: usize = 25;
+/// A rival holds at least this much of the mass.
+const RIVAL: f64 = 0.02;
+/// And is met in the other's absence this much more often than in its presence, logarithm.
+const MORE: f64 = 0.4;
+/// What a scanned number costs beside the grid of the catalogue: it was refined between the grid's places.
+const REFINED: f64 = 1.0;
+/// Periodic errors, bumps and play are of this size at most, rad or m, as machines are made; more is geometry or damage that
+/// one sees.
+const LARGEST: f64 = 3e-3;
+
+/// A cause at a place, and how probable it is that it acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alternative {
+    /// The kind.
+    pub kind: Kind,
+    /// Where.
+    pub place: String,
+    /// Posterior probability, 0 to 1.
+    pub probability: f64,
+}
+
+/// A member of the most probable set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    /// The term.
+    pub candidate: Candidate,
+    /// How probable it is that this kind acts at this place.
+    pub probability: f64,
+    /// Logarithm of the probability that it does not.
+    pub log_absent: f64,
+    /// Share of the resampled runs that find it.
+    pub found_again: f64,
+    /// By how much it raises the logarithm of the marginal likelihood, prior odds counted.
+    pub gain: f64,
+    /// Who shares its mass.
+    pub rivals: Vec<Alternative>,
+}
+
+impl Judged {
+    /// Whether it is named.
+    pub fn named(&self) -> bool {
+        self.probability >= NAMED && self.found_again >= FOUND_AGAIN
+    }
+}
+
+/// What is judged, and beside what.
+pub(crate) struct Question<'a> {
+    /// Terms that may act.
+    pub candidates: &'a [Candidate],
+    /// Every term that was looked at.
+    pub counted: &'a [Candidate],
+    /// Sets to start from, by terms.
+    pub starts: &'a [Vec<Candidate>],
+    /// Curves as fitted beside several models: each joint may have any of its kernels.
+    pub curves: &'a [&'a [Curve]],
+    /// Structures without a name.
+    pub structures: &'a [Vec<Block>],
+}
+
+/// The name of a candidate: what an engineer would call the same cause.
+fn name(candidate: &Candidate, fit: &Fit<EffectModel>) -> (Kind, String) {
+    (candidate.term.kind, candidate.term.carrier.place(&fit.effects.statics.chain))
+}
+
+/// Judges candidates beside geometry, frames, curves and unnamed structure; what comes back is the most probable set.
+///
+/// # Shape and units
+/// `fit`: a model near the truth, whose effects are set aside. `reference` as in [`crate::identify::solve::fit`].
+pub(crate) fn judge(
+    survey: &Survey,
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+    reference: &Arm,
+    question: &Question<'_>,
+) -> Vec<Judged> {
+    let candidates = question.candidates;
+    let mut state = State::new(survey, data, fit);
+    let kernel = |joint: usize| kernels_of(question.curves, joint);
+    let has: Vec<bool> = state.joints.iter().map(|&joint| !kernel(joint).is_empty()).collect();
+    state.keep(&has);
+    let kernels: Vec<Vec<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
+    let blocks: Vec<Block> = question.structures.iter().flatten().cloned().collect();
+    let mut round = Round::beside(data, &state, reference, Some(candidates), &blocks, PARTS);
+    bound(&mut round, candidates);
+    let members: Vec<Member> = candidates
+        .iter()
+        .zip(&round.candidates)
+        .map(|(candidate, columns)| Member {
+            columns: columns.clone(),
+            log_odds: log_odds(candidate, question.counted, data.len()),
+        })
+        .collect();
+    let mut of_blocks = round.candidates[candidates.len()..].iter();
+    let unnamed: Vec<Unnamed> = question
+        .structures
+        .iter()
+        .map(|structure| Unnamed { columns: of_blocks.by_ref().take(structure.len()).cloned().flatten().collect() })
+        .filter(|structure| !structure.columns.is_empty())
+        .collect();
+    let contest = Contest {
+        always: round.always,
+        precision: &round.precision,
+        pull: &round.pull,
+        charge: round.charge,
+        waves: &round.waves,
+        means: &round.means,
+        firm: &round.firm,
+        kernels: &kernels,
+        unnamed: &unnamed,
+        members: &members,
+    };
+    let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
+    let starts: Vec<Vec<usize>> =
+        question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
+    let (seen, settings) = contest.run(&Products::of(&round.gram), &starts);
+    let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Vec::new() };
+    let names: Vec<(Kind, String)> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
+    let mass = |holds: &dyn Fn(&[usize]) -> bool| mass(&seen, holds);
+    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+    // Settings that suit the sets that matter.
+    let mut which = rivals_of_best(&seen);
+    which.push(Vec::new());
+    let mut kept: Vec<usize> = which.iter().filter_map(|set| seen.get(set)).map(|(_, setting)| *setting).collect();
+    kept.sort_unstable();
+    kept.dedup();
+    let again = |gram: &Gram| -> Vec<usize> {
+        let products = Products::of(gram);
+        let grounds: Vec<Ground> =
+            kept.iter().filter_map(|&setting| contest.ground(&products, &settings[setting])).collect();
+        let mut seen = Seen::new();
+        for start in &which {
+            contest.climb(&grounds, &mut seen, start);
+        }
+        seen.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set)
+    };
+    let resampled = if set.is_empty() { Vec::new() } else { resampled(&round.parts, &again) };
+    set.iter()
+        .map(|&member| {
+            let mine = &names[member];
+            let without = seen
+                .iter()
+                .filter(|(other, _)| !has(other, mine))
+                .map(|(_, (score, _))| *score)
+                .fold(f64::NEG_INFINITY, f64::max);
+            let again = resampled.iter().filter(|found| has(found, mine)).count();
+            Judged {
+                candidate: candidates[member].clone(),
+                probability: mass(&|set| has(set, mine)).exp(),
+                log_absent: mass(&|set| !has(set, mine)),
+                found_again: again as f64 / resampled.len().max(1) as f64,
+                gain: seen[set].0 - without,
+                rivals: rivals(&seen, &names, mine),
+            }
+        })
+        .collect()
+}
+
+/// Kernels that the curve of a joint had beside the models at hand.
+fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
+    let own = curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
+    let mut kernels: Vec<Kernel> = Vec::new();
+    for curve in own {
+        let kernel = Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() };
+        if !kernels.contains(&kernel) {
+            kernels.push(kernel);
+        }
+    }
+    kernels
+}
+
+/// Holds periodic errors, bumps and play to the size that machines have.
+fn bound(round: &mut Round, candidates: &[Candidate]) {
+    let bounded = [Kind::TransmissionError, Kind::AxisWobble, Kind::LocalJointError, Kind::Backlash];
+    for (candidate, columns) in candidates.iter().zip(&round.candidates) {
+        for column in columns.clone().filter(|_| bounded.contains(&candidate.term.kind)) {
+            round.precision[(column, column)] = round.precision[(column, column)].max(LARGEST.powi(-2));
+        }
+    }
+}
+
+/// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
+fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<Alternative> {
+    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+    let (present, absent) = (mass(seen, &|set| has(set, mine)), mass(seen, &|set| !has(set, mine)));
+    let mut rivals: Vec<Alternative> = Vec::new();
+    for name in names.iter().filter(|name| *name != mine) {
+        let known = rivals.iter().any(|rival| (rival.kind, &rival.place) == (name.0, &name.1));
+        let instead = mass(seen, &|set| has(set, name) && !has(set, mine));
+        let beside = mass(seen, &|set| has(set, name) && has(set, mine)) - present;
+        if !known && instead.exp() > RIVAL && instead - absent > beside + MORE {
+            rivals.push(Alternative { kind: name.0, place: name.1.clone(), probability: instead.exp() });
+        }
+    }
+    rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    rivals
+}
+
+/// Logarithm of the share of the mass that sets hold of which `holds` is true.
+fn mass(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
+    let sum = |part: &dyn Fn(&[usize]) -> bool| {
+        let scores = || seen.iter().filter(|(set, _)| part(set)).map(|(_, (score, _))| *score);
+        let top = scores().fold(f64::NEG_INFINITY, f64::max);
+        if top == f64::NEG_INFINITY { top } else { top + scores().map(|score| (score - top).exp()).sum::<f64>().ln() }
+    };
+    (sum(holds) - sum(&|_| true)).min(0.0)
+}
+
+/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind.
+fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
+    let kind = candidate.term.kind;
+    let same = counted.iter().filter(|other| other.term.kind == kind).count().max(1);
+    let scanned = match &candidate.term.driver {
+        // The first step is one of the catalogue's; each further one may be after any row.
+        Driver::Steps { at, .. } => REFINED + (at.len() - 1) as f64 * (rows as f64).ln(),
+        _ => REFINED * candidate.scanned as f64,
+    };
+    let instrument = if candidate.term.carrier == Carrier::Scale { 1.0 } else { 0.0 };
+    -((KINDS.len() * same) as f64).ln() - 0.5 * handicap(kind) - scanned - instrument
+}
+
+/// What is found on each of the resampled runs: parts of the run drawn with replacement.
+fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> Vec<Vec<usize>> {
+    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let draws: Vec<Vec<f64>> = (0..RESAMPLED)
+        .map(|_| {
+            let mut times = vec![0.0; parts.len()];
+            for _ in 0..parts.len() {
+                times[random.random_range(0..parts.len())] += 1.0;
+            }
+            times
+        })
+        .collect();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        let share = draws.len().div_ceil(threads);
+        let work = |draws: &[Vec<f64>]| -> Vec<Vec<usize>> {
+            draws.iter().map(|times| search(&Gram::weighted(parts, times))).collect()
+        };
+        let handles: Vec<_> = draws.chunks(share).map(|part| scope.spawn(move || work(part))).collect();
+        handles.into_iter().flat_map(|handle| handle.join().expect("a resampled search does not panic")).collect()
+    })
+}

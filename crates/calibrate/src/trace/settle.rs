@@ -1,0 +1,189 @@
+//! From what the search proposes to what is claimed: curves beside it, the judgement, the model that is kept.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::{Candidate, Kind};
+use crate::effects::curve::Curve;
+use crate::effects::driver::{Driver, Statics};
+use crate::effects::model::EffectModel;
+use crate::effects::survey::Survey;
+use crate::identify::fit_stage;
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::NoEffects;
+use crate::trace::findings::values;
+use crate::trace::infer::curves::fit_curves;
+use crate::trace::infer::lines::lines;
+use crate::trace::infer::named::{Judged, Question, judge};
+use crate::trace::leftover::{self, Leftover};
+use crate::trace::select::{State, Tracer, same_terms};
+use crate::trace::{Finding, Trace, TraceOptions};
+
+/// Rows that causes are looked for in, at most: more rows tell more of curves, but a cause that 800 postures do not show is
+/// none to be named, and the time grows with them.
+const MOST_ROWS: usize = 800;
+/// Candidates that are judged, at most.
+const MOST_JUDGED: usize = 80;
+/// From this probability on a cause stays in the model although it is not named (Barbieri, Berger 2004: the median
+/// probability model predicts best).
+const KEPT: f64 = 0.5;
+
+/// A bump holds so many rows.
+const ROWS_IN_BUMP: usize = 5;
+
+/// The whole of it.
+pub(crate) fn trace(
+    statics: &Statics,
+    data: &Measurements,
+    geometric: &Fit<NoEffects>,
+    options: &TraceOptions,
+) -> Trace {
+    let survey = Survey::of(statics, data, options.gear_ratios.clone());
+    let curves = fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
+    let rows = thinned(data.len());
+    let part = data.subset(&rows);
+    let thin = on_rows(geometric, data, &rows);
+    let tracer = Tracer::new(statics, &part, &thin, options);
+    let found = tracer.run();
+    let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
+        let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
+        let model = EffectModel::of_terms(statics, &terms);
+        let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
+        let beside = fit_curves(survey, data, &plain, &geometric.arm, &options.curves);
+        (plain, beside)
+    };
+    // Beside each model that the search ended with there are other curves.
+    let first = if rows.len() == data.len() {
+        curves.clone()
+    } else {
+        let plain = on_rows(&geometric.with_model(statics), data, &rows);
+        fit_curves(&tracer.survey, &part, &plain, &geometric.arm, &options.curves)
+    };
+    let mut near = vec![first];
+    for (index, state) in found.states.iter().enumerate() {
+        let known = found.states[..index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
+        if !state.chosen.is_empty() && !known {
+            near.push(with(&state.chosen, &state.fit, &part, &tracer.survey).1);
+        }
+    }
+    let mut proposed = found.candidates;
+    for curve in near.iter().flat_map(|near| &near.fit.effects.curves) {
+        for candidate in own_causes(&tracer.candidates, curve) {
+            if !proposed.iter().any(|known| known.term == candidate.term) {
+                proposed.push(candidate);
+            }
+        }
+    }
+    proposed.retain(|candidate| wide_enough(candidate, &part, statics));
+    proposed.truncate(MOST_JUDGED);
+    let judged = if proposed.is_empty() {
+        Vec::new()
+    } else {
+        let structures: Vec<Leftover> = near.iter().map(|near| remains(&tracer, &near.fit)).collect();
+        let structures: Vec<_> = structures.into_iter().map(|leftover| leftover.blocks).collect();
+        let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
+        let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
+        let question = Question {
+            candidates: &proposed,
+            counted: &tracer.candidates,
+            starts: &starts,
+            curves: &all,
+            structures: &structures,
+        };
+        let state = near.get(1).unwrap_or(&near[0]);
+        judge(&tracer.survey, &part, &state.fit, &geometric.arm, &question)
+    };
+    let mut judged: Vec<Judged> = judged.into_iter().filter(|one| one.named() || one.probability >= KEPT).collect();
+    judged.truncate(options.max_effects);
+    let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
+    let (plain, last) = if kept.is_empty() {
+        (geometric.with_model(statics), curves.clone())
+    } else {
+        with(&kept, &found.states[0].fit, data, &survey)
+    };
+    let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
+    let portraits = tracer.portraits(&tracer.refitted(kept, None));
+    let mut first = last.fit.layout.effects.start;
+    let mut findings = Vec::new();
+    for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
+        findings.push(Finding {
+            term: one.candidate.term.clone(),
+            place: one.candidate.term.carrier.place(&statics.chain),
+            values: values(&last.fit, index, first),
+            named: one.named(),
+            probability: one.probability,
+            found_again: one.found_again,
+            p_value: one.log_absent.exp(),
+            delta_bic: 2.0 * one.gain,
+            rivals: one.rivals,
+            portrait,
+        });
+        first += last.fit.effects.effects[index].coefficients.len();
+    }
+    Trace {
+        fit: last.fit,
+        curve_gains: last.gains,
+        plain,
+        curves,
+        findings,
+        candidates: tracer.candidates.len(),
+        scan: found.scan,
+        leftover,
+    }
+}
+
+/// Rows spread evenly over the run.
+fn thinned(rows: usize) -> Vec<usize> {
+    if rows <= MOST_ROWS {
+        return (0..rows).collect();
+    }
+    (0..MOST_ROWS).map(|k| k * rows / MOST_ROWS).collect()
+}
+
+/// What a fit leaves that smooth functions explain.
+fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> Leftover {
+    let state = State { chosen: Vec::new(), fit: fit.clone() };
+    let linear = tracer.linear(&state);
+    leftover::examine(tracer, &tracer.field(&linear))
+}
+
+/// Causes that a joint's own curve may hide: its scale, the lines of its spectrum, its compliance, its play.
+fn own_causes(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
+    let own = |kind: Kind| {
+        candidates.iter().filter(move |candidate| {
+            candidate.term.kind == kind && candidate.term.carrier == Carrier::Joint(curve.joint)
+        })
+    };
+    let mut causes: Vec<Candidate> = own(Kind::JointScale).chain(own(Kind::JointCompliance)).cloned().collect();
+    causes.retain(|cause| !matches!(cause.term.driver, Driver::TorqueTerms { .. }));
+    if let Some(wave) = own(Kind::TransmissionError).next() {
+        for line in lines(curve) {
+            let whole = line.order.round().max(1.0);
+            for (order, scanned) in [(whole, 0), (line.order, 1)] {
+                let mut cause = wave.clone();
+                cause.term.driver = Driver::Harmonic { joint: curve.joint, order };
+                cause.scanned = scanned;
+                causes.push(cause);
+            }
+        }
+    }
+    causes.extend(own(Kind::Backlash).cloned());
+    causes
+}
+
+/// Whether a bump holds enough rows to be seen as one: what stands between two rows is nothing.
+fn wide_enough(candidate: &Candidate, data: &Measurements, statics: &Statics) -> bool {
+    let Driver::Bump { joint, at, width, .. } = candidate.term.driver else { return true };
+    let moving = &statics.chain.joints()[joint];
+    let readings = (0..data.len()).map(|row| moving.value(data.reading(row)));
+    readings.filter(|reading| (reading - at).abs() < width).count() >= ROWS_IN_BUMP
+}
+
+/// A fit seen on some of its rows.
+fn on_rows<E: Clone>(fit: &Fit<E>, data: &Measurements, rows: &[usize]) -> Fit<E> {
+    let observations: Vec<usize> = rows.iter().flat_map(|row| data.of_row(*row)).collect();
+    Fit {
+        weights: observations.iter().map(|&k| fit.weights[k]).collect(),
+        squares: observations.iter().map(|&k| fit.squares[k]).collect(),
+        ..fit.clone()
+    }
+}
