@@ -159,8 +159,12 @@ fn what_we_write_reads_back_as_it_was() {
         let plain = |robot: &denavit_model::Robot| {
             let (mut links, mut joints, mut elements) =
                 (robot.links.clone(), robot.joints.clone(), robot.elements.clone());
-            links.iter_mut().for_each(|link| link.at = 0);
-            joints.iter_mut().for_each(|joint| joint.at = 0);
+            for link in &mut links {
+                link.at = 0;
+            }
+            for joint in &mut joints {
+                joint.at = 0;
+            }
             let of_links = links.iter_mut().flat_map(|link| {
                 let shapes = link.visuals.iter_mut().chain(&mut link.collisions);
                 shapes.flat_map(|shape| &mut shape.elements).chain(&mut link.elements)
@@ -171,7 +175,9 @@ fn what_we_write_reads_back_as_it_was() {
                 let shapes = link.visuals.iter_mut().chain(&mut link.collisions).map(|shape| &mut shape.origin);
                 shapes.chain(link.inertial.as_mut().map(|it| &mut it.origin)).for_each(|it| it.rpy_written = None);
             }
-            joints.iter_mut().for_each(|joint| joint.origin.rpy_written = None);
+            for joint in &mut joints {
+                joint.origin.rpy_written = None;
+            }
             format!("{links:?} {joints:?} {elements:?} {}", robot.root)
         };
         assert_eq!(plain(&robot), plain(&again), "{place}");

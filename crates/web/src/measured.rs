@@ -14,6 +14,7 @@ use denavit_export::urdf;
 use denavit_load::Loaded;
 use denavit_model::Chain;
 use serde_json::{Value, json};
+use std::ops::ControlFlow;
 
 /// The seed of the rows that are held out, the command line's.
 const SEED: u64 = 0;
@@ -52,6 +53,7 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
             Progress::Curves => "fitting error curves of the joints",
             Progress::Judgement => "judging on rows held out",
         });
+        ControlFlow::Continue(())
     };
     let test = test.map(|test| test.data.placed_anew());
     let mut result = calibrate_and_tell(&chain, &statics, data.data, test, &options, &mut tell).map_err(words)?;

@@ -5,6 +5,7 @@ use crate::effects::catalogue::Kind;
 use crate::effects::driver::Driver;
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
+use crate::identify::threads::in_parallel;
 use crate::trace::projector::{Gain, Projector};
 use crate::trace::search::{Field, p_value};
 use crate::trace::select::Tracer;
@@ -145,16 +146,7 @@ fn gains(projector: &Projector, columns: &[DMatrix<f64>], open: &[usize], free: 
         let gain = projector.gain_of_seen(&columns[index], SEEN);
         (p_value(free, projector.rss, gain, gain.rank), gain, index)
     };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    if threads == 1 {
-        return open.iter().map(of).collect();
-    }
-    std::thread::scope(|scope| {
-        let share = open.len().div_ceil(threads).max(1);
-        let handles: Vec<_> =
-            open.chunks(share).map(|part| scope.spawn(move || part.iter().map(of).collect::<Vec<_>>())).collect();
-        handles.into_iter().flat_map(|handle| handle.join().expect("a block's test does not panic")).collect()
-    })
+    in_parallel(open, of)
 }
 
 impl Variable {

@@ -57,7 +57,7 @@ fn embedded(name: &str, arguments: &SourceArguments) -> Result<Embedded, Failure
     opened.notes.iter().for_each(output::mention);
     let shown = Path::new(&file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
     let text = match &opened.robot {
-        source::Loaded::Robot(_) => source::urdf_text(&file, text, arguments)?.1,
+        source::Loaded::Robot(_) => source::urdf_text(&file, text, arguments)?.text,
         _ => text,
     };
     Ok(Embedded { file: shown, text })

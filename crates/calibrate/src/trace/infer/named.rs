@@ -7,6 +7,7 @@ use crate::effects::driver::Driver;
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
+use crate::identify::threads::in_parallel;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Products, Seen, Unnamed, rivals_of_best};
@@ -257,13 +258,5 @@ fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> V
             times
         })
         .collect();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        let share = draws.len().div_ceil(threads);
-        let work = |draws: &[Vec<f64>]| -> Vec<Vec<usize>> {
-            draws.iter().map(|times| search(&Gram::weighted(parts, times))).collect()
-        };
-        let handles: Vec<_> = draws.chunks(share).map(|part| scope.spawn(move || work(part))).collect();
-        handles.into_iter().flat_map(|handle| handle.join().expect("a resampled search does not panic")).collect()
-    })
+    in_parallel(&draws, |times| search(&Gram::weighted(parts, times)))
 }
