@@ -146,7 +146,7 @@ pub fn simulate(
     let specifications = effects.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
     let specifications = specifications.map_err(|failure| argument(format!("effects: {failure}")))?;
     let test_rows = test_rows.map(|rows| count("test_rows", rows)).transpose()?;
-    let asked = FilesAsked { options, specifications, columns, test_rows };
+    let asked = FilesAsked { options, specifications, columns, test_rows, truth: true };
     let statics = chain.loaded.statics(nominal, reading(chain.exact));
     let model = match saved {
         None => EffectModel::new(statics.clone(), Vec::new()),
@@ -160,5 +160,5 @@ pub fn simulate(
             other => format!("effects: {other}"),
         })
     })?;
-    Ok((made.data, made.test, made.truth))
+    Ok((made.data, made.test, made.truth.unwrap_or_default()))
 }

@@ -48,7 +48,11 @@ pub(crate) fn trace(
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(statics, &terms);
         let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
-        let beside = fit_curves(survey, data, &plain, &geometric.arm, &options.curves);
+        let mut beside = fit_curves(survey, data, &plain, &geometric.arm, &options.curves);
+        if beside.fit.effects.curves.is_empty() {
+            // Nothing to be fitted together: the fit without curves is as good, and holds without any noise, too.
+            beside.fit = plain.clone();
+        }
         (plain, beside)
     };
     // Beside each model that the search ended with there are other curves.

@@ -25,6 +25,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         specifications: specifications.map_err(|error| Failure::Argument(format!("--effect {error}")))?,
         columns: arguments.columns.clone(),
         test_rows: arguments.test.as_ref().map(|_| arguments.test_rows as usize),
+        truth: truth.is_some(),
     };
     let effects = measured::effects(arguments.effects.as_deref(), &robot.statics)?;
     let made = files(&robot.chain, &robot.statics, effects, &asked).map_err(|error| {
@@ -37,7 +38,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     })?;
     let mut texts: Vec<(Slot, String)> = vec![(main, made.data)];
     texts.extend(test.zip(made.test));
-    texts.extend(truth.map(|slot| (slot, made.truth)));
+    texts.extend(truth.zip(made.truth));
     outputs.write(&texts)?;
     Ok(Status::Same)
 }

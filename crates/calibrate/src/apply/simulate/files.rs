@@ -26,6 +26,8 @@ pub struct FilesAsked {
     pub columns: Vec<String>,
     /// Rows of the test, if one is asked for.
     pub test_rows: Option<usize>,
+    /// Whether to say what they were made of; for a chain of many joints that takes long.
+    pub truth: bool,
 }
 
 /// Files of a simulated run.
@@ -35,8 +37,8 @@ pub struct Files {
     pub data: String,
     /// Rows of the same robot, measured after the others, CSV.
     pub test: Option<String>,
-    /// What they were made of, JSON.
-    pub truth: String,
+    /// What they were made of, JSON, where it was asked for.
+    pub truth: Option<String>,
 }
 
 /// Why there are no files.
@@ -102,5 +104,5 @@ pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &Fil
         Ok::<_, FilesError>(write(&as_displayed(&test.data, &later), &comments(rows, options.kind)))
     };
     let test = asked.test_rows.map(later).transpose()?;
-    Ok(Files { data, test, truth: truth::to_json(&run, &options, &model) })
+    Ok(Files { data, test, truth: asked.truth.then(|| truth::to_json(&run, &options, &model)) })
 }

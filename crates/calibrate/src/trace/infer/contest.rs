@@ -18,6 +18,11 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+/// Logarithm of the odds against a curve of a joint, as [`crate::trace::infer::curves`] demands them: 1 in 100.
+const CURVE: f64 = 4.6;
+/// Logarithm of the odds against a cause that the catalogue does not hold: 1 in 10 000, or it would stand for those that it
+/// does hold.
+const UNNAMED: f64 = 9.2;
 /// Rounds of single changes from one start; a round without a gain ends it.
 const MOST_ROUNDS: usize = 12;
 /// Sets this far behind the best hold no mass worth counting.
@@ -32,6 +37,8 @@ pub struct Member {
     pub columns: Range<usize>,
     /// Logarithm of its prior odds against being absent.
     pub log_odds: f64,
+    /// Its prior is no wider than this precision says.
+    pub least_precision: f64,
 }
 
 /// Structure without a name: columns that may be in the model together, one of several sizes expected of them.
@@ -41,6 +48,8 @@ pub struct Unnamed {
     pub columns: Vec<usize>,
 }
 
+/// How many times the variance of unit information a cause may be expected to have.
+const WIDTHS: [f64; 5] = [1.0, 10.0, 100.0, 1e3, 1e4];
 /// What a structure is expected to do to one value, in units of the noise, squared; column by column.
 pub const SIZES: [f64; 4] = [1e-3, 1e-2, 1e-1, 1.0];
 
@@ -144,7 +153,10 @@ impl Contest<'_> {
         let mut index: Vec<usize> = (0..self.always).collect();
         let mut prior = vec![0.0; self.always];
         let mut log_prior = 0.0;
+        // What a curve and an unnamed structure must bring beside what they explain.
+        let mut odds = 0.0;
         if let Some((structure, size)) = setting.unnamed {
+            odds -= UNNAMED + ((self.unnamed.len() * SIZES.len()) as f64).ln();
             for &column in &self.unnamed[structure].columns {
                 let precision = self.precision[(column, column)] / SIZES[size];
                 index.push(column);
@@ -156,6 +168,7 @@ impl Contest<'_> {
         let mut held: Vec<(Range<usize>, usize)> = Vec::new();
         for (curve, waves) in self.waves.iter().enumerate() {
             if let Some(kernel) = setting.curves[curve].checked_sub(1) {
+                odds -= CURVE + (self.waves.len() as f64).ln();
                 let from = index.len();
                 let mut sum = 0.0;
                 let variances = self.kernels[curve][kernel].variances(waves);
@@ -199,7 +212,7 @@ impl Contest<'_> {
         }
         let factor = Triangle::factor(matrix, size)?;
         let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
-        let base = 0.5 * (log_prior - factor.log_determinant() + 2.0 * log_scale);
+        let base = odds + 0.5 * (log_prior - factor.log_determinant() + 2.0 * log_scale);
         let right: Vec<f64> = (0..size)
             .map(|i| (products.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }) * scale[i])
             .collect();
@@ -228,37 +241,57 @@ impl Contest<'_> {
 
     /// The score of a set at a setting.
     fn at(&self, ground: &Ground, set: &[usize]) -> f64 {
-        // Members' columns follow each other among the candidates' products.
-        let first = self.members.first().map_or(0, |member| member.columns.start);
         let columns: Vec<usize> = set.iter().flat_map(|&member| self.members[member].columns.clone()).collect();
         let odds: f64 = set.iter().map(|&member| self.members[member].log_odds).sum();
-        let (mut drop, mut determinants) = (0.0, 0.0);
-        if !columns.is_empty() {
-            let size = columns.len();
-            let prior = |i: usize| self.precision[(columns[i], columns[i])];
-            // Scaled, so that coefficients of any unit are told together.
-            let scale: Vec<f64> = (0..size)
-                .map(|i| {
-                    let own = columns[i] - first;
-                    (ground.schur[own * ground.width + own].max(0.0) + prior(i)).powf(-0.5)
-                })
-                .collect();
-            let matrix = DMatrix::from_fn(size, size, |i, k| {
-                let cell = ground.schur[(columns[i] - first) * ground.width + columns[k] - first];
-                (cell + if i == k { prior(i) } else { 0.0 }) * scale[i] * scale[k]
-            });
-            let Some(factor) = matrix.cholesky() else { return f64::NEG_INFINITY };
-            let right = DVector::from_fn(size, |i, _| ground.right[columns[i] - first] * scale[i]);
-            drop = right.dot(&factor.solve(&right));
-            determinants = factor.l_dirty().diagonal().iter().map(|cell| 2.0 * cell.ln()).sum::<f64>()
-                - scale.iter().map(|scale| 2.0 * scale.ln()).sum::<f64>()
-                - (0..size).map(|i| prior(i).ln()).sum::<f64>();
+        if columns.is_empty() {
+            return Self::score(ground, 0.0, 0.0, odds);
         }
+        let least: Vec<f64> = set
+            .iter()
+            .flat_map(|&member| {
+                let Member { columns, least_precision, .. } = &self.members[member];
+                columns.clone().map(|_| *least_precision)
+            })
+            .collect();
+        // A cause may be far stronger than what one row shows of it: its prior is as wide as suits it (the g of Zellner's
+        // prior by empirical Bayes; George, Foster 2000), one width for all.
+        let widths = WIDTHS.iter().map(|width| {
+            self.at_width(ground, &columns, &|i| (self.precision[(columns[i], columns[i])] / width).max(least[i]), odds)
+        });
+        widths.fold(f64::NEG_INFINITY, f64::max) - (WIDTHS.len() as f64).ln()
+    }
+
+    fn score(ground: &Ground, drop: f64, determinants: f64, odds: f64) -> f64 {
         let left = (ground.left - drop) / ground.count;
         if left <= 0.0 {
             return f64::NEG_INFINITY;
         }
         ground.base - 0.5 * (ground.count * left.ln() + determinants) + odds
+    }
+
+    /// The same with these precisions of the members' columns.
+    fn at_width(&self, ground: &Ground, columns: &[usize], prior: &dyn Fn(usize) -> f64, odds: f64) -> f64 {
+        // Members' columns follow each other among the candidates' products.
+        let first = self.members.first().map_or(0, |member| member.columns.start);
+        let size = columns.len();
+        // Scaled, so that coefficients of any unit are told together.
+        let scale: Vec<f64> = (0..size)
+            .map(|i| {
+                let own = columns[i] - first;
+                (ground.schur[own * ground.width + own].max(0.0) + prior(i)).powf(-0.5)
+            })
+            .collect();
+        let matrix = DMatrix::from_fn(size, size, |i, k| {
+            let cell = ground.schur[(columns[i] - first) * ground.width + columns[k] - first];
+            (cell + if i == k { prior(i) } else { 0.0 }) * scale[i] * scale[k]
+        });
+        let Some(factor) = matrix.cholesky() else { return f64::NEG_INFINITY };
+        let right = DVector::from_fn(size, |i, _| ground.right[columns[i] - first] * scale[i]);
+        let drop = right.dot(&factor.solve(&right));
+        let determinants = factor.l_dirty().diagonal().iter().map(|cell| 2.0 * cell.ln()).sum::<f64>()
+            - scale.iter().map(|scale| 2.0 * scale.ln()).sum::<f64>()
+            - (0..size).map(|i| prior(i).ln()).sum::<f64>();
+        Self::score(ground, drop, determinants, odds)
     }
 
     /// The score of a set at the setting that suits it best.
@@ -455,7 +488,8 @@ mod tests {
         let products = Products::of(&Gram::of(&columns, &waves, &readings));
         let precision = DMatrix::from_diagonal(&DVector::from_fn(7, |k, _| 0.1 + 0.05 * k as f64));
         let kernels = vec![vec![Kernel { log_variance: -1.0, log_length: -1.5 }]];
-        let members: Vec<Member> = (2..5).map(|k| Member { columns: k..k + 1, log_odds: -2.0 }).collect();
+        let members: Vec<Member> =
+            (2..5).map(|k| Member { columns: k..k + 1, log_odds: -2.0, least_precision: 0.0 }).collect();
         let unnamed = [Unnamed { columns: vec![5, 6] }];
         let contest = Contest {
             always: 2,

@@ -108,14 +108,14 @@ pub(crate) fn judge(
     state.keep(&has);
     let kernels: Vec<Vec<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
     let blocks: Vec<Block> = question.structures.iter().flatten().cloned().collect();
-    let mut round = Round::beside(data, &state, reference, Some(candidates), &blocks, PARTS);
-    bound(&mut round, candidates);
+    let round = Round::beside(data, &state, reference, Some(candidates), &blocks, PARTS);
     let members: Vec<Member> = candidates
         .iter()
         .zip(&round.candidates)
         .map(|(candidate, columns)| Member {
             columns: columns.clone(),
             log_odds: log_odds(candidate, question.counted, data.len()),
+            least_precision: least_precision(candidate),
         })
         .collect();
     let mut of_blocks = round.candidates[candidates.len()..].iter();
@@ -196,14 +196,10 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
-/// Holds periodic errors, bumps and play to the size that machines have.
-fn bound(round: &mut Round, candidates: &[Candidate]) {
+/// Periodic errors, bumps and play are expected to have the size that machines have; 0 where nothing is known.
+fn least_precision(candidate: &Candidate) -> f64 {
     let bounded = [Kind::TransmissionError, Kind::AxisWobble, Kind::LocalJointError, Kind::Backlash];
-    for (candidate, columns) in candidates.iter().zip(&round.candidates) {
-        for column in columns.clone().filter(|_| bounded.contains(&candidate.term.kind)) {
-            round.precision[(column, column)] = round.precision[(column, column)].max(LARGEST.powi(-2));
-        }
-    }
+    if bounded.contains(&candidate.term.kind) { LARGEST.powi(-2) } else { 0.0 }
 }
 
 /// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
