@@ -503,14 +503,17 @@ mod tests {
             unnamed: &unnamed,
             members: &members,
         };
-        let written = |setting: &Setting, set: &[usize]| -> f64 {
+        let at_width = |setting: &Setting, set: &[usize], width: f64| -> f64 {
             let mut covariance = DMatrix::<f64>::identity(VALUES, VALUES);
             let mut add = |column: &dyn Fn(usize) -> f64, variance: f64| {
                 let column = DVector::from_fn(VALUES, |value, _| column(value));
                 covariance += &column * column.transpose() * variance;
             };
-            for k in (0..2).chain(set.iter().map(|member| member + 2)) {
+            for k in 0..2 {
                 add(&|value| plain[k][value], 1.0 / precision[(k, k)]);
+            }
+            for k in set.iter().map(|member| member + 2) {
+                add(&|value| plain[k][value], width / precision[(k, k)]);
             }
             if let Some((_, size)) = setting.unnamed {
                 for k in 5..7 {
@@ -526,7 +529,16 @@ mod tests {
             let factor = covariance.cholesky().unwrap();
             let left = y.dot(&factor.solve(&y)) / VALUES as f64;
             let determinant: f64 = factor.l().diagonal().iter().map(|cell| 2.0 * cell.ln()).sum();
-            -0.5 * (VALUES as f64 * left.ln() + determinant) - 2.0 * set.len() as f64
+            let unnamed = setting.unnamed.map_or(0.0, |_| UNNAMED + (SIZES.len() as f64).ln());
+            let odds = 2.0 * set.len() as f64 + unnamed + CURVE * setting.curves[0] as f64;
+            -0.5 * (VALUES as f64 * left.ln() + determinant) - odds
+        };
+        let written = |setting: &Setting, set: &[usize]| -> f64 {
+            if set.is_empty() {
+                return at_width(setting, set, 1.0);
+            }
+            let widths = WIDTHS.iter().map(|width| at_width(setting, set, *width));
+            widths.fold(f64::NEG_INFINITY, f64::max) - (WIDTHS.len() as f64).ln()
         };
         let bare = contest.bare();
         let full = Setting { curves: vec![1], unnamed: Some((0, 2)) };
