@@ -23,7 +23,12 @@ NAMED = [
     ("backlash", "rail_six_axis", "position"),
     ("joint_coupling", "seven_axis", "pose"),
     ("axis_wobble", "scara", "pose"),
-    ("local_joint_error", "six_axis", "position"),
+    pytest.param(
+        "local_joint_error",
+        "six_axis",
+        "position",
+        marks=pytest.mark.xfail(strict=True, reason="a bump of a few rows does not reach the probability at which causes are named"),
+    ),
     ("link_compliance", "rail_six_axis", "pose"),
     ("base_compliance", "seven_axis", "pose"),
     ("thermal", "rail_six_axis", "position"),
@@ -74,9 +79,7 @@ def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measur
     for claim in claims(report):
         rivals = [(rival["kind"], rival["joint"]) for rival in claim["ambiguous_with"]]
         assert (hidden["kind"], where) in [(claim["kind"], place(claim)), *rivals], claims(report)
-    # A joint's own bump may be left to the joint's error curve: it is named only where it beats the curve.
-    curves = [curve["joint"] for curve in report.get("curves", [])]
-    assert claims(report) or (hidden["kind"] == "local_joint_error" and where in curves), report["unexplained"]
+    assert claims(report), report["unexplained"]
     before, after = of_distance(report["stages"][1]["test"]), of_distance(report["stages"][-1]["test"])
     print(f"{effect} on {arm}: {before * 1e3:.4f} -> {after * 1e3:.4f} mm, attainable {attainable(truth, report) * 1e3:.4f}")
     assert after < attainable(truth, report) * (2.0 if measure == "distance" else CHANCE)
