@@ -147,13 +147,13 @@ mod tests {
         let part =
             |link: &str| format!("<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><link name=\"{link}\"/></robot>");
         let files = [
-            text("/work/arm/package.xml", "<package><name>arm</name></package>"),
-            text("/work/arm/arm.xacro", arm),
-            text("/work/arm/parts/one.xacro", &part("one")),
-            text("/work/hand/package.xml", "<package><name>tools</name></package>"),
-            text("/work/hand/gripper.xacro", &part("finger")),
+            text("/ros/arm/package.xml", "<package><name>arm</name></package>"),
+            text("/ros/arm/arm.xacro", arm),
+            text("/ros/arm/parts/one.xacro", &part("one")),
+            text("/ros/hand/package.xml", "<package><name>tools</name></package>"),
+            text("/ros/hand/gripper.xacro", &part("finger")),
         ];
-        let expanded = with_held(files, || expand(&Source::path("/work/arm/arm.xacro"), &[], &Options::default()));
+        let expanded = with_held(files, || expand(&Source::path("/ros/arm/arm.xacro"), &[], &Options::default()));
         let urdf = expanded.unwrap().urdf;
         assert!(urdf.contains("\"finger\"") && urdf.contains("\"one\""), "{urdf}");
         assert!(!are_held());
