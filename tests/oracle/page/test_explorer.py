@@ -592,8 +592,9 @@ def test_explore_serves_the_page_to_this_machine(with_page, explorer):
 def test_first_paint_comes_within_a_second(explorer):
     page = explorer()
     expect(page.locator("#example")).to_be_visible()
-    painted = page.evaluate("() => performance.getEntriesByName('first-contentful-paint')[0].startTime")
-    page.evaluate("() => 0")
+    # What is visible to the test may still be unpainted; the entry comes with the frame that shows it.
+    entry = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime"
+    painted = page.wait_for_function(entry, timeout=30_000).json_value()
     print(f"first paint after {painted:.0f} ms, page of {PAGE.stat().st_size / 2**20:.1f} MiB")
     # Emulated graphics on a busy machine: the figure is printed, and asserted with room.
     assert painted < 5000

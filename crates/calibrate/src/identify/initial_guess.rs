@@ -14,6 +14,8 @@ const ROWS_FOR_START: usize = 60;
 const ROWS_FOR_PLACEMENT: usize = 1000;
 /// Rows that must see each target among these.
 const LEAST_SIGHTS: usize = 30;
+/// Turned frames that a fit starts from: those that are nearest to the data before it.
+const TURNS_TO_FIT: usize = 6;
 /// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
 const GOOD_ENOUGH: f64 = 0.01;
 
@@ -53,9 +55,12 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
     let tips: Vec<Pose> = (0..few.len()).map(|row| chain.fk(few.reading(row))).collect();
     let good = GOOD_ENOUGH * chain.size();
     let mut best: Option<(f64, Arm)> = None;
-    for guess in guesses(chain, &few, &tips) {
-        let options = FitOptions { robust: true, most_iterations: 30 };
-        let fit = fit(&few, layout, &guess, &NoEffects, &weights, &options);
+    let fitted = |guess: &Arm, most_iterations| {
+        let options = FitOptions { robust: true, most_iterations };
+        fit(&few, layout, guess, &NoEffects, &weights, &options)
+    };
+    for guess in guesses(chain, &few, &tips, &|guess| misfit(&fitted(guess, 0))) {
+        let fit = fitted(&guess, 30);
         let left = misfit(&fit);
         if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
             best = Some((left, fit.arm));
@@ -106,18 +111,28 @@ fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
     (0..ROWS_FOR_START).map(|k| useful[k * (useful.len() - 1) / (ROWS_FOR_START - 1)]).collect()
 }
 
-/// Arms to start from: with the instrument turned in many ways, or the points in many places.
-fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Box<dyn Iterator<Item = Arm> + 'a> {
+/// Arms to start from: with the instrument turned in many ways, or the points in many places. `left`: an arm's misfit as it is.
+fn guesses<'a>(
+    chain: &'a Chain,
+    data: &'a Measurements,
+    tips: &'a [Pose],
+    left: &'a dyn Fn(&Arm) -> f64,
+) -> Box<dyn Iterator<Item = Arm> + 'a> {
     let targets = data.scene.targets.len();
     if !data.scene.has_instruments() {
         return Box::new(point_guesses(chain, data, tips));
     }
     let from_tips = std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); targets]));
-    let turned = turned_frames().into_iter().map(move |rotation| {
-        let offsets = offsets_for(data, tips, &rotation);
-        aligned(chain, data, tips, &offsets)
-    });
-    Box::new(from_tips.chain(turned))
+    let turned = move || {
+        let arms = turned_frames().into_iter().map(|rotation| {
+            let arm = aligned(chain, data, tips, &offsets_for(data, tips, &rotation));
+            (left(&arm), arm)
+        });
+        let mut arms: Vec<(f64, Arm)> = arms.collect();
+        arms.sort_by(|a, b| a.0.total_cmp(&b.0));
+        arms.into_iter().take(TURNS_TO_FIT).map(|(_, arm)| arm)
+    };
+    Box::new(from_tips.chain(std::iter::once_with(turned).flatten()))
 }
 
 /// Measured positions: row, target, place in the instrument's frame, m.

@@ -174,15 +174,10 @@ fn many(count: usize, in_a_row: bool, moved: f64) -> String {
     text + "</robot>"
 }
 
-fn least_time(mut work: impl FnMut()) -> Duration {
-    (0..2)
-        .map(|_| {
-            let start = Instant::now();
-            work();
-            start.elapsed()
-        })
-        .min()
-        .unwrap_or_default()
+fn time_of(work: impl FnOnce()) -> Duration {
+    let start = Instant::now();
+    work();
+    start.elapsed()
 }
 
 #[test]
@@ -204,13 +199,15 @@ fn nothing_grows_with_the_square_of_the_robot() {
     let works: [(&str, Work); 3] = [("check", check), ("fingerprint", print), ("diff", differ)];
     for in_a_row in [true, false] {
         for (name, work) in works {
-            let time = |count| {
+            let times = |count| {
                 let (one, other) = (many(count, in_a_row, 0.0), many(count, in_a_row, 0.0));
-                least_time(|| work(&one, &other))
+                move || time_of(|| work(&one, &other))
             };
-            let (short, long) = (time(small).max(Duration::from_millis(2)), time(large));
-            println!("{name}, in a row {in_a_row}: {short:?}, {long:?}");
-            assert!(long < 30 * short, "{name}, in a row {in_a_row}: {short:?} and, eight times as large, {long:?}");
+            let (short, long) = (times(small), times(large));
+            // Whatever else the machine does lengthens some of the times; what is quadratic is too slow every time.
+            let ratio = || long().as_secs_f64() / short().as_secs_f64().max(2e-3);
+            let least = (0..10).map(|_| ratio()).find(|ratio| *ratio < 30.0);
+            assert!(least.is_some(), "{name}, in a row {in_a_row}: eight times as large takes 30 times as long, ten times");
         }
     }
 }
