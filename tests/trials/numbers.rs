@@ -106,3 +106,26 @@ fn no_note_says_that_nothing_moves() {
     }
     assert!(said.is_empty(), "{said:?}");
 }
+
+#[test]
+fn a_home_pose_that_is_no_rotation_is_refused() {
+    let trial = Trial::new();
+    trial.run("poe arm.urdf --format json -o axes.json").succeeded();
+    let written: serde_json::Value = serde_json::from_str(&trial.text("axes.json")).unwrap();
+    let altered = |change: fn(&mut f64)| {
+        let mut value = written.clone();
+        let rows = value["home"].as_array_mut().unwrap();
+        for row in rows.iter_mut().take(3) {
+            let number = &mut row.as_array_mut().unwrap()[0];
+            let mut plain = number.as_f64().unwrap();
+            change(&mut plain);
+            *number = plain.into();
+        }
+        value.to_string()
+    };
+    let trial = trial.with("mirrored.json", &altered(|x| *x = -*x)).with("scaled.json", &altered(|x| *x *= 1.001));
+    for file in ["mirrored.json", "scaled.json"] {
+        trial.refuses(&format!("table {file}"), "the home pose is no rotation");
+        trial.refuses(&format!("table {file}"), file);
+    }
+}

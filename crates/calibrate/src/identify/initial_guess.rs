@@ -15,7 +15,11 @@ const ROWS_FOR_PLACEMENT: usize = 1000;
 /// Rows that must see each target among these.
 const LEAST_SIGHTS: usize = 30;
 /// Turned frames that a fit starts from: those that are nearest to the data before it.
-const TURNS_TO_FIT: usize = 6;
+const TURNS_TO_FIT: usize = 3;
+/// How often targets and instrument are placed in turn, each in closed form, before a turned frame is judged.
+const PLACINGS: usize = 3;
+/// Iterations that show whether a start leads anywhere: from the right one a fit is nearly there.
+const ITERATIONS_FROM_START: usize = 15;
 /// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
 const GOOD_ENOUGH: f64 = 0.01;
 
@@ -55,12 +59,9 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
     let tips: Vec<Pose> = (0..few.len()).map(|row| chain.fk(few.reading(row))).collect();
     let good = GOOD_ENOUGH * chain.size();
     let mut best: Option<(f64, Arm)> = None;
-    let fitted = |guess: &Arm, most_iterations| {
-        let options = FitOptions { robust: true, most_iterations };
-        fit(&few, layout, guess, &NoEffects, &weights, &options)
-    };
-    for guess in guesses(chain, &few, &tips, &|guess| misfit(&fitted(guess, 0))) {
-        let fit = fitted(&guess, 30);
+    let options = FitOptions { robust: true, most_iterations: ITERATIONS_FROM_START };
+    for guess in guesses(chain, &few, &tips) {
+        let fit = fit(&few, layout, &guess, &NoEffects, &weights, &options);
         let left = misfit(&fit);
         if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
             best = Some((left, fit.arm));
@@ -111,28 +112,37 @@ fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
     (0..ROWS_FOR_START).map(|k| useful[k * (useful.len() - 1) / (ROWS_FOR_START - 1)]).collect()
 }
 
-/// Arms to start from: with the instrument turned in many ways, or the points in many places. `left`: an arm's misfit as it is.
-fn guesses<'a>(
-    chain: &'a Chain,
-    data: &'a Measurements,
-    tips: &'a [Pose],
-    left: &'a dyn Fn(&Arm) -> f64,
-) -> Box<dyn Iterator<Item = Arm> + 'a> {
+/// Arms to start from: with the instrument turned in many ways, or the points in many places.
+fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Box<dyn Iterator<Item = Arm> + 'a> {
     let targets = data.scene.targets.len();
     if !data.scene.has_instruments() {
         return Box::new(point_guesses(chain, data, tips));
     }
     let from_tips = std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); targets]));
-    let turned = move || {
-        let arms = turned_frames().into_iter().map(|rotation| {
-            let arm = aligned(chain, data, tips, &offsets_for(data, tips, &rotation));
-            (left(&arm), arm)
+    let nearest = move || {
+        let arms = turned_frames().into_iter().map(|mut rotation| {
+            let mut arm = Arm::new(chain, &data.scene);
+            for _ in 0..PLACINGS {
+                arm = aligned(chain, data, tips, &offsets_for(data, tips, &rotation));
+                rotation = arm.instruments[0].rotation;
+            }
+            (squares_left(&arm, data, tips), arm)
         });
         let mut arms: Vec<(f64, Arm)> = arms.collect();
         arms.sort_by(|a, b| a.0.total_cmp(&b.0));
         arms.into_iter().take(TURNS_TO_FIT).map(|(_, arm)| arm)
     };
-    Box::new(from_tips.chain(std::iter::once_with(turned).flatten()))
+    Box::new(from_tips.chain(std::iter::once_with(nearest).flatten()))
+}
+
+/// Sum of the squared distances between measured positions and where this arm has them, m².
+fn squares_left(arm: &Arm, data: &Measurements, tips: &[Pose]) -> f64 {
+    positions(data)
+        .map(|(row, target, measured)| {
+            let on_arm = tips[row] * Point3::from(arm.targets[target].translation.vector);
+            (arm.instruments[0] * on_arm - Point3::from(measured)).norm_squared()
+        })
+        .sum()
 }
 
 /// Measured positions: row, target, place in the instrument's frame, m.

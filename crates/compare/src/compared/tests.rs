@@ -207,7 +207,10 @@ fn nothing_grows_with_the_square_of_the_robot() {
             // Whatever else the machine does lengthens some of the times; what is quadratic is too slow every time.
             let ratio = || long().as_secs_f64() / short().as_secs_f64().max(2e-3);
             let least = (0..10).map(|_| ratio()).find(|ratio| *ratio < 30.0);
-            assert!(least.is_some(), "{name}, in a row {in_a_row}: eight times as large takes 30 times as long, ten times");
+            assert!(
+                least.is_some(),
+                "{name}, in a row {in_a_row}: eight times as large takes 30 times as long, ten times"
+            );
         }
     }
 }
