@@ -36,7 +36,7 @@ fn a_file_of_distances_has_no_positions() {
 #[test]
 fn a_table_without_rows_is_written_or_refused() {
     let (_, chain) = arm();
-    let mut table = denavit_dh::table(&chain, &Options::default()).unwrap().value;
+    let mut table = denavit_dh::convert::table(&chain, &Options::default()).unwrap().value;
     table.rows.clear();
     table.tool = ToolPart { theta: 0.0, d: 0.0 };
     for convention in [Convention::Distal, Convention::Proximal] {
