@@ -31,7 +31,7 @@ from denavit.errors import (
     RobotError,
 )
 from denavit.fit import Fit, calibrate
-from denavit.measurements import Measurements
+from denavit.measurements import Measurements, Told
 from denavit.records import Records
 from denavit.results import (
     Coefficient,
@@ -90,6 +90,7 @@ __all__ = [
     "Simulation",
     "Table",
     "TipDifference",
+    "Told",
     "calibrate",
     "check",
     "diff",
