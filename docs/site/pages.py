@@ -66,7 +66,7 @@ def reference() -> str:
     }
     functions = [name for name in homes if name[0].islower()]
     errors = [name for name, home in homes.items() if home == "denavit.errors"]
-    main = ["Robot", "Chain", "Table", "Diff", "Measurements", "Fit"]
+    main = ["Robot", "Chain", "Table", "Diff", "Measurements", "Fit", "View"]
     others = [name for name in homes if name not in {*functions, *errors, *main}]
     parts = [("Functions", functions), ("Main classes", main), ("Results", others), ("Errors", errors)]
     lines = ["# Reference", "", "Lengths are m, angles rad. `import denavit as dn`."]

@@ -48,6 +48,7 @@ from denavit.results import (
 from denavit.robot import ChainListing, Robot, load
 from denavit.run import Plan, Simulation
 from denavit.table import Match, Note, Row, Table
+from denavit.view import View, explore
 
 __version__ = _version("denavit")
 
@@ -91,9 +92,11 @@ __all__ = [
     "Table",
     "TipDifference",
     "Told",
+    "View",
     "calibrate",
     "check",
     "diff",
+    "explore",
     "fingerprint",
     "load",
 ]

@@ -1,7 +1,5 @@
 //! A file of measurements or poses as Python holds it: its content, and what is said of its columns.
 
-#![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
-
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, error, load};
 use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};

@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_panic_stays_one() {
-        let panicked = catch_unwind(|| Stop::default().unless_asked(|| resume_unwind(Box::new("a mistake"))));
+        let panicked = catch_unwind(|| Stop::default().unless_asked::<()>(|| resume_unwind(Box::new("a mistake"))));
         assert_eq!(panicked.unwrap_err().downcast_ref::<&str>(), Some(&"a mistake"));
     }
 }
