@@ -35,6 +35,13 @@ def test_what_is_shown_of_what() -> None:
     assert calibrated[1] == fit.robot.text != drawn[1]
 
 
+def test_the_wheel_has_the_page_that_was_built() -> None:
+    page = TOP / "web/dist/explorer.html"
+    if not page.is_file():
+        pytest.skip("skipped, because web/dist/explorer.html is not built (web/build)")
+    assert PAGE.read_bytes() == page.read_bytes()
+
+
 @built
 def test_no_text_of_a_robot_leaves_its_place(tmp_path: Path) -> None:
     text = UR5E.read_text().replace("<robot ", '<!-- </script><script>alert(1)</script>" onload="x --><robot ', 1)
