@@ -175,12 +175,13 @@ pub fn calibrate(
         ..RowsAsked::default()
     };
     let read = py.detach(|| self::rows(&asked, nominal));
-    let Rows { data, test, columns, notes } = read.map_err(|failure| measured(&failure))?;
+    let Rows { data, test, columns, notes, origin } = read.map_err(|failure| measured(&failure))?;
     options.other_chains = other_chains(&chain.loaded, nominal, &data);
     let statics = chain.loaded.statics(nominal, reading(chain.exact));
     let result = fitted(py, Work { chain: nominal.clone(), statics: statics.clone(), data, test, options }, progress)?;
     let mut result = result.map_err(|failure| calibration(&failure.to_string(), &file))?;
     result.report.columns = columns;
+    result.report.origin = origin;
     let (chain, loaded, exact) = (nominal.clone(), Arc::clone(&chain.loaded), chain.exact);
     Ok(Fit { result, chain, statics, loaded, exact, notes })
 }

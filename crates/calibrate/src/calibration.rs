@@ -10,8 +10,8 @@ pub mod rows;
 use self::diagnosis::Diagnosis;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::{
-    CalibrationReport, Counts, CurveEntry, EffectEntry, Held, Identified, Rival, SCHEMA, Samples, Stage, Unexplained,
-    Unidentifiable,
+    CalibrationReport, Counts, CurveEntry, EffectEntry, Held, Identified, Origin, Rival, SCHEMA, Samples, Stage,
+    Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::effects::driver::Statics;
@@ -289,6 +289,7 @@ pub fn calibrate_and_tell(
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
+        origin: Origin::default(),
         robot: chain.name().into(),
         base: chain.base().into(),
         tip: chain.tip().into(),

@@ -3,6 +3,7 @@
 //! Words are those of the command line; messages name its options, and the Python package writes them as its keywords.
 
 mod distance;
+mod origin;
 mod rows;
 mod search;
 mod tip;

@@ -11,7 +11,8 @@ use crate::trace::infer::lines::Line;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Version of the contract. The second adds `placements`, `rows`, `repeats` and `curves` to the first, and changes nothing of it.
+/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats` and `curves` to the first, and changes
+/// nothing of it.
 pub const SCHEMA: &str = "denavit.calibration/2";
 
 /// The result of a calibration.
@@ -19,6 +20,8 @@ pub const SCHEMA: &str = "denavit.calibration/2";
 pub struct CalibrationReport {
     /// [`SCHEMA`].
     pub schema: &'static str,
+    /// By what it was made, when, and of which files.
+    pub origin: Origin,
     /// The robot's name.
     pub robot: String,
     /// Name of the base link.
@@ -63,6 +66,48 @@ pub struct CalibrationReport {
     pub unexplained: Unexplained,
     /// What the adopted stage leaves of every observation, fitted rows first.
     pub rows: Vec<RowEntry>,
+}
+
+/// By what a result was made, when, and of which files: who reads it later can tell whether it is of the data at hand.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Origin {
+    /// Program and version.
+    pub program: &'static str,
+    /// The day of the run in UTC, such as `2026-03-01`; left out where nobody said it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
+    /// Files of measurements; left out where the rows came from none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<FileRead>,
+}
+
+impl Default for Origin {
+    fn default() -> Self {
+        Self { program: concat!("denavit ", env!("CARGO_PKG_VERSION")), date: None, files: Vec::new() }
+    }
+}
+
+/// A file of measurements that was read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileRead {
+    /// Its name, as it was given.
+    pub file: String,
+    /// What it was read for.
+    pub used: FileUse,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// What a file of measurements is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FileUse {
+    /// Its rows are fitted.
+    Fit,
+    /// Its rows are joint readings with the ball in a socket, fitted.
+    Socket,
+    /// Its rows judge the fit.
+    Test,
 }
 
 /// Rows used.

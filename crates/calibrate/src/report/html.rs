@@ -57,6 +57,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),
                 parameters => text::final_parameters(result),
+                origin => Value::from(Serde(&result.report.origin)),
                 worst_rows => rows::worst(&result.report.rows),
                 placements => result.report.placements.as_ref().map(rows::placements),
                 tables => Value::from(Serde(rows::tables(result))),

@@ -33,7 +33,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     can_be_identified(&robot.chain)?;
     let mut options = search(&search_asked(arguments), &robot.chain)?;
     let products = products(arguments, &robot)?;
-    let Rows { data, test, columns, notes } = rows(&rows_asked(arguments)?, &robot.chain)?;
+    let Rows { data, test, columns, notes, origin } = rows(&rows_asked(arguments)?, &robot.chain)?;
     measured::mention(&notes);
     options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
@@ -48,6 +48,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     })?;
     drop(spinner);
     result.report.columns = columns;
+    result.report.origin = origin;
     let texts = texts(arguments, &places, &products, &robot, &result)?;
     places.outputs.write(&texts)?;
     if !places.outputs.take_standard_output() {

@@ -2,13 +2,15 @@
 
 use super::MeasuredError;
 use super::distance::known_distance;
+use super::origin::origin;
+use denavit_calibrate::calibration::contract::Origin;
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
 use denavit_model::Chain;
 use std::path::Path;
 
 /// A file of measurements.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct DataFile {
     /// What messages call it.
     pub name: String,
@@ -46,6 +48,8 @@ pub struct Rows {
     pub columns: Vec<ColumnUse>,
     /// What must be known of the files.
     pub notes: Vec<String>,
+    /// The files, by their hashes.
+    pub origin: Origin,
 }
 
 /// Reads the rows to fit and those to judge by.
@@ -77,7 +81,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         know(word, &mut data, test.as_mut())?;
     }
     if asked.hold_out_setups.is_empty() {
-        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes });
+        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes, origin: origin(asked) });
     }
     let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
         MeasuredError::Option(format!(
@@ -88,7 +92,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         let message = "--hold-out-setups: nothing is left to fit; name fewer setups";
         return Err(MeasuredError::Option(message.into()));
     }
-    Ok(Rows { data: train, test: Some(held), columns, notes })
+    Ok(Rows { data: train, test: Some(held), columns, notes, origin: origin(asked) })
 }
 
 /// A name for the setup of each file: the file's own without folder and extension; with them where two are called alike, and
