@@ -35,6 +35,8 @@ const REFINED: f64 = 1.0;
 /// Periodic errors, bumps and play are of this size at most, rad or m, as machines are made; more is geometry or damage that
 /// one sees.
 const LARGEST: f64 = 3e-3;
+/// What slips or is set up anew moves by so much at most, rad or m: a joint that turned by a radian where nobody sees it is none.
+const FARTHEST: f64 = 0.05;
 
 /// A cause at a place, and how probable it is that it acts.
 #[derive(Debug, Clone, PartialEq)]
@@ -196,10 +198,13 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
-/// Periodic errors, bumps and play are expected to have the size that machines have; 0 where nothing is known.
+/// Causes are expected to have the size that they have in machines; 0 where nothing is known.
 fn least_precision(candidate: &Candidate) -> f64 {
-    let bounded = [Kind::TransmissionError, Kind::AxisWobble, Kind::LocalJointError, Kind::Backlash];
-    if bounded.contains(&candidate.term.kind) { LARGEST.powi(-2) } else { 0.0 }
+    match candidate.term.kind {
+        Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash => LARGEST.powi(-2),
+        Kind::Drift => FARTHEST.powi(-2),
+        _ => 0.0,
+    }
 }
 
 /// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
