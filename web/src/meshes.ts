@@ -58,6 +58,8 @@ export function parsed(name: string, bytes: Uint8Array, made: (form: BufferGeome
     if (end === "obj") object = new OBJLoader(manager).parse(text);
     if (end === "dae") object = new ColladaLoader(manager).parse(text, "")?.scene;
     if (!object) return undefined;
+    // The loader turns what is z-up to three's y-up; robots' meshes stand in their link's frame as they are.
+    object.rotation.set(0, 0, 0);
     const out = new Group();
     object.updateMatrixWorld(true);
     object.traverse((part) => {

@@ -63,10 +63,10 @@ def test_a_tap_names_what_lies_under_it_inside_of_the_view(browser, explorer):
     drop_robot(page, UR5E)
     box = page.locator(".view").bounding_box()
     named = set()
-    for share in range(1, 40):
+    for share in range(1, 120):
         page.evaluate(
             """([x, y]) => document.querySelector('.view canvas').dispatchEvent(new MouseEvent('click', { clientX: x, clientY: y, bubbles: true }))""",
-            [box["x"] + share / 40 * box["width"], box["y"] + 0.53 * box["height"]],
+            [box["x"] + share / 120 * box["width"], box["y"] + (0.3 + 0.1 * (share % 5)) * box["height"]],
         )
         pointer = page.locator(".tag.pointer")
         if pointer.is_visible():
@@ -125,7 +125,7 @@ SHAPES = """() => {
       const at = it.position.clone().fromBufferAttribute(points, k).applyMatrix4(it.matrixWorld);
       at.toArray().forEach((value, axis) => { high[axis] = Math.max(high[axis], value); });
     }
-    found.push({ high, green: it.material.color.g > it.material.color.r });
+    found.push({ high, green: it.material.color.g > 2 * it.material.color.b });
   });
   return found.sort((a, b) => a.high[2] - b.high[2]);
 }"""
