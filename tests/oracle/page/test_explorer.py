@@ -14,7 +14,7 @@ from playwright.sync_api import expect
 
 pytestmark = needs_page
 
-OWN = [path.relative_to(WORKSPACE) for kind in ("*.urdf", "*_dh.csv", "*_poe.csv") for path in sorted(ROBOTS.rglob(kind))]
+OWN = [path.relative_to(WORKSPACE) for kind in ("*.urdf", "*_dh.csv", "*_nominal_poe.csv") for path in sorted(ROBOTS.rglob(kind))]
 
 
 def test_drop_table_canonical_in_three_clicks(explorer):
@@ -244,7 +244,7 @@ def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     # Sums are taken in another order by one thread than by several.
     same(found, json.loads(file.read_text()), 1e-5)
     assert page.locator("#effects-found li").count() == len(found["effects"]) >= 1
-    assert "cannot tell it from" in page.locator("#effects-found").inner_text()
+    assert "less likely in its stead" in page.locator("#effects-found").inner_text()
     assert page.locator("#tried tbody tr").count() > 5
     arrows = "() => window.denavit.app.view.arrows.children.length"
     assert page.evaluate(arrows) == found["samples"]["train"]
@@ -493,12 +493,11 @@ def test_explore_serves_the_page_to_this_machine(with_page, explorer):
         process.wait()
 
 
-def test_first_paint_comes_within_a_second(explorer):
-    page = explorer()
-    expect(page.locator("#example")).to_be_visible()
+def first_paint(page):
+    """When the first contents were painted, ms after the page was asked for."""
     # The entry comes after the frame that it tells of, and in some headless builds not at all: then the second frame from
     # here stands for it, which is never earlier.
-    painted = page.evaluate(
+    return page.evaluate(
         """() => new Promise((resolve) => {
           let second;
           requestAnimationFrame(() => requestAnimationFrame(() => { second = performance.now(); }));
@@ -509,9 +508,16 @@ def test_first_paint_comes_within_a_second(explorer):
           setTimeout(() => resolve(second ?? performance.now()), 3000);
         })"""
     )
-    print(f"first paint after {painted:.0f} ms, page of {PAGE.stat().st_size / 2**20:.1f} MiB")
-    # Emulated graphics on a busy machine: the figure is printed, and asserted with room.
-    assert painted < 5000
+
+
+def test_first_paint_comes_within_a_second_of_an_empty_page(explorer, tmp_path):
+    empty = tmp_path / "empty.html"
+    empty.write_text("<!doctype html><title>empty</title><link rel='icon' href='data:,'><p>nothing</p>")
+    nothing = min(first_paint(explorer(empty.as_uri())) for _ in range(2))
+    painted = min(first_paint(explorer()) for _ in range(2))
+    print(f"first paint after {painted:.0f} ms, {nothing:.0f} ms of an empty page; {PAGE.stat().st_size / 2**20:.1f} MiB")
+    # On a busy machine all takes longer: the empty page says by how much.
+    assert painted < 1000 + 4 * nothing
 
 
 def test_the_page_asks_for_nothing_by_its_text():
