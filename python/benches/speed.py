@@ -46,6 +46,7 @@ def own(path: str) -> Iterator[tuple[str, str, float]]:
     yield name, "fk, batch, all cores", best(lambda: chain.fk(q, out=poses, threads=0)) / COUNT
     yield name, "tips, batch into out", best(lambda: chain.tips(q, out=tips)) / COUNT
     yield name, "jacobian, batch into out", best(lambda: chain.jacobian(q, out=jacobians)) / COUNT
+    yield name, "jacobian, batch, all cores", best(lambda: chain.jacobian(q, out=jacobians, threads=0)) / COUNT
 
 
 def call(path: str) -> Iterator[tuple[str, str, float]]:
@@ -115,7 +116,7 @@ def ikpy(path: str) -> Iterator[tuple[str, str, float]]:
 
 
 def jax(path: str) -> Iterator[tuple[str, str, float]]:
-    """Product of exponentials in jax, compiled, over a batch; axes are this package's, arithmetic is jax's; float64 on the CPU."""
+    """Product of exponentials in jax, compiled, float64, CPU, over a batch; axes are this package's, arithmetic is jax's."""
     library, numeric = import_module("jax"), import_module("jax.numpy")
     library.config.update("jax_enable_x64", True)
     chain = dn.load(path).chain()

@@ -6,6 +6,8 @@
 
 use crate::effects::curve::Waves;
 use crate::identify::gram::products;
+use crate::identify::stop::{carried, look};
+use crate::identify::threads::joined;
 use std::sync::Mutex;
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
@@ -101,6 +103,7 @@ impl Gram {
         let work = || {
             let mut sums = vec![Channel::zeros(size); channels];
             loop {
+                look();
                 let next = queue.lock().expect("taking a stretch does not panic").next();
                 let Some(range) = next else { return sums };
                 for (channel, sums) in sums.iter_mut().enumerate() {
@@ -110,10 +113,10 @@ impl Gram {
         };
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let channels = std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
             let mut sums = work();
             for other in others {
-                for (sum, part) in sums.iter_mut().zip(other.join().expect("products do not panic")) {
+                for (sum, part) in sums.iter_mut().zip(joined(other)) {
                     sum.add(&part, 1.0);
                 }
             }
