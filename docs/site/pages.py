@@ -16,7 +16,8 @@ from pathlib import Path
 from nbconvert import MarkdownExporter
 
 TOP = Path(__file__).resolve().parents[2]
-LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
+# A link, or code, in which there is none; code may be the words of a link.
+TOKEN = re.compile(r"```.*?```|\[([^\]]*)\]\(([^)\s]+)\)|`[^`\n]*`", re.DOTALL)
 MOVED = {"README.md": "index.md", "ARCHITECTURE.md": "architecture.md", "robots/README.md": "gallery.md"}
 
 
@@ -39,6 +40,8 @@ def linked(text: str, source: Path, page: str) -> str:
 
     def link(found: re.Match[str]) -> str:
         words, target = found[1], found[2]
+        if target is None:
+            return found[0]
         path, mark, anchor = target.partition("#")
         if "://" in target or not path:
             return found[0]
@@ -50,9 +53,7 @@ def linked(text: str, source: Path, page: str) -> str:
             return f"[{words}]({os.path.relpath(inside, Path(page).parent)}{mark}{anchor})"
         return words if file.exists() else found[0]
 
-    # What stands in code is no link; code may be the words of one.
-    parts = re.split(r"(```.*?```|(?<!\[)`[^`\n]*`)", text, flags=re.DOTALL)
-    return "".join(part if part.startswith("`") else LINK.sub(link, part) for part in parts)
+    return TOKEN.sub(link, text)
 
 
 def reference() -> str:
