@@ -9,13 +9,15 @@ from __future__ import annotations
 import ast
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 
 from nbconvert import MarkdownExporter
 
 TOP = Path(__file__).resolve().parents[2]
-LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
+# A link, or code, in which there is none; code may be the words of a link.
+TOKEN = re.compile(r"```.*?```|\[([^\]]*)\]\(([^)\s]+)\)|`[^`\n]*`", re.DOTALL)
 MOVED = {"README.md": "index.md", "ARCHITECTURE.md": "architecture.md", "robots/README.md": "gallery.md"}
 
 
@@ -28,6 +30,8 @@ def place(file: Path) -> str | None:
         return file.name
     if file.parent == TOP / "examples/notebooks" and file.suffix == ".ipynb":
         return f"notebooks/{file.stem}.md"
+    if file.suffix == ".png" and file.is_relative_to(TOP / "docs"):
+        return file.relative_to(TOP / "docs").as_posix()
     return None
 
 
@@ -36,6 +40,8 @@ def linked(text: str, source: Path, page: str) -> str:
 
     def link(found: re.Match[str]) -> str:
         words, target = found[1], found[2]
+        if target is None:
+            return found[0]
         path, mark, anchor = target.partition("#")
         if "://" in target or not path:
             return found[0]
@@ -47,9 +53,7 @@ def linked(text: str, source: Path, page: str) -> str:
             return f"[{words}]({os.path.relpath(inside, Path(page).parent)}{mark}{anchor})"
         return words if file.exists() else found[0]
 
-    # What stands in code is no link.
-    parts = re.split(r"(```.*?```|`[^`\n]*`)", text, flags=re.DOTALL)
-    return "".join(part if part.startswith("`") else LINK.sub(link, part) for part in parts)
+    return TOKEN.sub(link, text)
 
 
 def reference() -> str:
@@ -63,7 +67,7 @@ def reference() -> str:
     }
     functions = [name for name in homes if name[0].islower()]
     errors = [name for name, home in homes.items() if home == "denavit.errors"]
-    main = ["Robot", "Chain", "Table", "Diff", "Measurements", "Fit"]
+    main = ["Robot", "Chain", "Table", "Diff", "Measurements", "Fit", "View"]
     others = [name for name in homes if name not in {*functions, *errors, *main}]
     parts = [("Functions", functions), ("Main classes", main), ("Results", others), ("Errors", errors)]
     lines = ["# Reference", "", "Lengths are m, angles rad. `import denavit as dn`."]
@@ -83,10 +87,15 @@ def main() -> None:
         assert page is not None
         text = linked(source.read_text(encoding="utf-8"), source, page)
         if page == "gallery.md":
-            text += '\n## Pages\n\nA page for each, with figures, tables, workspace and a view that moves: <a href="robots/index.html">all of them</a>.\n'
+            what = "A page for each, with figures, tables, workspace and a view that moves"
+            text += f'\n## Pages\n\n{what}: <a href="robots/index.html">all of them</a>.\n'
         path = folder / page
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
+    for picture in (TOP / "docs").glob("*/*.png"):
+        path = folder / picture.relative_to(TOP / "docs")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(picture, path)
     for notebook in sorted((TOP / "examples/notebooks").glob("*.ipynb")):
         page = f"notebooks/{notebook.stem}.md"
         text, resources = MarkdownExporter().from_filename(str(notebook))

@@ -115,7 +115,7 @@ def ikpy(path: str) -> Iterator[tuple[str, str, float]]:
 
 
 def jax(path: str) -> Iterator[tuple[str, str, float]]:
-    """Product of exponentials in jax, compiled, over a batch; axes are this package's, arithmetic is jax's; float64 on the CPU."""
+    """Product of exponentials in jax, compiled, float64, CPU, over a batch; axes are this package's, arithmetic is jax's."""
     library, numeric = import_module("jax"), import_module("jax.numpy")
     library.config.update("jax_enable_x64", True)
     chain = dn.load(path).chain()

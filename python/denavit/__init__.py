@@ -31,7 +31,7 @@ from denavit.errors import (
     RobotError,
 )
 from denavit.fit import Fit, calibrate
-from denavit.measurements import Measurements
+from denavit.measurements import Measurements, Told
 from denavit.records import Records
 from denavit.results import (
     Coefficient,
@@ -48,6 +48,7 @@ from denavit.results import (
 from denavit.robot import ChainListing, Robot, load
 from denavit.run import Plan, Simulation
 from denavit.table import Match, Note, Row, Table
+from denavit.view import View, explore
 
 __version__ = _version("denavit")
 
@@ -90,9 +91,12 @@ __all__ = [
     "Simulation",
     "Table",
     "TipDifference",
+    "Told",
+    "View",
     "calibrate",
     "check",
     "diff",
+    "explore",
     "fingerprint",
     "load",
 ]

@@ -5,15 +5,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _Array = NDArray[np.float64]
-_Given = tuple[str, str, str]
 _Residuals = tuple[NDArray[np.uintp], _Array, _Array]
-Wanted = _Given | _Array
+
+class Given(TypedDict):
+    name: str
+    content: str | bytes
+    units: str
+    columns: tuple[str, str] | None
+    euler: str | None
+    quaternion: str | None
+    rotation_vector: bool
+    joints: tuple[str, str] | None
+
+Wanted = Given | _Array
 
 class RowsGiven(TypedDict):
-    data: list[_Given]
-    sockets: list[tuple[str, _Given]]
+    data: list[Given]
+    sockets: list[tuple[str, Given]]
     distances: list[str]
-    test: _Given | None
+    test: Given | None
     hold_out_setups: list[str]
 
 class SearchGiven(TypedDict):
@@ -123,9 +133,12 @@ class Fit:
     def poe(self) -> str: ...
     def effects(self) -> str: ...
     def residuals(self) -> list[tuple[str, _Residuals, _Residuals]]: ...
-    def predict(self, later: _Given) -> tuple[str, _Residuals]: ...
+    def predict(self, later: Given) -> tuple[str, _Residuals]: ...
 
 def read_text(name: str) -> tuple[str, str]: ...
+def read_bytes(name: str) -> tuple[str, bytes]: ...
+def cells(name: str, content: str | bytes) -> str | None: ...
+def columns_draft(chain: Chain, name: str, content: str | bytes) -> str: ...
 def compare(
     a: Robot,
     b: Robot,

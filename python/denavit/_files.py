@@ -9,8 +9,8 @@ from pathlib import Path
 from denavit.errors import ArgumentError
 
 
-def save(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text to a temporary file beside `path`, then rename it."""
+def save(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write text or bytes to a temporary file beside `path`, then rename it."""
     target = Path(path)
     if target.is_dir() or not target.parent.is_dir():
         reason = "it is a folder" if target.is_dir() else f"there is no folder {target.parent}"
@@ -18,8 +18,8 @@ def save(path: str | os.PathLike[str], text: str) -> None:
     mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
     handle, name = tempfile.mkstemp(prefix=".denavit-", dir=target.parent)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content.encode("utf-8") if isinstance(content, str) else content)
         Path(name).chmod(mode)
         Path(name).replace(target)
     except BaseException:

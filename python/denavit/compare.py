@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from denavit import _denavit
@@ -58,6 +58,7 @@ class Diff:
         parts: Joints and links that only one of the two has, and what they carry, as in the JSON.
         notes: What is without effect on motion: renamed, moved about.
         reports: The report in every format of `denavit diff`, by name: text, json, junit, sarif, github, markdown.
+        robots: The two.
     """
 
     same: bool
@@ -66,6 +67,7 @@ class Diff:
     parts: tuple[dict[str, Any], ...]
     notes: tuple[str, ...]
     reports: dict[str, str]
+    robots: tuple[Robot, Robot] = field(compare=False)
 
     @property
     def tip(self) -> TipDifference | None:
@@ -128,9 +130,10 @@ def diff(
         ranges = [(name, *ends) for name, ends in q_range.items()]
     else:
         ranges = [(None, *q_range)]
+    before, after = load(a), load(b)
     found = _denavit.compare(
-        load(a)._native,
-        load(b)._native,
+        before._native,
+        after._native,
         tolerance_m,
         tolerance_rad,
         only == "kinematics",
@@ -161,6 +164,7 @@ def diff(
         parts=tuple(values["parts"]),
         notes=tuple(values["notes"]),
         reports=reports,
+        robots=(before, after),
     )
 
 

@@ -237,7 +237,7 @@ def calibrate(
     gear_ratio: Mapping[str, float] | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Fit:
-    """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C ends it.
+    """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C ends it at once.
 
     Args:
         chain: The chain as drawn.
@@ -247,7 +247,8 @@ def calibrate(
         hold_out: Without `test`: share of the rows to keep for judging.
         hold_out_setups: Setups, or placements of sockets, to keep for judging.
         seed: Of the choice of rows held out.
-        socket: Bare joint readings (no header, a column per joint) taken with a ball on the tip in a socket, by label.
+        socket: Bare joint readings (no header, a column per joint) taken with a ball on the tip in a socket, by label; or read
+            them with ``Measurements.read(file, socket=label)`` and give them as `data`.
         distance: Known distances between sockets: ``"front/0,front/1=50mm"``, or ``"*/0,*/1=50mm"`` for every placement; how
             sure one is may follow as ``+-0.1mm``.
         effects: Effects to look for behind the geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
@@ -278,9 +279,10 @@ def calibrate(
     if effects is not None and not isinstance(effects, str) and not list(effects):
         effects = None
     several = [data] if isinstance(data, Measurements) else list(data)
+    sockets = [(part.socket, part) for part in several if part.socket is not None] + list((socket or {}).items())
     rows: _denavit.RowsGiven = {
-        "data": [part._given() for part in several],
-        "sockets": [(label, part._given()) for label, part in (socket or {}).items()],
+        "data": [part._given() for part in several if part.socket is None],
+        "sockets": [(label, part._given()) for label, part in sockets],
         "distances": _words(distance),
         "test": None if test is None else test._given(),
         "hold_out_setups": _words(hold_out_setups),

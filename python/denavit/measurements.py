@@ -4,33 +4,61 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from denavit import _denavit
 from denavit._files import save
 from denavit.bridges.sources import cell
+from denavit.chain import Chain
 from denavit.errors import ArgumentError
 
 if TYPE_CHECKING:
     import pandas as pd
 
+Columns = Mapping[str, str | Sequence[str] | Mapping[str, str | Sequence[str]]]
+"""A map of columns as Python holds it: what a TOML file of it says."""
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What is said of the columns of an export beside its own text.
+
+    Attributes:
+        columns: A map of columns: the file that it is from and its text.
+        euler: Order of three angles.
+        quaternion: Order of a quaternion.
+        rotation_vector: Whether ``rx,ry,rz`` are axis times angle.
+        joints: A robot program: the file that it is from and its text.
+    """
+
+    columns: tuple[str, str] | None = None
+    euler: str | None = None
+    quaternion: str | None = None
+    rotation_vector: bool = False
+    joints: tuple[str, str] | None = None
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Measurements:
-    """Measured data as CSV text; row order is run order.
+    """Measured data as an instrument's program wrote them; row order is run order.
 
-    A column per joint, named as in the URDF, and ``x,y,z`` of a target on the tip, or ``x,y,z,qx,qy,qz,qw``, or
+    CSV with a column per joint, named as in the URDF, and ``x,y,z`` of a target on the tip, or ``x,y,z,qx,qy,qz,qw``, or
     ``x1,y1,z1,x2,…`` of several targets, or ``distance`` from a fixed anchor, or ``socket``, the label of the socket that a ball
     on the tip sits in. `time`, `temperature`, `payload`, `JOINT.approach` and other numeric columns are what effects may
-    follow. Columns are held against a chain when they are used: what is wrong then raises `DataError`, with file and line.
+    follow. Other forms (semicolons, UTF-16, a workbook, …) are brought into this one where `docs/measurements.md` says so.
+    Columns are held against a chain when they are used: what is wrong then raises `DataError`, with file and line.
 
     Attributes:
-        text: The CSV.
+        content: The file: text, or bytes of a workbook or of text in another encoding than UTF-8.
         file: What messages call it.
         units: Of lengths (m, mm, um, in) and angles (rad, mrad, deg), such as ``mm,deg``.
+        told: What its columns are, where their names do not say so.
+        socket: The label of the socket that the ball sits in, where the file is bare joint readings.
 
     Examples:
         >>> import denavit as dn
@@ -40,19 +68,61 @@ class Measurements:
         ('joint_1', 'x', 'y', 'z')
     """
 
-    text: str
+    content: str | bytes
     file: str = "<measurements>"
     units: str = "m,rad"
+    told: Told = field(default=Told(), kw_only=True)
+    socket: str | None = field(default=None, kw_only=True)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], units: str = "m,rad") -> Measurements:
-        """Read a CSV file, or ``git:REVISION:PATH``.
+    def read(
+        cls,
+        path: str | os.PathLike[str],
+        units: str = "m,rad",
+        *,
+        columns: str | os.PathLike[str] | Columns | None = None,
+        euler: str | None = None,
+        quaternion: str | None = None,
+        rotation_vector: bool = False,
+        joints: str | os.PathLike[str] | None = None,
+        socket: str | None = None,
+    ) -> Measurements:
+        """Read a file: CSV, any export, a workbook; ``git:REVISION:PATH``; ``-`` for standard input.
+
+        The keywords are the options of ``denavit calibrate``.
+
+        Args:
+            path: The file.
+            units: Of columns that name none.
+            columns: Which column is what, where names do not say so: a TOML file, ``"x=X1,y=Y1,z=Z1"``, or a mapping such as
+                ``{"x": "PX", "joints": ["A1", "A2"], "euler": {"order": "ZYX", "columns": ["A", "B", "C"]}}``.
+            euler: Columns of angles (``roll,pitch,yaw``; ``rx,ry,rz``; ``A,B,C``; ``W,P,R``) are turns in this order: ``XYZ``
+                about the axes as they turn along (intrinsic), ``xyz`` about fixed axes (extrinsic).
+            quaternion: Columns ``q1,q2,q3,q4`` (or ``q0,q1,q2,q3``) are a quaternion in this order, such as ``wxyz``.
+            rotation_vector: Columns ``rx,ry,rz`` are axis times angle.
+            joints: A robot program with the joint values of the rows: ABB RAPID, KUKA KRL, UR script.
+            socket: The file is bare joint readings (no header, a column per joint), taken with a ball on the tip in the
+                socket of this label.
 
         Raises:
-            ReadError: The file cannot be read.
+            ReadError: A file cannot be read.
+            ArgumentError: Keywords that exclude each other.
+
+        Examples:
+            >>> import denavit as dn
+            >>> dn.Measurements.read("tests/measured/files/readings.xlsx", units="mm,deg").columns[:3]
+            ('shoulder_pan_joint (deg)', 'shoulder_lift_joint (deg)', 'elbow_joint (deg)')
         """
-        file, text = _denavit.read_text(os.fspath(path))
-        return cls(text, file, units)
+        orders = {"euler": euler, "quaternion": quaternion, "rotation_vector": rotation_vector or None}
+        several = [name for name, value in orders.items() if value is not None]
+        if len(several) > 1:
+            raise ArgumentError(f"{' and '.join(several)} exclude each other; an orientation has one form")
+        if socket is not None and (several or columns is not None or joints is not None):
+            raise ArgumentError(f"readings in the socket {socket!r} are joint values alone; leave what is said of columns out")
+        file, content = _denavit.read_bytes(os.fspath(path))
+        program = None if joints is None else _denavit.read_text(os.fspath(joints))
+        told = Told(_map(columns), euler, quaternion, rotation_vector, program)
+        return cls(_as_text(content), file, units, told=told, socket=socket)
 
     @classmethod
     def from_columns(
@@ -92,24 +162,89 @@ class Measurements:
 
         return pd.read_csv(io.StringIO(self.text), comment="#", skipinitialspace=True)
 
+    @property
+    def text(self) -> str:
+        """The cells as CSV, as they stand in the file; of a CSV file, the file itself.
+
+        Raises:
+            DataError: A workbook that cannot be read.
+        """
+        if isinstance(self.content, str) and _is_csv(self.content):
+            return self.content
+        cells = _denavit.cells(self.file, self.content)
+        if cells is None:
+            return self.content if isinstance(self.content, str) else self.content.decode("utf-8", errors="replace")
+        return cells
+
+    def columns_draft(self, chain: Chain) -> str:
+        """A map of the columns to start from, TOML for `columns`; ``denavit calibrate --columns-draft``."""
+        return _denavit.columns_draft(chain._native, self.file, self.content)
+
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the CSV, as a whole or not at all."""
-        save(path, self.text)
+        """Write the file, as a whole or not at all."""
+        save(path, self.content)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns."""
+        """Names of the columns, as they stand in the file; none of readings in a socket."""
+        if self.socket is not None:
+            return ()
         return tuple(name.strip() for name in next(self._rows(), []))
 
     def __len__(self) -> int:
-        return max(0, sum(1 for _ in self._rows()) - 1)
+        return max(0, sum(1 for _ in self._rows()) - (self.socket is None))
 
     def _rows(self) -> Iterator[list[str]]:
         lines = (line for line in self.text.splitlines() if line.strip() and not line.lstrip().startswith("#"))
         return csv.reader(lines)
 
-    def _given(self) -> tuple[str, str, str]:
-        return self.file, self.text, self.units
+    def _given(self) -> _denavit.Given:
+        told = self.told
+        return {
+            "name": self.file,
+            "content": self.content,
+            "units": self.units,
+            "columns": told.columns,
+            "euler": told.euler,
+            "quaternion": told.quaternion,
+            "rotation_vector": told.rotation_vector,
+            "joints": told.joints,
+        }
 
     def __repr__(self) -> str:
-        return f"<denavit.Measurements {self.file}: {len(self)} rows, {self.units}>"
+        where = "" if self.socket is None else f" in socket {self.socket}"
+        return f"<denavit.Measurements {self.file}: {len(self)} rows{where}, {self.units}>"
+
+
+def _as_text(content: bytes) -> str | bytes:
+    """Text where it is UTF-8; a workbook and other encodings stay as they are."""
+    if content.startswith(b"PK\x03\x04") or b"\0" in content[:2000]:
+        return content
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content
+
+
+def _is_csv(text: str) -> bool:
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    return ";" not in first and "\t" not in first and ("," in first or not first)
+
+
+def _map(columns: str | os.PathLike[str] | Columns | None) -> tuple[str, str] | None:
+    """Where a map of columns is from, and its text."""
+    if columns is None:
+        return None
+    if isinstance(columns, Mapping):
+        return "columns", "".join(f"{json.dumps(str(name))} = {_toml(value)}\n" for name, value in columns.items())
+    name = os.fspath(columns)
+    if "=" in name and not Path(name).exists():
+        return "--columns", name
+    return _denavit.read_text(name)
+
+
+def _toml(value: object) -> str:
+    """Texts, lists of them, and mappings of both, as TOML."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{json.dumps(str(name))} = {_toml(inner)}" for name, inner in value.items()) + " }"
+    return json.dumps(value if isinstance(value, str) else list(value) if isinstance(value, Iterable) else value)

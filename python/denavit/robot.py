@@ -102,6 +102,11 @@ class Robot(Frozen):
         return self._native.urdf
 
     @property
+    def text(self) -> str:
+        """Its source as text: the URDF, xacro expanded, or the table or screw axes as they were given."""
+        return self._origin[1] if self.urdf is None else self.urdf
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What was read otherwise than it is written."""
         return tuple(self._native.notes)

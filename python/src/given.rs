@@ -4,7 +4,7 @@
 
 use crate::chain::Chain;
 use crate::errors::{argument, data, measured};
-use crate::measured::Given;
+use crate::given_file::Given;
 use crate::robot::reading;
 use crate::run::joint_rows;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
@@ -86,7 +86,8 @@ impl Effects {
         let poses = match wanted {
             Wanted::File(given) => {
                 let file = given.file()?;
-                poses::read(&file.name, &file.bytes[..], as_it_is, file.units).map_err(|failure| data(&failure))?
+                poses::read_export(&file.name, &file.bytes[..], as_it_is, file.units, &file.import)
+                    .map_err(|failure| data(&failure))?
             }
             Wanted::Matrices(array) => of_matrices(&array)?,
             Wanted::Joints(array) => of_joints(joint_rows("poses", &array, drawn)?),

@@ -8,6 +8,7 @@ mod chain;
 mod compare;
 mod errors;
 mod given;
+mod given_file;
 mod measured;
 mod robot;
 mod run;
@@ -24,6 +25,8 @@ mod _denavit {
     use crate::compare::{Comparison, Findings, check, compare, fingerprint, fingerprint_matches};
     #[pymodule_export]
     use crate::given::Effects;
+    #[pymodule_export]
+    use crate::given_file::{cells, columns_draft, read_bytes};
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
     #[pymodule_export]

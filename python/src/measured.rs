@@ -2,6 +2,7 @@
 
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, broken, calibration, error, measured};
+use crate::given_file::Given;
 use crate::robot::reading;
 use denavit_calibrate::ObservationKind;
 use denavit_calibrate::calibration::{
@@ -9,34 +10,19 @@ use denavit_calibrate::calibration::{
 };
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::residual_statistics::Residual;
+use denavit_calibrate::identify::stop::Stop;
 use denavit_calibrate::observation::kinds::KINDS;
 use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
 use denavit_load::Loaded;
-use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, rows, search};
+use denavit_load::measured::{Rows, RowsAsked, SearchAsked, moving, other_chains, rows, search};
 use denavit_model::nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
-
-/// Name, content and units of a file of measurements.
-#[derive(FromPyObject)]
-pub struct Given(String, String, String);
-
-impl Given {
-    /// The file with its units understood.
-    pub fn file(self) -> PyResult<DataFile> {
-        let units = self
-            .2
-            .parse()
-            .map_err(|failure| error(Class::Argument, &format!("{}: units: {failure}", self.0), Spot::file(&self.0)))?;
-        Ok(DataFile { name: self.0, bytes: self.1.into_bytes(), units })
-    }
-}
 
 /// What is fitted and what it is judged by.
 #[derive(FromPyObject)]
@@ -147,7 +133,7 @@ impl Fit {
 
     /// Errors of the adopted model on rows measured later, as JSON, and their residuals.
     fn predict<'py>(&self, py: Python<'py>, later: Given) -> PyResult<(String, Residuals<'py>)> {
-        let name = later.0.clone();
+        let name = later.name.clone();
         let asked = RowsAsked { data: vec![later.file()?], ..RowsAsked::default() };
         let found = rows(&asked, &self.chain).map_err(|failure| measured(&failure))?;
         let found = py.detach(|| self.result.predict(found.data));
@@ -179,7 +165,7 @@ pub fn calibrate(
         hold_out,
     };
     let mut options = self::search(&asked, nominal).map_err(|failure| measured(&failure))?;
-    let file = rows.data.first().map_or_else(String::new, |given| given.0.clone());
+    let file = rows.data.first().map_or_else(String::new, |given| given.name.clone());
     let asked = RowsAsked {
         data: rows.data.into_iter().map(Given::file).collect::<PyResult<_>>()?,
         sockets: rows.sockets.into_iter().map(|(label, given)| Ok((label, given.file()?))).collect::<PyResult<_>>()?,
@@ -211,22 +197,24 @@ struct Work {
 /// How long the interpreter is left alone before it is asked whether somebody wants to stop.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Fits in a thread of its own, so that the interpreter hears of Ctrl-C while it lasts. A fit that nobody waits for any more
-/// ends when it comes to its next stage.
+/// Fits in a thread of its own, so that the interpreter hears of Ctrl-C while it lasts. A fit that nobody waits for any more is
+/// asked to stop, which it does within some hundredths of a second; only then does Ctrl-C return.
 fn fitted(
     py: Python<'_>,
     work: Work,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Result<Calibration, CalibrateError>> {
     let (tell, mut told) = mpsc::channel();
-    let left = Arc::new(AtomicBool::new(false));
-    let leave = Arc::clone(&left);
+    let stop = Stop::default();
+    let asked = stop.clone();
     let fit = std::thread::spawn(move || {
         let Work { chain, statics, data, test, options } = work;
-        calibrate_and_tell(&chain, &statics, data, test, &options, &mut |stage| {
-            let gone = tell.send(stage).is_err() || left.load(Ordering::Relaxed);
-            if gone { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })
+        let mut tell = |stage| match tell.send(stage) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(mpsc::SendError(_)) => ControlFlow::Break(()),
+        };
+        let fit = || calibrate_and_tell(&chain, &statics, data, test, &options, &mut tell);
+        asked.unless_asked(fit).unwrap_or(Err(CalibrateError::Stopped))
     });
     let mut wait = || {
         loop {
@@ -243,7 +231,9 @@ fn fitted(
         }
     };
     if let Err(interrupted) = wait() {
-        leave.store(true, Ordering::Relaxed);
+        stop.ask();
+        // What it ended with, even a panic, is of no interest any more.
+        let _ = py.detach(|| fit.join());
         return Err(interrupted);
     }
     // A panic of the fit is one of the caller's, which becomes an exception.

@@ -39,6 +39,13 @@ def test_a_script_passes_pyright_strict(tmp_path: Path) -> None:
     assert "0 errors" in done.stdout
 
 
+def test_names_docstrings_and_form_are_as_agreed() -> None:
+    """Every public name has a docstring (ruff's rules D)."""
+    pytest.importorskip("ruff", reason="skipped, because ruff is not installed")
+    for words in (("check", "--no-cache"), ("format", "--check", "--no-cache")):
+        run("ruff", *words, ".", "../docs/site", folder=HERE.parent)
+
+
 def test_the_script_runs() -> None:
     names = runpy.run_path(os.fspath(HERE / "user_script.py"))
     assert names["same"]
@@ -47,6 +54,6 @@ def test_the_script_runs() -> None:
 def test_the_stub_is_that_of_the_native_module(tmp_path: Path) -> None:
     allowed = tmp_path / "allowed"
     # Aliases of the stub, and what the interpreter adds to a module.
-    names = ("_Array", "_Given", "_Residuals", "Wanted", "RowsGiven", "SearchGiven", "__all__")
+    names = ("_Array", "Given", "_Residuals", "Wanted", "RowsGiven", "SearchGiven", "__all__")
     allowed.write_text("".join(f"denavit\\._denavit\\.{name}\n" for name in names))
     run("mypy.stubtest", "denavit._denavit", "--allowlist", os.fspath(allowed), "--ignore-unused-allowlist", folder=tmp_path)

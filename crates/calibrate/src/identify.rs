@@ -15,6 +15,7 @@ pub mod residual;
 pub mod residual_statistics;
 mod simd_residuals;
 pub mod solve;
+pub mod stop;
 pub mod threads;
 
 use self::initial_guess::nominal_fit;

@@ -56,9 +56,9 @@ pub fn units(written: &str) -> Result<Units, Failure> {
 }
 
 /// A file of measurements.
-pub fn data_file(file: &str, units: Units) -> Result<DataFile, Failure> {
+pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<DataFile, Failure> {
     let (name, bytes) = source::read_bytes(file)?;
-    Ok(DataFile { name, bytes, units })
+    Ok(DataFile { name, bytes, units, import })
 }
 
 /// What the arguments say of the columns of a file of measurements.

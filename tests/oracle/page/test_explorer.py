@@ -592,8 +592,19 @@ def test_explore_serves_the_page_to_this_machine(with_page, explorer):
 def test_first_paint_comes_within_a_second(explorer):
     page = explorer()
     expect(page.locator("#example")).to_be_visible()
-    painted = page.evaluate("() => performance.getEntriesByName('first-contentful-paint')[0].startTime")
-    page.evaluate("() => 0")
+    # The entry comes after the frame that it tells of, and in some headless builds not at all: then the second frame from
+    # here stands for it, which is never earlier.
+    painted = page.evaluate(
+        """() => new Promise((resolve) => {
+          let second;
+          requestAnimationFrame(() => requestAnimationFrame(() => { second = performance.now(); }));
+          new PerformanceObserver((list) => {
+            const entry = list.getEntriesByName('first-contentful-paint')[0];
+            if (entry) resolve(entry.startTime);
+          }).observe({ type: 'paint', buffered: true });
+          setTimeout(() => resolve(second ?? performance.now()), 3000);
+        })"""
+    )
     print(f"first paint after {painted:.0f} ms, page of {PAGE.stat().st_size / 2**20:.1f} MiB")
     # Emulated graphics on a busy machine: the figure is printed, and asserted with room.
     assert painted < 5000

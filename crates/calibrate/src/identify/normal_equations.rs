@@ -3,6 +3,8 @@
 use crate::identify::jacobian_block::Panel;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::simd_residuals;
+use crate::identify::stop::{carried, look};
+use crate::identify::threads::joined;
 use crate::observation::arm::Arm;
 use crate::observation::parameters::Effects;
 use fearless_simd::{Level, dispatch};
@@ -80,16 +82,17 @@ impl<E: Effects> ResidualModel<'_, E> {
             let mut scratch = Scratch::new(self.layout, arm);
             let mut done = Vec::new();
             loop {
+                look();
                 let next = queue.lock().expect("taking a block does not panic").next();
                 let Some((rows, squares)) = next else { return done };
                 done.push((rows.start, self.block(arm, weights, rows, squares, &mut scratch)));
             }
         };
         std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
             done.extend(work());
             for other in others {
-                done.extend(other.join().expect("a block's computation does not panic"));
+                done.extend(joined(other));
             }
         });
         done.sort_by_key(|(first, _)| *first);

@@ -4,6 +4,8 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
+use crate::identify::stop::{carried, look};
+use crate::identify::threads::joined;
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::trace::ScanCell;
@@ -136,16 +138,17 @@ impl Field<'_> {
         let work = || {
             let mut done = Vec::new();
             loop {
+                look();
                 let next = queue.lock().expect("taking a batch does not panic").next();
                 let Some((index, batch)) = next else { return done };
                 done.push((index, self.score_batch(projector, batch)));
             }
         };
         let mut done = std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
             let mut done = work();
             for other in others {
-                done.extend(other.join().expect("scoring does not panic"));
+                done.extend(joined(other));
             }
             done
         });

@@ -8,7 +8,8 @@ use crate::progress::Spinner;
 use crate::source::{self, Loaded};
 use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::identify::proportion::can_be_identified;
-use denavit_calibrate::observation::measurements::{Units, import};
+use denavit_calibrate::observation::measurements::Units;
+use denavit_calibrate::observation::measurements::import::{self, ImportOptions};
 use denavit_calibrate::report::{html, text};
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
@@ -211,14 +212,14 @@ fn search_asked(arguments: &CalibrateArguments) -> SearchAsked {
 /// The files to fit and to judge by.
 fn rows_asked(arguments: &CalibrateArguments) -> Result<RowsAsked, Failure> {
     let units = measured::units(&arguments.units)?;
-    let read = |file: &String| measured::data_file(file, units);
+    let import = measured::import_options(&arguments.import)?;
+    let read = |file: &String| measured::data_file(file, units, import.clone());
     Ok(RowsAsked {
         data: arguments.data.iter().map(read).collect::<Result<_, _>>()?,
         sockets: arguments.socket.iter().map(|word| socket(word, units)).collect::<Result<_, _>>()?,
         distances: arguments.distance.clone(),
         test: arguments.test.as_ref().map(read).transpose()?,
         hold_out_setups: arguments.hold_out_setups.clone(),
-        import: measured::import_options(&arguments.import)?,
     })
 }
 
@@ -228,7 +229,7 @@ fn socket(word: &str, units: Units) -> Result<(String, DataFile), Failure> {
         word.split_once('=').filter(|(label, file)| !label.is_empty() && !file.is_empty()).ok_or_else(|| {
             Failure::Argument(format!("--socket \"{word}\": write LABEL=FILE, such as front/0=front_0.csv"))
         })?;
-    Ok((label.to_owned(), measured::data_file(file, units)?))
+    Ok((label.to_owned(), measured::data_file(file, units, ImportOptions::default())?))
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, Failure> {

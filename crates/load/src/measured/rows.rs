@@ -16,6 +16,8 @@ pub struct DataFile {
     pub bytes: Vec<u8>,
     /// Units of its numbers.
     pub units: Units,
+    /// What its columns are, where their names do not say so.
+    pub import: ImportOptions,
 }
 
 /// The rows that a calibration is asked to take.
@@ -31,8 +33,6 @@ pub struct RowsAsked {
     pub test: Option<DataFile>,
     /// Setups, or placements of sockets, to keep for judging.
     pub hold_out_setups: Vec<String>,
-    /// What the columns of the files are, where their names do not say so.
-    pub import: ImportOptions,
 }
 
 /// The rows of a calibration.
@@ -55,7 +55,7 @@ pub struct Rows {
 pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     let (mut columns, mut notes, mut parts) = (Vec::new(), Vec::new(), Vec::new());
     let mut read = |file: &DataFile| {
-        let loaded = measurements::read_export(&file.name, &file.bytes[..], chain, file.units, &asked.import)?;
+        let loaded = measurements::read_export(&file.name, &file.bytes[..], chain, file.units, &file.import)?;
         notes.extend(loaded.notes.iter().map(|note| format!("{}: {note}", file.name)));
         Ok::<_, MeasuredError>((loaded.data, loaded.columns))
     };
@@ -129,7 +129,12 @@ mod tests {
 
     #[test]
     fn every_file_is_a_setup_of_its_own() {
-        let file = |name: &str| DataFile { name: name.into(), bytes: Vec::new(), units: Units::default() };
+        let file = |name: &str| DataFile {
+            name: name.into(),
+            bytes: Vec::new(),
+            units: Units::default(),
+            import: ImportOptions::default(),
+        };
         let files = ["monday/run.csv", "tuesday/run.csv", "late.csv", "<data frame>", "<data frame>"].map(file);
         let expected = ["monday/run.csv", "tuesday/run.csv", "late", "<data frame>", "<data frame> 2"];
         assert_eq!(setups(&files), expected);

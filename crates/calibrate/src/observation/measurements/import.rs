@@ -241,6 +241,30 @@ pub fn draft(file: &str, bytes: &[u8], chain: &Chain) -> Result<String, ImportPr
     Ok(map::draft(file, &cells, chain))
 }
 
+/// Names of a file's columns and below them its rows, as comma-separated text; `None` of a file that is just that.
+///
+/// # Errors
+/// A workbook that cannot be read; the message does not name the file.
+pub fn cells(bytes: &[u8]) -> Result<Option<String>, ImportProblem> {
+    let grid = match grid::read(bytes, &|_| false) {
+        Ok(grid) if grid.plain => return Ok(None),
+        Ok(grid) => grid,
+        Err(Fault { problem: ImportProblem::NoRows, .. }) if !grid::is_workbook(bytes) => return Ok(None),
+        Err(fault) => return Err(fault.problem),
+    };
+    let mut out = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+    let point = |cell: &String| match grid::number(cell, grid.decimal_comma) {
+        Some(_) if grid.decimal_comma => cell.replace(',', "."),
+        _ => cell.clone(),
+    };
+    let rows = grid.rows.iter().map(|(_, row)| row.iter().map(point).collect());
+    for row in std::iter::once(grid.names.clone()).chain(rows) {
+        out.write_record(row).expect("memory takes what is written");
+    }
+    let bytes = out.into_inner().expect("memory takes what is written");
+    Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
+}
+
 /// Whether a column's name is that of a joint, but for its case, its blanks and a unit in brackets.
 fn names_a_joint(name: &str, chain: &Chain) -> bool {
     let own = plain(name);

@@ -46,7 +46,21 @@ enum Role {
 /// # Errors
 /// All problems found, each with file and line.
 pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Poses, DataError> {
-    read_as(source, input, chain, units, true)
+    read_export(source, input, chain, units, &ImportOptions::default())
+}
+
+/// As [`read`], and what is said of the file's columns is followed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_export(
+    source: &str,
+    input: impl Read,
+    chain: &Chain,
+    units: Units,
+    options: &ImportOptions,
+) -> Result<Poses, DataError> {
+    read_as(source, input, chain, units, options, true)
 }
 
 /// Reads joint values alone, from a list of poses, a plan or a measurement file: one value per coordinate and row, rad or m.
@@ -54,7 +68,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
 /// # Errors
 /// As [`read`].
 pub fn read_joints(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Vec<Vec<f64>>, DataError> {
-    Ok(read_as(source, input, chain, units, false)?.joints)
+    read_joints_of_export(source, input, chain, units, &ImportOptions::default())
 }
 
 /// As [`read_joints`], and what is said of the file's columns is followed.
@@ -68,13 +82,18 @@ pub fn read_joints_of_export(
     units: Units,
     options: &ImportOptions,
 ) -> Result<Vec<Vec<f64>>, DataError> {
-    let Imported { text, converted, .. } = in_our_form(source, input, chain, units, options)?;
-    let units = if converted { Units::default() } else { units };
-    Ok(read_contract(source, text.as_bytes(), chain, units, false)?.joints)
+    Ok(read_as(source, input, chain, units, options, false)?.joints)
 }
 
-fn read_as(source: &str, input: impl Read, chain: &Chain, units: Units, with_poses: bool) -> Result<Poses, DataError> {
-    let Imported { text, converted, .. } = in_our_form(source, input, chain, units, &ImportOptions::default())?;
+fn read_as(
+    source: &str,
+    input: impl Read,
+    chain: &Chain,
+    units: Units,
+    options: &ImportOptions,
+    with_poses: bool,
+) -> Result<Poses, DataError> {
+    let Imported { text, converted, .. } = in_our_form(source, input, chain, units, options)?;
     let units = if converted { Units::default() } else { units };
     read_contract(source, text.as_bytes(), chain, units, with_poses)
 }

@@ -6,6 +6,8 @@
 
 use crate::effects::curve::Waves;
 use crate::identify::gram::products;
+use crate::identify::stop::{carried, look};
+use crate::identify::threads::joined;
 use std::sync::Mutex;
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
@@ -105,10 +107,12 @@ impl Gram {
         let work = || {
             let mut done = Vec::new();
             loop {
+                look();
                 let next = queue.lock().expect("taking a lane does not panic").next();
                 let Some(lane) = next else { return done };
                 let mut sums = vec![Channel::zeros(size); channels];
                 for range in stretches.iter().skip(lane).step_by(lanes) {
+                    look();
                     for (channel, sums) in sums.iter_mut().enumerate() {
                         add_stretch(columns, waves, readings, range.clone(), channel, sums);
                     }
@@ -118,10 +122,10 @@ impl Gram {
         };
         let threads = crate::identify::threads::available().min(lanes);
         let mut done = std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
             let mut done = work();
             for other in others {
-                done.extend(other.join().expect("products do not panic"));
+                done.extend(joined(other));
             }
             done
         });

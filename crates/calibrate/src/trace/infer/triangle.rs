@@ -1,5 +1,6 @@
 //! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory.
 
+use crate::identify::stop::look;
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// The lower triangle L of A = L Lᵀ, or its inverse, row by row.
@@ -12,6 +13,7 @@ pub struct Triangle {
 impl Triangle {
     /// Factors a symmetric matrix given row by row, of which the lower triangle is read; `None` unless it is positive.
     pub fn factor(mut cells: Vec<f64>, size: usize) -> Option<Self> {
+        look();
         dispatch!(Level::new(), simd => factor_in(simd, &mut cells, size)).then_some(Self { cells, size })
     }
 

@@ -80,9 +80,14 @@ fn looks_numeric(cell: &str) -> bool {
     number(cell, true).is_some()
 }
 
+/// Whether a file is an Excel workbook, which is a zip archive.
+pub(super) fn is_workbook(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+}
+
 /// Reads a file into cells; `is_joint` says whether a name is a joint's, which tells the header row.
 pub(super) fn read(bytes: &[u8], is_joint: &dyn Fn(&str) -> bool) -> Result<Grid, Fault> {
-    if bytes.starts_with(b"PK\x03\x04") {
+    if is_workbook(bytes) {
         let mut grid = laid_out(sheet::rows(bytes)?, is_joint)?;
         (grid.plain, grid.is_sheet) = (false, true);
         grid.notes.insert(0, "read as an Excel workbook, its first sheet with data".into());

@@ -1,0 +1,92 @@
+//! A file of measurements or poses as Python holds it: its content, and what is said of its columns.
+
+use crate::chain::Chain;
+use crate::errors::{Class, Spot, error, load};
+use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};
+use denavit_load::measured::DataFile;
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+use std::fmt::Display;
+
+/// What messages call a map that was written as words.
+const WORDS: &str = "--columns";
+
+/// A file.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Given {
+    pub name: String,
+    content: Content,
+    units: String,
+    columns: Option<(String, String)>,
+    euler: Option<String>,
+    quaternion: Option<String>,
+    rotation_vector: bool,
+    joints: Option<(String, String)>,
+}
+
+/// What is in it.
+#[derive(FromPyObject)]
+pub enum Content {
+    /// Text.
+    Text(String),
+    /// A workbook, or text of another encoding than UTF-8.
+    Bytes(PyBackedBytes),
+}
+
+impl Content {
+    fn into_bytes(self) -> Vec<u8> {
+        match self {
+            Self::Text(text) => text.into_bytes(),
+            Self::Bytes(bytes) => bytes.to_vec(),
+        }
+    }
+}
+
+impl Given {
+    /// The file with what is said of it understood.
+    pub fn file(self) -> PyResult<DataFile> {
+        let wrong = |message: String| error(Class::Argument, &message, Spot::file(&self.name));
+        let option = |option: &str, failure: &dyn Display| wrong(format!("{}: {option}: {failure}", self.name));
+        let map = self.columns.map(|(file, text)| {
+            let read = if file == WORDS { Map::of_words(&text) } else { Map::read(&file, &text) };
+            read.map_err(|failure| wrong(failure.to_string()))
+        });
+        let order = self.euler.map(|word| word.parse().map_err(|failure: EulerError| option("euler", &failure)));
+        let program = self.joints.map(|(file, text)| {
+            import::joints(&file, &text)
+                .map_err(|failure| error(Class::Argument, &failure.to_string(), Spot::file(&file)))
+        });
+        let import = ImportOptions {
+            map: map.transpose()?,
+            euler: order.transpose()?,
+            rotation_vector: self.rotation_vector,
+            quaternion: self.quaternion,
+            joints: program.transpose()?,
+        };
+        let units = self.units.parse().map_err(|failure| option("units", &failure))?;
+        Ok(DataFile { name: self.name, bytes: self.content.into_bytes(), units, import })
+    }
+}
+
+/// The content of a file, of standard input (`-`), or of a file in git, and what to call it.
+#[pyfunction]
+pub fn read_bytes<'py>(py: Python<'py>, name: &str) -> PyResult<(String, Bound<'py, PyBytes>)> {
+    let (file, bytes) = denavit_load::read_bytes(name).map_err(|failure| load(&failure))?;
+    Ok((file, PyBytes::new(py, &bytes)))
+}
+
+/// Columns of a file as CSV, names in the first row; `None` of a file that is just that.
+#[pyfunction]
+pub fn cells(name: &str, content: Content) -> PyResult<Option<String>> {
+    let failed = |failure: import::ImportProblem| error(Class::Data, &format!("{name}: {failure}"), Spot::file(name));
+    import::cells(&content.into_bytes()).map_err(failed)
+}
+
+/// A map of a file's columns to start from, TOML.
+#[pyfunction]
+pub fn columns_draft(chain: &Chain, name: &str, content: Content) -> PyResult<String> {
+    let failed = |failure: import::ImportProblem| error(Class::Data, &format!("{name}: {failure}"), Spot::file(name));
+    import::draft(name, &content.into_bytes(), &chain.chain).map_err(failed)
+}

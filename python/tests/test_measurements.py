@@ -1,0 +1,180 @@
+"""Whatever `denavit calibrate` reads, `Measurements.read` reads too, under the same names, to the same JSON."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import pickle
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import denavit as dn
+
+TOP = Path(__file__).resolve().parents[2]
+FILES = TOP / "tests/measured/files"
+ROBOT = TOP / "robots/universal_robots/ur5e.urdf"
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dn.Chain:
+    return dn.load(ROBOT).chain()
+
+
+@pytest.fixture(scope="module")
+def poses(drawn: dn.Chain) -> dn.Measurements:
+    """Forty full poses."""
+    return drawn.simulate(40, seed=2, measure="poses").data
+
+
+def fitted(chain: dn.Chain, data: dn.Measurements) -> dict[str, object]:
+    """The calibration of the geometry, without what names the file and its columns."""
+    found = dn.calibrate(chain, data, effects=None).to_dict()
+    del found["columns"]
+    for row in found.get("rows", ()):
+        del row["line"]
+    return found
+
+
+def of_command(*words: str) -> dict[str, object]:
+    command = os.environ.get("DENAVIT")
+    if command is None or not Path(command).exists():
+        pytest.skip("skipped, because DENAVIT names no command line to compare with")
+    line = [command, "calibrate", os.fspath(ROBOT), "--effects", "none", "--json", *words]
+    done = subprocess.run(line, capture_output=True, check=True)
+    found: dict[str, object] = json.loads(done.stdout)
+    return found
+
+
+def test_a_workbook_is_read_as_the_command_reads_it(drawn: dn.Chain) -> None:
+    book = dn.Measurements.read(FILES / "readings.xlsx", units="mm,deg")
+    table = dn.Measurements.read(FILES / "readings.csv", units="mm,deg")
+    assert isinstance(book.content, bytes)
+    assert [name.partition(" ")[0].lower() for name in book.columns] == list(table.columns)
+    assert len(book) == len(table) > 20
+    assert fitted(drawn, book) == fitted(drawn, table)
+    assert dn.calibrate(drawn, book, effects=None).to_dict() == of_command(
+        "--data", str(FILES / "readings.xlsx"), "--units", "mm,deg"
+    )
+    assert pickle.loads(pickle.dumps(book)) == book != table
+
+
+def test_other_encodings_and_separators(drawn: dn.Chain, poses: dn.Measurements, tmp_path: Path) -> None:
+    text = poses.text
+    own = fitted(drawn, poses)
+    rows = text.replace(",", ";").replace(".", ",")
+    for name, content in (("semicolons.csv", rows.encode()), ("wide.csv", text.replace(",", "\t").encode("utf-16"))):
+        (tmp_path / name).write_bytes(content)
+        read = dn.Measurements.read(tmp_path / name)
+        assert read.columns == poses.columns
+        assert len(read) == len(poses)
+        assert fitted(drawn, read) == own, name
+        read.save(tmp_path / "again.csv")
+        assert (tmp_path / "again.csv").read_bytes() == content
+
+
+def exported(poses: dn.Measurements, angles: list[str], values: np.ndarray, path: Path) -> str:
+    """Poses with their orientation under other names; rotations as `values`."""
+    frame = pytest.importorskip("pandas").read_csv(io.StringIO(poses.text), comment="#")
+    frame = frame.drop(columns=["qx", "qy", "qz", "qw"]).rename(columns={"x": "PX", "y": "PY", "z": "PZ"})
+    frame[angles] = values
+    frame.to_csv(path, index=False)
+    return os.fspath(path)
+
+
+def turns(poses: dn.Measurements) -> Rotation:
+    frame = pytest.importorskip("pandas").read_csv(io.StringIO(poses.text), comment="#")
+    return Rotation.from_quat(frame[["qx", "qy", "qz", "qw"]].to_numpy())
+
+
+@pytest.mark.parametrize("form", ["euler", "fixed", "rotation_vector", "quaternion"])
+def test_the_columns_of_an_orientation(form: str, drawn: dn.Chain, poses: dn.Measurements, tmp_path: Path) -> None:
+    """The turns are written by scipy, and read back as the quaternions that they were."""
+    turn = turns(poses)
+    names, values, told = {
+        "euler": (["A", "B", "C"], turn.as_euler("ZYX"), {"euler": "ZYX"}),
+        "fixed": (["roll", "pitch", "yaw"], turn.as_euler("xyz"), {"euler": "xyz"}),
+        "rotation_vector": (["rx", "ry", "rz"], turn.as_rotvec(), {"rotation_vector": True}),
+        "quaternion": (["q1", "q2", "q3", "q4"], turn.as_quat()[:, [3, 0, 1, 2]], {"quaternion": "wxyz"}),
+    }[form]
+    path = exported(poses, names, values, tmp_path / "run.csv")
+    want = fitted(drawn, poses)["stages"][-1]["train"]  # type: ignore[index]
+    for columns in ("x=PX,y=PY,z=PZ", {"x": "PX", "y": "PY", "z": "PZ"}):
+        if isinstance(columns, dict):
+            key, value = next(iter(told.items()))
+            columns = columns | {key: names if value is True else {"order": value, "columns": names}}  # noqa: PLW2901
+            columns |= {"joints": list(drawn.joints), "units": "m,rad"}
+            data = dn.Measurements.read(path, columns=columns)
+        else:
+            data = dn.Measurements.read(path, columns=columns, **told)  # type: ignore[arg-type]
+        got = fitted(drawn, data)["stages"][-1]["train"]  # type: ignore[index]
+        assert got == pytest.approx(want, rel=1e-6)
+    words = ["--rotation-vector"] if form == "rotation_vector" else [f"--{next(iter(told))}", str(next(iter(told.values())))]
+    theirs = of_command("--data", path, "--columns", "x=PX,y=PY,z=PZ", *words)
+    read = dn.Measurements.read(path, columns="x=PX,y=PY,z=PZ", **told)  # type: ignore[arg-type]
+    assert dn.calibrate(drawn, read, effects=None).to_dict() == theirs
+
+
+def test_a_map_in_a_file_and_a_draft_of_one(drawn: dn.Chain, poses: dn.Measurements, tmp_path: Path) -> None:
+    path = tmp_path / "map.toml"
+    draft = poses.columns_draft(drawn)
+    assert 'units = "mm,deg"' in draft
+    turn = 'quaternion = { order = "xyzw", columns = ["qx", "qy", "qz", "qw"] }\n'
+    path.write_text(draft.replace('"mm,deg"', '"m,rad"') + turn)
+    (tmp_path / "run.csv").write_text(poses.text)
+    read = dn.Measurements.read(tmp_path / "run.csv", columns=path)
+    assert fitted(drawn, read)["stages"] == fitted(drawn, poses)["stages"]
+    path.write_text("x = 3")
+    with pytest.raises(dn.ArgumentError, match=r"map\.toml: \"x\" is to be a column"):
+        dn.calibrate(drawn, dn.Measurements.read(tmp_path / "run.csv", columns=path))
+
+
+def test_joints_from_a_robot_program(drawn: dn.Chain, poses: dn.Measurements, tmp_path: Path) -> None:
+    frame = pytest.importorskip("pandas").read_csv(io.StringIO(poses.text), comment="#")
+    moves = (f"movej([{', '.join(repr(float(q)) for q in row)}])" for row in frame[list(drawn.joints)].to_numpy())
+    (tmp_path / "run.script").write_text("def run():\n" + "\n".join(moves) + "\nend\n")
+    frame.drop(columns=list(drawn.joints)).to_csv(tmp_path / "seen.csv", index=False)
+    read = dn.Measurements.read(tmp_path / "seen.csv", joints=tmp_path / "run.script")
+    assert fitted(drawn, read)["stages"] == fitted(drawn, poses)["stages"]
+
+
+def test_readings_in_a_socket(drawn: dn.Chain, tmp_path: Path) -> None:
+    q = drawn.sample(20, seed=3)
+    np.savetxt(tmp_path / "front.csv", q, delimiter=",")
+    read = dn.Measurements.read(tmp_path / "front.csv", socket="front/0")
+    assert (len(read), read.columns, read.socket) == (20, (), "front/0")
+    bare = dn.Measurements.read(tmp_path / "front.csv")
+    with pytest.raises(dn.DenavitError) as one:
+        dn.calibrate(drawn, [read], effects=None)
+    with pytest.raises(dn.DenavitError) as other:
+        dn.calibrate(drawn, socket={"front/0": bare}, effects=None)
+    assert str(one.value) == str(other.value)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "why"),
+    [
+        ({"euler": "XYZ", "quaternion": "wxyz"}, "euler and quaternion exclude each other"),
+        ({"socket": "a", "euler": "XYZ"}, "leave what is said of columns out"),
+        ({"euler": "XXZ"}, "euler: "),
+        ({"quaternion": "wwxy"}, "quaternion"),
+        ({"columns": "x"}, "No such file"),
+        ({"columns": "x=nothing"}, 'there is no column "nothing"'),
+        ({"units": "furlong"}, "units: "),
+    ],
+)
+def test_what_cannot_be_is_refused(keywords: dict[str, str], why: str, drawn: dn.Chain) -> None:
+    with pytest.raises(dn.DenavitError, match=why):
+        dn.calibrate(drawn, dn.Measurements.read(FILES / "readings.csv", **keywords), effects=None)  # type: ignore[arg-type]
+
+
+def test_a_broken_workbook_is_named(drawn: dn.Chain, tmp_path: Path) -> None:
+    (tmp_path / "run.xlsx").write_bytes((FILES / "readings.xlsx").read_bytes()[:400])
+    broken = dn.Measurements.read(tmp_path / "run.xlsx")
+    for use in (lambda: broken.columns, lambda: dn.calibrate(drawn, broken)):
+        with pytest.raises(dn.DataError, match=r"run\.xlsx.*this Excel workbook cannot be read"):
+            use()
