@@ -88,7 +88,7 @@ def test_a_bad_robot_is_a_row_with_its_error(uninterrupted):
     ).fetchall()
     assert [(serial, event) for serial, event, _ in failed] == [("SN-lost", "collision")]
     assert "lost.csv" in failed[0][2]
-    (count,) = duckdb.sql(f"select count(*) from '{uninterrupted}/runs/*.parquet'").fetchone()
+    (count,) = duckdb.sql(f"select count(*) from '{uninterrupted}/runs/*.parquet'").fetchall()[0]
     assert count == ROBOTS + 1
 
 
@@ -199,9 +199,9 @@ def test_every_task_has_its_rows(tmp_path):
     assert prints == [(denavit("fingerprint", longer).strip(),)]
     (a,) = duckdb.sql(
         f"select value from '{store}/parameters/*.parquet' where task = 'table' and parameter = 'a' and value < -0.4"
-    ).fetchone()
+    ).fetchall()[0]
     assert a == -0.427
-    (moved,) = duckdb.sql(f"select max(value) from '{store}/notes/*.parquet' where code = 'tip'").fetchone()
+    (moved,) = duckdb.sql(f"select max(value) from '{store}/notes/*.parquet' where code = 'tip'").fetchall()[0]
     assert abs(moved - 0.002) < 1e-6
 
 

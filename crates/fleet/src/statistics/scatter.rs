@@ -23,7 +23,7 @@ impl Scatter {
     /// Learned from deviations of quiet nights from the mean of the nights before, each in units of its spread: as wide as
     /// one night's.
     ///
-    /// The scale is that of the median, which a few sick robots do not move; the tails are matched where 1 in 100 lies
+    /// The scale is that of the median, which a few sick robots do not move; the tails are matched where 1 in 10 lies
     /// beyond, so that sick robots can only make them heavier, and the watch more careful. `None`: fewer than eight
     /// deviations, or no scatter at all.
     pub fn of(deviations: &[f64]) -> Option<Self> {
@@ -38,7 +38,7 @@ impl Scatter {
             return None;
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the list")]
-        let beyond = sizes[(0.99 * count as f64) as usize] / middle;
+        let beyond = sizes[(0.9 * count as f64) as usize] / middle;
         // What a robust scale of so few numbers is worth: the median has 37 % of the efficiency of the mean square.
         let known = 0.37 * count as f64;
         let mut freedom = LEAST_FREEDOM;
@@ -65,9 +65,9 @@ fn quantile(freedom: f64, share: f64) -> f64 {
     if freedom >= MOST_FREEDOM && share == 0.75 { MEDIAN_OF_NORMAL } else { student(freedom).inverse_cdf(share) }
 }
 
-/// By how much the 99th percentile of |t| exceeds its median.
+/// By how much the 90th percentile of |t| exceeds its median.
 fn ratio(freedom: f64) -> f64 {
-    quantile(freedom, 0.995) / quantile(freedom, 0.75)
+    quantile(freedom, 0.95) / quantile(freedom, 0.75)
 }
 
 #[cfg(test)]

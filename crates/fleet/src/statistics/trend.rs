@@ -59,8 +59,9 @@ pub struct Crossing {
     pub latest: Option<f64>,
 }
 
-/// By how much Schwarz's criterion must prefer a change: odds of 150 to 1, as one looks at all numbers of a robot.
-const WORTH: f64 = 10.0;
+/// A change is one where chance makes such a one less often than this, all nights counted at which it may have been: there are
+/// some thirty numbers a robot, and thousands of robots.
+const BY_CHANCE: f64 = 1e-5;
 /// Nobody plans further.
 const HORIZON: f64 = 3653.0;
 /// Fewer nights have no history.
@@ -110,8 +111,9 @@ fn squares(points: &[Point]) -> f64 {
     points.iter().map(|point| (point.value - mean).powi(2)).sum()
 }
 
-/// What a history of at least six nights is, by Schwarz's criterion over a constant, a line, and a step at any night: the
-/// step's place counts as a number of its own, and costs nothing where an event is on record. Fewer nights are steady.
+/// What a history of at least six nights is: Student's tests of a line and of a step at any night, the surer of the two where it
+/// is sure. The p-value of a step is multiplied by the count of nights that were tried, unless an event is on record before it.
+/// Fewer nights are steady.
 pub fn shape(points: &[Point]) -> Shape {
     let count = points.len();
     if count < LEAST_NIGHTS {
@@ -123,17 +125,21 @@ pub fn shape(points: &[Point]) -> Shape {
     if constant <= 0.0 {
         return Shape::Steady;
     }
-    let floor = constant * 1e-12;
-    let score = |left: f64, numbers: f64| n * (left.max(floor) / n).ln() + numbers * n.ln();
-    let steady = score(constant, 1.0);
+    let freedom = StudentsT::new(0.0, 1.0, n - 2.0).expect("six nights");
+    // Of what a change leaves: its squares over what it explains, two-sided.
+    let by_chance = |left: f64| {
+        let left = left.max(constant * 1e-12);
+        2.0 * freedom.sf(((constant - left).max(0.0) / left * (n - 2.0)).sqrt())
+    };
     let line = Line::of(points);
-    let drift = score(line.left, 2.0);
+    let drift = by_chance(line.left);
+    let tried = (count - 3) as f64;
     let steps = (2..=count - 2).map(|at| {
         let left = squares(&points[..at]) + squares(&points[at..]);
-        (score(left, if points[at].event { 2.0 } else { 3.0 }), at, left)
+        (by_chance(left) * if points[at].event { 1.0 } else { tried }, at, left)
     });
     let (stepped, at, left) = steps.min_by(|a, b| a.0.total_cmp(&b.0)).expect("six nights have a middle");
-    if drift.min(stepped) > steady - WORTH {
+    if drift.min(stepped) > BY_CHANCE {
         return Shape::Steady;
     }
     if drift <= stepped {
@@ -201,7 +207,7 @@ mod tests {
         let count = |of: &dyn Fn(f64) -> f64, is: &dyn Fn(Shape) -> bool| {
             (0..seeds).filter(|seed| is(shape(&history(*seed, 30, of)))).count()
         };
-        assert!(count(&|_| 0.0, &|found| found == Shape::Steady) >= 296, "steady histories are called so");
+        assert!(count(&|_| 0.0, &|found| found == Shape::Steady) >= 299, "steady histories are called so");
         let drift = |found| matches!(found, Shape::Drift(drift) if (drift.per_week - 1.4).abs() < 0.7);
         assert!(count(&|day| 0.2 * day, &drift) > 285);
         let step = |found| matches!(found, Shape::Step(step) if (step.day - 18.0).abs() <= 1.0);
