@@ -97,15 +97,20 @@ impl Fleet {
             }
             Ok(())
         })?;
-        for night in known.values() {
-            let (joint, parameter, unit) = (String::new(), "rms".into(), "m".into());
+        let mut kinds: Vec<&String> = known.values().map(|night| &night.kind).collect();
+        kinds.sort();
+        kinds.dedup();
+        for kind in kinds {
             let next = index.len();
-            index.entry(Number { robot: night.kind.clone(), joint, parameter, unit }).or_insert(next);
+            let (joint, parameter, unit) = (String::new(), "rms".into(), "m".into());
+            index.entry(Number { robot: kind.clone(), joint, parameter, unit }).or_insert(next);
         }
         // Places as they were given out; they are put in the order of the names below.
         let order: Vec<usize> = index.values().copied().collect();
         let mut rank = vec![0; order.len()];
-        order.iter().enumerate().for_each(|(new, old)| rank[*old] = new);
+        for (new, old) in order.iter().enumerate() {
+            rank[*old] = new;
+        }
         let numbers: Vec<Number> = index.into_keys().collect();
         let mut nights: Vec<BTreeMap<i32, Calibrated>> = serials.iter().map(|_| BTreeMap::new()).collect();
         let mut keys: Vec<&String> = known.keys().collect();
@@ -165,7 +170,9 @@ impl Fleet {
             }
             let first = &points[..reference.min(points.len())];
             let level = first.iter().map(|point| point.value).sum::<f64>() / first.len().max(1) as f64;
-            points.iter_mut().for_each(|point| point.value -= level);
+            for point in &mut points {
+                point.value -= level;
+            }
             let tolerance = match self.numbers[number].unit.as_str() {
                 "m" => Some(tolerances[0]),
                 "rad" => Some(tolerances[1]),

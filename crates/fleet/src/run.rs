@@ -94,6 +94,7 @@ pub fn run(
 ///
 /// # Errors
 /// The store cannot be written.
+#[expect(clippy::implicit_hasher, reason = "callers have one kind of set")]
 pub fn run_one(entry: &Entry, store: &Store, known: &HashSet<String>) -> Result<Outcome, FleetError> {
     let key = key(entry, &Robots::default());
     if known.contains(&key) { Ok(Outcome::Known) } else { compute(entry, &key, store) }

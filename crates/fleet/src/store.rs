@@ -25,6 +25,9 @@ pub(crate) const HIDDEN: &str = ".denavit-";
 /// The file that one run at a time holds.
 const LOCK: &str = ".lock";
 
+/// Takes the rows of one file after the other.
+pub type Reader<'a> = dyn FnMut(&[Vec<Cell>]) -> Result<(), FleetError> + 'a;
+
 /// A store.
 #[derive(Debug)]
 pub struct Store {
@@ -120,7 +123,7 @@ impl Store {
         &self,
         table: &'static TableKind,
         wanted: &[&str],
-        each: &mut dyn FnMut(&[Vec<Cell>]) -> Result<(), FleetError>,
+        each: &mut Reader<'_>,
     ) -> Result<(), FleetError> {
         for path in self.files(table)? {
             let mut rows = Rows::of(table);

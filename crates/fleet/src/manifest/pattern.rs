@@ -11,7 +11,9 @@ pub(super) fn entries(pattern: &str, defaults: &Words) -> Result<Vec<Entry>, Fle
     for (index, part) in parts.iter().enumerate() {
         let part = part.as_os_str().to_string_lossy().into_owned();
         if !part.contains(['{', '*']) {
-            found.iter_mut().for_each(|(path, _)| path.push(&part));
+            for (path, _) in &mut found {
+                path.push(&part);
+            }
             continue;
         }
         let is_last = index + 1 == parts.len();
@@ -58,12 +60,11 @@ pub(super) fn entries(pattern: &str, defaults: &Words) -> Result<Vec<Entry>, Fle
 fn matched(pattern: &str, name: &str) -> Option<Words> {
     let Some(start) = pattern.find(['{', '*']) else { return (pattern == name).then(Words::new) };
     let rest = name.strip_prefix(&pattern[..start])?;
-    let (word, after) = match pattern[start..].strip_prefix('*') {
-        Some(after) => (None, after),
-        None => {
-            let (word, after) = pattern[start + 1..].split_once('}')?;
-            (Some(word), after)
-        }
+    let (word, after) = if let Some(after) = pattern[start..].strip_prefix('*') {
+        (None, after)
+    } else {
+        let (word, after) = pattern[start + 1..].split_once('}')?;
+        (Some(word), after)
     };
     let least = usize::from(word.is_some());
     rest.char_indices().map(|(at, _)| at).chain([rest.len()]).filter(|at| *at >= least).find_map(|at| {

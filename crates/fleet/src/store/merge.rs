@@ -44,7 +44,7 @@ impl Store {
                 if of_key.as_ref().is_some_and(|key| !keys.contains(key)) {
                     continue;
                 }
-                let stays = of_key.is_none() && !self.holds(&path, table, gone)?;
+                let stays = of_key.is_none() && !holds(&path, table, gone)?;
                 if stays {
                     continue;
                 }
@@ -111,24 +111,20 @@ impl Store {
         std::fs::remove_file(&journal).map_err(FleetError::store(&journal))
     }
 
-    fn holds(
-        &self,
-        path: &std::path::Path,
-        table: &'static super::TableKind,
-        gone: &HashSet<String>,
-    ) -> Result<bool, FleetError> {
-        if gone.is_empty() {
-            return Ok(false);
-        }
-        let mut rows = Rows::of(table);
-        rows.read(path, &["key"])?;
-        let key = table.index("key");
-        Ok(rows.rows.iter().any(|row: &Vec<Cell>| gone.contains(row[key].text())))
-    }
-
     fn below(&self, path: &std::path::Path) -> PathBuf {
         path.strip_prefix(&self.folder).unwrap_or(path).to_owned()
     }
+}
+
+/// Whether a file holds rows of runs that go.
+fn holds(path: &std::path::Path, table: &'static super::TableKind, gone: &HashSet<String>) -> Result<bool, FleetError> {
+    if gone.is_empty() {
+        return Ok(false);
+    }
+    let mut rows = Rows::of(table);
+    rows.read(path, &["key"])?;
+    let key = table.index("key");
+    Ok(rows.rows.iter().any(|row: &Vec<Cell>| gone.contains(row[key].text())))
 }
 
 /// A name for a set of rows: the same rows, the same name.

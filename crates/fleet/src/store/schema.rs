@@ -212,10 +212,14 @@ pub fn markdown() -> String {
     };
     let head = "| column | type | unit | what it says |\n|---|---|---|---|\n";
     let _ = write!(text, "Every row begins with\n\n{head}");
-    COMMON.iter().for_each(|column| row(&mut text, column));
+    for column in COMMON {
+        row(&mut text, column);
+    }
     for table in TABLES.iter().rev() {
         let _ = write!(text, "\n`{}/*.parquet`: {}.\n\n{head}", table.name, table.row);
-        table.own.iter().for_each(|column| row(&mut text, column));
+        for column in table.own {
+            row(&mut text, column);
+        }
     }
     text
 }

@@ -146,8 +146,7 @@ impl Rows {
                     typed.write_batch(&values, Some(&levels), None)?;
                 }
                 ColumnWriter::BoolColumnWriter(typed) => {
-                    let values: Vec<bool> =
-                        cells.filter(|cell| **cell != Cell::Empty).map(|cell| cell.is_true()).collect();
+                    let values: Vec<bool> = cells.filter(|cell| **cell != Cell::Empty).map(Cell::is_true).collect();
                     typed.write_batch(&values, Some(&levels), None)?;
                 }
                 ColumnWriter::Int32ColumnWriter(typed) => {

@@ -66,7 +66,7 @@ fn text(corpus: &Corpus) -> String {
     for set in several.iter().take(SHOWN) {
         let first = &files[set[0]];
         let _ = writeln!(text, "  {} files, {}, {:.3} m", set.len(), first.chain, first.size_m);
-        for file in set.iter() {
+        for file in *set {
             let _ = writeln!(text, "    {}", files[*file].file);
         }
     }
