@@ -12,7 +12,8 @@ const asset = (end) => {
     return readFileSync(new URL(`assets/${found[0]}`, parts), "utf8");
 };
 // A closing tag in a string would end the element.
-const script = asset(".js").replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
+const element = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
+const script = element(asset(".js"));
 const style = asset(".css").replaceAll("</style", "<\\/style");
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 const policy = [
@@ -36,8 +37,10 @@ const body = readFileSync(new URL("index.html", parts), "utf8")
     .replace("<!-- engine -->", () => `<script type="application/octet-stream" id="engine">${engine.toString("base64")}</script>`)
     .replace("<!-- script -->", () => `<script type="module">${script}</script>`);
 writeFileSync(new URL("./dist/explorer.html", import.meta.url), body);
+const view = element(readFileSync(new URL("./dist/view/view.js", import.meta.url), "utf8"));
+writeFileSync(new URL("./dist/view.js", import.meta.url), view);
 const kib = (bytes) => `${Math.round(bytes / 1024)} KiB`;
-console.log(`engine ${kib(engine.length)} gzipped, script ${kib(gzipSync(script).length)} gzipped, page ${kib(body.length)}`);
+console.log(`engine ${kib(engine.length)} gzipped, script ${kib(gzipSync(script).length)} gzipped, page ${kib(body.length)}, view alone ${kib(view.length)}`);
 
 /** A module without its custom sections: names of functions and the like, which only a debugger reads. */
 function stripped(wasm) {

@@ -46,6 +46,7 @@ def own(path: str) -> Iterator[tuple[str, str, float]]:
     yield name, "fk, batch, all cores", best(lambda: chain.fk(q, out=poses, threads=0)) / COUNT
     yield name, "tips, batch into out", best(lambda: chain.tips(q, out=tips)) / COUNT
     yield name, "jacobian, batch into out", best(lambda: chain.jacobian(q, out=jacobians)) / COUNT
+    yield name, "jacobian, batch, all cores", best(lambda: chain.jacobian(q, out=jacobians, threads=0)) / COUNT
 
 
 def call(path: str) -> Iterator[tuple[str, str, float]]:

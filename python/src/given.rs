@@ -37,6 +37,7 @@ type CurveValues<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Poses to reach.
 #[derive(FromPyObject)]
+#[expect(clippy::large_enum_variant, reason = "one is held at a time")]
 pub enum Wanted<'py> {
     /// A file.
     File(Given),

@@ -172,7 +172,6 @@ pub fn calibrate(
         distances: rows.distances,
         test: rows.test.map(Given::file).transpose()?,
         hold_out_setups: rows.hold_out_setups,
-        ..RowsAsked::default()
     };
     let read = py.detach(|| self::rows(&asked, nominal));
     let Rows { data, test, columns, notes } = read.map_err(|failure| measured(&failure))?;

@@ -3,22 +3,10 @@
 import { Matrix4, Vector3 } from "three";
 import type { App, Panel } from "./app";
 import { chain, question } from "./app";
-import { fill, h, number, save, select, stem, svg } from "./dom";
+import { Columns } from "./columns";
+import { fill, h, number, save, select, stem } from "./dom";
 import { Engine, type Calibrated, type Possible } from "./engine";
-
-interface Report {
-    columns: { column: string; taken_for: string }[];
-    stages: { name: string; train: Record<string, number>; test?: Record<string, number> }[];
-    effects: {
-        kind: string; joint?: string; where?: string; covariate?: string; p_value: number; delta_bic: number;
-        parameters: Record<string, { value: number; std: number; unit: string }>; ambiguous_with: { kind: string; joint: string }[];
-    }[];
-    curves?: { joint: string; unit: string; rms: number; table: { at: number; value: number; std: number }[] }[];
-    unexplained: { structured: boolean; p_value: number };
-    samples: { train: number; test: number };
-}
-
-const plain = (kind: string) => kind.replaceAll("_", " ");
+import { bars, curve, effects, heat, plain, type Report } from "./report";
 
 export class Calibrate implements Panel {
     readonly name = "Calibrate";
@@ -27,6 +15,8 @@ export class Calibrate implements Panel {
     private readonly engine = new Engine();
     private data: { file: string; text: string } | undefined;
     private test: { file: string; text: string } | undefined;
+    private readonly columns = new Columns((map) => this.look(map), () => { this.result = undefined; });
+    private looked = "";
     private readonly out = h("div", {});
     private readonly factor = h("span", { class: "factor" });
     private readonly trial = h("div", { class: "trial" });
@@ -55,20 +45,32 @@ export class Calibrate implements Panel {
         if (!robot) return;
         const key = `${robot.file}\n${robot.base}\n${robot.tip}\n${robot.exact}\n${robot.text}`;
         if (this.for !== key) [this.for, this.result, this.possible] = [key, undefined, undefined];
-        const header = this.data?.text.split("\n").find((line) => line.trim() !== "" && !line.startsWith("#"));
         fill(this.element,
             h("h2", {}, "Calibrate from measurements"),
             this.data
-                ? h("p", {}, h("b", { id: "data" }, this.data.file), ` · ${header?.split(",").length ?? 0} columns`, this.test ? ` · judged by ${this.test.file}` : "")
+                ? h("p", {}, h("b", { id: "data" }, this.data.file), this.test ? ` · judged by ${this.test.file}` : "")
                 : h("p", {}, "Drop a CSV of measurements: a column for each joint, and x, y, z of what a tracker saw. A second CSV judges."),
             this.data ? h("div", { class: "row" },
-                select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; }, "data-units"),
+                select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; void this.app.trying(() => this.columns.judge()); }, "data-units"),
                 select("Search for", [["auto", "effects"], ["curves", "error curves"], ["none", "geometry only"]], this.search, (value) => { this.search = value; }, "search"),
                 h("button", { id: "calibrate", class: "main", click: () => void this.run() }, "Calibrate"),
                 h("button", { id: "stop", click: () => { this.engine.stop(); this.out.replaceChildren(h("p", {}, "stopped")); } }, "Stop")) : null,
+            this.data ? this.columns.element : null,
             this.out, this.trial);
         if (!this.result) this.out.replaceChildren();
+        const looked = `${key}\n${this.data?.text}`;
+        if (this.data && this.looked !== looked) {
+            this.looked = looked;
+            await this.app.trying(() => this.columns.look());
+        }
         await this.app.trying(() => this.offerEffects());
+    }
+
+    /** The file as a map says, or as its own names say. */
+    private look(map: string | null): ReturnType<typeof this.app.engine.ask<"columns">> {
+        const { robot } = this.app;
+        if (!robot || !this.data) throw new Error("drop a robot and its measurements first");
+        return this.app.engine.ask("columns", { source: question(robot), data: this.data, units: this.units, map });
     }
 
     hide(): void {
@@ -85,7 +87,7 @@ export class Calibrate implements Panel {
         this.engine.stop();
         const words = h("span", {}, "reading");
         this.out.replaceChildren(h("p", { role: "status", id: "progress" }, h("progress", { "aria-label": "at work" }), " ", words));
-        const asked = { source: question(robot), data: this.data, test: this.test ?? null, units: this.units, effects: this.search, hold_out: null };
+        const asked = { source: question(robot), data: this.data, test: this.test ?? null, units: this.units, map: this.columns.map, effects: this.search, hold_out: null };
         const before = performance.now();
         try {
             this.result = await this.engine.ask("calibrate", asked, (said) => { words.textContent = said; });
@@ -108,13 +110,7 @@ export class Calibrate implements Panel {
                 h("button", { id: "report-json", click: () => save(`${name}_calibration.json`, result.text, "application/json") }, "Report (JSON)"),
                 h("button", { id: "effects-json", click: () => save(`${name}_effects.json`, result.effects, "application/json") }, "Effects (JSON)")),
             key ? bars(report, key) : null,
-            h("h3", {}, "Effects"),
-            report.effects.length === 0 ? h("p", { id: "no-effects" }, this.search === "auto" ? "The data ask for no effect." : "Not searched for.") : h("ul", { id: "effects-found" }, ...report.effects.map((effect) =>
-                h("li", {}, h("b", {}, `${plain(effect.kind)} at ${effect.joint ?? effect.where ?? ""}`), effect.covariate ? ` by ${effect.covariate}` : "",
-                    h("br", {}), Object.entries(effect.parameters).map(([word, it]) => `${word} ${it.value.toPrecision(4)} ± ${it.std.toPrecision(2)} ${it.unit}`).join(", "),
-                    h("br", {}), `ΔBIC ${Math.round(effect.delta_bic)}`,
-                    effect.ambiguous_with.length === 0 ? "" : h("span", { class: "rivals" }, ` · these data cannot tell it from ${effect.ambiguous_with.map((rival) => `${plain(rival.kind)} at ${rival.joint}`).join(", ")}`)))),
-            h("p", {}, report.unexplained.structured ? `What remains has structure (p ${report.unexplained.p_value.toPrecision(2)}).` : "What remains has no structure."),
+            effects(report, this.search === "auto"),
             ...(result.tried.length > 0 ? [h("h3", {}, "What was tried"), heat(result.tried)] : []),
             ...(report.curves?.length ? [h("h3", {}, "Error curves of the joints"), ...report.curves.map(curve)] : []),
             h("h3", {}, "What is left, on the robot"),
@@ -232,46 +228,4 @@ export class Calibrate implements Panel {
             await this.act();
         }
     }
-}
-
-/** Errors after each stage, of the rows fitted and of those held out. */
-function bars(report: Report, key: string): HTMLElement {
-    const most = Math.max(...report.stages.flatMap((stage) => [stage.train[key] ?? 0, stage.test?.[key] ?? 0]), 1e-12);
-    const bar = (value: number | undefined, kind: string) => value === undefined ? null
-        : h("span", { class: `bar ${kind}` }, h("span", { class: "fill", style: `width:${(100 * value) / most}%` }), h("span", { class: "figure" }, `${number(value * 1000, 4)} mm`));
-    return h("div", { class: "bars", id: "stages" }, h("h3", {}, "Error after each stage, rms"),
-        ...report.stages.map((stage) => h("div", { class: "stage" }, h("span", { class: "name" }, stage.name), bar(stage.train[key], "train"), bar(stage.test?.[key], "test"))),
-        h("p", { class: "fine" }, h("span", { class: "key train" }, "rows fitted"), report.samples.test > 0 ? h("span", { class: "key test" }, "rows held out") : null));
-}
-
-/** The first pass of the search: kinds by places. */
-function heat(all: Calibrated["tried"]): HTMLElement {
-    const tried = all.flatMap(({ kind, place, delta_bic }) => (delta_bic === null ? [] : [{ kind, place, delta_bic }]));
-    const kinds = [...new Set(tried.map((cell) => cell.kind))];
-    const places = [...new Set(tried.map((cell) => cell.place))];
-    const most = Math.max(...tried.map((cell) => cell.delta_bic), 1);
-    const cellOf = (kind: string, place: string) => {
-        const cell = tried.find((it) => it.kind === kind && it.place === place);
-        if (!cell) return h("td", {});
-        const share = Math.round(Math.max(0, cell.delta_bic / most) * 100);
-        return h("td", { class: share > 55 ? "hot number" : "number", style: `background:color-mix(in srgb, var(--heat) ${share}%, transparent)`, title: `${plain(kind)} at ${place}: ΔBIC ${number(cell.delta_bic, 1)}` }, String(Math.round(cell.delta_bic)));
-    };
-    return h("div", { class: "scroll" }, h("table", { class: "heat", id: "tried" }, h("caption", {}, "By how much the best candidate of each kind at each place lowers the information criterion (ΔBIC)"),
-        h("thead", {}, h("tr", {}, h("td", {}), ...places.map((place) => h("th", { scope: "col" }, h("span", {}, place))))),
-        h("tbody", {}, ...kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, plain(kind)), ...places.map((place) => cellOf(kind, place)))))));
-}
-
-function curve(entry: NonNullable<Report["curves"]>[number]): HTMLElement {
-    const [width, height] = [320, 90];
-    const at = entry.table.map((point) => point.at);
-    const [low, high] = [Math.min(...at), Math.max(...at)];
-    const most = Math.max(...entry.table.map((point) => Math.abs(point.value) + point.std), 1e-12);
-    const x = (value: number) => number(((value - low) / Math.max(1e-12, high - low)) * width, 2);
-    const y = (value: number) => number(height / 2 - (value / most) * (height / 2 - 4), 2);
-    const line = entry.table.map((point) => `${x(point.at)},${y(point.value)}`).join(" ");
-    const band = [...entry.table.map((point) => `${x(point.at)},${y(point.value + point.std)}`), ...[...entry.table].reverse().map((point) => `${x(point.at)},${y(point.value - point.std)}`)].join(" ");
-    const words = `${entry.joint}: ${entry.unit === "m" ? `${number(entry.rms * 1e3, 4)} mm` : `${number(entry.rms * 1e3, 3)} mrad`} rms`;
-    return h("figure", {}, svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": words, class: "curve" },
-        svg("line", { x1: 0, x2: width, y1: height / 2, y2: height / 2, class: "axis" }),
-        svg("polygon", { points: band, class: "band" }), svg("polyline", { points: line, class: "line" })) as unknown as Node, h("figcaption", {}, words));
 }

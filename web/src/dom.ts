@@ -21,10 +21,10 @@ export function svg(tag: string, attributes: Record<string, string | number>, ..
     return element;
 }
 
-export function select(label: string, choices: [value: string, words: string][], chosen: string, change: (value: string) => void, id?: string): HTMLLabelElement {
+export function select(label: string, choices: [value: string, words: string][], chosen: string, change: (value: string) => void, id?: string, name?: string): HTMLLabelElement {
     const options = choices.map(([value, words]) => h("option", { value, selected: value === chosen }, words));
-    const element = h("select", { id, change: () => change(element.value) }, ...options);
-    return h("label", { class: "choice" }, h("span", {}, label), element);
+    const element = h("select", { id, "aria-label": name, change: () => change(element.value) }, ...options);
+    return h("label", { class: "choice" }, label ? h("span", {}, label) : null, element);
 }
 
 export function save(name: string, text: string, kind = "text/plain"): void {

@@ -89,6 +89,24 @@ export interface Acted {
     effects: string;
 }
 
+export interface ColumnsAnswer {
+    columns: {
+        name: string;
+        unit: string | null;
+        first: string[];
+        meaning: string | null;
+        /** Its own name says so; else it is a guess. */
+        sure: boolean;
+        /** One of three angles or four numbers whose order its name does not tell. */
+        orientation: boolean;
+    }[];
+    joints: string[];
+    /** Why the file cannot be read so; null where it can. */
+    problem: string | null;
+    rows: number | null;
+    taken: { column: string; taken_for: string }[];
+}
+
 interface Answers {
     open: Opened;
     table: TableAnswer;
@@ -98,6 +116,7 @@ interface Answers {
     fix: { file: string; text: string; made: number };
     canonical: { text: string; notes: string[] };
     diff: { text: string; words: string };
+    columns: ColumnsAnswer;
     calibrate: Calibrated;
     effects: Possible;
     act: Acted;

@@ -145,12 +145,16 @@ export function isMesh(name: string): boolean {
     return MESH.test(name);
 }
 
-/** Text of a file, or what is wrong with it. */
+/** Text of a file, or what is wrong with it. Measurements come from programs that write other encodings than UTF-8, too. */
 export function textOf(name: string, bytes: Uint8Array): string {
     if (bytes.length > MOST_TEXT) throw new Error(`${name.slice(1)} has more than ${MOST_TEXT >> 20} MB of text; that is no robot description`);
     try {
         return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
     } catch {
+        if (/\.(csv|tsv|txt)$/i.test(name)) {
+            const marks: Record<string, string> = { "255,254": "utf-16le", "254,255": "utf-16be" };
+            return new TextDecoder(marks[bytes.slice(0, 2).join()] ?? "windows-1252").decode(bytes);
+        }
         throw new Error(`${name.slice(1)}: not UTF-8 text; save the file as UTF-8`);
     }
 }
@@ -166,8 +170,8 @@ export interface Sorted {
     names: string[];
 }
 
-/** Which files are robots, which are measurements. */
-export function sorted(dropped: Dropped): Sorted {
+/** Which files are robots, which are measurements; where measurements are wanted, a list of anything is taken for some. */
+export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sorted {
     const texts: Record<string, string> = {};
     const [robots, data]: [string[], string[]] = [[], []];
     for (const [name, bytes] of dropped) {
@@ -182,7 +186,7 @@ export function sorted(dropped: Dropped): Sorted {
         texts[name] = text;
         if (/\/package\.xml$/i.test(name)) continue;
         if (/\.(urdf|xacro|xml)$/i.test(name) && /<(\w+:)?robot[\s>]/.test(text)) robots.push(name);
-        else if (/\.(csv|tsv)$/i.test(name) && holdsMeasurements(text)) data.push(name);
+        else if (/\.(csv|tsv|txt)$/i.test(name) && (wanted === "measurements" || holdsMeasurements(text))) data.push(name);
         else if (/\.(csv|tsv|json|md|yaml|yml)$/i.test(name) && dropped.size <= 8) robots.push(name);
     }
     // A robot that others include is a part; the top one is called like a robot, lies high, and is no macro alone.

@@ -25,7 +25,11 @@ export class Joints {
             const [lower, upper] = [joint.lower ?? (turns ? -Math.PI : -1), joint.upper ?? (turns ? Math.PI : 1)];
             const value = this.app.value(joint.name);
             const shown = h("output", {});
-            const say = (q: number) => { shown.textContent = turns ? `${number((q * 180) / Math.PI, 1)}°` : `${number(q * 1000, 1)} mm`; };
+            const say = (q: number) => {
+                shown.textContent = turns ? `${number((q * 180) / Math.PI, 1)}°` : `${number(q * 1000, 1)} mm`;
+                // The slider itself counts rad and m.
+                input.setAttribute("aria-valuetext", shown.textContent);
+            };
             const input = h("input", {
                 type: "range", min: Math.min(lower, upper), max: Math.max(lower, upper), step: "any", value, "data-joint": joint.name, "aria-label": joint.name,
                 input: () => {

@@ -1,6 +1,7 @@
 // The page: takes robots in, shows the panels.
 
 import "./style.css";
+import "./view.css";
 import example from "../../robots/universal_robots/ur5e.urdf?raw";
 import { App, chain, chains, type Panel } from "./app";
 import { Calibrate } from "./calibrate";
@@ -10,7 +11,9 @@ import type { RobotText } from "./engine";
 import { fromDrop, fromFiles, isMesh, sorted, type Dropped } from "./files";
 import { Joints } from "./joints";
 import { Learn } from "./learn";
+import { unpacked } from "./meshes";
 import { read, written } from "./permalink";
+import { effects } from "./report";
 import { See } from "./see";
 import { placed } from "./table";
 
@@ -115,7 +118,7 @@ async function chosen(input: HTMLInputElement): Promise<void> {
 /** What was dropped: a robot, two robots to compare, or measurements for the robot at hand. */
 async function take(dropped: Dropped): Promise<void> {
     if (dropped.size === 0) return;
-    const { robots, data, texts, names } = sorted(dropped);
+    const { robots, data, texts, names } = sorted(dropped, app.robot && current.name === "Calibrate" ? "measurements" : "robots");
     const meshes: Dropped = new Map([...dropped].filter(([name]) => isMesh(name)));
     // Names in messages are as people know them; the files beside are known from the top.
     const of = (name: string) => source(name.slice(1), texts[name] ?? "", texts, names);
@@ -176,32 +179,54 @@ addEventListener("drop", (drop) => {
     if (transfer) void app.trying(async () => take(await fromDrop(transfer)));
 });
 
+interface Embedded {
+    file: string;
+    text: string;
+    /** In base64, by what the robot calls them. */
+    meshes?: Record<string, string>;
+}
+
+/** A robot that `denavit explore` brings, and its meshes. */
+function taken({ file, text, meshes }: Embedded): { robot: RobotText; meshes: Dropped } {
+    const held = unpacked(meshes ?? {});
+    // The rule on meshes looks for names from the top.
+    const names = [...held.keys()].map((uri) => `/${uri.replace(/^\w+:\/\//, "")}`);
+    return { robot: source(file, text, {}, names), meshes: held };
+}
+
 async function begin(): Promise<void> {
     await turnTo(current);
     // What `denavit explore` brings stands in the page; what a link holds comes before it.
     const linked = await read(location.hash);
-    const embedded = JSON.parse(document.getElementById("robots")?.textContent ?? "[]") as { file: string; text: string }[];
-    const [first, second] = linked?.robots ?? embedded.map(({ file, text }) => source(file, text));
+    const embedded = JSON.parse(document.getElementById("robots")?.textContent ?? "[]") as Embedded[];
+    document.getElementById("robots")?.remove();
+    const brought = embedded.map(taken);
+    const [first, second] = linked?.robots.map((robot) => ({ robot, meshes: new Map() as Dropped })) ?? brought;
     if (!first) return;
     if (linked) {
         app.convention = linked.convention;
         app.units = linked.units;
     }
-    await app.open(first, new Map());
+    await app.open(first.robot, first.meshes);
     if (linked && app.robot) {
         for (const [name, value] of Object.entries(linked.q)) if (Number.isFinite(value)) app.q.set(name, value);
         joints.fill();
     }
-    if (second) await compare(second, new Map());
+    if (second && (linked || brought.length === 2)) await compare(second.robot, second.meshes);
     const panel = panels.find((it) => it.name === linked?.tab);
     if (panel) await turnTo(panel);
-    if (embedded.length > 2 && !linked) {
-        const texts = Object.fromEntries(embedded.map(({ file, text }) => [file, text]));
-        offer(Object.keys(texts), (name) => source(name, texts[name] ?? ""), new Map(), first.file);
+    if (brought.length > 2 && !linked) {
+        // Robots of a folder may be called alike.
+        const names = embedded.map(({ file }, at) => (embedded.findIndex((it) => it.file === file) === at ? file : `${file} (${at + 1})`));
+        const pick = h("select", { id: "which", "aria-label": "Robot", change: () => {
+            const chosen = brought[names.indexOf(pick.value)];
+            if (chosen) void app.trying(() => app.open(chosen.robot, chosen.meshes));
+        } }, ...names.map((name) => h("option", { value: name }, name)));
+        title.replaceChildren(pick);
     }
 }
 
 void app.trying(begin);
 
 // Figures for those who test the page.
-Object.assign(window, { denavit: { app, chain, chains, placed } });
+Object.assign(window, { denavit: { app, chain, chains, placed, effects } });

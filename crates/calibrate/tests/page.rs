@@ -10,7 +10,8 @@ use denavit_calibrate::effects::driver::{Driver, Statics};
 use denavit_calibrate::effects::model::{Coupling, Effect, EffectModel, Term};
 use denavit_calibrate::observation::kinds::{DISTANCE, POSITION};
 use denavit_calibrate::report::html::page;
-use denavit_calibrate::trace::{PortraitPoint, TraceOptions};
+use denavit_calibrate::trace::infer::named::Alternative;
+use denavit_calibrate::trace::{PortraitPoint, Structure, TraceOptions};
 use denavit_calibrate::{IdentifyOptions, NoEffects};
 use denavit_model::examples::puma_like;
 
@@ -48,7 +49,7 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     let trace = Some(TraceOptions::new(identify.clone()));
     let hold_out = Some(HoldOut { share: 0.25, seed: 1 });
     let options = CalibrateOptions { identify, hold_out, trace, ..CalibrateOptions::geometry(&chain) };
-    let result = calibrate(&chain, &statics, run.data, None, &options).unwrap();
+    let mut result = calibrate(&chain, &statics, run.data, None, &options).unwrap();
     let found = &result.trace.as_ref().unwrap().findings;
     assert_eq!(found.len(), 1, "{found:?}");
     // The wave is in what all else leaves, and no longer in what is left.
@@ -65,7 +66,20 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     assert!(last != geometric && text.contains(&last), "{last}");
     assert!(text.contains("transmission_error at joint_3") && text.contains("Everything that was tried"));
     assert!(text.contains("<td>helical_pitch</td>"));
+    assert!(text.contains("<h3>transmission_error at joint_3</h3>") && text.contains("of resampled runs"), "{text}");
+    assert!(!text.contains("class=\"open\"") && !text.contains("Structure without a name"));
     if let Ok(folder) = std::env::var("DENAVIT_SHOW") {
         std::fs::write(format!("{folder}/page_effect.html"), text).unwrap();
     }
+
+    // The same finding, less sure, does not look like a named one.
+    let trace = result.trace.as_mut().unwrap();
+    trace.findings[0].named = false;
+    trace.findings[0].rivals = vec![Alternative { kind: Kind::JointScale, place: "joint_3".into(), probability: 0.25 }];
+    trace.leftover.structured = true;
+    trace.leftover.places = vec![Structure { joint: Some("joint_2".into()), covariate: None, share: 0.4 }];
+    let text = page(&result).unwrap();
+    assert!(text.contains("<h3 class=\"open\">one of: transmission_error at joint_3 ("), "{text}");
+    assert!(text.contains("joint_scale at joint_3 (25 %)") && text.contains("corrected for, not named"));
+    assert!(text.contains("Structure without a name") && text.contains("What remains follows joint_2 40 %"));
 }

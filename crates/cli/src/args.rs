@@ -486,7 +486,7 @@ pub struct ExploreArguments {
     /// Print the address and open no browser
     #[arg(long, conflicts_with = "output")]
     pub no_browser: bool,
-    /// Folder with ROS packages, or a package, for xacro files
+    /// Folder with ROS packages, or a package, for xacro files and meshes
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
     /// Let xacro read files outside its package and the package path

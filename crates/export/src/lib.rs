@@ -14,6 +14,7 @@ pub mod matched;
 pub mod numbers;
 pub mod page;
 pub mod poe;
+pub mod shapes;
 pub mod sheet;
 pub mod sources;
 pub mod urdf;

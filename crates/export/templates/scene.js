@@ -343,6 +343,9 @@
       row.querySelector("output").textContent = turns ? angle(value) : length(value);
       row.classList.toggle("outside", value < lower || value > upper);
     }
+    // For a view that is laid over this one.
+    canvas.dataset.posture = JSON.stringify({ chain: shown, q: Object.fromEntries(scene.coordinates.map(({ name }, index) => [name, q[index]])) });
+    canvas.dispatchEvent(new Event("posture"));
     redraw();
   };
 

@@ -1,11 +1,11 @@
 //! Each question and its answer.
 
 use crate::question::{Question, RobotText, table_options, units};
-use crate::{effects, measured, scene};
+use crate::{effects, measured};
 use denavit_compare::lint;
 use denavit_compare::report::{self, Report};
 use denavit_compare::{Options as Comparing, compare};
-use denavit_export::{Sheet, formats, poe};
+use denavit_export::{Sheet, formats, poe, shapes};
 use denavit_load::{CheckOptions, Rules, json};
 use denavit_model::notes::Noted;
 use serde_json::{Value, json};
@@ -28,6 +28,15 @@ pub fn of(question: &Question) -> Result<Value, String> {
                 chain.coordinates().iter().map(|joint| q.get(&joint.name).copied().unwrap_or(0.0)).collect();
             Ok(json!({ "text": json::fk(&noted, &q, &chain.fk(&q)) }))
         }
+        Question::Tips { source, q } => {
+            let chain = source.load()?.chain(&source.selection()).map_err(words)?.value;
+            let wanted = chain.coordinates().len();
+            if q.iter().any(|row| row.len() != wanted || !row.iter().all(|value| value.is_finite())) {
+                return Err(format!("{wanted} finite joint values are wanted"));
+            }
+            let tips: Vec<Value> = q.iter().map(|row| json!(chain.fk(row).translation.vector.as_slice())).collect();
+            Ok(json!({ "tips": tips }))
+        }
         Question::Check(source) => check(source),
         Question::Fix { source, only } => {
             let (file, text, findings) = findings(source)?;
@@ -43,6 +52,7 @@ pub fn of(question: &Question) -> Result<Value, String> {
             Ok(json!({ "text": made.value, "notes": sentences(&made.notes) }))
         }
         Question::Diff { a, b } => diff(a, b),
+        Question::Columns { source, data, units, map } => measured::columns(source, data, units, map.as_deref()),
         Question::Calibrate(asked) => measured::calibrated(asked),
         Question::Effects(source) => effects::possible(source),
         Question::Act { source, effect, q } => effects::act(source, effect, q),
@@ -68,7 +78,7 @@ fn open(source: &RobotText) -> Result<Value, String> {
         "urdf": urdf,
         "urdf_file": file,
         "notes": opened.notes,
-        "scene": scene::of(&tree, source.reading()),
+        "scene": shapes::scene(&tree, source.reading()),
     }))
 }
 

@@ -11,7 +11,6 @@ mod effects;
 mod measured;
 mod memory;
 mod question;
-mod scene;
 
 pub use question::{Question, RobotText};
 

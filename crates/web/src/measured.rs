@@ -2,10 +2,11 @@
 
 use crate::answers::words;
 use crate::memory;
-use crate::question::{Calibrate, DataText};
+use crate::question::{Calibrate, DataText, RobotText};
 use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::identify::proportion::within_proportion;
+use denavit_calibrate::observation::measurements::import::{self, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{self, Loaded as Data, Units};
 use denavit_calibrate::report::text;
 use denavit_calibrate::trace::TraceOptions;
@@ -19,6 +20,31 @@ use std::ops::ControlFlow;
 /// The seed of the rows that are held out, the command line's.
 const SEED: u64 = 0;
 
+/// Every column of a file with its first values and what it is likely to be; and what comes of reading the file as the map
+/// says, or by its names where there is none.
+pub fn columns(source: &RobotText, data: &DataText, units: &str, map: Option<&str>) -> Result<Value, String> {
+    let chain = source.load()?.chain(&source.selection()).map_err(words)?.value;
+    let outlined = import::outline(data.text.as_bytes(), &chain);
+    let columns = outlined.map_err(|problem| format!("{}: {problem}", data.file))?;
+    let tried = import_options(map).and_then(|options| read(data, &chain, units, &options));
+    let joints: Vec<&str> = chain.coordinates().iter().map(|joint| joint.name.as_str()).collect();
+    let (problem, rows, taken) = match tried {
+        Ok(read) => (None, Some(read.data.len()), read.columns),
+        Err(problem) => (Some(problem), None, Vec::new()),
+    };
+    Ok(json!({ "columns": columns, "joints": joints, "problem": problem, "rows": rows, "taken": taken }))
+}
+
+fn import_options(map: Option<&str>) -> Result<ImportOptions, String> {
+    let map = map.map(|text| Map::read("the columns", text).map_err(words)).transpose()?;
+    Ok(ImportOptions { map, ..ImportOptions::default() })
+}
+
+fn read(data: &DataText, chain: &Chain, units: &str, options: &ImportOptions) -> Result<Data, String> {
+    let units: Units = units.parse().map_err(words)?;
+    measurements::read_export(&data.file, data.text.as_bytes(), chain, units, options).map_err(words)
+}
+
 /// The calibration as JSON, as text and as the report's page, with the calibrated URDF and effects.
 pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
     let source = &asked.source;
@@ -29,12 +55,9 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
     }
     within_proportion(&chain).map_err(words)?;
     let statics = loaded.statics(&chain, source.reading());
-    let units: Units = asked.units.parse().map_err(words)?;
-    let read = |data: &DataText| -> Result<Data, String> {
-        measurements::read(&data.file, data.text.as_bytes(), &chain, units).map_err(words)
-    };
-    let data = read(&asked.data)?;
-    let test = asked.test.as_ref().map(read).transpose()?;
+    let options = import_options(asked.map.as_deref())?;
+    let data = read(&asked.data, &chain, &asked.units, &options)?;
+    let test = asked.test.as_ref().map(|test| read(test, &chain, &asked.units, &options)).transpose()?;
     let said = data.notes.iter().chain(test.iter().flat_map(|test| &test.notes));
     let notes: Vec<String> = said.map(ToString::to_string).collect();
     let identify = IdentifyOptions::axes(&chain);

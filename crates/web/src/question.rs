@@ -38,6 +38,13 @@ pub enum Question {
         /// rad and m, by name; what is left out is 0.
         q: BTreeMap<String, f64>,
     },
+    /// Where the tip is in many postures.
+    Tips {
+        /// The robot.
+        source: RobotText,
+        /// Joint values of each, rad and m, in the chain's order.
+        q: Vec<Vec<f64>>,
+    },
     /// The rules.
     Check(RobotText),
     /// The text with the mends of one finding, or of all.
@@ -55,6 +62,18 @@ pub enum Question {
         a: RobotText,
         /// The other.
         b: RobotText,
+    },
+    /// What the columns of a file of measurements are.
+    Columns {
+        /// The robot.
+        source: RobotText,
+        /// The measurements.
+        data: DataText,
+        /// Units such as `mm,deg`.
+        #[serde(default)]
+        units: String,
+        /// What they are said to be.
+        map: Option<String>,
     },
     /// From measured data to a calibrated model.
     Calibrate(Calibrate),
@@ -83,6 +102,8 @@ pub struct Calibrate {
     /// Units such as `mm,deg`.
     #[serde(default)]
     pub units: String,
+    /// Which column is what, as `denavit calibrate --columns` takes it: TOML.
+    pub map: Option<String>,
     /// `none`, `curves`, `auto`.
     pub effects: String,
     /// Share of rows to hold out.
@@ -131,7 +152,9 @@ impl Question {
             | Self::Effects(source) => vec![source],
             Self::Table { source, .. }
             | Self::Fk { source, .. }
+            | Self::Tips { source, .. }
             | Self::Fix { source, .. }
+            | Self::Columns { source, .. }
             | Self::Act { source, .. } => {
                 vec![source]
             }

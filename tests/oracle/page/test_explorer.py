@@ -4,131 +4,17 @@ of the command line's JSON, hostile names and archives do nothing, and it fits a
 web/build makes the page; screenshots of every panel in both themes and widths go to target/tests/explorer.
 """
 
-import io
 import json
-import math
 import re
-import shutil
 import subprocess
-import sys
-import zipfile
-from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, table_of, with_page, without, zipped
+from playwright.sync_api import expect
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from built import denavit
+pytestmark = needs_page
 
-WORKSPACE = Path(__file__).resolve().parents[3]
-PAGE = WORKSPACE / "web/dist/explorer.html"
-ROBOTS = WORKSPACE / "robots"
-VENDOR = WORKSPACE.parent / "shared/vendor"
-SHOTS = WORKSPACE / "target/tests/explorer"
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-FLAGS = """--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
---use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist""".split()
-DESKTOP = {"width": 1360, "height": 860}
-PHONE = {"width": 390, "height": 844}
-UR5E = ROBOTS / "universal_robots/ur5e.urdf"
-
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed (apt-get install chromium)"),
-    pytest.mark.skipif(not PAGE.is_file(), reason="skipped, because web/dist/explorer.html is not built (web/build)"),
-]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, timeout=120_000)
-        yield chromium
-        chromium.close()
-
-
-@pytest.fixture
-def explorer(browser):
-    """Opens the explorer; at the end it must have asked for nothing but itself, and have written nothing to the console."""
-    console, asked, contexts = [], [], []
-
-    def open_page(address=PAGE.as_uri(), size=DESKTOP, theme="light"):
-        context = browser.new_context(viewport=size, color_scheme=theme, accept_downloads=True)
-        page = context.new_page()
-        page.set_default_timeout(120_000)
-        page.on("console", lambda message: console.append(message.text))
-        page.on("pageerror", lambda error: console.append(str(error)))
-        page.on("dialog", lambda dialog: console.append(f"dialog: {dialog.message}"))
-        context.on("request", lambda request: asked.append(request.url))
-        page.goto(address)
-        contexts.append(context)
-        return page
-
-    yield open_page
-    # What the graphics emulation says of itself is no word of the page.
-    assert [words for words in console if "GPU stall" not in words and "GL Driver" not in words] == []
-    strangers = [url for url in asked if not url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))]
-    assert strangers == []
-    assert sum(url.startswith(("file:", "http:")) for url in asked) == len(contexts), asked
-    for context in contexts:
-        context.close()
-
-
-def cli(*arguments, codes=(0,)):
-    done = subprocess.run([denavit(), *map(str, arguments)], capture_output=True, text=True, cwd=WORKSPACE)
-    assert done.returncode in codes, done.stderr
-    # The page knows files by their names alone.
-    for argument in arguments:
-        if isinstance(argument, Path):
-            done.stdout = done.stdout.replace(str(argument), argument.name)
-    return done.stdout
-
-
-def drop(page, *files):
-    """Chooses files in the dialog; a file is a path, or a name and its bytes."""
-    given = [str(file) if isinstance(file, Path) else {"name": file[0], "mimeType": "", "buffer": file[1]} for file in files]
-    page.set_input_files("#files", given)
-
-
-def drop_robot(page, *files):
-    drop(page, *files)
-    expect(page.locator("#dh tbody tr").first).to_be_visible()
-
-
-def downloaded(page, selector):
-    with page.expect_download() as waited:
-        page.click(selector)
-    return Path(waited.value.path()).read_text(encoding="utf-8"), waited.value.suggested_filename
-
-
-def same(found, expected, tolerance=0.0, path=""):
-    """Two documents, number by number."""
-    if isinstance(expected, dict):
-        assert isinstance(found, dict) and found.keys() == expected.keys(), path
-        for key in expected:
-            same(found[key], expected[key], tolerance, f"{path}.{key}")
-    elif isinstance(expected, list):
-        assert len(found) == len(expected), path
-        for index, (one, other) in enumerate(zip(found, expected, strict=True)):
-            same(one, other, tolerance, f"{path}[{index}]")
-    elif isinstance(expected, float) and isinstance(found, int | float):
-        close = math.isclose(found, expected, rel_tol=tolerance, abs_tol=tolerance)
-        assert found == expected or close, f"{path}: {found} is not {expected}"
-    else:
-        assert found == expected, f"{path}: {found!r} is not {expected!r}"
-
-
-def without(document, *keys):
-    return {key: value for key, value in document.items() if key not in keys}
-
-
-def table_of(page):
-    page.select_option("#format", "json")
-    return json.loads(downloaded(page, "#download-table")[0])
-
-
-OWN = sorted(path.relative_to(WORKSPACE) for path in ROBOTS.rglob("*.urdf")) + sorted(
-    path.relative_to(WORKSPACE) for path in ROBOTS.rglob("*_dh.csv")
-)
+OWN = [path.relative_to(WORKSPACE) for kind in ("*.urdf", "*_dh.csv", "*_nominal_poe.csv") for path in sorted(ROBOTS.rglob(kind))]
 
 
 def test_drop_table_canonical_in_three_clicks(explorer):
@@ -358,7 +244,7 @@ def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     # Sums are taken in another order by one thread than by several.
     same(found, json.loads(file.read_text()), 1e-5)
     assert page.locator("#effects-found li").count() == len(found["effects"]) >= 1
-    assert "cannot tell it from" in page.locator("#effects-found").inner_text()
+    assert "less likely in its stead" in page.locator("#effects-found").inner_text()
     assert page.locator("#tried tbody tr").count() > 5
     arrows = "() => window.denavit.app.view.arrows.children.length"
     assert page.evaluate(arrows) == found["samples"]["train"]
@@ -420,14 +306,6 @@ def test_names_are_text_and_never_markup(explorer):
     assert HOSTILE in page.locator("#robot").inner_text()
 
 
-def zipped(files):
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            archive.writestr(name, content)
-    return out.getvalue()
-
-
 PART = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="arm" params="length"><link name="base"/><link name="arm"><visual><geometry><mesh filename="package://arm_description/meshes/tri.stl"/></geometry></visual></link><joint name="j" type="continuous"><origin xyz="0 0 ${length}"/><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint></xacro:macro></robot>'
 TOP = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="$(find arm_description)/urdf/part.xacro"/><xacro:arm length="0.5"/></robot>'
 STL = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid t\n"
@@ -450,10 +328,6 @@ def test_a_zip_of_packages_with_xacro_and_meshes_opens(explorer, tmp_path):
         (tmp_path / name).write_text(content)
     expected = json.loads(cli("table", tmp_path / "ws/arm_description/urdf/arm.urdf.xacro", "--json"))
     same(without(table_of(page), "source"), without(expected, "source"), 1e-13)
-
-
-def complains(page, words):
-    expect(page.locator(".said.wrong")).to_contain_text(words)
 
 
 def test_hostile_archives_and_files_get_one_sentence(explorer):
@@ -507,6 +381,49 @@ def test_a_link_holds_the_robot_and_its_posture(explorer):
     assert again.evaluate("() => window.denavit.app.value('elbow_joint')") == pytest.approx(1.25, abs=1e-12)
 
 
+def test_a_robot_too_large_for_a_link_is_said_to_be(explorer):
+    page = explorer()
+    # Digits that do not pack.
+    noise = "".join(f"<!-- {hash((k, 'x')) & 0xFFFFFFFFFFFFFFFF:016x} -->" for k in range(12_000))
+    drop_robot(page, ("large.urdf", UR5E.read_text().replace("</robot>", f"{noise}</robot>").encode()))
+    page.click("#link")
+    complains(page, "too large for a link")
+    assert page.evaluate("() => location.hash") == ""
+
+
+def test_a_damaged_link_is_said_to_be(explorer):
+    page = explorer(f"{PAGE.as_uri()}#v1=AAAA")
+    complains(page, "the link is damaged")
+    drop_robot(page, UR5E)
+
+
+def test_files_let_go_over_the_page_are_opened(explorer):
+    page = explorer()
+    page.evaluate(
+        """text => {
+          const carried = new DataTransfer();
+          carried.items.add(new File([text], 'arm.urdf'));
+          const event = (name) => dispatchEvent(new DragEvent(name, { dataTransfer: carried, bubbles: true, cancelable: true }));
+          event('dragenter');
+          if (!document.body.classList.contains('dropping')) throw new Error('nothing is shown while files hang over the page');
+          event('drop');
+        }""",
+        UR5E.read_text(),
+    )
+    expect(page.locator("#dh tbody tr")).to_have_count(8)
+    assert not page.evaluate("() => document.body.classList.contains('dropping')")
+
+
+def test_a_folder_of_packages_with_xacro_opens(explorer, tmp_path):
+    page = explorer()
+    for name, content in PACKAGE.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(content)
+    page.set_input_files("#folder", str(tmp_path / "ws"))
+    expect(page.locator("#tip")).to_contain_text("500")
+    assert page.evaluate("() => window.denavit.app.view.missing") == []
+
+
 def test_everything_has_a_name_and_the_keyboard_reaches_it(explorer):
     page = explorer()
     drop_robot(page, UR5E)
@@ -522,18 +439,15 @@ def test_everything_has_a_name_and_the_keyboard_reaches_it(explorer):
         assert unnamed == []
     page.click("#tab-See")
     expect(page.locator("#dh")).to_be_visible()
+    slider = page.locator('input[data-joint="elbow_joint"]')
+    slider.evaluate("it => { it.value = Math.PI / 2; it.dispatchEvent(new Event('input')); }")
+    assert slider.get_attribute("aria-valuetext") == "90°"
     page.focus('#dh tr[data-row="1"]')
     expect(page.locator('#dh tr[data-row="1"]')).to_have_class("chosen")
     before = page.evaluate("() => window.denavit.app.view.camera.position.x")
     page.focus(".view")
     page.keyboard.press("ArrowLeft")
     assert page.evaluate("() => window.denavit.app.view.camera.position.x") != before
-
-
-def shot(page, name):
-    SHOTS.mkdir(parents=True, exist_ok=True)
-    page.wait_for_timeout(500)
-    page.screenshot(path=SHOTS / f"{name}.png")
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
@@ -561,16 +475,6 @@ def test_every_panel_fits(theme, width, size, explorer):
     shot(page, f"row-{width}-{theme}")
 
 
-@pytest.fixture(scope="module")
-def with_page():
-    """Skips where the binary has no page inside."""
-    asked = subprocess.run([denavit(), "explore", str(UR5E), "-o", "-"], capture_output=True, text=True)
-    if "without the explorer" in asked.stderr:
-        assert asked.returncode == 2 and "web/build" in asked.stderr
-        pytest.skip("skipped, because this binary was built without --features explorer")
-    assert asked.returncode == 0, asked.stderr
-
-
 def test_explore_writes_a_page_with_the_robots_in_it(with_page, explorer, tmp_path):
     file = tmp_path / "page.html"
     cli("explore", UR5E, ROBOTS / "universal_robots/ur5.urdf", "-o", file)
@@ -589,12 +493,11 @@ def test_explore_serves_the_page_to_this_machine(with_page, explorer):
         process.wait()
 
 
-def test_first_paint_comes_within_a_second(explorer):
-    page = explorer()
-    expect(page.locator("#example")).to_be_visible()
+def first_paint(page):
+    """When the first contents were painted, ms after the page was asked for."""
     # The entry comes after the frame that it tells of, and in some headless builds not at all: then the second frame from
     # here stands for it, which is never earlier.
-    painted = page.evaluate(
+    return page.evaluate(
         """() => new Promise((resolve) => {
           let second;
           requestAnimationFrame(() => requestAnimationFrame(() => { second = performance.now(); }));
@@ -605,9 +508,16 @@ def test_first_paint_comes_within_a_second(explorer):
           setTimeout(() => resolve(second ?? performance.now()), 3000);
         })"""
     )
-    print(f"first paint after {painted:.0f} ms, page of {PAGE.stat().st_size / 2**20:.1f} MiB")
-    # Emulated graphics on a busy machine: the figure is printed, and asserted with room.
-    assert painted < 5000
+
+
+def test_first_paint_comes_within_a_second_of_an_empty_page(explorer, tmp_path):
+    empty = tmp_path / "empty.html"
+    empty.write_text("<!doctype html><title>empty</title><link rel='icon' href='data:,'><p>nothing</p>")
+    nothing = min(first_paint(explorer(empty.as_uri())) for _ in range(2))
+    painted = min(first_paint(explorer()) for _ in range(2))
+    print(f"first paint after {painted:.0f} ms, {nothing:.0f} ms of an empty page; {PAGE.stat().st_size / 2**20:.1f} MiB")
+    # On a busy machine all takes longer: the empty page says by how much.
+    assert painted < 1000 + 4 * nothing
 
 
 def test_the_page_asks_for_nothing_by_its_text():

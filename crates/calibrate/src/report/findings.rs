@@ -46,6 +46,53 @@ fn percent(probability: f64) -> String {
     }
 }
 
+/// What a page says above and below an effect's name.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Said {
+    /// The effect where it is named; else all that may act, each with its probability.
+    pub title: String,
+    /// Whether it is sure enough to be named.
+    pub named: bool,
+    /// Its numbers with their standard deviations.
+    pub numbers: Vec<String>,
+    /// How sure it is, and what may act in its stead.
+    pub why: String,
+}
+
+/// A finding in the words of the report.
+pub fn said(finding: &Finding, trace: &Trace) -> Said {
+    let (rivals, own) = (rivals(finding), title(finding, trace));
+    let again = format!("found again in {:.0} % of resampled runs", 100.0 * finding.found_again);
+    let (title, why) = if finding.named {
+        let mut why = format!("probability {}, {again}", percent(finding.probability));
+        if !rivals.is_empty() {
+            let _ = write!(why, "; less likely in its stead: {}", rivals.join(", "));
+        }
+        (own, why)
+    } else {
+        let alone = if rivals.is_empty() { "perhaps" } else { "one of" };
+        let own = format!("{own} ({})", percent(finding.probability));
+        let all: Vec<String> = std::iter::once(own).chain(rivals).collect();
+        (format!("{alone}: {}", all.join(", ")), format!("corrected for, not named: {again}"))
+    };
+    Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why }
+}
+
+/// What the structure that no effect explains follows; none where nothing of structure remains.
+pub fn structure(trace: &Trace) -> Option<String> {
+    let left = &trace.leftover;
+    left.structured.then(|| format!("{} ({})", places(trace), probability(left.p_value)))
+}
+
+/// Joints and covariates that hold what is left, each with its share.
+fn places(trace: &Trace) -> String {
+    let place = |place: &crate::trace::Structure| {
+        let name = place.joint.as_deref().or(place.covariate.as_deref()).unwrap_or("run order");
+        format!("{name} {:.0} %", 100.0 * place.share)
+    };
+    trace.leftover.places.iter().map(place).collect::<Vec<_>>().join(", ")
+}
+
 /// The effects with their numbers and rivals, then what no effect explains.
 pub fn findings(trace: &Trace) -> String {
     let mut text = String::new();
@@ -91,19 +138,11 @@ pub fn findings(trace: &Trace) -> String {
     }
     let left = &trace.leftover;
     if left.structured {
-        let places: Vec<String> = left
-            .places
-            .iter()
-            .map(|place| {
-                let name = place.joint.as_deref().or(place.covariate.as_deref()).unwrap_or("run order");
-                format!("{name} {:.0} %", 100.0 * place.share)
-            })
-            .collect();
         let _ = writeln!(
             text,
             "structure remains that no effect explains ({}): {}",
             probability(left.p_value),
-            places.join(", ")
+            places(trace)
         );
     } else {
         let _ = writeln!(text, "what remains has no structure ({})", probability(left.p_value));

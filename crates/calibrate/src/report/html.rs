@@ -2,9 +2,10 @@
 
 use crate::calibration::{Calibration, StageResiduals};
 use crate::effects::catalogue::{KINDS, Kind};
+use crate::report::findings::{self, Said};
 use crate::report::plots::{self, Plot, PlotError};
 use crate::report::{rows, text, trace_plots};
-use crate::trace::Trace;
+use crate::trace::{Finding, Trace};
 use denavit_model::nalgebra::Vector3;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Value, context};
@@ -54,6 +55,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 distances => result.train.scene.channels.iter().all(|part| part.height == 1),
                 poses => result.train.scene.channels.iter().any(|part| part.unit == "rad"),
                 effects => Value::from(Serde(effects(result)?)),
+                structure => result.trace.as_ref().and_then(findings::structure),
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),
                 parameters => text::final_parameters(result),
@@ -65,18 +67,25 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
         .map_err(|error| PageError::Template(Box::new(error)))
 }
 
-/// An effect with its two plots.
+/// An effect with its words and its two plots.
 #[derive(Serialize)]
 struct EffectShown {
-    name: String,
+    #[serde(flatten)]
+    said: Said,
     plots: [Plot; 2],
 }
 
+/// The named ones first.
 fn effects(result: &Calibration) -> Result<Vec<EffectShown>, PlotError> {
-    let findings = result.trace.iter().flat_map(|trace| &trace.findings);
-    let shown = findings.map(|finding| {
+    let Some(trace) = &result.trace else { return Ok(Vec::new()) };
+    let (mut sure, open): (Vec<&Finding>, Vec<&Finding>) = trace.findings.iter().partition(|finding| finding.named);
+    sure.extend(open);
+    let shown = sure.into_iter().map(|finding| {
         let name = format!("{} at {}", finding.term.kind.name(), finding.place);
-        Ok(EffectShown { plots: trace_plots::portrait(&finding.portrait, &name)?, name })
+        Ok(EffectShown {
+            said: findings::said(finding, trace),
+            plots: trace_plots::portrait(&finding.portrait, &name)?,
+        })
     });
     shown.collect()
 }

@@ -4,10 +4,13 @@ use crate::args::{DocArguments, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output::{self, OutputFolder, Status};
 use crate::source::{self, Loaded};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use denavit_compare::fingerprint;
 use denavit_export::Units;
-use denavit_export::page::{self, Card, ChainPart, Document};
+use denavit_export::page::{self, Card, ChainPart, Document, Solid};
 use denavit_load::TableOptions;
+use denavit_model::Reading;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -38,7 +41,12 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
             files.extend(page::markdown(&document, &stem).into_iter().map(|file| (file.name, file.text)));
         } else {
             cards.push(Card::of(&document, format!("{stem}.html")));
-            files.push((format!("{stem}.html"), page::html(&document)));
+            let solid = solid(arguments, &source, name, &document)?;
+            let text = match &solid {
+                Some(solid) => page::html_with_shapes(&document, solid),
+                None => page::html(&document),
+            };
+            files.push((format!("{stem}.html"), text));
         }
     }
     if cards.len() > 1 {
@@ -59,6 +67,28 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     }
     output::print(&listing)?;
     Ok(Status::Same)
+}
+
+/// The explorer's 3-D view as web/build makes it, for pages.
+#[cfg(feature = "explorer")]
+const VIEW: Option<&str> = Some(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist/view.js")));
+#[cfg(not(feature = "explorer"))]
+const VIEW: Option<&str> = None;
+/// Meshes of more bytes than this are left out of a page: it is to be sent and kept.
+const MOST_MESH_BYTES: u64 = 16 << 20;
+
+/// The 3-D view with the robot's shapes, where this binary has it.
+fn solid(
+    arguments: &DocArguments,
+    source: &SourceArguments,
+    name: &str,
+    document: &Document,
+) -> Result<Option<Solid<'static>>, Failure> {
+    let (Some(script), Some(robot)) = (VIEW, &document.robot) else { return Ok(None) };
+    let meshes = denavit_load::meshes(robot, name, &source::options(source)?, MOST_MESH_BYTES).found;
+    let meshes = meshes.into_iter().map(|mesh| (mesh.uri, BASE64.encode(mesh.bytes))).collect();
+    let reading = if arguments.exact { Reading::AsWritten } else { Reading::Intended };
+    Ok(Some(Solid { script, reading, meshes }))
 }
 
 /// A file's name without its folders; what names a revision stays whole.

@@ -6,7 +6,11 @@ use crate::args::{ExploreArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output::{self, Outputs, Status};
 use crate::source;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use denavit_load::Meshes;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The page as `web/build` makes it.
@@ -18,10 +22,17 @@ const PAGE: Option<&str> = None;
 /// Where the page has its robots.
 const ROBOTS: &str = r#"<script type="application/json" id="robots">[]</script>"#;
 
-#[derive(Serialize)]
+/// Meshes of all robots together; a browser holds no page of more.
+const MOST_MESH_BYTES: u64 = 192 << 20;
+
+/// A robot in the page.
+#[derive(Default, Serialize)]
 struct Embedded {
     file: String,
     text: String,
+    /// The files of its meshes in base64, by what the robot calls them.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    meshes: BTreeMap<String, String>,
 }
 
 /// Runs the command.
@@ -40,7 +51,8 @@ pub fn run(arguments: &ExploreArguments) -> Result<Status, Failure> {
     let inputs = names.iter().map(String::as_str).chain(source.files());
     let mut outputs = Outputs::beside(inputs);
     let slot = outputs.add_if("--output", arguments.output.as_deref())?;
-    let robots = names.iter().map(|name| embedded(name, &source)).collect::<Result<Vec<_>, Failure>>()?;
+    let mut left = MOST_MESH_BYTES;
+    let robots = names.iter().map(|name| embedded(name, &source, &mut left)).collect::<Result<Vec<_>, Failure>>()?;
     let page = filled(page, &robots);
     match slot {
         Some(slot) => outputs.write(&[(slot, page)])?,
@@ -49,18 +61,26 @@ pub fn run(arguments: &ExploreArguments) -> Result<Status, Failure> {
     Ok(Status::Same)
 }
 
-/// A robot as the page takes it: URDF, xacro expanded, or a table as it stands.
-fn embedded(name: &str, arguments: &SourceArguments) -> Result<Embedded, Failure> {
+/// A robot as the page takes it: URDF, xacro expanded, or a table as it stands; meshes as long as bytes are left for them.
+fn embedded(name: &str, arguments: &SourceArguments, left: &mut u64) -> Result<Embedded, Failure> {
     let (file, text) = source::read_text(name)?;
     // Standard input and git are read once; what is no robot is said here and not on the page.
-    let opened = denavit_load::from_text(&file, &text, &source::options(arguments)?)?;
+    let options = source::options(arguments)?;
+    let opened = denavit_load::from_text(&file, &text, &options)?;
     opened.notes.iter().for_each(output::mention);
     let shown = Path::new(&file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
-    let text = match &opened.robot {
-        source::Loaded::Robot(_) => source::urdf_text(&file, text, arguments)?.text,
-        _ => text,
+    let source::Loaded::Robot(robot) = &opened.robot else {
+        return Ok(Embedded { file: shown, text, ..Embedded::default() });
     };
-    Ok(Embedded { file: shown, text })
+    let Meshes { found, missing } = denavit_load::meshes(robot, &file, &options, *left);
+    if let Some((mesh, why)) = missing.first() {
+        let count = missing.len();
+        let others = if count == 1 { String::new() } else { format!(", and {} more", count - 1) };
+        output::mention(format!("{file}: mesh {mesh} is not shown{others}: {why}"));
+    }
+    *left -= found.iter().map(|mesh| mesh.bytes.len() as u64).sum::<u64>();
+    let meshes = found.into_iter().map(|mesh| (mesh.uri, BASE64.encode(mesh.bytes))).collect();
+    Ok(Embedded { file: shown, text: source::urdf_text(&file, text, arguments)?.text, meshes })
 }
 
 /// The page with robots in it; no text of theirs can end the element that holds them.
@@ -76,8 +96,11 @@ mod tests {
     #[test]
     fn no_text_of_a_robot_ends_the_element_that_holds_it() {
         let page = format!("<body>{ROBOTS}</body>");
-        let hostile =
-            Embedded { file: "/</script>.urdf".into(), text: "</script><script>alert(1)</script><!--".into() };
+        let hostile = Embedded {
+            file: "/</script>.urdf".into(),
+            text: "</script><script>alert(1)</script><!--".into(),
+            ..Embedded::default()
+        };
         let filled = filled(&page, &[hostile]);
         assert_eq!(filled.matches("</script>").count(), 1, "{filled}");
         let json = filled.split("id=\"robots\">").nth(1).unwrap().split("</script>").next().unwrap();

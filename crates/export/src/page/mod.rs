@@ -7,6 +7,7 @@
 //! ```
 //! The 3-D view is a script of our own, `templates/scene.js`: it draws line segments on a 2-D canvas. The plotly script
 //! that the crate plotly can embed makes each page 4.65 MB, needs WebGL, and writes to the console where there is none.
+//! A [`Solid`] view is laid over it where the caller has one: the explorer's, with shapes; without WebGL the segments stay.
 
 mod climb;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "digits of a number")]
@@ -15,6 +16,7 @@ mod index;
 mod motion;
 #[expect(clippy::cast_possible_truncation, reason = "ticks of an axis")]
 mod outline;
+mod solid;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cells of an outline, some hundred across")]
 mod workspace;
 
@@ -28,6 +30,7 @@ use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 
 pub use index::{Card, index};
+pub use solid::Solid;
 
 /// A chain of the robot and its numbers.
 #[derive(Debug, Clone)]
@@ -84,6 +87,15 @@ pub struct File {
 
 /// The page as one file of HTML: no network, no other file.
 pub fn html(document: &Document) -> String {
+    html_page(document, None)
+}
+
+/// The same, with the robot's shapes in its 3-D view.
+pub fn html_with_shapes(document: &Document, solid: &Solid) -> String {
+    html_page(document, Some(solid))
+}
+
+fn html_page(document: &Document, solid: Option<&Solid>) -> String {
     #[derive(Serialize)]
     struct Page<'a> {
         #[serde(flatten)]
@@ -91,6 +103,8 @@ pub fn html(document: &Document) -> String {
         style: &'a str,
         script: &'a str,
         motion: String,
+        solid: Option<String>,
+        solid_script: &'a str,
     }
     let content = content::Content::of(document);
     let page = Page {
@@ -98,6 +112,8 @@ pub fn html(document: &Document) -> String {
         style: include_str!("../../templates/page.css"),
         script: include_str!("../../templates/scene.js"),
         motion: motion::json(document),
+        solid: solid.and_then(|solid| solid.json(document)),
+        solid_script: solid.map_or("", |solid| solid.script),
     };
     render("page.html", include_str!("../../templates/page.html"), &page)
 }

@@ -10,11 +10,13 @@
 mod euler;
 mod grid;
 mod map;
+mod outline;
 mod programs;
 mod sheet;
 
 pub use euler::{EulerError, EulerOrder};
 pub use map::{Map, MapError, quaternion_order};
+pub use outline::{FileColumn, outline};
 pub use programs::{JointList, ProgramError, joints};
 
 use super::near_miss::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
@@ -389,8 +391,8 @@ impl Work<'_> {
         Ok(outputs)
     }
 
-    /// Every column under the contract's name that its own name means, else under its own.
-    fn by_name(&self) -> Result<Vec<Output>, Fault> {
+    /// The contract's name that a column's own name means, but for case, blanks and a unit.
+    fn meaning(&self, name: &str) -> Option<String> {
         let joints = || self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone());
         let of_joints = joints().flat_map(|joint| OF_JOINTS.map(|word| format!("{joint}.{word}")));
         let words = KNOWN_VALUES.iter().chain(&KNOWN_COVARIATES).map(|word| (*word).to_owned());
@@ -399,13 +401,17 @@ impl Work<'_> {
             let digits = own.strip_prefix(['x', 'y', 'z'])?;
             (!digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())).then(|| own.to_owned())
         };
+        let own = plain(name);
+        let meant = known.into_iter().find(|known| known == name || plain(known) == own);
+        let taken = |meant: &String| self.grid.names.contains(meant) && meant != name;
+        meant.or_else(|| target(&own)).filter(|meant| !taken(meant))
+    }
+
+    /// Every column under the contract's name that its own name means, else under its own.
+    fn by_name(&self) -> Result<Vec<Output>, Fault> {
         let mut outputs: Vec<Output> = Vec::new();
         for (index, name) in self.grid.names.iter().enumerate() {
-            let own = plain(name);
-            let meant = known.iter().find(|known| *known == name || plain(known) == own).cloned();
-            let meant = meant.or_else(|| target(&own));
-            let taken = |meant: &String| self.grid.names.contains(meant) && meant != name;
-            let meant = meant.filter(|meant| !taken(meant)).unwrap_or_else(|| name.clone());
+            let meant = self.meaning(name).unwrap_or_else(|| name.clone());
             let counts = self.counts(&meant);
             let unit = self.grid.units[index].as_deref().or(bracketed(name).map(|(_, unit)| unit));
             let factor = self.factor(name, unit, counts)?;

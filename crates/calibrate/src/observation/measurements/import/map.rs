@@ -3,6 +3,7 @@
 use super::super::units::{Units, UnitsError};
 use super::euler::EulerOrder;
 use super::grid::Grid;
+use super::plain;
 use denavit_model::Chain;
 use std::fmt::Write as _;
 use thiserror::Error;
@@ -123,27 +124,13 @@ pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
     let mut text = format!(
         "# Which column of {file} is what; see docs/measurements.md.\nunits = \"mm,deg\"   # of columns that name none\n"
     );
-    let small = |text: &str| text.to_lowercase();
     let joints = chain.coordinates();
-    // A number in the name: joint_1, A1, axis 1, J1.
-    let numbered = |k: usize| {
-        grid.names.iter().find(|name| {
-            let digits: String = name.chars().filter(char::is_ascii_digit).collect();
-            let letters: String = small(name).chars().take_while(|c| c.is_alphabetic()).collect();
-            digits == (k + 1).to_string() && ["joint", "j", "a", "axis", "q"].contains(&letters.as_str())
-        })
-    };
-    let own = |name: &str| grid.names.iter().find(|column| small(column).starts_with(&small(name)));
-    let guessed: Vec<Option<&String>> =
-        joints.iter().enumerate().map(|(k, joint)| own(&joint.name).or_else(|| numbered(k))).collect();
+    let guessed = joint_columns(grid, chain);
     let listed: Vec<String> = guessed.iter().map(|name| quoted(name.map_or("?", String::as_str))).collect();
     let order: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
     let _ = writeln!(text, "joints = [{}]   # {}", listed.join(", "), order.join(", "));
-    for axis in ["x", "y", "z"] {
-        let ends = |name: &&String| small(name).trim_end_matches(|c: char| !c.is_alphanumeric()).ends_with(axis);
-        let exact = grid.names.iter().find(|name| small(name) == axis);
-        let column = exact.or_else(|| grid.names.iter().find(ends)).map_or("?", String::as_str);
-        let _ = writeln!(text, "{axis} = {}", quoted(column));
+    for (axis, column) in ["x", "y", "z"].into_iter().zip(place_columns(grid)) {
+        let _ = writeln!(text, "{axis} = {}", quoted(column.map_or("?", String::as_str)));
     }
     text += "# euler = { order = \"XYZ\", columns = [\"\", \"\", \"\"] }         # turned axes; xyz: fixed axes\n\
              # quaternion = { order = \"wxyz\", columns = [\"\", \"\", \"\", \"\"] }\n\
@@ -153,4 +140,32 @@ pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
         let _ = writeln!(text, "#   {} = {first}", quoted(name));
     }
     text
+}
+
+fn small(text: &str) -> String {
+    text.to_lowercase()
+}
+
+/// The column that is likely each joint's, in the chain's order: by the joint's name, or by a number such as joint_1, A1,
+/// axis 1, J1.
+pub(super) fn joint_columns<'a>(grid: &'a Grid, chain: &Chain) -> Vec<Option<&'a String>> {
+    let numbered = |k: usize| {
+        grid.names.iter().find(|name| {
+            let digits: String = name.chars().filter(char::is_ascii_digit).collect();
+            let letters: String = small(name).chars().take_while(|c| c.is_alphabetic()).collect();
+            digits == (k + 1).to_string() && ["joint", "j", "a", "axis", "q"].contains(&letters.as_str())
+        })
+    };
+    let own = |name: &str| grid.names.iter().find(|column| small(column).starts_with(&small(name)));
+    chain.coordinates().iter().enumerate().map(|(k, joint)| own(&joint.name).or_else(|| numbered(k))).collect()
+}
+
+/// The columns that are likely x, y, z of what was measured.
+pub(super) fn place_columns(grid: &Grid) -> [Option<&String>; 3] {
+    ["x", "y", "z"].map(|axis| {
+        // Without a unit in brackets: T_x [mm].
+        let ends = |name: &&String| plain(name).trim_end_matches(|c: char| !c.is_alphanumeric()).ends_with(axis);
+        let exact = grid.names.iter().find(|name| plain(name) == axis);
+        exact.or_else(|| grid.names.iter().find(ends))
+    })
 }

@@ -6,7 +6,7 @@ use denavit_model::{PlacedRobot, Pose, Reading, Robot};
 use serde_json::{Value, json};
 
 /// The tree as JSON: lengths in m, angles in rad, poses as 16 numbers column by column.
-pub fn of(robot: &Robot, reading: Reading) -> Value {
+pub fn scene(robot: &Robot, reading: Reading) -> Value {
     let placed = PlacedRobot::new(robot, reading);
     let links: Vec<Value> = robot
         .links

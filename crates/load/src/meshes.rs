@@ -1,0 +1,143 @@
+//! The mesh files that a robot's shapes name.
+
+use crate::Options;
+use crate::read::environment;
+use denavit_model::Robot;
+use denavit_model::robot::Geometry;
+use denavit_xacro::{PackagePath, files};
+use std::path::{Path, PathBuf};
+
+/// What a viewer of meshes can show.
+const ENDINGS: [&str; 3] = ["stl", "dae", "obj"];
+
+/// A mesh as its robot names it, and its file's content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshFile {
+    /// As the robot writes it: `package://…`, `file://…` or a path.
+    pub uri: String,
+    /// What the file holds.
+    pub bytes: Vec<u8>,
+}
+
+/// Meshes of a robot, each named once.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Meshes {
+    /// Those that are there, in the order of the robot.
+    pub found: Vec<MeshFile>,
+    /// Those that are not, and why.
+    pub missing: Vec<(String, String)>,
+}
+
+/// The meshes of the robot that was read from `file`, of at most `most` bytes together.
+///
+/// Read are files that are called `.stl`, `.dae` or `.obj` when links are followed, and no others: a robot's text cannot
+/// have other files of the reader put before somebody's eyes.
+pub fn meshes(robot: &Robot, file: &str, options: &Options, most: u64) -> Meshes {
+    let name = plain(file);
+    let packages = PackagePath::new(&options.package_path, &environment()).near(&name);
+    let mut meshes = Meshes::default();
+    let mut left = most;
+    for uri in uris(robot) {
+        let read = packages.resolve(uri, Some(&name)).map_err(|error| error.to_string());
+        match read.and_then(|path| content(&path, left)) {
+            Ok(bytes) => {
+                left = left.saturating_sub(bytes.len() as u64);
+                meshes.found.push(MeshFile { uri: uri.to_owned(), bytes });
+            }
+            Err(why) => meshes.missing.push((uri.to_owned(), why)),
+        }
+    }
+    meshes
+}
+
+/// The path that relative names count from: of `git:REVISION:PATH` that of the working tree.
+fn plain(file: &str) -> PathBuf {
+    let path = file.strip_prefix("git:").and_then(|object| object.split_once(':')).map_or(file, |(_, path)| path);
+    path.into()
+}
+
+fn uris(robot: &Robot) -> Vec<&str> {
+    let shapes = robot.links.iter().flat_map(|link| link.visuals.iter().chain(&link.collisions));
+    let mut uris: Vec<&str> = Vec::new();
+    for shape in shapes {
+        if let Geometry::Mesh { filename, .. } = &shape.geometry
+            && !uris.contains(&filename.as_str())
+        {
+            uris.push(filename);
+        }
+    }
+    uris
+}
+
+fn content(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let shown = path.display();
+    let real = files::canonical(path).map_err(|_| format!("there is no file {shown}"))?;
+    let ending = real.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    if !ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) {
+        return Err(format!("{shown} is no .stl, .dae or .obj file"));
+    }
+    let size = std::fs::metadata(&real).map_err(|error| format!("{shown}: {error}"))?;
+    if !size.is_file() {
+        return Err(format!("{shown} is no file"));
+    }
+    if size.len() > most {
+        return Err(format!("{shown} has {} MB, and all meshes together are too many", size.len() >> 20));
+    }
+    files::read(&real).map_err(|error| format!("{shown}: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Loaded, from_text};
+
+    const ARM: &str = r#"<robot name="arm"><link name="a">
+        <visual><geometry><mesh filename="meshes/a.stl"/></geometry></visual>
+        <visual><geometry><mesh filename="package://arm_description/meshes/b.dae"/></geometry></visual>
+        <visual><geometry><mesh filename="secret.txt"/></geometry></visual>
+        <visual><geometry><mesh filename="meshes/linked.stl"/></geometry></visual>
+        <visual><geometry><mesh filename="meshes/gone.obj"/></geometry></visual>
+        <collision><geometry><mesh filename="meshes/a.stl"/></geometry></collision></link></robot>"#;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("denavit-meshes-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(folder.join("meshes")).unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        write("package.xml", "<package><name>arm_description</name></package>");
+        write("meshes/a.stl", "solid a");
+        write("meshes/b.dae", "<COLLADA/>");
+        write("secret.txt", "nobody's business");
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(folder.join("secret.txt"), folder.join("meshes/linked.stl")).unwrap();
+        folder
+    }
+
+    fn of(folder: &Path, most: u64) -> Meshes {
+        let Loaded::Robot(robot) = from_text("arm.urdf", ARM, &Options::default()).unwrap().robot else {
+            unreachable!("a URDF is a robot")
+        };
+        meshes(&robot, &folder.join("arm.urdf").to_string_lossy(), &Options::default(), most)
+    }
+
+    #[test]
+    fn meshes_are_found_beside_the_robot_and_in_packages_and_nothing_else_is_read() {
+        let folder = folder("found");
+        let meshes = of(&folder, 1000);
+        let found: Vec<&str> = meshes.found.iter().map(|mesh| mesh.uri.as_str()).collect();
+        assert_eq!(found, ["meshes/a.stl", "package://arm_description/meshes/b.dae"]);
+        assert_eq!(meshes.found[0].bytes, b"solid a");
+        let missing: Vec<&str> = meshes.missing.iter().map(|(uri, _)| uri.as_str()).collect();
+        assert_eq!(missing, ["secret.txt", "meshes/linked.stl", "meshes/gone.obj"]);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn there_is_a_bound_on_all_of_them_together() {
+        let folder = folder("bound");
+        let meshes = of(&folder, 10);
+        assert_eq!(meshes.found.len(), 1, "{meshes:?}");
+        assert!(meshes.missing.iter().any(|(_, why)| why.contains("too many")), "{meshes:?}");
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

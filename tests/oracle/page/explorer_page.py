@@ -1,0 +1,153 @@
+"""The explorer in headless Chromium, and what its tests share."""
+
+import io
+import json
+import math
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect, sync_playwright
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from built import denavit
+
+WORKSPACE = Path(__file__).resolve().parents[3]
+PAGE = WORKSPACE / "web/dist/explorer.html"
+ROBOTS = WORKSPACE / "robots"
+VENDOR = WORKSPACE.parent / "shared/vendor"
+SHOTS = WORKSPACE / "target/tests/explorer"
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = """--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
+--use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist""".split()
+DESKTOP = {"width": 1360, "height": 860}
+PHONE = {"width": 360, "height": 740}
+# The machine may be busy: what does not come in a minute does not come.
+expect.set_options(timeout=60_000)
+UR5E = ROBOTS / "universal_robots/ur5e.urdf"
+
+needs_page = [
+    pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed (apt-get install chromium)"),
+    pytest.mark.skipif(not PAGE.is_file(), reason="skipped, because web/dist/explorer.html is not built (web/build)"),
+]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, timeout=120_000)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def explorer(browser):
+    """Opens the explorer; at the end it must have asked for nothing but itself, and have written nothing to the console."""
+    console, asked, contexts = [], [], []
+
+    def open_page(address=PAGE.as_uri(), size=DESKTOP, theme="light"):
+        context = browser.new_context(viewport=size, color_scheme=theme, accept_downloads=True)
+        page = context.new_page()
+        page.set_default_timeout(120_000)
+        page.on("console", lambda message: console.append(message.text))
+        page.on("pageerror", lambda error: console.append(str(error)))
+        page.on("dialog", lambda dialog: console.append(f"dialog: {dialog.message}"))
+        context.on("request", lambda request: asked.append(request.url))
+        page.goto(address)
+        contexts.append(context)
+        return page
+
+    yield open_page
+    # What the graphics emulation says of itself, and a library of a mesh file's version and axes, is no word of the page.
+    others = ("GPU stall", "GL Driver", "THREE.ColladaLoader: ")
+    said = [words for words in console if not any(other in words for other in others)]
+    assert said == [], said
+    strangers = [url for url in asked if not url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))]
+    assert strangers == [], strangers
+    assert sum(url.startswith(("file:", "http:")) for url in asked) == len(contexts), asked
+    for context in contexts:
+        context.close()
+
+
+def cli(*arguments, codes=(0,)):
+    done = subprocess.run([denavit(), *map(str, arguments)], capture_output=True, text=True, cwd=WORKSPACE)
+    assert done.returncode in codes, done.stderr
+    # The page knows files by their names alone.
+    for argument in arguments:
+        if isinstance(argument, Path):
+            done.stdout = done.stdout.replace(str(argument), argument.name)
+    return done.stdout
+
+
+def drop(page, *files):
+    """Chooses files in the dialog; a file is a path, or a name and its bytes."""
+    given = [str(file) if isinstance(file, Path) else {"name": file[0], "mimeType": "", "buffer": file[1]} for file in files]
+    page.set_input_files("#files", given)
+
+
+def drop_robot(page, *files):
+    drop(page, *files)
+    expect(page.locator("#dh tbody tr").first).to_be_visible()
+
+
+def downloaded(page, selector):
+    with page.expect_download() as waited:
+        page.click(selector)
+    return Path(waited.value.path()).read_text(encoding="utf-8"), waited.value.suggested_filename
+
+
+def same(found, expected, tolerance=0.0, path=""):
+    """Two documents, number by number."""
+    if isinstance(expected, dict):
+        assert isinstance(found, dict) and found.keys() == expected.keys(), path
+        for key in expected:
+            same(found[key], expected[key], tolerance, f"{path}.{key}")
+    elif isinstance(expected, list):
+        assert len(found) == len(expected), path
+        for index, (one, other) in enumerate(zip(found, expected, strict=True)):
+            same(one, other, tolerance, f"{path}[{index}]")
+    elif isinstance(expected, float) and isinstance(found, int | float):
+        close = math.isclose(found, expected, rel_tol=tolerance, abs_tol=tolerance)
+        assert found == expected or close, f"{path}: {found} is not {expected}"
+    else:
+        assert found == expected, f"{path}: {found!r} is not {expected!r}"
+
+
+def without(document, *keys):
+    return {key: value for key, value in document.items() if key not in keys}
+
+
+def table_of(page):
+    page.select_option("#format", "json")
+    return json.loads(downloaded(page, "#download-table")[0])
+
+
+def zipped(files):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return out.getvalue()
+
+
+def complains(page, words):
+    expect(page.locator(".said.wrong")).to_contain_text(words)
+
+
+def shot(page, name):
+    SHOTS.mkdir(parents=True, exist_ok=True)
+    page.wait_for_timeout(500)
+    page.screenshot(path=SHOTS / f"{name}.png")
+
+
+@pytest.fixture(scope="module")
+def with_page():
+    """Skips where the binary has no page inside."""
+    asked = subprocess.run([denavit(), "explore", str(UR5E), "-o", "-"], capture_output=True, text=True)
+    if "without the explorer" in asked.stderr:
+        assert asked.returncode == 2 and "web/build" in asked.stderr
+        pytest.skip("skipped, because this binary was built without --features explorer")
+    assert asked.returncode == 0, asked.stderr
