@@ -16,6 +16,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-xacro"],
     ),
     (
+        "denavit-fleet",
+        &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-load"],
+    ),
+    (
         "denavit-web",
         &[
             "denavit-model",

@@ -20,7 +20,9 @@ const fn printed(schema: &'static str, purpose: &'static str, command: &'static 
 
 const SIMULATE: &str = "simulate arm.urdf --rows 60 -o data.csv";
 
-/// Every kind of JSON that a command makes.
+const FLEET: &[&str] = &[SIMULATE, "fleet run plant.csv -o store"];
+
+/// Every kind of JSON that a command makes, but for a history in git, which `tests/oracle/fleet` makes.
 const KINDS: &[Kind] = &[
     printed("denavit.table/1", "a D-H table; a source, too", "table arm.urdf --json"),
     printed("denavit.poe/1", "screw axes and home pose; a source, too", "poe arm.urdf --json"),
@@ -60,6 +62,35 @@ const KINDS: &[Kind] = &[
         command: "compensate arm.urdf --poses poses.csv --json",
         file: None,
     },
+    Kind {
+        schema: "denavit.fleet.run/1",
+        purpose: "a run over a fleet",
+        before: FLEET,
+        command: "fleet run plant.csv -o store --json",
+        file: None,
+    },
+    Kind {
+        schema: "denavit.fleet.watch/1",
+        purpose: "which robots have changed",
+        before: FLEET,
+        command: "fleet watch store --json",
+        file: None,
+    },
+    Kind {
+        schema: "denavit.fleet.robots/1",
+        purpose: "what became of each robot",
+        before: FLEET,
+        command: "fleet history store --json",
+        file: None,
+    },
+    Kind {
+        schema: "denavit.fleet.siblings/1",
+        purpose: "what robots share, and who stands out",
+        before: FLEET,
+        command: "fleet siblings store --json",
+        file: None,
+    },
+    printed("denavit.fleet.corpus/1", "which files are one mechanism", "fleet corpus . --json"),
 ];
 
 fn trial() -> Trial {
@@ -68,7 +99,9 @@ fn trial() -> Trial {
     let longer = arm.replacen("-0.425", "-0.427", 1);
     let bent = arm.replacen("axis xyz=\"0 0 1\"", "axis xyz=\"0 0 2\"", 1);
     assert!(longer != arm && bent != arm);
-    trial.with("longer.urdf", &longer).with("bent.urdf", &bent)
+    let plant = "serial,robot,data,date,effects\nSN-1,arm.urdf,data.csv,2026-11-20,none\nSN-1,arm.urdf,data.csv,2026-11-21,none\n\
+                 SN-2,longer.urdf,data.csv,2026-11-21,none\n";
+    trial.with("longer.urdf", &longer).with("bent.urdf", &bent).with("plant.csv", plant)
 }
 
 fn made(trial: &Trial, kind: &Kind) -> Value {

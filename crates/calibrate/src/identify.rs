@@ -16,7 +16,7 @@ pub mod residual_statistics;
 mod simd_residuals;
 pub mod solve;
 pub mod stop;
-pub(crate) mod threads;
+pub mod threads;
 
 use self::initial_guess::nominal_fit;
 use crate::identify::solve::{Fit, FitOptions, fit};

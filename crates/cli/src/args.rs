@@ -1,11 +1,16 @@
 //! The command line: what can be asked for, and the help that teaches it.
 
+mod fleet;
 mod json;
 mod measured;
 mod numbers;
 mod program;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub use fleet::{
+    FleetArguments, FleetCommand, FleetCorpusArguments, FleetHistoryArguments, FleetReportArguments, FleetRunArguments,
+    FleetSiblingsArguments, FleetWatchArguments,
+};
 pub use json::{JsonArguments, with_json_files_joined};
 pub use measured::{
     CalibrateArguments, CompensateArguments, GivenArguments, IdentifyArguments, ImportArguments, MeasureName,
@@ -75,6 +80,8 @@ pub enum Command {
     Simulate(SimulateArguments),
     /// Turn poses to reach into joint commands for the robot as it is
     Compensate(CompensateArguments),
+    /// Work over a fleet of robots: run a manifest into a store of Parquet files
+    Fleet(FleetArguments),
     /// Print completions of the command line for a shell
     Completions(CompletionsArguments),
     /// Print the manual page, or write one for each command

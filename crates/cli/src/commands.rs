@@ -13,6 +13,7 @@ pub mod explore;
 pub mod export;
 pub mod fingerprint;
 pub mod fk;
+pub mod fleet;
 pub mod identify;
 pub mod man;
 pub mod plan;

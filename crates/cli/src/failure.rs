@@ -46,6 +46,9 @@ pub enum Failure {
     /// Effects that cannot be read.
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),
+    /// A fleet that cannot be run, or has no store.
+    #[error(transparent)]
+    Fleet(#[from] denavit_fleet::FleetError),
     /// A calibration that makes no page.
     #[error(transparent)]
     Page(#[from] denavit_calibrate::report::html::PageError),

@@ -46,6 +46,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Plan(arguments) => commands::plan::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Compensate(arguments) => commands::compensate::run(&arguments),
+        Command::Fleet(arguments) => commands::fleet::run(&arguments),
         Command::Completions(arguments) => commands::completions::run(&arguments),
         Command::Man(arguments) => commands::man::run(&arguments),
     }

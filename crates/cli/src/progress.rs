@@ -33,3 +33,34 @@ impl Drop for Spinner {
         self.0.finish_and_clear();
     }
 }
+
+/// How far many like things are, with an estimate of what is left; nothing where standard error is no terminal.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// Starts with none of `count` done.
+    pub fn start(count: usize) -> Self {
+        let bar = ProgressBar::new(count as u64);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} ({elapsed}, {eta} left)") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(TICK);
+        Self(bar)
+    }
+
+    /// One more is done; what was done before says nothing of the time that is left.
+    pub fn step(&self, what: &str, known: bool) {
+        if known {
+            self.0.set_length(self.0.length().unwrap_or(1).saturating_sub(1));
+            return;
+        }
+        self.0.set_message(what.to_owned());
+        self.0.inc(1);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

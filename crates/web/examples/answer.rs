@@ -1,6 +1,8 @@
 //! Answers questions of the explorer's page natively, one JSON text a line, and says how long each took: what
 //! `web/measure` holds the page's own times against.
 
+#![expect(clippy::print_stdout, reason = "what it prints is all that it is for")]
+
 use std::io::BufRead as _;
 use std::time::Instant;
 

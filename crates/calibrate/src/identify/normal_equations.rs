@@ -75,11 +75,7 @@ impl<E: Effects> ResidualModel<'_, E> {
             blocks.push((of, own));
             rest = others;
         }
-        let threads = if rows < ROWS_FOR_THREADS {
-            1
-        } else {
-            std::thread::available_parallelism().map_or(1, usize::from).min(blocks.len())
-        };
+        let threads = if rows < ROWS_FOR_THREADS { 1 } else { crate::identify::threads::available().min(blocks.len()) };
         let mut done: Vec<(usize, Vec<Channel>)> = Vec::with_capacity(blocks.len());
         let queue = Mutex::new(blocks.into_iter());
         let work = || {

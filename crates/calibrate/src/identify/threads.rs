@@ -1,12 +1,37 @@
-//! Work on all cores; where there is one alone, as in a web page, no thread is started.
+//! Work on all cores; where there is one alone, as in a web page, or where the caller keeps the cores busy, no thread is started.
 
 use crate::identify::stop::{carried, look};
+use std::cell::Cell;
 use std::panic::resume_unwind;
 use std::thread::ScopedJoinHandle;
 
+thread_local! {
+    /// Whether calls from this thread start no threads of their own.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does the work without starting threads: for callers that calibrate one robot on each core.
+///
+/// Results are the same to the bit as with threads: no sum depends on how many there are.
+pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
+    struct Restore(bool);
+    impl Drop for Restore {
+        fn drop(&mut self) {
+            ALONE.set(self.0);
+        }
+    }
+    let _restore = Restore(ALONE.replace(true));
+    work()
+}
+
+/// How many threads a computation may use, the calling one included.
+pub(crate) fn available() -> usize {
+    if ALONE.get() { 1 } else { std::thread::available_parallelism().map_or(1, usize::from) }
+}
+
 /// The work done on each item, in the order of the items.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = available();
     let work = |item: &T| {
         look();
         work(item)

@@ -133,7 +133,7 @@ impl Field<'_> {
 
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = crate::identify::threads::available();
         let queue = Mutex::new(candidates.chunks(BATCH).enumerate());
         let work = || {
             let mut done = Vec::new();

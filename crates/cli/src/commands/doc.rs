@@ -42,7 +42,11 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
         } else {
             cards.push(Card::of(&document, format!("{stem}.html")));
             let solid = solid(arguments, &source, name, &document)?;
-            files.push((format!("{stem}.html"), page::html(&document, solid.as_ref())));
+            let text = match &solid {
+                Some(solid) => page::html_with_shapes(&document, solid),
+                None => page::html(&document),
+            };
+            files.push((format!("{stem}.html"), text));
         }
     }
     if cards.len() > 1 {

@@ -85,8 +85,17 @@ pub struct File {
     pub text: String,
 }
 
-/// The page as one file of HTML: no network, no other file. With `solid` its 3-D view shows the robot's shapes.
-pub fn html(document: &Document, solid: Option<&Solid>) -> String {
+/// The page as one file of HTML: no network, no other file.
+pub fn html(document: &Document) -> String {
+    html_page(document, None)
+}
+
+/// The same, with the robot's shapes in its 3-D view.
+pub fn html_with_shapes(document: &Document, solid: &Solid) -> String {
+    html_page(document, Some(solid))
+}
+
+fn html_page(document: &Document, solid: Option<&Solid>) -> String {
     #[derive(Serialize)]
     struct Page<'a> {
         #[serde(flatten)]

@@ -12,6 +12,8 @@ use std::sync::Mutex;
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
 const ROWS: usize = 256;
+/// No more sums than this are held at once.
+const LANES: usize = 8;
 
 /// The linearised model, value by value, in units of the noise.
 #[derive(Debug, Clone, Copy)]
@@ -99,29 +101,42 @@ impl Gram {
             stretches.push(from..to);
             from = to;
         }
-        let queue = Mutex::new(stretches.into_iter());
+        // A sum of its own for each lane of stretches, added in order: no sum depends on which thread was the faster.
+        let lanes = stretches.len().clamp(1, LANES);
+        let queue = Mutex::new(0..lanes);
         let work = || {
-            let mut sums = vec![Channel::zeros(size); channels];
+            let mut done = Vec::new();
             loop {
                 look();
-                let next = queue.lock().expect("taking a stretch does not panic").next();
-                let Some(range) = next else { return sums };
-                for (channel, sums) in sums.iter_mut().enumerate() {
-                    add_stretch(columns, waves, readings, range.clone(), channel, sums);
+                let next = queue.lock().expect("taking a lane does not panic").next();
+                let Some(lane) = next else { return done };
+                let mut sums = vec![Channel::zeros(size); channels];
+                for range in stretches.iter().skip(lane).step_by(lanes) {
+                    look();
+                    for (channel, sums) in sums.iter_mut().enumerate() {
+                        add_stretch(columns, waves, readings, range.clone(), channel, sums);
+                    }
                 }
+                done.push((lane, sums));
             }
         };
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let channels = std::thread::scope(|scope| {
+        let threads = crate::identify::threads::available().min(lanes);
+        let mut done = std::thread::scope(|scope| {
             let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
-            let mut sums = work();
+            let mut done = work();
             for other in others {
-                for (sum, part) in sums.iter_mut().zip(joined(other)) {
-                    sum.add(&part, 1.0);
-                }
+                done.extend(joined(other));
             }
-            sums
+            done
         });
+        done.sort_by_key(|(lane, _)| *lane);
+        let mut done = done.into_iter().map(|(_, sums)| sums);
+        let mut channels = done.next().expect("there is a lane");
+        for part in done {
+            for (sum, part) in channels.iter_mut().zip(part) {
+                sum.add(&part, 1.0);
+            }
+        }
         Self { channels, plain, size }
     }
 }

@@ -33,7 +33,7 @@ impl Triangle {
     pub fn inverse_columns(&self) -> Vec<f64> {
         let size = self.size;
         let mut columns = vec![0.0; size * size];
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(1 + size / 200);
+        let threads = crate::identify::threads::available().min(1 + size / 200);
         // Columns get shorter to the right: neighbours are dealt in turn.
         let queue = std::sync::Mutex::new(columns.chunks_exact_mut(size).enumerate());
         let work = || loop {

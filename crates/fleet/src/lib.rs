@@ -1,0 +1,24 @@
+//! Many robots, many nights.
+//!
+//! ```text
+//! manifest ──► run (all cores, a robot each) ──► store: Parquet ──► watch · report · priors
+//!                 calibrate · table · check · fingerprint · diff
+//! ```
+//! The crate writes into the folder of its store alone, every file as a whole; it prints nothing. What is statistics knows
+//! no store: plain numbers in, plain numbers out.
+
+pub mod corpus;
+mod day;
+mod error;
+mod key;
+pub mod manifest;
+pub mod nights;
+pub mod report;
+mod run;
+pub mod statistics;
+pub mod store;
+mod tasks;
+
+pub use day::Day;
+pub use error::FleetError;
+pub use run::{Outcome, RunOptions, Tally, run, run_one};

@@ -1,0 +1,224 @@
+//! The store: a folder of Parquet files that DuckDB, pandas and Polars read as they are.
+//!
+//! ```text
+//! STORE/runs/KEY.parquet        one small file per finished run and table
+//! STORE/runs/rows-….parquet     many of them, merged
+//! STORE/.merge.json             what a merge is about to do: read first by whoever opens the store after a crash
+//! ```
+//! A run's row is written after its other tables: a key in `runs` says that everything of it is there. Files are filled under
+//! a hidden name and renamed; a merge first writes down what it replaces, so that it is finished by whoever comes next.
+
+mod merge;
+pub mod schema;
+pub mod table;
+
+use self::schema::{RUNS, TABLES, TableKind};
+use self::table::{Cell, Rows};
+use crate::day::Day;
+use crate::error::FleetError;
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Files whose names begin so are in the making.
+pub(crate) const HIDDEN: &str = ".denavit-";
+/// The file that one run at a time holds.
+const LOCK: &str = ".lock";
+
+/// Takes the rows of one file after the other.
+pub type Reader<'a> = dyn FnMut(&[Vec<Cell>]) -> Result<(), FleetError> + 'a;
+
+/// A store.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+}
+
+/// A store that this process alone writes.
+#[derive(Debug)]
+pub struct Held {
+    /// The store.
+    pub store: Store,
+    /// Let go of when the process ends, however it does.
+    _lock: File,
+}
+
+/// What a run is of: a robot, a night, a task.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Slot {
+    /// The robot.
+    pub serial: String,
+    /// The night.
+    pub date: Option<Day>,
+    /// Its name.
+    pub task: String,
+}
+
+impl Store {
+    /// A store to read.
+    ///
+    /// # Errors
+    /// The folder has none.
+    pub fn open(folder: &Path) -> Result<Self, FleetError> {
+        if !folder.join(RUNS.name).is_dir() {
+            return Err(FleetError::NoStore(folder.to_owned()));
+        }
+        Ok(Self { folder: folder.to_owned() })
+    }
+
+    /// A store to write, made where there is none; what a run that was killed left behind is put in order.
+    ///
+    /// # Errors
+    /// Another run holds it, or the folder cannot be written.
+    pub fn hold(folder: &Path) -> Result<Held, FleetError> {
+        for table in TABLES {
+            let folder = folder.join(table.name);
+            std::fs::create_dir_all(&folder).map_err(FleetError::store(&folder))?;
+        }
+        let path = folder.join(LOCK);
+        let lock = File::options().create(true).truncate(false).write(true).open(&path);
+        let lock = lock.map_err(FleetError::store(&path))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(std::fs::TryLockError::WouldBlock) => return Err(FleetError::Busy(folder.to_owned())),
+            Err(std::fs::TryLockError::Error(error)) => return Err(FleetError::store(&path)(error)),
+        }
+        let store = Self { folder: folder.to_owned() };
+        store.finish_merge()?;
+        store.clean()?;
+        Ok(Held { store, _lock: lock })
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The finished runs: key, and what each is of.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn finished(&self) -> Result<HashMap<String, Slot>, FleetError> {
+        let mut finished = HashMap::new();
+        let [key, serial, date, task] = ["key", "serial", "date", "task"].map(|name| RUNS.index(name));
+        self.each_file(&RUNS, &["key", "serial", "date", "task"], &mut |rows| {
+            for row in rows {
+                let slot = Slot {
+                    serial: row[serial].text().to_owned(),
+                    date: row[date].day().map(Day),
+                    task: row[task].text().to_owned(),
+                };
+                finished.insert(row[key].text().to_owned(), slot);
+            }
+            Ok(())
+        })?;
+        Ok(finished)
+    }
+
+    /// Reads a table file by file, so that memory does not grow with the store; `wanted`: as of [`Rows::read`].
+    ///
+    /// # Errors
+    /// A file cannot be read, or `each` fails.
+    pub fn each_file(
+        &self,
+        table: &'static TableKind,
+        wanted: &[&str],
+        each: &mut Reader<'_>,
+    ) -> Result<(), FleetError> {
+        for path in self.files(table)? {
+            let mut rows = Rows::of(table);
+            rows.read(&path, wanted)?;
+            each(&rows.rows)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what a run found; its row in `runs` last. The same run written twice is there once.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn add(&self, key: &str, tables: &[Rows]) -> Result<(), FleetError> {
+        for kind in TABLES {
+            for rows in tables.iter().filter(|rows| rows.table.name == kind.name && !rows.rows.is_empty()) {
+                self.put(rows, &format!("{key}.parquet"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Fills a hidden file and gives it its name.
+    fn put(&self, rows: &Rows, name: &str) -> Result<(), FleetError> {
+        let folder = self.folder.join(rows.table.name);
+        let target = folder.join(name);
+        self.fill(rows)?.persist(&target).map_err(|error| FleetError::store(&target)(error.error))?;
+        Ok(())
+    }
+
+    /// A hidden file with these rows, on the disk.
+    fn fill(&self, rows: &Rows) -> Result<tempfile::NamedTempFile, FleetError> {
+        let folder = self.folder.join(rows.table.name);
+        let refused = FleetError::store;
+        let file = tempfile::Builder::new().prefix(HIDDEN).tempfile_in(&folder).map_err(refused(&folder))?;
+        let handle = file.as_file().try_clone().map_err(refused(file.path()))?;
+        rows.write(handle).map_err(|error| refused(file.path())(std::io::Error::other(error.to_string())))?;
+        readable_by_all(file.as_file()).and_then(|()| file.as_file().sync_all()).map_err(refused(file.path()))?;
+        Ok(file)
+    }
+
+    /// The Parquet files of a table, in order.
+    fn files(&self, table: &TableKind) -> Result<Vec<PathBuf>, FleetError> {
+        Ok(self.entries(table)?.into_iter().filter(|path| !is_hidden(path) && is_parquet(path)).collect())
+    }
+
+    fn entries(&self, table: &TableKind) -> Result<Vec<PathBuf>, FleetError> {
+        let folder = self.folder.join(table.name);
+        let failed = || FleetError::store(&folder);
+        let entries = std::fs::read_dir(&folder).map_err(failed())?;
+        let mut paths = Vec::new();
+        for entry in entries {
+            paths.push(entry.map_err(failed())?.path());
+        }
+        paths.sort();
+        Ok(paths)
+    }
+
+    /// Takes away what a run that was killed left: hidden files, and tables of runs that have no row.
+    fn clean(&self) -> Result<(), FleetError> {
+        let runs: HashSet<String> = self.files(&RUNS)?.iter().filter_map(|path| key_of(path)).collect();
+        for table in TABLES {
+            for path in self.entries(table)? {
+                let abandoned = is_hidden(&path) || key_of(&path).is_some_and(|key| !runs.contains(&key));
+                if abandoned {
+                    std::fs::remove_file(&path).map_err(FleetError::store(&path))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(HIDDEN))
+}
+
+fn is_parquet(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "parquet")
+}
+
+/// The key of a small file; a merged one has none.
+fn key_of(path: &Path) -> Option<String> {
+    let stem = path.file_stem()?.to_string_lossy().into_owned();
+    (is_parquet(path) && stem.len() == 64 && stem.bytes().all(|byte| byte.is_ascii_hexdigit())).then_some(stem)
+}
+
+/// Temporary files are closed to others; the store's are not.
+#[cfg(unix)]
+fn readable_by_all(file: &File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable_by_all(_: &File) -> std::io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,228 @@
+//! Rows in memory, column by column, and their Parquet.
+
+use super::schema::{Kind, TableKind};
+use crate::error::FleetError;
+use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
+use parquet::column::reader::ColumnReader;
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+/// One cell.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Text.
+    Text(String),
+    /// A number.
+    Real(f64),
+    /// A whole number.
+    Count(i64),
+    /// True or false.
+    Flag(bool),
+    /// A day.
+    Day(i32),
+    /// Nothing to say.
+    Empty,
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        if text.is_empty() { Self::Empty } else { Self::Text(text.to_owned()) }
+    }
+}
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        if text.is_empty() { Self::Empty } else { Self::Text(text) }
+    }
+}
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Self::Real(number)
+    }
+}
+impl From<usize> for Cell {
+    fn from(count: usize) -> Self {
+        Self::Count(i64::try_from(count).unwrap_or(i64::MAX))
+    }
+}
+impl From<bool> for Cell {
+    fn from(flag: bool) -> Self {
+        Self::Flag(flag)
+    }
+}
+impl<T: Into<Self>> From<Option<T>> for Cell {
+    fn from(cell: Option<T>) -> Self {
+        cell.map_or(Self::Empty, Into::into)
+    }
+}
+
+impl Cell {
+    /// Its text; empty where it has none.
+    pub fn text(&self) -> &str {
+        if let Self::Text(text) = self { text } else { "" }
+    }
+
+    /// Its number.
+    pub fn real(&self) -> Option<f64> {
+        if let Self::Real(number) = self { Some(*number) } else { None }
+    }
+
+    /// Its whole number.
+    pub fn count(&self) -> Option<i64> {
+        if let Self::Count(number) = self { Some(*number) } else { None }
+    }
+
+    /// Whether it says true.
+    pub fn is_true(&self) -> bool {
+        *self == Self::Flag(true)
+    }
+
+    /// Its day.
+    pub fn day(&self) -> Option<i32> {
+        if let Self::Day(day) = self { Some(*day) } else { None }
+    }
+}
+
+/// Rows of one table, every column of it.
+#[derive(Debug, Clone)]
+pub struct Rows {
+    /// Which table.
+    pub table: &'static TableKind,
+    /// Row by row.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// The Parquet schema of a table.
+fn schema(table: &TableKind) -> Result<Arc<Type>, ParquetError> {
+    let fields = table.columns().map(|column| {
+        let (physical, logical, converted) = match column.kind {
+            Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String), ConvertedType::UTF8),
+            Kind::Real => (Physical::DOUBLE, None, ConvertedType::NONE),
+            Kind::Count => (Physical::INT64, None, ConvertedType::NONE),
+            Kind::Flag => (Physical::BOOLEAN, None, ConvertedType::NONE),
+            Kind::Day => (Physical::INT32, Some(LogicalType::Date), ConvertedType::DATE),
+        };
+        let field = Type::primitive_type_builder(column.name, physical).with_repetition(Repetition::OPTIONAL);
+        Ok(Arc::new(field.with_logical_type(logical).with_converted_type(converted).build()?))
+    });
+    let fields = fields.collect::<Result<Vec<_>, ParquetError>>()?;
+    Ok(Arc::new(Type::group_type_builder(table.name).with_fields(fields).build()?))
+}
+
+impl Rows {
+    /// None yet.
+    pub fn of(table: &'static TableKind) -> Self {
+        Self { table, rows: Vec::new() }
+    }
+
+    /// Writes Parquet: one row group, dictionaries of repeated texts.
+    pub(super) fn write(&self, file: File) -> Result<(), ParquetError> {
+        let properties = Arc::new(WriterProperties::builder().set_created_by("denavit".into()).build());
+        let mut writer = SerializedFileWriter::new(file, schema(self.table)?, properties)?;
+        let mut group = writer.next_row_group()?;
+        let mut index = 0;
+        while let Some(mut column) = group.next_column()? {
+            let cells = self.rows.iter().map(|row| &row[index]);
+            let levels: Vec<i16> = cells.clone().map(|cell| i16::from(*cell != Cell::Empty)).collect();
+            match column.untyped() {
+                ColumnWriter::ByteArrayColumnWriter(typed) => {
+                    let values: Vec<ByteArray> =
+                        cells.filter(|cell| **cell != Cell::Empty).map(|cell| ByteArray::from(cell.text())).collect();
+                    typed.write_batch(&values, Some(&levels), None)?;
+                }
+                ColumnWriter::DoubleColumnWriter(typed) => {
+                    let values: Vec<f64> = cells.filter_map(Cell::real).collect();
+                    typed.write_batch(&values, Some(&levels), None)?;
+                }
+                ColumnWriter::Int64ColumnWriter(typed) => {
+                    let values: Vec<i64> = cells.filter_map(Cell::count).collect();
+                    typed.write_batch(&values, Some(&levels), None)?;
+                }
+                ColumnWriter::BoolColumnWriter(typed) => {
+                    let values: Vec<bool> = cells.filter(|cell| **cell != Cell::Empty).map(Cell::is_true).collect();
+                    typed.write_batch(&values, Some(&levels), None)?;
+                }
+                ColumnWriter::Int32ColumnWriter(typed) => {
+                    let values: Vec<i32> = cells.filter_map(Cell::day).collect();
+                    typed.write_batch(&values, Some(&levels), None)?;
+                }
+                _ => return Err(ParquetError::General("a column of no known kind".into())),
+            }
+            column.close()?;
+            index += 1;
+        }
+        group.close()?;
+        writer.close()?;
+        Ok(())
+    }
+
+    /// Adds the rows of a Parquet file; of the columns in `wanted` alone where they are named, the others then stay empty.
+    ///
+    /// # Errors
+    /// The file is no Parquet, or has other columns.
+    pub fn read(&mut self, path: &Path, wanted: &[&str]) -> Result<(), FleetError> {
+        let not_ours = |reason: String| FleetError::NotOurs { file: path.to_owned(), reason };
+        let file = File::open(path).map_err(FleetError::store(path))?;
+        let reader = SerializedFileReader::new(file).map_err(|error| not_ours(error.to_string()))?;
+        let present: Vec<String> = {
+            let schema = reader.metadata().file_metadata().schema_descr();
+            schema.columns().iter().map(|column| column.name().to_owned()).collect()
+        };
+        let columns: Vec<_> = self.table.columns().collect();
+        for group in 0..reader.num_row_groups() {
+            let group = reader.get_row_group(group).map_err(|error| not_ours(error.to_string()))?;
+            let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+            let first = self.rows.len();
+            self.rows.resize(first + count, vec![Cell::Empty; columns.len()]);
+            for (index, column) in columns.iter().enumerate() {
+                if !wanted.is_empty() && !wanted.contains(&column.name) {
+                    continue;
+                }
+                let at = present.iter().position(|name| name == column.name);
+                let at = at.ok_or_else(|| not_ours(format!("it has no column \"{}\"", column.name)))?;
+                let cells = group.get_column_reader(at).and_then(|reader| cells(reader, count));
+                let cells = cells.map_err(|error| not_ours(error.to_string()))?;
+                for (row, cell) in self.rows[first..].iter_mut().zip(cells) {
+                    row[index] = cell;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The cells of a column of `count` rows.
+fn cells(reader: ColumnReader, count: usize) -> Result<Vec<Cell>, ParquetError> {
+    macro_rules! column {
+        ($typed:expr, $cell:expr) => {{
+            let (mut levels, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
+            let mut typed = $typed;
+            while levels.len() < count {
+                let (rows, _, _) = typed.read_records(count - levels.len(), Some(&mut levels), None, &mut values)?;
+                if rows == 0 {
+                    return Err(ParquetError::EOF("a column ends before its rows".into()));
+                }
+            }
+            let mut values = values.into_iter();
+            levels.iter().map(|level| if *level == 0 { None } else { values.next() }).map($cell).collect()
+        }};
+    }
+    let text = |value: Option<ByteArray>| {
+        value.map_or(Cell::Empty, |bytes| Cell::Text(String::from_utf8_lossy(bytes.data()).into_owned()))
+    };
+    Ok(match reader {
+        ColumnReader::ByteArrayColumnReader(typed) => column!(typed, text),
+        ColumnReader::DoubleColumnReader(typed) => column!(typed, Cell::from),
+        ColumnReader::Int64ColumnReader(typed) => column!(typed, |value| value.map_or(Cell::Empty, Cell::Count)),
+        ColumnReader::BoolColumnReader(typed) => column!(typed, Cell::from),
+        ColumnReader::Int32ColumnReader(typed) => column!(typed, |value| value.map_or(Cell::Empty, Cell::Day)),
+        _ => return Err(ParquetError::General("a column of no known kind".into())),
+    })
+}

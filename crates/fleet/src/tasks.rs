@@ -1,0 +1,147 @@
+//! One entry of a manifest to the rows of the store: every task a file.
+
+mod calibrate;
+mod check;
+mod compare;
+mod table;
+
+use crate::manifest::{Entry, Task};
+use crate::store::schema::{COMMON, CURVES, EFFECTS, NOTES, PARAMETERS, RESIDUALS, RUNS, TableKind};
+use crate::store::table::{Cell, Rows};
+use denavit_load::{LoadError, Loaded, Options, Selection};
+use denavit_model::Reading;
+use thiserror::Error;
+
+/// Why a task gives no result: it becomes the run's row.
+#[derive(Debug, Error)]
+pub(crate) enum TaskError {
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    #[error(transparent)]
+    Measured(#[from] denavit_load::measured::MeasuredError),
+    #[error(transparent)]
+    TooManyJoints(#[from] denavit_calibrate::identify::proportion::TooManyJoints),
+    #[error(transparent)]
+    Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
+    #[error(transparent)]
+    Check(#[from] denavit_load::CheckError),
+    #[error(transparent)]
+    Tree(#[from] denavit_model::TreeError),
+    #[error("units \"{written}\": {reason}")]
+    Units { written: String, reason: String },
+}
+
+/// What a task found, tables without the columns that all have.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    pub parameters: Vec<Vec<Cell>>,
+    pub effects: Vec<Vec<Cell>>,
+    pub curves: Vec<Vec<Cell>>,
+    pub residuals: Vec<Vec<Cell>>,
+    pub notes: Vec<Vec<Cell>>,
+    pub summary: Summary,
+}
+
+/// What the run's own row says of the result.
+#[derive(Debug, Default)]
+pub(crate) struct Summary {
+    pub name: String,
+    pub verdict: String,
+    pub fingerprint: String,
+    pub rows_fitted: Option<usize>,
+    pub rows_held_out: Option<usize>,
+    pub nominal_rms: Option<f64>,
+    pub geometric_rms: Option<f64>,
+    pub rms: Option<f64>,
+    pub structured: Option<bool>,
+}
+
+/// A remark: kind, code, level, place, message.
+pub(crate) fn note(kind: &str, code: &str, level: &str, place: &str, message: String) -> Vec<Cell> {
+    vec![kind.into(), code.into(), level.into(), place.into(), message.into(), Cell::Empty, Cell::Empty]
+}
+
+/// The rows of every table for an entry, done or failed; computed on this thread alone.
+pub(crate) fn rows(entry: &Entry, key: &str) -> (Vec<Rows>, Option<String>) {
+    let begun = std::time::Instant::now();
+    let work = || match entry.task {
+        Task::Calibrate => calibrate::run(entry),
+        Task::Table => table::run(entry),
+        Task::Check => check::run(entry),
+        Task::Fingerprint => compare::fingerprint(entry),
+        Task::Diff => compare::diff(entry),
+    };
+    // A mistake of ours in one robot is not the end of the others.
+    let done = std::panic::catch_unwind(|| denavit_calibrate::identify::threads::on_this_thread(work));
+    let (found, error) = match done {
+        Ok(Ok(found)) => (found, None),
+        Ok(Err(error)) => (Found::default(), Some(error.to_string())),
+        Err(panic) => {
+            let words = panic.downcast_ref::<String>().map(String::as_str);
+            let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words");
+            (Found::default(), Some(format!("a mistake in denavit: {words}; please report it with these files")))
+        }
+    };
+    let seconds = begun.elapsed().as_secs_f64();
+    let summary = found.summary;
+    let run = vec![
+        entry.robot.as_str().into(),
+        summary.name.into(),
+        entry.data.join(";").into(),
+        entry.event.as_str().into(),
+        env!("CARGO_PKG_VERSION").into(),
+        error.is_none().into(),
+        error.clone().into(),
+        summary.verdict.into(),
+        summary.fingerprint.into(),
+        summary.rows_fitted.into(),
+        summary.rows_held_out.into(),
+        summary.nominal_rms.into(),
+        summary.geometric_rms.into(),
+        summary.rms.into(),
+        summary.structured.into(),
+        seconds.into(),
+    ];
+    let common = || -> Vec<Cell> {
+        let day = entry.date.map_or(Cell::Empty, |day| Cell::Day(day.0));
+        vec![key.into(), entry.serial.as_str().into(), day, entry.task.name().into()]
+    };
+    let table = |table: &'static TableKind, own: Vec<Vec<Cell>>| {
+        let rows = own.into_iter().map(|own| {
+            let row: Vec<Cell> = common().into_iter().chain(own).collect();
+            debug_assert_eq!(row.len(), COMMON.len() + table.own.len(), "{}", table.name);
+            row
+        });
+        Rows { table, rows: rows.collect() }
+    };
+    let tables = vec![
+        table(&PARAMETERS, found.parameters),
+        table(&EFFECTS, found.effects),
+        table(&CURVES, found.curves),
+        table(&RESIDUALS, found.residuals),
+        table(&NOTES, found.notes),
+        table(&RUNS, vec![run]),
+    ];
+    (tables, error)
+}
+
+/// Reads a robot of an entry; what must be said of the reading becomes remarks.
+fn load(entry: &Entry, name: &str, notes: &mut Vec<Vec<Cell>>) -> Result<Loaded, TaskError> {
+    let opened = denavit_load::load(name, &source_options(entry))?;
+    notes.extend(opened.notes.into_iter().map(|text| note("reading", "", "note", name, text)));
+    Ok(opened.robot)
+}
+
+/// How an entry's robots are read.
+pub(crate) fn source_options(entry: &Entry) -> Options {
+    Options { arguments: entry.options.arguments.clone(), arguments_for_another: true, ..Options::default() }
+}
+
+fn selection(entry: &Entry) -> Selection<'_> {
+    Selection {
+        file: &entry.robot,
+        base: entry.options.base.as_deref(),
+        tip: entry.options.tip.as_deref(),
+        reading: Reading::Intended,
+    }
+}
