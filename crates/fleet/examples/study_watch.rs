@@ -121,8 +121,7 @@ fn main() {
             }
             let mut nights: Vec<i32> = found.iter().flatten().copied().collect();
             nights.sort_unstable();
-            let at =
-                |share: f64| nights.get((share * SICK as f64) as usize).map_or("-".into(), |night| night.to_string());
+            let at = |share: f64| nights.get((share * SICK as f64) as usize).map_or("-".into(), ToString::to_string);
             let then = nights.get(SICK / 2).map_or(f64::NAN, |night| 1e3 * GROWTH * f64::from(*night));
             println!("{effect:<36} {:>3} of {SICK}  {:>18} {:>12} {then:>13.0}", nights.len(), at(0.5), at(0.9));
             println!(
