@@ -64,7 +64,7 @@ def test_the_json_is_that_of_the_command(traced: dn.Fit) -> None:
     command = max((path for path in places if path.exists()), key=lambda path: path.stat().st_mtime, default=None)
     if command is None:
         pytest.skip("skipped, because the command line is not built")
-    words = ["robots/universal_robots/ur5e.urdf", "--data", TRACKER, "--test", LATER, "--json"]
+    words = ["robots/universal_robots/ur5e.urdf", "--data", str(TOP / TRACKER), "--test", str(TOP / LATER), "--json"]
     done = subprocess.run([command, "calibrate", *words], cwd=TOP, capture_output=True, text=True, check=True)
     assert json.loads(done.stdout) == traced.to_dict()
 

@@ -34,7 +34,7 @@ def poses(drawn: dn.Chain) -> dn.Measurements:
 def fitted(chain: dn.Chain, data: dn.Measurements) -> dict[str, object]:
     """The calibration of the geometry, without what names the file and its columns."""
     found = dn.calibrate(chain, data, effects=None).to_dict()
-    del found["columns"]
+    del found["columns"], found["origin"]
     for row in found.get("rows", ()):
         del row["line"]
     return found

@@ -35,6 +35,7 @@ impl Room {
         let run = self.run(&format!("calibrate arm.urdf --effects none --json --data {data}"));
         let mut json: serde_json::Value = serde_json::from_str(&run.succeeded()).unwrap();
         json.as_object_mut().unwrap().remove("columns");
+        json.as_object_mut().unwrap().remove("origin");
         // The same row stands in another line of another form.
         for row in json["rows"].as_array_mut().unwrap() {
             row.as_object_mut().unwrap().remove("line");

@@ -242,7 +242,8 @@ def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     file = tmp_path / "report.json"
     cli("calibrate", UR5E, "--data", data, "--test", later, "--json", file)
     # Sums are taken in another order by one thread than by several.
-    same(found, json.loads(file.read_text()), 1e-5)
+    # The page knows no files and no day.
+    same(without(found, "origin"), without(json.loads(file.read_text()), "origin"), 1e-5)
     assert page.locator("#effects-found li").count() == len(found["effects"]) >= 1
     assert "less likely in its stead" in page.locator("#effects-found").inner_text()
     assert page.locator("#tried tbody tr").count() > 5
