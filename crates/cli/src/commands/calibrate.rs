@@ -8,6 +8,7 @@ use crate::progress::Spinner;
 use crate::source::{self, Loaded};
 use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::identify::proportion::can_be_identified;
+use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, import};
 use denavit_calibrate::report::{html, text};
 use denavit_dh::convert::{HAYATI_BELOW, table};
@@ -22,7 +23,11 @@ use std::path::Path;
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     let mut inputs: Vec<Option<&str>> = arguments.data.iter().map(|file| Some(file.as_str())).collect();
-    inputs.extend([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]);
+    inputs.extend([
+        Some(arguments.robot.robot.as_str()),
+        arguments.test.as_deref(),
+        arguments.camera.camera.as_deref(),
+    ]);
     measured::one_standard_input(&inputs)?;
     if arguments.columns_draft {
         return draft(arguments);
@@ -83,7 +88,7 @@ impl Places {
     fn of(arguments: &CalibrateArguments) -> Result<Self, Failure> {
         let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
         let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
-        let inputs = inputs.chain(arguments.import.files());
+        let inputs = inputs.chain(arguments.import.files()).chain(arguments.camera.camera.as_deref());
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
         let pairs = arguments.out_for.chunks_exact(2);
         let makers = pairs.map(|pair| {
@@ -218,7 +223,10 @@ fn rows_asked(arguments: &CalibrateArguments) -> Result<RowsAsked, Failure> {
         distances: arguments.distance.clone(),
         test: arguments.test.as_ref().map(read).transpose()?,
         hold_out_setups: arguments.hold_out_setups.clone(),
-        import: measured::import_options(&arguments.import)?,
+        import: ImportOptions {
+            sight: measured::sight(&arguments.camera)?,
+            ..measured::import_options(&arguments.import)?
+        },
     })
 }
 
