@@ -142,6 +142,7 @@ pub fn simulate(
         covariates: Vec::new(),
         readings: Some(readings),
         before: None,
+        ..SimulationOptions::default()
     };
     let specifications = effects.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
     let specifications = specifications.map_err(|failure| argument(format!("effects: {failure}")))?;
