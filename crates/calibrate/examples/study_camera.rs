@@ -5,7 +5,7 @@
 #[path = "../tests/webcam/mod.rs"]
 mod webcam;
 
-const RUNS: u64 = 300;
+const RUNS: u64 = 100;
 
 fn main() {
     println!("| camera | runs | error of predicted pixels / Cramér-Rao bound |\n|---|---|---|");

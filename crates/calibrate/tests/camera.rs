@@ -37,17 +37,17 @@ fn derivatives_are_those_of_differences() {
             let arm = layout.stepped(&run.arm, &away);
             let problem = ResidualModel { data: &run.data, layout: &layout, effects: &NoEffects };
             let columns = layout.len();
+            let sums = problem.sums(&arm, &vec![1.0; run.data.observations()]);
+            let mut gradient = vec![0.0; columns];
             for row in 0..run.data.len() {
                 let height = problem.height_of(row);
                 assert!(height >= 24);
-                let mut jacobian = vec![0.0; height * columns];
-                problem.row_into(
-                    &arm,
-                    row,
-                    &mut Scratch::new(&layout, &arm),
-                    &mut vec![0.0; height],
-                    Some(&mut jacobian),
-                );
+                let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
+                let mut scratch = Scratch::new(&layout, &arm);
+                problem.row_into(&arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+                for (line, left) in jacobian.chunks_exact(columns).zip(&residual) {
+                    gradient.iter_mut().zip(line).for_each(|(sum, value)| *sum += value * left);
+                }
                 for column in 0..columns {
                     let h = 1e-6;
                     let at = |step: f64| {
@@ -65,6 +65,11 @@ fn derivatives_are_those_of_differences() {
                         worst = worst.max(difference.abs());
                     }
                 }
+            }
+            // The fit's own sums leave no column out.
+            for (column, (sum, expected)) in sums.channels[0].gradient.iter().zip(&gradient).enumerate() {
+                let name = &layout.parameters[column].name;
+                assert!((sum - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{name}: {sum} {expected}");
             }
         }
     }

@@ -7,12 +7,11 @@ use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::observation::board::{Board, Sight};
+use denavit_calibrate::observation::board::Sight;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::lens::Lens;
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
-use denavit_load::measured::{DataFile, moving};
+use denavit_load::measured::{self as load, DataFile, moving};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -93,12 +92,8 @@ pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Fail
 /// The camera that the arguments name.
 pub fn sight(arguments: &CameraArguments) -> Result<Option<Sight>, Failure> {
     let Some(file) = &arguments.camera else { return Ok(None) };
-    let board =
-        |written: &String| written.parse::<Board>().map_err(|error| Failure::Argument(format!("--board: {error}")));
-    let board = arguments.board.as_ref().map(board).transpose()?;
     let (name, text) = source::read_text(file)?;
-    let lens = Lens::read(&name, &text).map_err(|error| Failure::Argument(error.to_string()))?;
-    Ok(Some(Sight { lens, on_hand: arguments.on_hand, board }))
+    Ok(Some(load::sight(&name, &text, arguments.board.as_deref(), arguments.on_hand)?))
 }
 
 /// Says what must be known.

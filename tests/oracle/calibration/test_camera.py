@@ -31,7 +31,7 @@ def denavit(*arguments):
     return run.stdout
 
 
-def camera_file(folder, lens, writer="ros"):
+def camera_file(folder, lens, writer="ros", finer=1):
     model, numbers = LENSES[lens]
     file = folder / "camera.yaml"
     if writer == "opencv":
@@ -42,15 +42,18 @@ def camera_file(folder, lens, writer="ros"):
         storage.write("distortion_coefficients", np.array(numbers).reshape(-1, 1))
         storage.release()
         return file
-    lines = ["image_width: 640", "image_height: 480", "camera_name: webcam", f"distortion_model: {model}"]
-    lines += ["camera_matrix:", "  rows: 3", "  cols: 3", f"  data: {MATRIX.ravel().tolist()}"]
+    # Pixel k of the coarse image is pixels 2k and 2k + 1 of one twice as fine.
+    matrix = np.array([[finer, 0, (finer - 1) / 2], [0, finer, (finer - 1) / 2], [0, 0, 1]]) @ MATRIX
+    size = [f"image_width: {640 * finer}", f"image_height: {480 * finer}"]
+    lines = [*size, "camera_name: webcam", f"distortion_model: {model}"]
+    lines += ["camera_matrix:", "  rows: 3", "  cols: 3", f"  data: {matrix.ravel().tolist()}"]
     lines += ["distortion_coefficients:", "  rows: 1", f"  cols: {len(numbers)}", f"  data: {numbers}"]
     file.write_text("\n".join(lines) + "\n")
     return file
 
 
 def projected(lens, camera_from_board, points=CORNERS):
-    turn, place = cv2.Rodrigues(camera_from_board[:3, :3])[0], camera_from_board[:3, 3]
+    turn, place = cv2.Rodrigues(camera_from_board[:3, :3])[0], camera_from_board[:3, 3].copy()
     model, numbers = LENSES[lens]
     if model == "equidistant":
         pixels, _ = cv2.fisheye.projectPoints(points.reshape(-1, 1, 3), turn, place.reshape(3, 1), MATRIX, np.array(numbers))
@@ -140,7 +143,8 @@ def test_hand_eye_is_that_of_opencv(tmp_path, on_hand, noise, allowed):
 def test_the_lines_of_the_docs_detect_a_board(tmp_path, monkeypatch):
     arguments, rows, _, _, views = simulated(tmp_path, "plumb_bob", False, "--rows", 40, "--pixel-noise", 0)
     LENSES["none"] = ("plumb_bob", [0.0] * 5)
-    camera_file(tmp_path, "none")
+    # The same camera with a finer sensor, so that the markers are large enough to be read.
+    camera_file(tmp_path, "none", finer=2)
     board = cv2.aruco.CharucoBoard((7, 5), 0.030, 0.022, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
     drawn = board.generateImage((1400, 1000), marginSize=0, borderBits=1)
     # Metres on the board of the middle of a pixel of its picture.
@@ -155,7 +159,7 @@ def test_the_lines_of_the_docs_detect_a_board(tmp_path, monkeypatch):
             # Four times as fine, then averaged, as a sensor does.
             fine = np.array([[4, 0, 1.5], [0, 4, 1.5], [0, 0, 1]])
             image = cv2.warpPerspective(drawn, fine @ homography, (2560, 1920), flags=cv2.INTER_AREA, borderValue=200)
-            cv2.imwrite(str(tmp_path / f"{index}.png"), cv2.resize(image, (640, 480), interpolation=cv2.INTER_AREA))
+            cv2.imwrite(str(tmp_path / f"{index}.png"), cv2.resize(image, (1280, 960), interpolation=cv2.INTER_AREA))
             writer.writerow([f"{index}.png", *(row[name] for name in joints)])
     page = (built.WORKSPACE / "docs/camera.md").read_text()
     (lines,) = re.findall(r"```python\n(.*?)```", page, re.S)

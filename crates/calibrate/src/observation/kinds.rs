@@ -75,6 +75,8 @@ pub struct Part {
     pub height: usize,
     /// `m` or `rad`.
     pub unit: &'static str,
+    /// Whether they follow the target's orientation on the tip.
+    pub by_turn: bool,
 }
 
 /// What a kind takes for unknown beside the arm and the place of its target.

@@ -31,6 +31,10 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
     for target in &mut arm.targets {
         target.translation.vector = normal_vector(random, FROM_TIP);
     }
+    // The outermost corners tell how much of the board is in view.
+    let (last, row) = (board.corners() - 1, board.columns - 2);
+    let outermost = [0, row, last - row, last].map(|number| scene.series[number].clone());
+    let outermost = Scene { series: outermost.into(), ..scene.clone() };
     let coordinates = arm.nominal.coordinates().to_vec();
     let mut posture = || -> Vec<f64> { coordinates.iter().map(|coordinate| drawn(coordinate, random)).collect() };
     let postures: Vec<Vec<f64>> = (0..POSTURES).map(|_| posture()).collect();
@@ -44,7 +48,7 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
         let mut state = RowState::default();
         arm.state_into(&q, None, &mut state);
         arm.instruments[0] = still_from_tip * (state.tip * arm.targets[0]).inverse();
-        let count = postures.iter().filter(|q| share_in_view(arm, scene, q) > 0.5).count();
+        let count = postures.iter().filter(|q| share_in_view(arm, &outermost, q) > 0.5).count();
         if best.as_ref().is_none_or(|(most, _)| count > *most) {
             best = Some((count, arm.instruments[0]));
         }

@@ -81,7 +81,7 @@ impl Observe for Pixel {
     }
 
     fn place(&self) -> Part {
-        Part { word: "reprojection", height: 2, unit: "m" }
+        Part { word: "reprojection", height: 2, unit: "m", by_turn: true }
     }
 
     fn unknowns(&self) -> Unknowns {
