@@ -15,6 +15,7 @@ use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{DataError, Loaded, Measurements, Units, read_export, write};
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
 use denavit_model::examples;
+use std::fmt::Write as _;
 
 #[test]
 fn derivatives_are_those_of_differences() {
@@ -147,8 +148,8 @@ fn files_by_columns_and_by_rows_are_the_same() {
             let corner = run.data.series_of(observation).corner.as_ref().unwrap();
             let [u, v] = run.data.observed.values(observation) else { panic!("two numbers") };
             let before = format!("{},image {row}", joints.join(","));
-            long += &format!("{before},{},{v},{u}\n", corner.label);
-            placed += &format!("{before},{},{},{v},{u}\n", corner.at.x, corner.at.y);
+            writeln!(long, "{before},{},{v},{u}", corner.label).unwrap();
+            writeln!(placed, "{before},{},{},{v},{u}", corner.at.x, corner.at.y).unwrap();
         }
     }
     let options = ImportOptions { sight: Some(sight()), ..ImportOptions::default() };

@@ -26,8 +26,8 @@ pub struct GivenArguments {
 
 const CALIBRATE_EXAMPLES: &str = "\
 The data are CSV: a column per joint, named as in the URDF (rad, m), and x,y,z of a target on the tip (m), or \
-x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor, or pixels u,v of a board's corners. Where the instrument stands and \
-where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
+x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor, or pixels u,v of a board's \
+corners. Where the instrument stands and where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
 other numeric columns are what effects may follow.
 
 Examples:

@@ -162,10 +162,10 @@ impl Observe for Pixel {
     }
 
     fn disturb(&self, values: &mut [f64], errors: &mut Disturbance<'_>) {
-        for k in 0..2 {
+        for (value, gross) in values.iter_mut().zip(errors.gross.iter()) {
             // A pixel off for each millimetre.
-            let read = values[k] + errors.gross[k] * 1e3 + (errors.draw)(errors.pixel);
-            values[k] = if errors.pixel > 0.0 { (read * PARTS).round() / PARTS } else { read };
+            let read = *value + gross * 1e3 + (errors.draw)(errors.pixel);
+            *value = if errors.pixel > 0.0 { (read * PARTS).round() / PARTS } else { read };
         }
     }
 

@@ -523,13 +523,12 @@ impl<'a> Table<'a> {
         let (setup, target, _) = in_setup(of.kind, setup, &of.target, "");
         let label = corner.label.clone();
         let known = self.series.iter().find(|known| known.0 == group && known.1 == setup && known.2 == label);
-        let series = match known {
-            Some(known) => known.3,
-            None => {
-                let series = self.data.scene.add_corner(of.kind, &setup, &target, corner);
-                self.series.push((group, setup, label.clone(), series));
-                series
-            }
+        let series = if let Some(known) = known {
+            known.3
+        } else {
+            let series = self.data.scene.add_corner(of.kind, &setup, &target, corner);
+            self.series.push((group, setup, label.clone(), series));
+            series
         };
         if self.data.observed.since_row_began().any(|observation| self.data.observed.series(observation) == series) {
             problems.add(line, Problem::CornerTwice { corner: label });
