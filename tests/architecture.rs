@@ -8,6 +8,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-model", &[]),
     ("denavit-dh", &["denavit-model"]),
     ("denavit-xacro", &[]),
+    ("denavit-bag", &[]),
     ("denavit-export", &["denavit-model", "denavit-dh"]),
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
     ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export"]),

@@ -37,6 +37,9 @@ pub enum Failure {
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] denavit_calibrate::observation::measurements::DataError),
+    /// A bag that makes no rows.
+    #[error(transparent)]
+    Bag(#[from] denavit_bag::BagError),
     /// Measurements that cannot be fitted.
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),

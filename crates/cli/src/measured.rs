@@ -1,6 +1,6 @@
 //! What the commands about measurements share: files of measurements, poses and effects, and pairs of numbers.
 
-use crate::args::{CameraArguments, GivenArguments, ImportArguments, MeasureName, RobotArguments};
+use crate::args::{BagArguments, CameraArguments, GivenArguments, ImportArguments, MeasureName, RobotArguments};
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
@@ -60,6 +60,27 @@ pub fn units(written: &str) -> Result<Units, Failure> {
 pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<DataFile, Failure> {
     let (name, bytes) = source::read_bytes(file)?;
     Ok(DataFile { name, bytes, units, import })
+}
+
+/// A file of measurements, or a bag as the rows that it makes.
+pub fn data_file_or_bag(
+    file: &str,
+    units: Units,
+    import: ImportOptions,
+    arguments: &BagArguments,
+    chain: &Chain,
+) -> Result<DataFile, Failure> {
+    if !denavit_bag::is_bag(file) {
+        return data_file(file, units, import);
+    }
+    let asked = denavit_bag::Asked {
+        joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
+        joint_topic: arguments.joint_topic.clone(),
+        target_topic: arguments.target_topic.clone(),
+    };
+    let rows = denavit_bag::rows(file, &asked)?;
+    mention(&rows.notes.iter().map(|note| format!("{file}: {note}")).collect::<Vec<_>>());
+    Ok(DataFile { name: file.into(), bytes: rows.csv.into_bytes(), ..DataFile::default() })
 }
 
 /// What the arguments say of the columns of a file of measurements.

@@ -47,7 +47,7 @@ pub struct CalibrateArguments {
     /// Which robot.
     #[command(flatten)]
     pub robot: RobotArguments,
-    /// Measurements to fit, or - for standard input; several files are several setups: each has its own instrument frame
+    /// Measurements to fit, or - for standard input; a ROS 2 bag (.mcap, .db3, or its folder), too; several files are several setups: each has its own instrument frame
     /// and targets
     #[arg(long, value_name = "FILE", required_unless_present = "socket")]
     pub data: Vec<String>,
@@ -80,6 +80,9 @@ pub struct CalibrateArguments {
     /// The camera.
     #[command(flatten)]
     pub camera: CameraArguments,
+    /// What to take out of a bag.
+    #[command(flatten)]
+    pub bag: BagArguments,
     /// Print a map of the data's columns to start from, and do nothing else
     #[arg(long, requires = "data")]
     pub columns_draft: bool,
@@ -153,6 +156,17 @@ pub struct CameraArguments {
     /// The board that the camera sees: squares across and down, and the edge of a square
     #[arg(long, value_name = "7x5:30mm", requires = "camera")]
     pub board: Option<String>,
+}
+
+/// What to take out of a ROS 2 bag; see docs/bags.md.
+#[derive(Debug, Args)]
+pub struct BagArguments {
+    /// Topic of a bag's joint readings, where several name the robot's joints
+    #[arg(long, value_name = "TOPIC", requires = "data")]
+    pub joint_topic: Option<String>,
+    /// Topic of a bag's target, where several may be meant; /tf:PARENT/CHILD is a transform among others
+    #[arg(long, value_name = "TOPIC", requires = "data")]
+    pub target_topic: Option<String>,
 }
 
 impl ImportArguments {

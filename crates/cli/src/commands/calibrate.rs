@@ -37,7 +37,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     can_be_identified(&robot.chain)?;
     let mut options = search(&search_asked(arguments), &robot.chain)?;
     let products = products(arguments, &robot)?;
-    let Rows { data, test, columns, notes, origin } = rows(&rows_asked(arguments)?, &robot.chain)?;
+    let Rows { data, test, columns, notes, origin } = rows(&rows_asked(arguments, &robot.chain)?, &robot.chain)?;
     measured::mention(&notes);
     options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
     let spinner = Spinner::start("reading");
@@ -215,11 +215,11 @@ fn search_asked(arguments: &CalibrateArguments) -> SearchAsked {
 }
 
 /// The files to fit and to judge by.
-fn rows_asked(arguments: &CalibrateArguments) -> Result<RowsAsked, Failure> {
+fn rows_asked(arguments: &CalibrateArguments, chain: &Chain) -> Result<RowsAsked, Failure> {
     let units = measured::units(&arguments.units)?;
     let sight = measured::sight(&arguments.camera)?;
     let import = ImportOptions { sight, ..measured::import_options(&arguments.import)? };
-    let read = |file: &String| measured::data_file(file, units, import.clone());
+    let read = |file: &String| measured::data_file_or_bag(file, units, import.clone(), &arguments.bag, chain);
     Ok(RowsAsked {
         data: arguments.data.iter().map(read).collect::<Result<_, _>>()?,
         sockets: arguments.socket.iter().map(|word| socket(word, units)).collect::<Result<_, _>>()?,

@@ -1,0 +1,131 @@
+//! Why a bag makes no rows.
+
+use thiserror::Error;
+
+/// Why a bag makes no rows.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BagError {
+    /// A file that cannot be opened.
+    #[error("{file}: {what}")]
+    Open {
+        /// The file.
+        file: String,
+        /// What the system says.
+        what: String,
+    },
+    /// A folder without a bag.
+    #[error("{folder}: there is no .mcap and no .db3 file in this folder; name the folder that ros2 bag record made")]
+    NoBag {
+        /// The folder.
+        folder: String,
+    },
+    /// Files that were compressed as a whole.
+    #[error("{file}: the bag is compressed as a whole; take it apart first: zstd -d {file}")]
+    Compressed {
+        /// The file.
+        file: String,
+    },
+    /// Messages that were compressed one by one.
+    #[error("{file}: the messages are compressed one by one; write it anew without: ros2 bag convert")]
+    CompressedMessages {
+        /// The file.
+        file: String,
+    },
+    /// A file that is no bag, or is broken.
+    #[error(
+        "{file}: this is no bag that can be read ({what}); is the recording complete? ros2 bag reindex may mend it"
+    )]
+    Broken {
+        /// The file.
+        file: String,
+        /// What the reader says.
+        what: String,
+    },
+    /// A message that does not hold what its type says.
+    #[error(
+        "{file}: message {number} of {topic} is no {kind}: it ends too early or names an unknown encoding; record it again"
+    )]
+    Message {
+        /// The file.
+        file: String,
+        /// Its topic.
+        topic: String,
+        /// Counted from 1 among those of the topic.
+        number: usize,
+        /// The type that it should have.
+        kind: String,
+    },
+    /// No joint readings of the robot.
+    #[error("{file}: no sensor_msgs/JointState names all of the joints {wanted}; {found}")]
+    NoJoints {
+        /// The file.
+        file: String,
+        /// The robot's joints.
+        wanted: String,
+        /// What is there instead.
+        found: String,
+    },
+    /// Nothing that measures a target.
+    #[error(
+        "{file}: no topic is a PoseStamped, TransformStamped, PointStamped or tf2_msgs/TFMessage; there are {found}; record \
+         the instrument's topic, too"
+    )]
+    NoTarget {
+        /// The file.
+        file: String,
+        /// The topics that are there.
+        found: String,
+    },
+    /// Several topics may be meant.
+    #[error("{file}: several topics may be {what}: {found}; choose one by {option}")]
+    Several {
+        /// The file.
+        file: String,
+        /// What is looked for.
+        what: &'static str,
+        /// The topics.
+        found: String,
+        /// The option that chooses.
+        option: &'static str,
+    },
+    /// A topic that is not there.
+    #[error("{file}: {option} {topic}: there is no such topic of {what}; there are {found}")]
+    NoTopic {
+        /// The file.
+        file: String,
+        /// The option.
+        option: &'static str,
+        /// The topic asked for.
+        topic: String,
+        /// What is looked for.
+        what: &'static str,
+        /// The topics.
+        found: String,
+    },
+    /// Joints and target that have nothing to do with each other.
+    #[error(
+        "{file}: {target} does not move when the joints of {joints} do (correlation {correlation}); is it the target on this \
+         robot, and was it recorded at the same time?"
+    )]
+    Unrelated {
+        /// The file.
+        file: String,
+        /// The topic of the target.
+        target: String,
+        /// The topic of the joints.
+        joints: String,
+        /// Of their speeds, at the best offset of the clocks.
+        correlation: String,
+    },
+    /// The robot never stood still while the target was seen.
+    #[error(
+        "{file}: the robot stands still nowhere for {least} s while the target is seen; stop at each pose for a second or two"
+    )]
+    NoStandstill {
+        /// The file.
+        file: String,
+        /// The shortest standstill, s.
+        least: String,
+    },
+}

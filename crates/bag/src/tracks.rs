@@ -1,0 +1,146 @@
+//! What the topics of a bag say: the joints' readings and the places of a target, each by its own clock and the recorder's.
+
+use crate::Asked;
+use crate::error::BagError;
+use crate::messages::{JointState, Places, joint_state, placed, places, plain};
+use crate::storage::messages;
+use std::collections::BTreeMap;
+
+/// Values over time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Track {
+    /// The topic, and for transforms among others their frames.
+    pub name: String,
+    /// By the sender's clock, s; by the recorder's where the messages have no stamps.
+    pub stamps: Vec<f64>,
+    /// By the recorder's clock, s.
+    pub logged: Vec<f64>,
+    /// Joint readings (rad, m), or x, y, z (m) and, where they were sent, the quaternion x, y, z, w.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl Track {
+    fn push(&mut self, stamp: f64, logged: f64, values: Vec<f64>) {
+        self.stamps.push(if stamp == 0.0 { logged } else { stamp });
+        self.logged.push(logged);
+        self.values.push(values);
+    }
+
+    /// In the order of the sender's clock: networks overtake.
+    fn sorted(self) -> Self {
+        let mut order: Vec<usize> = (0..self.stamps.len()).collect();
+        order.sort_by(|&a, &b| self.stamps[a].total_cmp(&self.stamps[b]));
+        Self {
+            stamps: order.iter().map(|&at| self.stamps[at]).collect(),
+            logged: order.iter().map(|&at| self.logged[at]).collect(),
+            values: order.iter().map(|&at| self.values[at].clone()).collect(),
+            name: self.name,
+        }
+    }
+}
+
+const JOINT_TOPIC: &str = "--joint-topic";
+const TARGET_TOPIC: &str = "--target-topic";
+
+#[derive(Default)]
+struct Found {
+    topics: BTreeMap<String, String>,
+    /// How many messages a topic has had.
+    numbers: BTreeMap<String, usize>,
+    joints: BTreeMap<String, Track>,
+    /// Joints that readings name, where these are not the robot's.
+    others: BTreeMap<String, Vec<String>>,
+    targets: BTreeMap<String, Track>,
+}
+
+/// The joints' readings and the target's places.
+///
+/// # Errors
+/// A bag that cannot be read, or that does not say which topics are meant.
+pub(crate) fn tracks(bag: &str, asked: &Asked) -> Result<(Track, Track), BagError> {
+    let mut found = Found::default();
+    messages(bag, &mut |message| {
+        let known = found.topics.entry(message.topic.into()).or_insert_with(|| message.kind.into());
+        let kind = plain(known);
+        let number = found.numbers.entry(message.topic.into()).or_default();
+        *number += 1;
+        let wrong =
+            || BagError::Message { file: bag.into(), topic: message.topic.into(), number: *number, kind: kind.clone() };
+        if kind == "sensor_msgs/JointState" {
+            let state = joint_state(message.bytes).ok_or_else(wrong)?;
+            found.take_joints(message.topic, message.logged, &state, &asked.joints);
+        } else if let Some(places) = places(&kind) {
+            let all = placed(places, message.bytes).ok_or_else(wrong)?;
+            for one in all {
+                let name = match places {
+                    Places::Transforms => format!("{}:{}", message.topic, one.frames),
+                    _ => message.topic.into(),
+                };
+                let values = one.place.iter().chain(one.turn.iter().flatten()).copied().collect();
+                let track = found.targets.entry(name.clone()).or_insert_with(|| Track { name, ..Track::default() });
+                track.push(one.stamp, message.logged, values);
+            }
+        }
+        Ok(())
+    })?;
+    let joints = found.joints_of(bag, asked)?;
+    let target = found.target_of(bag, asked)?;
+    Ok((joints.sorted(), target.sorted()))
+}
+
+impl Found {
+    fn take_joints(&mut self, topic: &str, logged: f64, state: &JointState, wanted: &[String]) {
+        let value = |joint: &String| {
+            let at = state.names.iter().position(|name| name == joint)?;
+            state.positions.get(at).copied()
+        };
+        match wanted.iter().map(value).collect::<Option<Vec<f64>>>() {
+            Some(values) => {
+                let name = topic.to_owned();
+                let track = self.joints.entry(topic.into()).or_insert_with(|| Track { name, ..Track::default() });
+                track.push(state.stamp, logged, values);
+            }
+            None => _ = self.others.entry(topic.into()).or_insert_with(|| state.names.clone()),
+        }
+    }
+
+    fn joints_of(&mut self, file: &str, asked: &Asked) -> Result<Track, BagError> {
+        if self.joints.is_empty() {
+            let said = self.others.iter().map(|(topic, names)| format!("{topic} has {}", names.join(", ")));
+            let found = said.collect::<Vec<_>>().join("; ");
+            let found = if found.is_empty() { format!("the topics are {}", listed(self.topics.keys())) } else { found };
+            return Err(BagError::NoJoints { file: file.into(), wanted: asked.joints.join(", "), found });
+        }
+        chosen(file, &mut self.joints, asked.joint_topic.as_deref(), "the joints' readings", JOINT_TOPIC)
+    }
+
+    fn target_of(&mut self, file: &str, asked: &Asked) -> Result<Track, BagError> {
+        if self.targets.is_empty() {
+            return Err(BagError::NoTarget { file: file.into(), found: listed(self.topics.keys()) });
+        }
+        chosen(file, &mut self.targets, asked.target_topic.as_deref(), "the target", TARGET_TOPIC)
+    }
+}
+
+fn listed<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    if names.is_empty() { "none".into() } else { names.join(", ") }
+}
+
+fn chosen(
+    file: &str,
+    tracks: &mut BTreeMap<String, Track>,
+    wanted: Option<&str>,
+    what: &'static str,
+    option: &'static str,
+) -> Result<Track, BagError> {
+    let found = listed(tracks.keys());
+    let file = file.to_owned();
+    match wanted {
+        Some(topic) => {
+            tracks.remove(topic).ok_or_else(|| BagError::NoTopic { file, option, topic: topic.into(), what, found })
+        }
+        None if tracks.len() > 1 => Err(BagError::Several { file, what, found, option }),
+        None => Ok(tracks.pop_first().map(|(_, track)| track).unwrap_or_default()),
+    }
+}
