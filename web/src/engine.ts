@@ -89,6 +89,20 @@ export interface Acted {
     effects: string;
 }
 
+export interface TwistAnswer {
+    name: string;
+    kind: string;
+    pitch: number;
+    /** Unit twists (ω, v) in the base frame. */
+    before: number[];
+    after: number[];
+    /** Whether a small turn about, a small move along x, y, z changes the axis. */
+    changes: boolean[];
+    /** Frame of the six motions, its z along the axis, in the base frame: 16 numbers, column by column. */
+    frame: number[];
+    tables: [TableAnswer, TableAnswer];
+}
+
 export interface ColumnsAnswer {
     columns: {
         name: string;
@@ -111,6 +125,7 @@ interface Answers {
     open: Opened;
     table: TableAnswer;
     poe: { text: string };
+    twist: TwistAnswer;
     fk: { text: string };
     check: { text: string; file: string; urdf: string; is_source: boolean };
     fix: { file: string; text: string; made: number };

@@ -24,7 +24,7 @@ const SEED: u64 = 0;
 /// says, or by its names where there is none.
 pub fn columns(source: &RobotText, data: &DataText, units: &str, map: Option<&str>) -> Result<Value, String> {
     let chain = source.load()?.chain(&source.selection()).map_err(words)?.value;
-    let outlined = import::outline(data.text.as_bytes(), &chain);
+    let outlined = import::outline(&data.bytes()?, &chain);
     let columns = outlined.map_err(|problem| format!("{}: {problem}", data.file))?;
     let tried = import_options(map).and_then(|options| read(data, &chain, units, &options));
     let joints: Vec<&str> = chain.coordinates().iter().map(|joint| joint.name.as_str()).collect();
@@ -42,7 +42,7 @@ fn import_options(map: Option<&str>) -> Result<ImportOptions, String> {
 
 fn read(data: &DataText, chain: &Chain, units: &str, options: &ImportOptions) -> Result<Data, String> {
     let units: Units = units.parse().map_err(words)?;
-    measurements::read_export(&data.file, data.text.as_bytes(), chain, units, options).map_err(words)
+    measurements::read_export(&data.file, &*data.bytes()?, chain, units, options).map_err(words)
 }
 
 /// The calibration as JSON, as text and as the report's page, with the calibrated URDF and effects.
