@@ -5,7 +5,7 @@ import json
 import subprocess
 
 import pytest
-from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, browser, cli, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, without
+from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, WORKSPACE, browser, cli, complains, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, without, zipped
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -82,6 +82,34 @@ def test_unclear_columns_are_asked_about_one_by_one(size, theme, explorer, tmp_p
     cli("calibrate", UR5E, "--data", data, "--columns", map_file, "--units", "mm,deg", "--effects", "none", "--json", expected)
     # The page knows no files and no day.
     same(without(found, "origin"), without(json.loads(expected.read_text()), "origin"), 1e-5)
+
+
+BOOK = WORKSPACE / "tests/measured/files/readings.xlsx"
+
+
+def test_a_workbook_is_read_as_the_command_line_reads_it(explorer, tmp_path):
+    page = explorer()
+    drop_robot(page, UR5E)
+    drop(page, BOOK)
+    page.select_option("#data-units", "mm,deg")
+    expect(page.locator("#columns-verdict")).to_contain_text("rows are read")
+    page.select_option("#search", "none")
+    found = calibrated(page)
+    expected = tmp_path / "report.json"
+    cli("calibrate", UR5E, "--data", BOOK, "--units", "mm,deg", "--effects", "none", "--json", expected)
+    same(without(found, "origin"), without(json.loads(expected.read_text()), "origin"), 1e-5)
+
+
+def test_damaged_and_bloated_workbooks_get_one_sentence(explorer):
+    page = explorer()
+    drop_robot(page, UR5E)
+    drop(page, ("cut.xlsx", BOOK.read_bytes()[:400]))
+    complains(page, "cut.xlsx")
+    drop(page, ("bomb.xlsx", zipped({"xl/worksheets/sheet1.xml": b" " * (200 << 20)})))
+    complains(page, "bomb.xlsx: more than 128 MB")
+    page.click("#tab-Calibrate")
+    drop(page, ("letter.xlsx", zipped({"word/document.xml": "<a/>"})))
+    expect(page.locator("#columns-verdict, .said.wrong").filter(has_text="this Excel workbook cannot be read").first).to_be_visible()
 
 
 def test_names_in_a_file_of_measurements_are_text(explorer):
