@@ -110,7 +110,7 @@ export class Calibrate implements Panel {
                 h("button", { id: "report-json", click: () => save(`${name}_calibration.json`, result.text, "application/json") }, "Report (JSON)"),
                 h("button", { id: "effects-json", click: () => save(`${name}_effects.json`, result.effects, "application/json") }, "Effects (JSON)")),
             key ? bars(report, key) : null,
-            effects(report, this.search === "auto"),
+            effects(result.said),
             ...(result.tried.length > 0 ? [h("h3", {}, "What was tried"), heat(result.tried)] : []),
             ...(report.curves?.length ? [h("h3", {}, "Error curves of the joints"), ...report.curves.map(curve)] : []),
             h("h3", {}, "What is left, on the robot"),

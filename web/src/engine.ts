@@ -1,5 +1,6 @@
 // The toolkit, compiled to WebAssembly, in a worker: questions and answers as they stand in crates/web.
 
+import type { Said } from "./report";
 import EngineWorker from "./engine.worker?worker&inline";
 
 export interface RobotText {
@@ -72,6 +73,7 @@ export interface Rows {
 export interface Calibrated {
     text: string;
     words: string;
+    said: Said | null;
     urdf: string | null;
     effects: string;
     notes: string[];

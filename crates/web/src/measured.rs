@@ -8,7 +8,7 @@ use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Pro
 use denavit_calibrate::identify::proportion::within_proportion;
 use denavit_calibrate::observation::measurements::import::{self, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{self, Loaded as Data, Units};
-use denavit_calibrate::report::text;
+use denavit_calibrate::report::{findings, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_export::urdf;
@@ -92,9 +92,28 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
         "urdf": urdf,
         "effects": result.effects(&statics).to_json(),
         "notes": notes,
+        "said": found(&result),
         "residuals": residuals(&chain, &result),
         "tried": tried(&result),
     }))
+}
+
+/// What was found, in the sentences of the report: what the list is headed and ended with, each effect; none where nothing
+/// was searched for.
+fn found(result: &Calibration) -> Value {
+    let Some(trace) = &result.trace else { return Value::Null };
+    let text = findings::findings(trace);
+    let effects: Vec<Value> = trace
+        .findings
+        .iter()
+        .map(|finding| json!({ "said": findings::said(finding, trace), "probability": finding.probability }))
+        .collect();
+    json!({
+        "heading": text.lines().next(),
+        "effects": effects,
+        "structured": trace.leftover.structured,
+        "ending": text.lines().next_back(),
+    })
 }
 
 /// The search's first pass: the best candidate of each kind at each place, and by how much it lowers the criterion.
