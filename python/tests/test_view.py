@@ -42,9 +42,10 @@ def test_meshes_beside_the_robot_are_in_the_page_up_to_a_limit(tmp_path: Path) -
     mesh = b"solid a\nendsolid a\n"
     (tmp_path / "meshes/part.stl").write_bytes(mesh)
     (tmp_path / "secret.txt").write_text("nobody's business")
-    shapes = "".join(f'<visual><geometry><mesh filename="{name}"/></geometry></visual>' for name in ("meshes/part.stl", "secret.txt"))
+    shape = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
+    shapes = shape.format("meshes/part.stl") + shape.format("secret.txt")
     robot = tmp_path / "arm.urdf"
-    robot.write_text(UR5E.read_text().replace('<link name="base_link">', f'<link name="base_link">{shapes}', 1))
+    robot.write_text(UR5E.read_text().replace('<link name="base">', f'<link name="base">{shapes}', 1))
     view = dn.explore(robot)
     assert view.meshes == ((("meshes/part.stl", mesh),),)
     assert dn.explore(robot, meshes=len(mesh) - 1).meshes == ()
