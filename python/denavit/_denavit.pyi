@@ -16,6 +16,9 @@ class Given(TypedDict):
     quaternion: str | None
     rotation_vector: bool
     joints: tuple[str, str] | None
+    camera: tuple[str, str] | None
+    board: str | None
+    on_hand: bool
 
 Wanted = Given | _Array
 
@@ -190,4 +193,8 @@ def simulate(
     saved: str | None,
     columns: list[str],
     q: _Array | None,
+    camera: tuple[str, str] | None,
+    board: str | None,
+    on_hand: bool,
+    pixel_noise: float,
 ) -> tuple[str, str | None, str]: ...

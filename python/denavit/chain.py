@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -269,6 +270,10 @@ class Chain(Shown, Frozen):
         effect: Sequence[str] = (),
         effects: Fit | None = None,
         columns: Sequence[str] = (),
+        camera: str | os.PathLike[str] | None = None,
+        board: str | None = None,
+        on_hand: bool = False,
+        pixel_noise: float = 0.2,
     ) -> Simulation:
         """Make measurements of a robot that differs from its drawing, for trials and teaching; `denavit simulate`.
 
@@ -285,6 +290,11 @@ class Chain(Shown, Frozen):
             effect: Effects by name, place and strength, such as ``joint_compliance@elbow_joint=0.1mm``.
             effects: A fit whose effects act, too.
             columns: What is recorded beside the measurements: ``time``, ``temperature``, ``payload``, …
+            camera: A camera measures, at random joint values in which it sees its board: its file of intrinsics, YAML as
+                ROS (``camera_info``) or OpenCV write it.
+            board: The board that the camera sees: squares across and down, and the edge of a square, such as ``7x5:30mm``.
+            on_hand: The camera sits on the hand and the board stands still, not the other way round.
+            pixel_noise: Of each component of a pixel, standard deviation, px.
 
         Examples:
             >>> import denavit as dn
@@ -295,7 +305,8 @@ class Chain(Shown, Frozen):
         """
         from denavit.run import simulate
 
-        return simulate(self, rows, q, test, measure, targets, seed, geometry_error, noise, outliers, effect, effects, columns)
+        chosen = (measure, targets, seed, geometry_error, noise, outliers, effect, effects, columns)
+        return simulate(self, rows, q, test, *chosen, camera, board, on_hand, pixel_noise)
 
     def to_yourdfpy(self) -> Any:
         """The robot as `yourdfpy` reads it; of URDF sources only."""
