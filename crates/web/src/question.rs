@@ -3,11 +3,11 @@
 use denavit_dh::{Convention, Gauge};
 use denavit_export::Units;
 use denavit_export::sources::Stated;
-use denavit_load::{Loaded, Opened, Options, Selection, TableOptions};
+use denavit_load::{Loaded, NEARLY_PARALLEL, Opened, Options, Selection, TableOptions};
 use denavit_model::Reading;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A question of the page.
 #[derive(Debug, Clone, Deserialize)]
@@ -193,21 +193,9 @@ impl RobotText {
 
     /// The URDF that it stands for, xacro expanded; what the command line calls it.
     pub(crate) fn urdf(&self) -> Result<(String, String), String> {
-        let start = self.text.trim_start_matches('\u{feff}').trim_start();
-        let is_urdf_name = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
-        if !is_urdf_name && !start.starts_with('<') && !start.is_empty() {
-            let robot = self.load()?;
-            let urdf = denavit_load::canonical(&robot, &self.file, &self.canonical_options());
-            return Ok((format!("{} (as URDF)", self.file), urdf.map_err(|error| error.to_string())?.value));
-        }
-        let is_xacro = denavit_xacro::is_xacro(&self.text);
-        let is_named = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("xacro"));
-        let is_meant = || is_named || denavit_model::urdf::read(&self.file, &self.text).is_err();
-        if is_xacro && is_meant() {
-            let expanded = denavit_load::expanded(&self.file, &self.text, &self.options());
-            return Ok((format!("{} (expanded)", self.file), expanded.map_err(|error| error.to_string())?.urdf));
-        }
-        Ok((self.file.clone(), self.text.clone()))
+        let urdf = denavit_load::urdf_text(&self.file, self.text.clone(), &self.options(), &self.canonical_options());
+        let urdf = urdf.map_err(|error| error.to_string())?;
+        Ok((urdf.shown, urdf.text))
     }
 
     pub(crate) fn canonical_options(&self) -> denavit_export::urdf::Options {
@@ -216,7 +204,7 @@ impl RobotText {
             parallelism: if self.exact {
                 denavit_dh::Parallelism::Exact
             } else {
-                denavit_dh::Parallelism::Within { angle: TOLERANCE }
+                denavit_dh::Parallelism::Within { angle: NEARLY_PARALLEL }
             },
             tip: self.tip.clone(),
             ..denavit_export::urdf::Options::default()
@@ -231,9 +219,6 @@ impl RobotText {
         Selection { file: &self.file, base: self.base.as_deref(), tip: self.tip.as_deref(), reading: self.reading() }
     }
 }
-
-/// Neighbouring axes nearer to parallel than this are made parallel, rad, as the command line does.
-const TOLERANCE: f64 = 1e-6;
 
 /// How a table is to be made.
 pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<TableOptions, String> {
@@ -251,7 +236,7 @@ pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<Ta
         Some("paper") => Some(Gauge::Paper),
         Some(word) => return Err(format!("\"{word}\" is no gauge; take simple or paper")),
     };
-    Ok(TableOptions { convention, gauge, tolerance: TOLERANCE })
+    Ok(TableOptions { convention, gauge, tolerance: NEARLY_PARALLEL })
 }
 
 /// Units of documents for people.
