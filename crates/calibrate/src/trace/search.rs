@@ -48,8 +48,8 @@ impl Rest {
         let as_matrix = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         firm_residual.copy_from(&linear.firm(&as_matrix).column(0));
         Self {
-            loose: Projector::new(&[&linear.geometry, effects], residual),
-            firm: Projector::new(&[&linear.firm(&linear.geometry), effects], &firm_residual),
+            loose: linear.loose().beside(&[effects], residual),
+            firm: linear.in_tolerances().beside(&[effects], &firm_residual),
         }
     }
 }
@@ -81,8 +81,7 @@ impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
         let linear = self.linear(&self.refitted(Vec::new(), None));
-        let projector = Projector::new(&[&linear.geometry], &linear.residual);
-        self.scan(&self.field(&linear).score(&projector, &self.candidates))
+        self.scan(&self.field(&linear).score(linear.loose(), &self.candidates))
     }
 }
 
