@@ -16,6 +16,9 @@ class Given(TypedDict):
     quaternion: str | None
     rotation_vector: bool
     joints: tuple[str, str] | None
+    camera: tuple[str, str] | None
+    board: str | None
+    on_hand: bool
 
 Wanted = Given | _Array
 
@@ -56,6 +59,7 @@ class Robot:
     def counts(self) -> tuple[int, int] | None: ...
     @property
     def urdf(self) -> str | None: ...
+    def meshes(self, package_path: list[str], most: int) -> list[tuple[str, bytes]]: ...
     @property
     def notes(self) -> list[str]: ...
     def chains(self) -> list[tuple[str, str, list[str], bool]]: ...
@@ -189,4 +193,8 @@ def simulate(
     saved: str | None,
     columns: list[str],
     q: _Array | None,
+    camera: tuple[str, str] | None,
+    board: str | None,
+    on_hand: bool,
+    pixel_noise: float,
 ) -> tuple[str, str | None, str]: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
 from denavit._frozen import Frozen
+from denavit._shown import Shown
 from denavit.table import Table
 
 if TYPE_CHECKING:
@@ -45,7 +47,7 @@ class Coordinate:
     continuous: bool = False
 
 
-class Chain(Frozen):
+class Chain(Shown, Frozen):
     """A chain of joints from a base link to a tip link; made by `Robot.chain`.
 
     Joint values are arrays whose last axis has one value for each of the n coordinates (rad, m): shape ``(n,)`` for one
@@ -268,6 +270,10 @@ class Chain(Frozen):
         effect: Sequence[str] = (),
         effects: Fit | None = None,
         columns: Sequence[str] = (),
+        camera: str | os.PathLike[str] | None = None,
+        board: str | None = None,
+        on_hand: bool = False,
+        pixel_noise: float = 0.2,
     ) -> Simulation:
         """Make measurements of a robot that differs from its drawing, for trials and teaching; `denavit simulate`.
 
@@ -284,6 +290,11 @@ class Chain(Frozen):
             effect: Effects by name, place and strength, such as ``joint_compliance@elbow_joint=0.1mm``.
             effects: A fit whose effects act, too.
             columns: What is recorded beside the measurements: ``time``, ``temperature``, ``payload``, …
+            camera: A camera measures, at random joint values in which it sees its board: its file of intrinsics, YAML as
+                ROS (``camera_info``) or OpenCV write it.
+            board: The board that the camera sees: squares across and down, and the edge of a square, such as ``7x5:30mm``.
+            on_hand: The camera sits on the hand and the board stands still, not the other way round.
+            pixel_noise: Of each component of a pixel, standard deviation, px.
 
         Examples:
             >>> import denavit as dn
@@ -294,7 +305,8 @@ class Chain(Frozen):
         """
         from denavit.run import simulate
 
-        return simulate(self, rows, q, test, measure, targets, seed, geometry_error, noise, outliers, effect, effects, columns)
+        chosen = (measure, targets, seed, geometry_error, noise, outliers, effect, effects, columns)
+        return simulate(self, rows, q, test, *chosen, camera, board, on_hand, pixel_noise)
 
     def to_yourdfpy(self) -> Any:
         """The robot as `yourdfpy` reads it; of URDF sources only."""

@@ -34,6 +34,9 @@ class Told:
         quaternion: Order of a quaternion.
         rotation_vector: Whether ``rx,ry,rz`` are axis times angle.
         joints: A robot program: the file that it is from and its text.
+        camera: Intrinsics of the camera: the file that they are from and its text.
+        board: The board that the camera sees.
+        on_hand: Whether the camera sits on the hand.
     """
 
     columns: tuple[str, str] | None = None
@@ -41,6 +44,9 @@ class Told:
     quaternion: str | None = None
     rotation_vector: bool = False
     joints: tuple[str, str] | None = None
+    camera: tuple[str, str] | None = None
+    board: str | None = None
+    on_hand: bool = False
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -85,6 +91,9 @@ class Measurements:
         quaternion: str | None = None,
         rotation_vector: bool = False,
         joints: str | os.PathLike[str] | None = None,
+        camera: str | os.PathLike[str] | None = None,
+        board: str | None = None,
+        on_hand: bool = False,
         socket: str | None = None,
     ) -> Measurements:
         """Read a file: CSV, any export, a workbook; ``git:REVISION:PATH``; ``-`` for standard input.
@@ -101,6 +110,10 @@ class Measurements:
             quaternion: Columns ``q1,q2,q3,q4`` (or ``q0,q1,q2,q3``) are a quaternion in this order, such as ``wxyz``.
             rotation_vector: Columns ``rx,ry,rz`` are axis times angle.
             joints: A robot program with the joint values of the rows: ABB RAPID, KUKA KRL, UR script.
+            camera: Columns ``u,v`` are pixels of a board's corners in the image of the camera with these intrinsics: a YAML
+                file as ROS (``camera_info``) or OpenCV write it; see `docs/camera.md`.
+            board: The board that the camera sees: squares across and down, and the edge of a square, such as ``7x5:30mm``.
+            on_hand: The camera sits on the hand and the board stands still, not the other way round.
             socket: The file is bare joint readings (no header, a column per joint), taken with a ball on the tip in the
                 socket of this label.
 
@@ -117,11 +130,12 @@ class Measurements:
         several = [name for name, value in orders.items() if value is not None]
         if len(several) > 1:
             raise ArgumentError(f"{' and '.join(several)} exclude each other; an orientation has one form")
-        if socket is not None and (several or columns is not None or joints is not None):
+        if socket is not None and (several or not (columns is joints is camera is None)):
             raise ArgumentError(f"readings in the socket {socket!r} are joint values alone; leave what is said of columns out")
         file, content = _denavit.read_bytes(os.fspath(path))
         program = None if joints is None else _denavit.read_text(os.fspath(joints))
-        told = Told(_map(columns), euler, quaternion, rotation_vector, program)
+        lens = camera_file(camera, board, on_hand)
+        told = Told(_map(columns), euler, quaternion, rotation_vector, program, lens, board, on_hand)
         return cls(_as_text(content), file, units, told=told, socket=socket)
 
     @classmethod
@@ -209,11 +223,23 @@ class Measurements:
             "quaternion": told.quaternion,
             "rotation_vector": told.rotation_vector,
             "joints": told.joints,
+            "camera": told.camera,
+            "board": told.board,
+            "on_hand": told.on_hand,
         }
 
     def __repr__(self) -> str:
         where = "" if self.socket is None else f" in socket {self.socket}"
         return f"<denavit.Measurements {self.file}: {len(self)} rows{where}, {self.units}>"
+
+
+def camera_file(camera: str | os.PathLike[str] | None, board: str | None, on_hand: bool) -> tuple[str, str] | None:
+    """Where a camera's intrinsics are from, and their text."""
+    if camera is not None:
+        return _denavit.read_text(os.fspath(camera))
+    if board is not None or on_hand:
+        raise ArgumentError(f"{'board' if board is not None else 'on_hand'} speaks of a camera; name its intrinsics as camera")
+    return None
 
 
 def _as_text(content: bytes) -> str | bytes:

@@ -15,7 +15,7 @@ from denavit import _denavit
 from denavit._files import save
 from denavit.chain import Array, Chain
 from denavit.errors import ArgumentError
-from denavit.measurements import Measurements
+from denavit.measurements import Measurements, Told, camera_file
 
 if TYPE_CHECKING:
     from denavit.fit import Fit
@@ -113,9 +113,14 @@ def simulate(
     effect: Sequence[str],
     effects: Fit | None,
     columns: Sequence[str],
+    camera: str | os.PathLike[str] | None,
+    board: str | None,
+    on_hand: bool,
+    pixel_noise: float,
 ) -> Simulation:
     """See `Chain.simulate`."""
     saved = None if effects is None else effects.effects_json
+    lens = camera_file(camera, board, on_hand)
     data, later, truth = _denavit.simulate(
         chain._native,
         rows,
@@ -130,7 +135,12 @@ def simulate(
         saved,
         list(columns),
         _joint_rows("q", q),
+        lens,
+        board,
+        on_hand,
+        pixel_noise,
     )
     name = f"<simulated {chain.name}>"
-    measured_later = None if later is None else Measurements(later, f"<simulated {chain.name}, later>")
-    return Simulation(Measurements(data, name), measured_later, json.loads(truth))
+    told = Told(camera=lens, board=board, on_hand=on_hand)
+    measured_later = None if later is None else Measurements(later, f"<simulated {chain.name}, later>", told=told)
+    return Simulation(Measurements(data, name, told=told), measured_later, json.loads(truth))

@@ -1,9 +1,9 @@
 //! A file of measurements or poses as Python holds it: its content, and what is said of its columns.
 
 use crate::chain::Chain;
-use crate::errors::{Class, Spot, error, load};
+use crate::errors::{Class, Spot, error, load, measured};
 use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};
-use denavit_load::measured::DataFile;
+use denavit_load::measured::{DataFile, sight};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -24,6 +24,9 @@ pub struct Given {
     quaternion: Option<String>,
     rotation_vector: bool,
     joints: Option<(String, String)>,
+    camera: Option<(String, String)>,
+    board: Option<String>,
+    on_hand: bool,
 }
 
 /// What is in it.
@@ -58,12 +61,14 @@ impl Given {
             import::joints(&file, &text)
                 .map_err(|failure| error(Class::Argument, &failure.to_string(), Spot::file(&file)))
         });
+        let camera = self.camera.map(|(file, text)| sight(&file, &text, self.board.as_deref(), self.on_hand));
         let import = ImportOptions {
             map: map.transpose()?,
             euler: order.transpose()?,
             rotation_vector: self.rotation_vector,
             quaternion: self.quaternion,
             joints: program.transpose()?,
+            sight: camera.transpose().map_err(|failure| measured(&failure))?,
         };
         let units = self.units.parse().map_err(|failure| option("units", &failure))?;
         Ok(DataFile { name: self.name, bytes: self.content.into_bytes(), units, import })

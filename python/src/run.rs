@@ -9,10 +9,11 @@ use crate::robot::reading;
 use denavit_calibrate::apply::plan::{PlanOptions, plan as planned};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
 use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
+use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_readings};
 use denavit_calibrate::effects::EffectModel;
+use denavit_calibrate::observation::kinds::PIXEL;
 use denavit_calibrate::observation::measurements::Units;
-use denavit_load::measured::{corners, moving};
+use denavit_load::measured::{corners, moving, sight};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 
@@ -100,7 +101,7 @@ pub fn plan<'py>(
 
 /// Files of a simulated run: rows to fit, rows measured later, what they were made of.
 #[pyfunction]
-#[pyo3(signature = (chain, rows, test_rows, measure, targets, seed, geometry_error, noise, outliers, effects, saved, columns, q))]
+#[pyo3(signature = (chain, rows, test_rows, measure, targets, seed, geometry_error, noise, outliers, effects, saved, columns, q, camera, board, on_hand, pixel_noise))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
 pub fn simulate(
     py: Python<'_>,
@@ -117,6 +118,10 @@ pub fn simulate(
     saved: Option<String>,
     columns: Vec<String>,
     q: Option<PyReadonlyArray2<'_, f64>>,
+    camera: Option<(String, String)>,
+    board: Option<String>,
+    on_hand: bool,
+    pixel_noise: f64,
 ) -> PyResult<(String, Option<String>, String)> {
     let nominal = &chain.chain;
     moving(&chain.file, nominal).map_err(|failure| measured(&failure))?;
@@ -125,13 +130,26 @@ pub fn simulate(
     if !(0.0..=1.0).contains(&outliers) {
         return Err(argument(format!("outliers is {outliers}; it is a share of the rows, write 0 to 1")));
     }
+    if !(pixel_noise.is_finite() && pixel_noise >= 0.0) {
+        return Err(argument(format!("pixel_noise is {pixel_noise}; write a number of 0 or more, px")));
+    }
+    let camera = camera.map(|(file, text)| sight(&file, &text, board.as_deref(), on_hand));
+    let camera = camera.transpose().map_err(|failure| measured(&failure))?;
+    if camera.as_ref().is_some_and(|sight| sight.board.is_none()) {
+        return Err(argument("a camera needs a board to see; give its squares as board, such as \"7x5:30mm\""));
+    }
+    let kind = if camera.is_some() { PIXEL } else { kind(measure)? };
+    let rows = if q.is_some() { rows } else { count("rows", rows)? };
+    let tries = if kind.of_a_board() { TRIES } else { 1 };
     let readings = match &q {
         Some(array) => joint_rows("q", array, nominal)?,
-        None => commanded_readings(nominal, count("rows", rows)?, seed),
+        None => commanded_readings(nominal, rows * tries, seed),
     };
     let options = SimulationOptions {
-        kind: kind(measure)?,
-        rows: readings.len(),
+        kind,
+        rows: if q.is_some() { readings.len() } else { rows },
+        sight: camera,
+        noise_pixel: pixel_noise,
         targets: count("targets", targets)?,
         seed,
         turn,
@@ -156,6 +174,7 @@ pub fn simulate(
         argument(match failure {
             FilesError::Effect(failure) => format!("effects: {failure}"),
             FilesError::Column(failure) => format!("columns: {failure}"),
+            FilesError::OutOfSight { .. } => format!("camera: {failure}"),
             FilesError::Targets(count) => format!("targets is {count}; {failure}"),
             other => format!("effects: {other}"),
         })

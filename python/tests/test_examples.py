@@ -48,6 +48,8 @@ def test_every_call_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytes
     frame.rename(columns={"x": "PX", "y": "PY", "z": "PZ"}).to_csv("run.xlsx", index=False)
     angles = Rotation.from_quat(frame[["qx", "qy", "qz", "qw"]].to_numpy()).as_euler("ZYX")
     frame.drop(columns=["qx", "qy", "qz", "qw"]).assign(A=angles[:, 0], B=angles[:, 1], C=angles[:, 2]).to_csv("kuka.csv")
+    Path("webcam.yaml").write_text("camera_matrix: [600, 0, 320, 0, 600, 240, 0, 0, 1]\n")
+    chain.simulate(3, camera="webcam.yaml", board="7x5:30mm").data.save("corners.csv")
     np.savetxt("front_0.csv", chain.sample(5), delimiter=",")
     some = {"robot": chain.robot, "chain": chain, "Q": chain.sample(10), "N": 5, "seed": 1, "q": np.zeros(2), "data": run.data}
     some |= {"table": chain.table(), "source": "ur5e.urdf", "base": "base", "tip": "tool0", "convention": "distal"}

@@ -155,9 +155,30 @@ def test_readings_in_a_socket(drawn: dn.Chain, tmp_path: Path) -> None:
     assert str(one.value) == str(other.value)
 
 
+def test_the_corners_that_a_camera_sees(drawn: dn.Chain, tmp_path: Path) -> None:
+    camera, corners, board = tmp_path / "webcam.yaml", tmp_path / "corners.csv", "7x5:30mm"
+    camera.write_text("camera_matrix: [600, 0, 320, 0, 600, 240, 0, 0, 1]\nimage_width: 640\nimage_height: 480\n")
+    for on_hand in (False, True):
+        run = drawn.simulate(30, seed=4, test=10, camera=camera, board=board, on_hand=on_hand)
+        run.data.save(corners)
+        read = dn.Measurements.read(corners, camera=camera, board=board, on_hand=on_hand)
+        assert len(read) == len(run.data) == 30
+        found = dn.calibrate(drawn, read, effects=None).to_dict()
+        words = ["--camera", os.fspath(camera), "--board", board, *(["--on-hand"] if on_hand else [])]
+        assert found == of_command("--data", os.fspath(corners), *words)
+        # Two components of 0.2 px, less what the parameters take up.
+        assert 0.24 < found["stages"][-1]["train"]["reprojection_rms_px"] < 0.29
+        own = dn.calibrate(drawn, run.data, test=run.test, effects=None)
+        assert own.to_dict()["stages"][-1]["test"]["reprojection_rms_px"] < 0.36
+    with pytest.raises(dn.ArgumentError, match="needs a board"):
+        drawn.simulate(5, camera=camera)
+
+
 @pytest.mark.parametrize(
     ("keywords", "why"),
     [
+        ({"board": "7x5:30mm"}, "board speaks of a camera"),
+        ({"camera": os.fspath(FILES / "readings.csv")}, "camera_matrix|intrinsics"),
         ({"euler": "XYZ", "quaternion": "wxyz"}, "euler and quaternion exclude each other"),
         ({"socket": "a", "euler": "XYZ"}, "leave what is said of columns out"),
         ({"euler": "XXZ"}, "euler: "),

@@ -1,9 +1,11 @@
 //! What was measured, and what an arm with parameters predicts of it.
 
 pub mod arm;
+pub mod board;
 pub mod gauge;
 pub mod kinds;
 pub(crate) mod least_squares;
+pub mod lens;
 pub mod measurements;
 pub mod parameters;
 pub mod prior;

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
 
 mod bad_input;
+mod camera;
 mod curves;
 mod diagnosis;
 mod exports;
@@ -24,3 +25,4 @@ mod rows;
 mod runs;
 mod statistics;
 mod tracing;
+mod webcam;

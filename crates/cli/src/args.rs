@@ -13,8 +13,8 @@ pub use fleet::{
 };
 pub use json::{JsonArguments, with_json_files_joined};
 pub use measured::{
-    CalibrateArguments, CompensateArguments, GivenArguments, IdentifyArguments, ImportArguments, MeasureName,
-    PlanArguments, SimulateArguments,
+    CalibrateArguments, CameraArguments, CompensateArguments, GivenArguments, IdentifyArguments, ImportArguments,
+    MeasureName, PlanArguments, SimulateArguments,
 };
 pub use program::{CompletionsArguments, ManArguments};
 use std::path::PathBuf;

@@ -1,16 +1,17 @@
 //! What the commands about measurements share: files of measurements, poses and effects, and pairs of numbers.
 
-use crate::args::{GivenArguments, ImportArguments, MeasureName, RobotArguments};
+use crate::args::{CameraArguments, GivenArguments, ImportArguments, MeasureName, RobotArguments};
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
+use denavit_calibrate::observation::board::Sight;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
-use denavit_load::measured::{DataFile, moving};
+use denavit_load::measured::{self as load, DataFile, moving};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -84,7 +85,15 @@ pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Fail
         rotation_vector: arguments.rotation_vector,
         quaternion: arguments.quaternion.clone(),
         joints: arguments.joints.as_ref().map(program).transpose()?,
+        sight: None,
     })
+}
+
+/// The camera that the arguments name.
+pub fn sight(arguments: &CameraArguments) -> Result<Option<Sight>, Failure> {
+    let Some(file) = &arguments.camera else { return Ok(None) };
+    let (name, text) = source::read_text(file)?;
+    Ok(Some(load::sight(&name, &text, arguments.board.as_deref(), arguments.on_hand)?))
 }
 
 /// Says what must be known.

@@ -2,6 +2,7 @@
 //!
 //! Words are those of the command line; messages name its options, and the Python package writes them as its keywords.
 
+mod camera;
 mod distance;
 mod origin;
 mod rows;
@@ -9,6 +10,7 @@ mod search;
 mod tip;
 mod within;
 
+pub use camera::sight;
 pub use rows::{DataFile, Rows, RowsAsked, rows};
 pub use search::{SearchAsked, freedom, other_chains, search};
 pub use tip::{all_known, without_part_in_the_tip};

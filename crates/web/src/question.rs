@@ -1,13 +1,16 @@
 //! What a page may ask.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use denavit_dh::{Convention, Gauge};
 use denavit_export::Units;
 use denavit_export::sources::Stated;
 use denavit_load::{Loaded, NEARLY_PARALLEL, Opened, Options, Selection, TableOptions};
-use denavit_model::Reading;
+use denavit_model::{Chain, ChainJoint, Reading};
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A question of the page.
 #[derive(Debug, Clone, Deserialize)]
@@ -31,6 +34,8 @@ pub enum Question {
     },
     /// Screw axes and home pose.
     Poe(RobotText),
+    /// One joint's twist moved, and what becomes of the D-H numbers.
+    Twist(Twist),
     /// Where the tip is.
     Fk {
         /// The robot.
@@ -110,13 +115,52 @@ pub struct Calibrate {
     pub hold_out: Option<f64>,
 }
 
-/// A file of data.
+/// A joint's axis moved by hand.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Twist {
+    /// The robot.
+    pub source: RobotText,
+    /// Which joint of the chain, counted from 0.
+    pub joint: usize,
+    /// Turned about x, y, z, then moved along them, rad and m; z is the axis as drawn.
+    pub by: [f64; 6],
+    /// Units of the tables for people, such as `mm,deg`.
+    pub units: String,
+}
+
+/// A file of data: a text, or a workbook.
 #[derive(Debug, Clone, Deserialize)]
 pub struct DataText {
     /// Its name.
     pub file: String,
-    /// Its text.
-    pub text: String,
+    /// What it holds.
+    #[serde(flatten)]
+    pub content: Content,
+}
+
+/// What a file of data holds.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Content {
+    /// Text.
+    Text(String),
+    /// An Excel workbook, in base64.
+    Workbook(String),
+}
+
+impl DataText {
+    /// The file's bytes.
+    ///
+    /// # Errors
+    /// A workbook that is not base64.
+    pub(crate) fn bytes(&self) -> Result<Cow<'_, [u8]>, String> {
+        match &self.content {
+            Content::Text(text) => Ok(Cow::Borrowed(text.as_bytes())),
+            Content::Workbook(packed) => {
+                STANDARD.decode(packed).map(Cow::Owned).map_err(|error| format!("{}: {error}", self.file))
+            }
+        }
+    }
 }
 
 /// A robot's text, the files beside it, and how it is to be read.
@@ -160,6 +204,7 @@ impl Question {
             }
             Self::Diff { a, b } => vec![a, b],
             Self::Calibrate(asked) => vec![&asked.source],
+            Self::Twist(asked) => vec![&asked.source],
         };
         let mut files = Vec::new();
         for robot in robots {
@@ -193,6 +238,14 @@ impl RobotText {
 
     /// The URDF that it stands for, xacro expanded; what the command line calls it.
     pub(crate) fn urdf(&self) -> Result<(String, String), String> {
+        let start = self.text.trim_start_matches('\u{feff}').trim_start();
+        let is_urdf_name = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
+        if !is_urdf_name && !start.starts_with('<') && !start.is_empty() {
+            let (robot, scales) = without_scales(self.load()?)?;
+            let urdf = denavit_load::canonical(&robot, &self.file, &self.canonical_options());
+            let named = if scales.is_empty() { "as URDF" } else { "as URDF, joint scales left out" };
+            return Ok((format!("{} ({named})", self.file), urdf.map_err(|error| error.to_string())?.value));
+        }
         let urdf = denavit_load::urdf_text(&self.file, self.text.clone(), &self.options(), &self.canonical_options());
         let urdf = urdf.map_err(|error| error.to_string())?;
         Ok((urdf.shown, urdf.text))
@@ -218,6 +271,29 @@ impl RobotText {
     pub(crate) fn selection(&self) -> Selection<'_> {
         Selection { file: &self.file, base: self.base.as_deref(), tip: self.tip.as_deref(), reading: self.reading() }
     }
+}
+
+/// A robot whose joints count as their coordinates do, which is all that a URDF can say, and the scales of the joints of which
+/// one was left out, by name; a joint that another drives keeps its own.
+///
+/// # Errors
+/// The joints make no chain.
+pub fn without_scales(robot: Loaded) -> Result<(Loaded, BTreeMap<String, f64>), String> {
+    let Loaded::Poe(chain) = &robot else { return Ok((robot, BTreeMap::new())) };
+    let drives = |joint: &ChainJoint| chain.coordinates()[joint.coordinate].name == joint.name;
+    let scaled = |joint: &&ChainJoint| drives(joint) && joint.scale.abs() != 1.0;
+    let scales: BTreeMap<String, f64> =
+        chain.joints().iter().filter(scaled).map(|joint| (joint.name.clone(), joint.scale)).collect();
+    if scales.is_empty() {
+        return Ok((robot, scales));
+    }
+    let joints = chain.joints().iter().map(|joint| {
+        let scale = if scales.contains_key(&joint.name) { 1.0 } else { joint.scale };
+        ChainJoint { scale, ..joint.clone() }
+    });
+    let names = (chain.name(), chain.base(), chain.tip());
+    let plain = Chain::new(names, chain.coordinates().to_vec(), joints.collect(), *chain.home());
+    Ok((Loaded::Poe(plain.map_err(|error| error.to_string())?), scales))
 }
 
 /// How a table is to be made.

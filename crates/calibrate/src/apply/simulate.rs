@@ -3,10 +3,12 @@
 pub mod columns;
 pub mod effect_specification;
 pub mod files;
+mod sight;
 pub mod truth;
 
 use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
+use crate::observation::board::Sight;
 use crate::observation::kinds::{Disturbance, ObservationKind, POSITION, Seen};
 use crate::observation::measurements::{Covariate, Measurements, Scene};
 use crate::observation::parameters::Effects;
@@ -15,6 +17,7 @@ use denavit_model::{Chain, Coordinate, Pose, se3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+pub use sight::TRIES;
 
 /// What to simulate.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +38,10 @@ pub struct SimulationOptions {
     pub noise_position: f64,
     /// Standard deviation of the noise of one rotation vector component, rad.
     pub noise_orientation: f64,
+    /// Camera and board, for what sees the corners of a board; rows that do not see enough of it are left out.
+    pub sight: Option<Sight>,
+    /// Standard deviation of the noise of a pixel's component, px.
+    pub noise_pixel: f64,
     /// Share of rows with a gross error of 5 to 50 mm.
     pub outliers: f64,
     /// Numeric columns that come along, one value per row each.
@@ -56,11 +63,20 @@ impl Default for SimulationOptions {
             shift: 1e-3,
             noise_position: 5e-5,
             noise_orientation: 5e-5,
+            sight: None,
+            noise_pixel: 0.2,
             outliers: 0.0,
             covariates: Vec::new(),
             readings: None,
             before: None,
         }
+    }
+}
+
+impl SimulationOptions {
+    /// Postures to choose from for each row: a camera does not see its board in all of them.
+    pub fn tries(&self) -> usize {
+        if self.kind.of_a_board() { sight::TRIES } else { 1 }
     }
 }
 
@@ -145,9 +161,16 @@ fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
     Vector3::new(normal(random, deviation), normal(random, deviation), normal(random, deviation))
 }
 
+/// What is seen: the corners of the board, or so many targets.
+fn scene(options: &SimulationOptions, targets: usize) -> Scene {
+    let board = || Scene::of_board(options.kind, options.sight.as_ref()?, 1.0);
+    let of_board = options.kind.of_a_board().then(board).flatten();
+    of_board.unwrap_or_else(|| Scene::of_several(options.kind, targets))
+}
+
 fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng) -> Arm {
     let size = chain.size();
-    let scene = Scene::of_several(options.kind, options.targets);
+    let scene = scene(options, options.targets);
     let mut arm = Arm::new(chain, &scene);
     for (index, joint) in chain.joints().iter().enumerate() {
         let turned = [normal(random, options.turn), normal(random, options.turn)];
@@ -170,6 +193,9 @@ fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng)
             target.rotation = Rotation3::from_scaled_axis(normal_vector(random, 0.5));
         }
     }
+    if let Some(sight) = options.sight.as_ref().filter(|_| options.kind.of_a_board()) {
+        sight::face_each_other(&mut arm, &scene, sight, random);
+    }
     arm
 }
 
@@ -178,7 +204,10 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     let mut readings = options.readings.clone().unwrap_or_default();
     if options.readings.is_none() {
         let draw = |_| coordinates.iter().map(|coordinate| drawn(coordinate, random)).collect();
-        readings.extend((0..options.rows).map(draw));
+        readings.extend((0..options.rows * options.tries()).map(draw));
+    }
+    if options.kind.of_a_board() {
+        readings = sight::that_see_enough(arm, &scene(options, 1), readings, options.rows);
     }
     let mut data = unmeasured(arm, options, &readings);
     let seen = match &options.before {
@@ -187,7 +216,7 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     };
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     let mut outliers = Vec::new();
-    for row in 0..options.rows {
+    for row in 0..data.len() {
         perturbation.clear();
         effects.perturb(Row::new(&seen, row), arm, &mut perturbation);
         arm.state_into(data.reading(row), Some(&perturbation), &mut state);
@@ -225,6 +254,7 @@ fn observe(
             gross,
             position: options.noise_position,
             orientation: options.noise_orientation,
+            pixel: options.noise_pixel,
             draw: &mut |deviation| normal(random, deviation),
         };
         series.kind.disturb(&mut values, &mut errors);
@@ -235,14 +265,21 @@ fn observe(
 /// The rows, nothing measured yet.
 fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> Measurements {
     let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
-    let scene = Scene::of_several(options.kind, arm.targets.len());
+    let scene = scene(options, arm.targets.len());
     let mut data = Measurements::empty("simulation", joints, scene);
     data.covariates.clone_from(&options.covariates);
     let nothing = vec![0.0; options.kind.numbers()];
+    let (mut state, still) = (RowState::default(), Perturbation::none(arm.joints.len()));
     for (row, reading) in readings.iter().enumerate() {
-        (0..data.scene.series.len()).for_each(|series| data.observed.push(series, &nothing));
+        arm.state_into(reading, None, &mut state);
+        for (index, series) in data.scene.series.iter().enumerate() {
+            if series.kind.in_view(&Seen::new(arm, &state.tip, &still, series, &nothing, false)) {
+                data.observed.push(index, &nothing);
+            }
+        }
         data.end_row(reading, row + 2, false);
     }
+    data.covariates.iter_mut().for_each(|column| column.values.truncate(readings.len()));
     data
 }
 

@@ -5,6 +5,7 @@ use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
 use crate::identify::residual_statistics::{Residual, residuals};
 use crate::identify::solve::Fit;
+use crate::observation::board::Corner;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
 use denavit_model::Pose;
@@ -22,16 +23,23 @@ pub struct RowEntry {
     /// Target; left out where there is one alone.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub target: String,
+    /// Corner of the board; left out where no camera sees one.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub corner: String,
     /// Whether it was kept for the test.
     pub held_out: bool,
     /// Whether it was rejected as a gross error.
     pub rejected: bool,
-    /// Measured less predicted: three components in the base frame, or one number; m.
+    /// Measured less predicted: three components in the base frame, one number, or of pixels two at the board's usual
+    /// distance; m.
     #[serde(rename = "residual_m")]
     pub place: Vec<f64>,
     /// Of the orientation, a rotation vector in the base frame, rad; left out where it was not measured.
     #[serde(rename = "residual_rad", skip_serializing_if = "Vec::is_empty")]
     pub turn: Vec<f64>,
+    /// The first in pixels, right and down; left out where none were read.
+    #[serde(rename = "residual_px", skip_serializing_if = "Vec::is_empty")]
+    pub pixels: Vec<f64>,
 }
 
 /// A frame or a point as it was found.
@@ -82,13 +90,18 @@ fn entry(residual: &Residual, data: &Measurements, held_out: bool, rejected: boo
     let series = &data.scene.series[residual.series];
     let name = |names: &[String], index: usize| if names.len() > 1 { names[index].clone() } else { String::new() };
     let height = series.kind.place().height;
+    let place: Vec<f64> = residual.place.iter().copied().take(height).collect();
+    let corner = series.corner.as_ref();
+    let pixels = |corner: &Corner| place.iter().map(|length| length / corner.camera.metres_per_pixel()).collect();
     RowEntry {
+        pixels: corner.map_or_else(Vec::new, pixels),
+        corner: corner.map_or_else(String::new, |corner| corner.label.clone()),
         line: data.lines[residual.row],
         setup: name(&data.scene.setups, series.setup),
         target: name(&data.scene.targets, series.target),
         held_out,
         rejected,
-        place: residual.place.iter().copied().take(height).collect(),
+        place,
         turn: if series.kind.turn().is_some() { residual.turn.iter().copied().collect() } else { Vec::new() },
     }
 }
@@ -115,7 +128,8 @@ pub(super) fn placements(result: &Calibration) -> Placements {
     }
 }
 
-/// Rows as CSV: `line,setup,target,held_out,rejected,dx_mm,dy_mm,dz_mm` and, for poses, `rx_mrad,ry_mrad,rz_mrad`.
+/// Rows as CSV: `line,setup,target,held_out,rejected,dx_mm,dy_mm,dz_mm` and, for poses, `rx_mrad,ry_mrad,rz_mrad`, for
+/// pixels `corner,du_px,dv_px`.
 ///
 /// Distances and other single numbers stand in `dx_mm`.
 ///
@@ -127,6 +141,10 @@ pub fn to_csv(rows: &[RowEntry]) -> String {
     let mut header = vec!["line", "setup", "target", "held_out", "rejected", "dx_mm", "dy_mm", "dz_mm"];
     if turns {
         header.extend(["rx_mrad", "ry_mrad", "rz_mrad"]);
+    }
+    let pixels = rows.iter().any(|row| !row.pixels.is_empty());
+    if pixels {
+        header.extend(["corner", "du_px", "dv_px"]);
     }
     let mut records = vec![header.into_iter().map(String::from).collect::<Vec<_>>()];
     for row in rows {
@@ -142,6 +160,10 @@ pub fn to_csv(rows: &[RowEntry]) -> String {
         record.extend((0..3).map(|index| number(&row.place, index)));
         if turns {
             record.extend((0..3).map(|index| number(&row.turn, index)));
+        }
+        if pixels {
+            record.push(row.corner.clone());
+            record.extend((0..2).map(|k| row.pixels.get(k).map_or_else(String::new, f64::to_string)));
         }
         records.push(record);
     }

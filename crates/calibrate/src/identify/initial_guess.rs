@@ -30,7 +30,17 @@ const GOOD_ENOUGH: f64 = 0.01;
 pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options: &FitOptions) -> Fit<NoEffects> {
     let freedom = Freedom::placement(chain.joints().len());
     let layout = Layout::new(chain, &data.scene, &freedom, &Tolerances::default(), Vec::new());
-    let start = start(chain, data, weights, &layout);
+    // Where an image says the pose of its board, poses are the better start.
+    let start = match data.as_poses() {
+        Some(posed) => {
+            let layout = Layout::new(chain, &posed.scene, &freedom, &Tolerances::default(), Vec::new());
+            let weights = vec![1.0; posed.observations()];
+            let start = start(chain, &posed, &weights, &layout);
+            let options = FitOptions { robust: true, ..*options };
+            fit(&posed, &layout, &start, &NoEffects, &weights, &options).arm
+        }
+        None => start(chain, data, weights, &layout),
+    };
     fit(data, &layout, &start, &NoEffects, weights, options)
 }
 

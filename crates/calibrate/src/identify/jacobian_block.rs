@@ -14,8 +14,11 @@ pub(crate) type Triple<S> = [<S as Simd>::f64s; 3];
 
 /// Whether a parameter moves a part of an observation at all.
 fn depends_on(part: &Part, kind: ParameterKind) -> bool {
+    if let ParameterKind::TargetTurn { .. } = kind {
+        return part.by_turn;
+    }
     if part.unit == "m" {
-        return !matches!(kind, ParameterKind::TargetTurn { .. });
+        return true;
     }
     match kind {
         ParameterKind::Move { .. }

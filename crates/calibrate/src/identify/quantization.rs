@@ -111,7 +111,8 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
         for observation in data.of_row(row) {
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
-            let (point, follows) = (seen.predicted, series.kind.follows(&seen));
+            let follows = series.kind.follows(&seen);
+            let point = if let Follows::Lines { point, .. } = follows { point } else { seen.predicted };
             count += 1.0;
             for grid in &grids {
                 let mut rate = Vector3::zeros();
@@ -125,6 +126,7 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
                 let seen = match follows {
                     Follows::Whole => rate.norm_squared(),
                     Follows::Line(line) => line.dot(&rate).powi(2),
+                    Follows::Lines { lines, .. } => lines.iter().map(|line| line.dot(&rate).powi(2)).sum(),
                 };
                 sum += seen * grid.step * grid.step / 12.0;
             }

@@ -282,8 +282,11 @@ impl<E: Effects> ResidualModel<'_, E> {
             self.derivatives(&seen, &found, scratch, jacobian);
         }
         if let Some(level) = self.data.observed.level(observation) {
-            let axes =
-                if kind.unknowns().instrument { *seen.instrument().rotation.matrix() } else { Matrix3::identity() };
+            let axes = if kind.unknowns().instrument && height == 3 {
+                *seen.instrument().rotation.matrix()
+            } else {
+                Matrix3::identity()
+            };
             let lines = height * self.layout.len();
             levelled(&(level * axes), &mut residual[..height], jacobian.map(|jacobian| &mut jacobian[..lines]));
         }
@@ -297,6 +300,11 @@ impl<E: Effects> ResidualModel<'_, E> {
         match follows {
             Follows::Whole => scratch.twists.less_velocities(p, columns, jacobian),
             Follows::Line(line) => scratch.twists.less_along(p, &line, jacobian),
+            Follows::Lines { point, lines } => {
+                for (line, cells) in lines.iter().zip(jacobian.chunks_exact_mut(columns)) {
+                    scratch.twists.less_along(&point, line, cells);
+                }
+            }
         }
         for (k, effect) in scratch.sensitivities.iter().enumerate() {
             let column = layout.effects.start + k;
@@ -305,6 +313,12 @@ impl<E: Effects> ResidualModel<'_, E> {
             match follows {
                 Follows::Whole => put(jacobian, columns, column, &(by_effect - moved)),
                 Follows::Line(line) => jacobian[column] = by_effect.x - line.dot(&moved),
+                Follows::Lines { point, lines } => {
+                    let moved = velocity(&effect.twist, &point) + tip * effect.target;
+                    for (row, line) in lines.iter().enumerate() {
+                        jacobian[row * columns + column] = by_effect[row] - line.dot(&moved);
+                    }
+                }
             }
         }
         let height = kind.place().height;
@@ -319,6 +333,11 @@ impl<E: Effects> ResidualModel<'_, E> {
                 }
             }
             Follows::Line(line) => rows.put(0, first, (-(tip.inverse() * line)).as_slice()),
+            Follows::Lines { lines, .. } => {
+                for (row, line) in lines.iter().enumerate() {
+                    rows.put(row, first, (-(tip.inverse() * line)).as_slice());
+                }
+            }
         }
         let left = if kind.turn().is_some() { inverse_left_jacobian(&found.turn) } else { Matrix3::identity() };
         if kind.turn().is_some() {

@@ -21,10 +21,12 @@ pub struct Error {
     pub mean: f64,
     /// Largest.
     pub max: f64,
+    /// Metres per pixel, where pixels were read.
+    pub per_pixel: Option<f64>,
 }
 
 /// Errors of every sort that was measured, as JSON `position_rms_m`, `position_mean_m`, `position_max_m`,
-/// `orientation_rms_rad` and so on.
+/// `orientation_rms_rad` and so on; of pixels both `reprojection_rms_m` and `reprojection_rms_px`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Errors(pub Vec<Error>);
 
@@ -42,6 +44,12 @@ impl Serialize for Errors {
             let Part { word, unit, .. } = error.part;
             for (what, value) in [("rms", error.rms), ("mean", error.mean), ("max", error.max)] {
                 map.serialize_entry(&format!("{word}_{what}_{unit}"), &value)?;
+            }
+            let pixels = error.per_pixel.map(|size| {
+                [("rms", error.rms), ("mean", error.mean), ("max", error.max)].map(|(what, value)| (what, value / size))
+            });
+            for (what, value) in pixels.into_iter().flatten() {
+                map.serialize_entry(&format!("{word}_{what}_px"), &value)?;
             }
         }
         map.end()
@@ -339,6 +347,7 @@ pub fn errors(residuals: &[Residual], scene: &Scene) -> Errors {
             rms: (norms.iter().map(|v| v * v).sum::<f64>() / count).sqrt(),
             mean: norms.iter().sum::<f64>() / count,
             max: norms.iter().fold(0.0f64, |a, b| a.max(*b)),
+            per_pixel: scene.per_pixel(channel),
         })
     };
     Errors(scene.channels.iter().enumerate().filter_map(of).collect())

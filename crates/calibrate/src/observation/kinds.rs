@@ -5,6 +5,7 @@
 //! knows beside the target (an instrument's frame, an anchor, a socket) it takes from the [`Scene`](crate::observation::measurements::Scene).
 
 mod distance;
+mod pixel;
 mod pose;
 mod position;
 mod socket;
@@ -27,8 +28,11 @@ pub const DISTANCE: ObservationKind = ObservationKind(&distance::Distance);
 /// A ball in a socket.
 pub const SOCKET: ObservationKind = ObservationKind(&socket::Socket);
 
+/// A corner of a board in a camera's image.
+pub const PIXEL: ObservationKind = ObservationKind(&pixel::Pixel);
+
 /// Every kind; of those whose columns a file has, the first is meant.
-pub const KINDS: [ObservationKind; 4] = [POSE, POSITION, DISTANCE, SOCKET];
+pub const KINDS: [ObservationKind; 5] = [POSE, POSITION, DISTANCE, SOCKET, PIXEL];
 
 /// A kind of observation, by reference to its definition.
 #[derive(Clone, Copy)]
@@ -67,10 +71,12 @@ impl Serialize for ObservationKind {
 pub struct Part {
     /// What its errors are called, such as `position`.
     pub word: &'static str,
-    /// Number of values: 1 or 3.
+    /// Number of values: 1, 2 or 3.
     pub height: usize,
     /// `m` or `rad`.
     pub unit: &'static str,
+    /// Whether they follow the target's orientation on the tip.
+    pub by_turn: bool,
 }
 
 /// What a kind takes for unknown beside the arm and the place of its target.
@@ -145,6 +151,13 @@ pub enum Follows {
     Whole,
     /// One value: -line · v.
     Line(Vector3<f64>),
+    /// Two values: -line · v for each, v being the velocity of this point (base frame, m) as if it sat on the tip.
+    Lines {
+        /// The point.
+        point: Vector3<f64>,
+        /// The lines.
+        lines: [Vector3<f64>; 2],
+    },
 }
 
 /// Rows of a Jacobian, a column per parameter.
@@ -172,6 +185,8 @@ pub struct Disturbance<'a> {
     pub position: f64,
     /// Standard deviation of a rotation vector's component, rad.
     pub orientation: f64,
+    /// Standard deviation of a pixel's component, px.
+    pub pixel: f64,
     /// Draws from a normal distribution of this standard deviation.
     pub draw: &'a mut dyn FnMut(f64) -> f64,
 }
@@ -244,6 +259,27 @@ pub trait Observe: Sync {
     /// was measured there.
     fn points(&self, _predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Vec<Vector3<f64>> {
         Vec::new()
+    }
+
+    /// What observations of one target in one row and setup say together, where none of them says it alone: another kind, and
+    /// its numbers. A fit starts from it.
+    fn together(&self, _seen: &[(&Series, &[f64])]) -> Option<(ObservationKind, Vec<f64>)> {
+        None
+    }
+
+    /// Whether it can be seen there at all.
+    fn in_view(&self, _seen: &Seen<'_>) -> bool {
+        true
+    }
+
+    /// Whether it is of the corners of a board, whose camera must be known.
+    fn of_a_board(&self) -> bool {
+        false
+    }
+
+    /// What its setup is called beside that of other instruments in the same rows; empty where it is theirs.
+    fn own_setup(&self) -> &'static str {
+        ""
     }
 
     /// What an instrument without errors reads, appended to `values`.

@@ -2,6 +2,7 @@
 
 pub mod columns;
 mod header;
+mod images;
 pub mod import;
 mod join;
 mod near_miss;

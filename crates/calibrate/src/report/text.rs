@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
-use crate::calibration::contract::{Held, Stage};
+use crate::calibration::contract::{CalibrationReport, Held, Stage};
 use crate::effects::driver::RUN_ORDER;
 use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::identify::solve::{DEGREES_FOR_NOISE, Fit, Noise};
@@ -217,6 +217,7 @@ pub fn calibration(result: &Calibration) -> String {
             text.push_str(&lengths(rows, found));
         }
     }
+    text.push_str(&in_pixels(report, &result.train.scene));
     text.push_str(&trust::not_adopted(report));
     text.push('\n');
     match &result.trace {
@@ -257,6 +258,24 @@ pub fn calibration(result: &Calibration) -> String {
     text
 }
 
+/// What the adopted stage leaves of an image, and what a pixel is in the table above.
+fn in_pixels(report: &CalibrationReport, scene: &Scene) -> String {
+    let Some(stage) = report.stages.iter().find(|stage| stage.adopted) else { return String::new() };
+    let pixels = |errors: &Errors| {
+        let (error, size) = errors.0.iter().find_map(|error| Some((error, error.per_pixel?)))?;
+        Some((error.rms / size, error.max / size, size))
+    };
+    let Some((rms, max, size)) = pixels(&stage.train) else { return String::new() };
+    let held_out = stage.test.as_ref().and_then(pixels);
+    let held_out =
+        held_out.map_or_else(String::new, |(rms, max, _)| format!("; held out {rms:.4} px rms, {max:.4} px at most"));
+    let range = scene.range().unwrap_or(1.0);
+    format!(
+        "reprojection: fitted {rms:.4} px rms, {max:.4} px at most{held_out}\na pixel is {:.4} mm at {range:.3} m, the board's usual distance\n",
+        size * 1e3
+    )
+}
+
 fn several_lengths(scene: &Scene) -> bool {
     scene.channels.iter().filter(|part| part.unit == "m").count() > 1
 }
@@ -291,7 +310,8 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
     let norm = level * (part.height as f64).sqrt() * 1e3;
     let of_norm = if part.height == 1 { String::new() } else { format!(", {norm:.4} mm rms of the error's length") };
     let lead = if channel == 0 { "noise floor: " } else { "  and " };
-    let _ = writeln!(text, "{lead}{:.4} mm per component{of}{of_norm}", level * 1e3);
+    let pixels = scene.per_pixel(channel).map_or_else(String::new, |size| format!(" ({:.4} px)", level / size));
+    let _ = writeln!(text, "{lead}{:.4} mm{pixels} per component{of}{of_norm}", level * 1e3);
 }
 
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.

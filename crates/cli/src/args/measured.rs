@@ -26,14 +26,15 @@ pub struct GivenArguments {
 
 const CALIBRATE_EXAMPLES: &str = "\
 The data are CSV: a column per joint, named as in the URDF (rad, m), and x,y,z of a target on the tip (m), or \
-x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor. Where the instrument stands and \
-where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
+x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor, or pixels u,v of a board's \
+corners. Where the instrument stands and where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
 other numeric columns are what effects may follow.
 
 Examples:
   denavit calibrate arm.urdf --data train.csv --test test.csv
   denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
   denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
+  denavit calibrate arm.urdf --data corners.csv --camera webcam.yaml --board 7x5:30mm
   denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
   some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
 
@@ -76,6 +77,9 @@ pub struct CalibrateArguments {
     /// What the columns of an instrument's export are.
     #[command(flatten)]
     pub import: ImportArguments,
+    /// The camera.
+    #[command(flatten)]
+    pub camera: CameraArguments,
     /// Print a map of the data's columns to start from, and do nothing else
     #[arg(long, requires = "data")]
     pub columns_draft: bool,
@@ -135,6 +139,20 @@ pub struct ImportArguments {
     /// Joint values of the data's rows, from a robot program: ABB RAPID jointtarget, KUKA KRL AXIS, UR script movej
     #[arg(long, value_name = "PROGRAM")]
     pub joints: Option<String>,
+}
+
+/// The camera whose pixels are in the data; see docs/camera.md.
+#[derive(Debug, Args)]
+pub struct CameraArguments {
+    /// Intrinsics of the camera whose pixels are in the data: YAML as ROS (camera_info) or OpenCV write it
+    #[arg(long, value_name = "FILE")]
+    pub camera: Option<String>,
+    /// The camera sits on the hand and sees a board that stands still, not the other way round
+    #[arg(long, requires = "camera")]
+    pub on_hand: bool,
+    /// The board that the camera sees: squares across and down, and the edge of a square
+    #[arg(long, value_name = "7x5:30mm", requires = "camera")]
+    pub board: Option<String>,
 }
 
 impl ImportArguments {
@@ -300,6 +318,12 @@ pub struct SimulateArguments {
         default_value = "0.05,0.05"
     )]
     pub noise: Vec<f64>,
+    /// A camera measures, at random joint values in which it sees its board.
+    #[command(flatten)]
+    pub camera: CameraArguments,
+    /// Noise of each component of a pixel, standard deviation, px
+    #[arg(long, value_name = "PX", default_value_t = 0.2, requires = "camera", value_parser = numbers::tolerance)]
+    pub pixel_noise: f64,
     /// Share of rows with a gross error of 5 to 50 mm
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = numbers::share)]
     pub outliers: f64,

@@ -23,7 +23,11 @@ use std::path::Path;
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     let mut inputs: Vec<Option<&str>> = arguments.data.iter().map(|file| Some(file.as_str())).collect();
-    inputs.extend([Some(arguments.robot.robot.as_str()), arguments.test.as_deref()]);
+    inputs.extend([
+        Some(arguments.robot.robot.as_str()),
+        arguments.test.as_deref(),
+        arguments.camera.camera.as_deref(),
+    ]);
     measured::one_standard_input(&inputs)?;
     if arguments.columns_draft {
         return draft(arguments);
@@ -85,7 +89,7 @@ impl Places {
     fn of(arguments: &CalibrateArguments) -> Result<Self, Failure> {
         let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
         let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
-        let inputs = inputs.chain(arguments.import.files());
+        let inputs = inputs.chain(arguments.import.files()).chain(arguments.camera.camera.as_deref());
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
         let pairs = arguments.out_for.chunks_exact(2);
         let makers = pairs.map(|pair| {
@@ -213,7 +217,8 @@ fn search_asked(arguments: &CalibrateArguments) -> SearchAsked {
 /// The files to fit and to judge by.
 fn rows_asked(arguments: &CalibrateArguments) -> Result<RowsAsked, Failure> {
     let units = measured::units(&arguments.units)?;
-    let import = measured::import_options(&arguments.import)?;
+    let sight = measured::sight(&arguments.camera)?;
+    let import = ImportOptions { sight, ..measured::import_options(&arguments.import)? };
     let read = |file: &String| measured::data_file(file, units, import.clone());
     Ok(RowsAsked {
         data: arguments.data.iter().map(read).collect::<Result<_, _>>()?,

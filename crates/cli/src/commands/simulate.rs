@@ -6,13 +6,15 @@ use crate::measured;
 use crate::output::{Outputs, Slot, Status};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
 use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
+use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_readings};
+use denavit_calibrate::observation::kinds::PIXEL;
 use denavit_model::Chain;
 use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let read = arguments.poses.as_deref().into_iter().chain(arguments.effects.as_deref());
+    let read = read.chain(arguments.camera.camera.as_deref());
     let mut outputs = Outputs::beside(arguments.robot.files().chain(read));
     let main = outputs.add("--output", arguments.output.as_deref().unwrap_or(Path::new("-")))?;
     let test = outputs.add_if("--test", arguments.test.as_deref())?;
@@ -32,6 +34,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         Failure::Argument(match error {
             FilesError::Effect(error) => format!("--effect {error}"),
             FilesError::Column(error) => format!("--columns: {error}"),
+            FilesError::OutOfSight { .. } => format!("--camera: {error}"),
             FilesError::Targets(count) => format!("--targets {count}: {error}"),
             other => format!("{}: {other}", arguments.effects.as_deref().unwrap_or("--effects")),
         })
@@ -51,12 +54,19 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
     if !(0.0..=1.0).contains(&share) {
         return Err(Failure::Argument(format!("--outliers: {share} is no share of the rows; write 0 to 1")));
     }
-    let kind = measured::kind(arguments.measure);
+    let sight = measured::sight(&arguments.camera)?;
+    if sight.as_ref().is_some_and(|sight| sight.board.is_none()) {
+        return Err(Failure::Argument(
+            "--camera needs a board to see; give its squares by --board, such as 7x5:30mm".into(),
+        ));
+    }
+    let kind = if sight.is_some() { PIXEL } else { measured::kind(arguments.measure) };
+    let tries = if kind.of_a_board() { TRIES } else { 1 };
     let readings = match &arguments.poses {
         Some(file) => measured::joint_values(file, chain, &arguments.units)?,
-        None => commanded_readings(chain, arguments.rows as usize, arguments.seed),
+        None => commanded_readings(chain, arguments.rows as usize * tries, arguments.seed),
     };
-    let rows = readings.len();
+    let rows = if arguments.poses.is_some() { readings.len() } else { arguments.rows as usize };
     Ok(SimulationOptions {
         kind,
         rows,
@@ -66,6 +76,8 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         shift,
         noise_position,
         noise_orientation,
+        sight,
+        noise_pixel: arguments.pixel_noise,
         outliers: share,
         covariates: Vec::new(),
         readings: Some(readings),

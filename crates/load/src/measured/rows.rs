@@ -77,6 +77,10 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         return Err(MeasuredError::Option("there is nothing to fit; name a file by --data or --socket".into()));
     };
     let mut test = asked.test.as_ref().map(|file| Ok::<_, MeasuredError>(read(file)?.0)).transpose()?;
+    // Errors in pixels are lengths at one distance, in all rows.
+    if let (Some(range), Some(test)) = (data.scene.range(), test.as_mut()) {
+        test.scene.set_range(range);
+    }
     for word in &asked.distances {
         know(word, &mut data, test.as_mut())?;
     }

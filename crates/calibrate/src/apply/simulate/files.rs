@@ -54,6 +54,16 @@ pub enum FilesError {
     /// Several targets of what has one.
     #[error("only positions are of several targets at once")]
     Targets(usize),
+    /// A camera that does not see its board often enough.
+    #[error(
+        "the camera sees its board in {found} of {wanted} rows only; take a smaller board, a wider lens or fewer rows"
+    )]
+    OutOfSight {
+        /// Rows that see it.
+        found: usize,
+        /// Rows asked for.
+        wanted: usize,
+    },
     /// An effect follows what is not recorded.
     #[error("{kind} follows \"{column}\"; record it with --columns \"{column}\"")]
     NotRecorded {
@@ -86,6 +96,10 @@ pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &Fil
     let mut model = effects;
     model.effects.extend(granted(&asked.specifications, statics, &bare, options.seed)?.effects);
     let run = simulate(chain, &options, &model);
+    let enough = |found: usize, wanted: usize| {
+        if found < wanted { Err(FilesError::OutOfSight { found, wanted }) } else { Ok(()) }
+    };
+    enough(run.data.len(), options.rows)?;
     let comments = |rows: usize, kind: ObservationKind| {
         vec![format!("{}: {rows} simulated {}, m and rad; made by denavit simulate", chain.name(), kind.plural())]
     };
@@ -95,12 +109,13 @@ pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &Fil
         let later = SimulationOptions {
             rows,
             seed,
-            readings: Some(commanded_readings(chain, rows, seed)),
+            readings: Some(commanded_readings(chain, rows * options.tries(), seed)),
             before: Some(with_run_order(run.data.clone())),
             covariates: columns(&asked.columns, chain, rows, options.rows, seed)?,
             ..options.clone()
         };
         let test = simulate_arm(&run.arm, &later, &model);
+        enough(test.data.len(), rows)?;
         Ok::<_, FilesError>(write(&as_displayed(&test.data, &later), &comments(rows, options.kind)))
     };
     let test = asked.test_rows.map(later).transpose()?;

@@ -37,6 +37,9 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
         "noise": {"position_m": options.noise_position, "orientation_rad": options.noise_orientation},
         "axes": axes,
     });
+    if options.kind.of_a_board() {
+        truth["noise"] = json!({"pixel_px": options.noise_pixel});
+    }
     for (point, name) in arm.points.iter().zip(&run.data.scene.points) {
         let place: [f64; 3] = (*point).into();
         truth[name] = json!(place);

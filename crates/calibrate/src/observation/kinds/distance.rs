@@ -32,7 +32,7 @@ impl Observe for Distance {
     }
 
     fn place(&self) -> Part {
-        Part { word: "distance", height: 1, unit: "m" }
+        Part { word: "distance", height: 1, unit: "m", by_turn: false }
     }
 
     fn unknowns(&self) -> Unknowns {

@@ -30,7 +30,7 @@ impl Observe for Pose {
     }
 
     fn turn(&self) -> Option<Part> {
-        Some(Part { word: "orientation", height: 3, unit: "rad" })
+        Some(Part { word: "orientation", height: 3, unit: "rad", by_turn: true })
     }
 
     fn unknowns(&self) -> Unknowns {

@@ -10,7 +10,7 @@ use denavit_model::nalgebra::{Matrix3, Vector3};
 #[derive(Debug)]
 pub(super) struct Position;
 
-pub(super) const PART: Part = Part { word: "position", height: 3, unit: "m" };
+pub(super) const PART: Part = Part { word: "position", height: 3, unit: "m", by_turn: false };
 
 fn read(seen: &Seen<'_>) -> Vector3<f64> {
     Vector3::new(seen.values[0], seen.values[1], seen.values[2])

@@ -20,7 +20,7 @@ impl Observe for Socket {
     }
 
     fn place(&self) -> Part {
-        Part { word: "spread", height: 3, unit: "m" }
+        Part { word: "spread", height: 3, unit: "m", by_turn: false }
     }
 
     fn unknowns(&self) -> Unknowns {

@@ -39,7 +39,9 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
                     "" => "the target".into(),
                     target => format!("target {target}"),
                 };
-                if *column >= group.kind.lengths() {
+                if group.corner.is_some() {
+                    "pixels of corners of the board".into()
+                } else if *column >= group.kind.lengths() {
                     format!("orientation of {target} (quaternion)")
                 } else if group.kind.unknowns().instrument {
                     format!("position of {target}")
@@ -48,6 +50,7 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
                 }
             }
             Role::Spread(_) => "standard deviation".into(),
+            Role::Corner => "which corner of the board".into(),
             Role::Locate => "rows that place a target".into(),
             Role::Other => other(name),
         },

@@ -2,7 +2,8 @@
 
 use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use super::problem::Problem;
-use crate::observation::kinds::{KINDS, ObservationKind};
+use crate::observation::board::Sight;
+use crate::observation::kinds::{KINDS, ObservationKind, PIXEL};
 use denavit_model::{Coordinate, Quantity};
 
 /// What a column holds.
@@ -14,6 +15,8 @@ pub(super) enum Role {
     Value(usize, usize),
     /// Standard deviation of the lengths of this group and column, or of all lengths of the row.
     Spread(Option<(usize, usize)>),
+    /// Which corner of a board the row sees, or where that is on it.
+    Corner,
     /// Whether the row only places targets.
     Locate,
     /// Something else: a number or a text.
@@ -38,17 +41,40 @@ pub(super) struct Group {
     pub columns: Vec<String>,
     /// The column that tells its points apart.
     pub label: Option<usize>,
+    /// What tells the corners of a board apart, where it is of one.
+    pub corner: Option<CornerOf>,
 }
+
+/// How a file says which corner of a board was seen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum CornerOf {
+    /// By the names of its columns: `u12`, `v12`.
+    Named(String),
+    /// By a column `corner`.
+    Numbered(usize),
+    /// By its place on the board, in columns `board_x`, `board_y`.
+    Placed([usize; 2]),
+}
+
+/// The columns that say where on a board a corner is.
+const ON_BOARD: [&str; 2] = ["board_x", "board_y"];
 
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 
 impl Header {
     /// Reads the header row.
-    pub fn read(names: Vec<String>, coordinates: &[Coordinate]) -> Result<Self, Vec<Problem>> {
+    pub fn read(names: Vec<String>, coordinates: &[Coordinate], sight: Option<&Sight>) -> Result<Self, Vec<Problem>> {
         let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
-        let groups = groups(&names, &targets);
+        let mut groups = groups(&names, &targets);
+        match sight {
+            Some(sight) => groups.extend(corners(&names, sight, &mut problems)),
+            None if groups.is_empty() && targets.is_empty() && !pixels(&names).is_empty() => {
+                return Err(vec![Problem::PixelsWithoutCamera]);
+            }
+            None => {}
+        }
         let roles = roles(&names, coordinates, &groups);
         for (index, coordinate) in coordinates.iter().enumerate() {
             if !roles.contains(&Role::Joint(index)) {
@@ -120,7 +146,7 @@ fn targets(names: &[String], problems: &mut Vec<Problem>) -> Vec<String> {
 /// The observations that a row may hold, by kind and target; no column belongs to two.
 fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    for kind in KINDS {
+    for kind in KINDS.into_iter().filter(|kind| !kind.of_a_board()) {
         let unnamed = std::iter::once(String::new());
         for target in unnamed.chain(targets.iter().filter(|target| !target.is_empty()).cloned()) {
             let columns = kind.columns(&target);
@@ -130,9 +156,53 @@ fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
             let known = groups.iter().any(|group| group.kind == kind && columns.is_empty());
             if columns.iter().all(free) && !known && (label.is_some() || !columns.is_empty()) {
                 let target = kind.own_target().map_or(target, String::from);
-                groups.push(Group { kind, target, columns, label });
+                groups.push(Group { kind, target, columns, label, corner: None });
             }
         }
+    }
+    groups
+}
+
+/// What follows u or v in the names of pixels: nothing, or the number of a corner.
+fn pixels(names: &[String]) -> Vec<String> {
+    let mut corners: Vec<String> = Vec::new();
+    for name in names {
+        let Some(number) = name.strip_prefix(['u', 'v']) else { continue };
+        if number.chars().all(|c| c.is_ascii_digit()) && !corners.iter().any(|known| known == number) {
+            corners.push(number.into());
+        }
+    }
+    corners
+}
+
+/// The corners of a board that a row may hold.
+fn corners(names: &[String], sight: &Sight, problems: &mut Vec<Problem>) -> Vec<Group> {
+    let at = |wanted: &str| names.iter().position(|name| name == wanted);
+    let mut groups = Vec::new();
+    for number in pixels(names) {
+        let columns = PIXEL.columns(&number);
+        if let Some(missing) = columns.iter().find(|column| at(column).is_none()) {
+            let present = columns.iter().find(|column| *column != missing).cloned().unwrap_or_default();
+            problems.push(Problem::Incomplete { missing: missing.clone(), present, group: columns.join(", ") });
+            continue;
+        }
+        let corner = match (ON_BOARD.map(at), at("corner")) {
+            _ if !number.is_empty() => CornerOf::Named(number),
+            ([Some(x), Some(y)], _) => CornerOf::Placed([x, y]),
+            (_, Some(column)) => CornerOf::Numbered(column),
+            _ => {
+                problems.push(Problem::WhichCorner);
+                continue;
+            }
+        };
+        if sight.board.is_none() && !matches!(corner, CornerOf::Placed(_)) {
+            problems.push(Problem::NoBoard);
+            return Vec::new();
+        }
+        groups.push(Group { kind: PIXEL, target: sight.on_tip().into(), columns, label: None, corner: Some(corner) });
+    }
+    if groups.is_empty() && problems.is_empty() {
+        problems.push(Problem::NoPixels);
     }
     groups
 }
@@ -146,6 +216,14 @@ fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<
             if let Some(column) = of.columns.iter().position(|column| column == name) {
                 return Role::Value(group, column);
             }
+        }
+        let tells_corner = |of: &Group| match of.corner {
+            Some(CornerOf::Numbered(column)) => names[column] == *name,
+            Some(CornerOf::Placed(columns)) => columns.iter().any(|column| names[*column] == *name),
+            _ => false,
+        };
+        if groups.iter().any(tells_corner) {
+            return Role::Corner;
         }
         let spread = |column: &str| {
             let at = |(group, of): (usize, &Group)| {
@@ -167,7 +245,7 @@ fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<
 /// What is wrong with the measured columns.
 fn measured(names: &[String], roles: &[Role], groups: &[Group], targets: &[String], problems: &mut Vec<Problem>) {
     let has = |wanted: &str| names.iter().any(|name| name == wanted);
-    if groups.is_empty() && targets.is_empty() {
+    if groups.is_empty() && targets.is_empty() && pixels(names).is_empty() {
         let other = |wanted: &str| {
             names.iter().zip(roles).find(|(name, role)| {
                 **role == Role::Other && (name.eq_ignore_ascii_case(wanted) || nearly(name, wanted))

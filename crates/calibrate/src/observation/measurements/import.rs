@@ -21,6 +21,7 @@ pub use programs::{JointList, ProgramError, joints};
 
 use super::near_miss::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::units::Units;
+use crate::observation::board::Sight;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::{Chain, Quantity};
 use grid::Grid;
@@ -112,6 +113,8 @@ pub struct ImportOptions {
     pub quaternion: Option<String>,
     /// Joint values from another file, row by row.
     pub joints: Option<JointList>,
+    /// The camera whose pixels are read.
+    pub sight: Option<Sight>,
 }
 
 /// A file in the contract's form.
@@ -203,7 +206,7 @@ const QUATERNIONS: [[&str; 4]; 4] = [
 ///
 /// `units` are those of columns that name none.
 pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &ImportOptions) -> Result<Imported, Fault> {
-    let asked = *options != ImportOptions::default();
+    let asked = ImportOptions { sight: None, ..options.clone() } != ImportOptions::default();
     let untouched = || {
         let (text, _) = grid::decoded(bytes);
         Imported { text, converted: false, taken: Vec::new(), sources: Vec::new() }

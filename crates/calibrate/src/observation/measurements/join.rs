@@ -1,7 +1,7 @@
 //! Several files in one fit, and the rows of some setups apart from the others.
 
 use super::{Covariate, DataError, DataProblem, Label, Measurements, Problem, Scene, label_of};
-use crate::observation::kinds::SOCKET;
+use crate::observation::kinds::{ObservationKind, SOCKET};
 use denavit_model::{Chain, Quantity};
 use std::io::Read;
 
@@ -45,6 +45,9 @@ impl Measurements {
                 },
             );
         }
+        if let Some(range) = all.scene.range() {
+            all.scene.set_range(range);
+        }
         Some(all)
     }
 
@@ -55,12 +58,15 @@ impl Measurements {
         for series in &old.series {
             let (setup, target) = (&old.setups[series.setup], &old.targets[series.target]);
             let point = series.point.map(|point| label_of(&old.points[point]).to_owned());
-            let (setup, target, point) = if setup.is_empty() {
-                in_setup(series.kind.own_target().is_some(), name, target, point.as_deref().unwrap_or(""))
+            let (setup, target, point) = if setup == series.kind.own_setup() {
+                in_setup(series.kind, name, target, point.as_deref().unwrap_or(""))
             } else {
                 (setup.clone(), target.clone(), point.unwrap_or_default())
             };
-            self.scene.add(series.kind, &setup, &target, Some(&point));
+            match &series.corner {
+                Some(corner) => self.scene.add_corner(series.kind, &setup, &target, corner.clone()),
+                None => self.scene.add(series.kind, &setup, &target, Some(&point)),
+            };
         }
         self
     }
@@ -113,13 +119,15 @@ impl Measurements {
 }
 
 /// The names of setup, target and point in a setup of this name; what keeps to the tip keeps its name.
-pub(super) fn in_setup(same_target: bool, setup: &str, target: &str, point: &str) -> (String, String, String) {
+pub(super) fn in_setup(kind: ObservationKind, setup: &str, target: &str, point: &str) -> (String, String, String) {
+    let own = kind.own_setup();
     if setup.is_empty() {
-        return (String::new(), target.into(), point.into());
+        return (own.into(), target.into(), point.into());
     }
     let separate = if point.is_empty() { setup.to_owned() } else { format!("{setup}/{point}") };
-    let target = if same_target { target.into() } else { format!("{target}@{setup}") };
-    (setup.into(), target, separate)
+    let target = if kind.own_target().is_some() { target.into() } else { format!("{target}@{setup}") };
+    let setup = if own.is_empty() { setup.to_owned() } else { format!("{setup} {own}") };
+    (setup, target, separate)
 }
 
 fn common<T>(all: Vec<T>, others: &[T], name: impl Fn(&T) -> &String, join: impl Fn(&mut T, &T)) -> Vec<T> {

@@ -51,6 +51,18 @@ impl Observations {
         self.starts.push(self.series.len());
     }
 
+    /// Takes the last row up again: what is pushed next belongs to it until it is ended.
+    pub(super) fn resume_row(&mut self) {
+        if self.starts.len() > 1 {
+            self.starts.pop();
+        }
+    }
+
+    /// The observations of the row that is being filled.
+    pub(super) fn since_row_began(&self) -> Range<usize> {
+        self.starts[self.starts.len() - 1]..self.series.len()
+    }
+
     /// Number of observations.
     pub fn len(&self) -> usize {
         self.series.len()

@@ -216,6 +216,69 @@ pub enum Problem {
         /// Its length.
         length: f64,
     },
+    /// Pixels, and nothing is known of the camera.
+    #[error(
+        "columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by --camera FILE.yaml and its \
+         board by --board, such as 7x5:30mm"
+    )]
+    PixelsWithoutCamera,
+    /// A camera, and no pixels.
+    #[error("a camera was named, but no columns are pixels; there must be u,v with corner, or u0,v0,u1,v1,… by corner")]
+    NoPixels,
+    /// Pixels of nobody knows which corner.
+    #[error(
+        "columns u, v do not say of which corner of the board they are; add a column corner with its number, or board_x,board_y"
+    )]
+    WhichCorner,
+    /// Numbers of corners, and no board.
+    #[error("corners are numbered, and the board is not known; give its squares by --board, such as 7x5:30mm")]
+    NoBoard,
+    /// A number that no corner of the board has.
+    #[error("corner \"{corner}\" is none of the board's ({board}: corners 0 to {last})")]
+    NoSuchCorner {
+        /// As written.
+        corner: String,
+        /// The board.
+        board: String,
+        /// The largest number.
+        last: usize,
+    },
+    /// A corner that is there twice in one image.
+    #[error(
+        "corner \"{corner}\" is there twice in one image; leave one of them out, or tell the images apart in a column image"
+    )]
+    CornerTwice {
+        /// As written.
+        corner: String,
+    },
+    /// Half a pixel.
+    #[error("corner \"{corner}\" has one of {columns} but not both; leave both empty where it was not seen")]
+    PartOfCorner {
+        /// As written.
+        corner: String,
+        /// Their names.
+        columns: String,
+    },
+    /// A pixel that is not in the image.
+    #[error(
+        "column \"{column}\": {value} is outside of the image of {width} x {height} pixels; are these this camera's pixels?"
+    )]
+    OutsideImage {
+        /// The column.
+        column: String,
+        /// The cell.
+        value: f64,
+        /// px.
+        width: f64,
+        /// px.
+        height: f64,
+    },
+    /// No image says where the board is.
+    #[error(
+        "no image shows four corners of the board that are not in one line, as a camera must see them to know where it is; \
+         check --board, --camera and the numbers of the corners"
+    )]
+    NoBoardPose,
     /// A distance that is not positive.
     #[error("distance {0} is not positive; it is the length in m from the anchor to the target")]
     NotPositive(f64),

@@ -1,7 +1,8 @@
 //! Reading a measurement file, row by row.
 
 use super::columns::{self, ColumnUse};
-use super::header::{Header, Role, quantity_of};
+use super::header::{CornerOf, Header, Role, quantity_of};
+use super::images::{self, Images};
 use super::import::{ImportOptions, Imported, import};
 use super::join::in_setup;
 use super::near_miss::KNOWN_COVARIATES;
@@ -9,6 +10,7 @@ use super::plausible;
 use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene};
+use crate::observation::board::Sight;
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::{Chain, Quantity};
 use std::fmt;
@@ -116,7 +118,7 @@ pub fn read_export(
 ) -> Result<Loaded, DataError> {
     let Imported { text, converted, taken, sources } = in_our_form(source, input, chain, units, options)?;
     let units = if converted { Units::default() } else { units };
-    let mut loaded = read_contract(source, text.as_bytes(), chain, units)?;
+    let mut loaded = read_contract(source, text.as_bytes(), chain, units, options.sight.as_ref())?;
     loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
     for column in &mut loaded.columns {
         if let Some((_, own)) = sources.iter().find(|(name, _)| *name == column.column) {
@@ -142,12 +144,18 @@ pub(super) fn in_our_form(
         .map_err(|fault| Problems::new(source).only(fault.line as u64, Problem::Import(fault.problem)))
 }
 
-fn read_contract(source: &str, input: impl Read, chain: &Chain, units: Units) -> Result<Loaded, DataError> {
+fn read_contract(
+    source: &str,
+    input: impl Read,
+    chain: &Chain,
+    units: Units,
+    sight: Option<&Sight>,
+) -> Result<Loaded, DataError> {
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
     let (names, header_line) = header_row(&mut reader, source)?;
-    let header = match Header::read(names, chain.coordinates()) {
+    let header = match Header::read(names, chain.coordinates(), sight) {
         Ok(header) => header,
         Err(found) => {
             for problem in found {
@@ -157,6 +165,7 @@ fn read_contract(source: &str, input: impl Read, chain: &Chain, units: Units) ->
         }
     };
     let mut table = Table::new(&header, chain, units, source);
+    table.images = sight.map(Images::new);
     loop {
         match reader.read_record(&mut record) {
             Ok(true) => table.row(&record, reader.position().line() - 1, &mut problems),
@@ -319,6 +328,8 @@ struct Table<'a> {
     series: Vec<(usize, String, String, usize)>,
     /// Standard deviations of the lengths of each observation, m.
     spreads: Vec<[f64; 3]>,
+    /// The camera, where there is one.
+    images: Option<Images<'a>>,
 }
 
 impl<'a> Table<'a> {
@@ -329,7 +340,7 @@ impl<'a> Table<'a> {
             Role::Joint(index) => of(coordinates[*index].quantity),
             Role::Value(group, column) if *column < header.groups[*group].kind.lengths() => units.length,
             Role::Other => quantity_of(name, coordinates).map_or(1.0, of),
-            Role::Spread(_) => units.length,
+            Role::Spread(_) | Role::Corner => units.length,
             Role::Value(..) | Role::Locate => 1.0,
         };
         let factors: Vec<f64> = header.names.iter().zip(&header.roles).map(factor).collect();
@@ -354,11 +365,11 @@ impl<'a> Table<'a> {
         let mut series = Vec::new();
         // What no label tells apart is there although no row may see it.
         for (group, of) in header.groups.iter().enumerate() {
-            if header.setup.is_none() && of.label.is_none() {
+            if header.setup.is_none() && of.label.is_none() && of.corner.is_none() {
                 series.push((group, String::new(), String::new(), data.scene.add(of.kind, "", &of.target, None)));
             }
         }
-        Self { header, factors, data, others, normalised_by: 0.0, series, spreads: Vec::new() }
+        Self { header, factors, data, others, normalised_by: 0.0, series, spreads: Vec::new(), images: None }
     }
 
     fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
@@ -368,6 +379,7 @@ impl<'a> Table<'a> {
             return;
         }
         let row = self.data.lines.len();
+        let goes_on = self.images.as_mut().is_some_and(|images| images.goes_on(self.header, record));
         let mut reading = vec![0.0; self.data.joints.len()];
         let mut cells: Vec<Vec<Option<f64>>> =
             self.header.groups.iter().map(|of| vec![None; of.columns.len()]).collect();
@@ -379,13 +391,19 @@ impl<'a> Table<'a> {
             let name = &self.header.names[column];
             let role = self.header.roles[column];
             if role == Role::Other {
-                self.others[other].take(row, line, cell);
+                if !goes_on {
+                    self.others[other].take(row, line, cell);
+                }
                 other += 1;
+                continue;
+            }
+            if role == Role::Corner {
                 continue;
             }
             if let Role::Value(group, _) = role
                 && cell.is_empty()
                 && (self.header.groups.len() > 1 || self.header.groups[group].kind.of_several())
+                && !matches!(self.header.groups[group].corner, Some(CornerOf::Numbered(_) | CornerOf::Placed(_)))
             {
                 continue;
             }
@@ -417,14 +435,25 @@ impl<'a> Table<'a> {
                     }
                     locate = value != 0.0;
                 }
-                Role::Other => {}
+                Role::Other | Role::Corner => {}
             }
+        }
+        if goes_on {
+            self.data.observed.resume_row();
         }
         for (group, cells) in cells.iter().enumerate().filter(|(group, _)| !unreadable[*group]) {
             let label = |column: Option<usize>| column.and_then(|column| record.get(column)).unwrap_or("");
             let of = &self.header.groups[group];
-            let labels = [label(self.header.setup), label(of.label)];
-            self.observation(line, group, labels, cells, spreads[group], problems);
+            let setup = label(self.header.setup);
+            if of.corner.is_some() {
+                self.corner(line, group, setup, record, cells, problems);
+                continue;
+            }
+            self.observation(line, group, [setup, label(of.label)], cells, spreads[group], problems);
+        }
+        if goes_on {
+            self.data.observed.end_row();
+            return;
         }
         self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
     }
@@ -460,13 +489,62 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A corner of a board; empty cells: not seen.
+    fn corner(
+        &mut self,
+        line: u64,
+        group: usize,
+        setup: &str,
+        record: &csv::StringRecord,
+        cells: &[Option<f64>],
+        problems: &mut Problems<'_>,
+    ) {
+        let (of, Some(images)) = (&self.header.groups[group], self.images.as_ref()) else { return };
+        let [u, v] = match *cells {
+            [None, None] => return,
+            [Some(u), Some(v)] => [u, v],
+            _ => {
+                let corner = of.columns[0][1..].to_owned();
+                problems.add(line, Problem::PartOfCorner { corner, columns: of.columns.join(", ") });
+                return;
+            }
+        };
+        let corner = match images.corner(self.header, of, record, &self.factors) {
+            Ok(corner) => corner,
+            Err(problem) => {
+                problems.add(line, problem);
+                return;
+            }
+        };
+        if let Some(problem) = images.outside(&of.columns, [u, v]) {
+            problems.add(line, problem);
+            return;
+        }
+        let (setup, target, _) = in_setup(of.kind, setup, &of.target, "");
+        let label = corner.label.clone();
+        let known = self.series.iter().find(|known| known.0 == group && known.1 == setup && known.2 == label);
+        let series = if let Some(known) = known {
+            known.3
+        } else {
+            let series = self.data.scene.add_corner(of.kind, &setup, &target, corner);
+            self.series.push((group, setup, label.clone(), series));
+            series
+        };
+        if self.data.observed.since_row_began().any(|observation| self.data.observed.series(observation) == series) {
+            problems.add(line, Problem::CornerTwice { corner: label });
+            return;
+        }
+        self.data.observed.push(series, &[u, v]);
+        self.spreads.push([f64::NAN; 3]);
+    }
+
     fn series_of(&mut self, group: usize, setup: &str, label: &str) -> usize {
         let same = |known: &&(usize, String, String, usize)| known.0 == group && known.1 == setup && known.2 == label;
         if let Some(known) = self.series.iter().find(same) {
             return known.3;
         }
         let of = &self.header.groups[group];
-        let (own, target, point) = in_setup(of.kind.own_target().is_some(), setup, &of.target, label);
+        let (own, target, point) = in_setup(of.kind, setup, &of.target, label);
         let series = self.data.scene.add(of.kind, &own, &target, Some(&point));
         self.series.push((group, setup.into(), label.into(), series));
         series
@@ -511,6 +589,12 @@ impl<'a> Table<'a> {
             notes.push(DataNote::Normalised { by: self.normalised_by });
         }
         self.levels();
+        if self.images.is_some() && !self.data.observed.is_empty() {
+            match images::range(&self.data) {
+                Some(range) => self.data.scene.set_range(range),
+                None => problems.add(0, Problem::NoBoardPose),
+            }
+        }
         plausible::drop_targets(&mut self.data, &mut notes);
         for (line, problem) in plausible::problems(&self.data, chain) {
             problems.add(line, problem);

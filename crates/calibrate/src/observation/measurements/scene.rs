@@ -1,10 +1,12 @@
 //! What is measured, of what and with what: setups, targets, points that stand still, and series of observations.
 
+use crate::observation::board::{Camera, Corner, Sight};
 use crate::observation::kinds::{ObservationKind, Part};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Observations of one kind, of one target, in one setup.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// What is observed.
     pub kind: ObservationKind,
@@ -14,8 +16,17 @@ pub struct Series {
     pub target: usize,
     /// Index of the point, for kinds that need one.
     pub point: Option<usize>,
+    /// The corner of a board, for kinds that see one.
+    pub corner: Option<Corner>,
     /// Index of the noise channel of the lengths, and of the angles.
     pub channels: [Option<usize>; 2],
+}
+
+impl Series {
+    /// How far away a camera's board is as a rule, m.
+    pub fn range(&self) -> f64 {
+        self.corner.as_ref().map_or(1.0, |corner| corner.camera.range)
+    }
 }
 
 /// Everything beside the arm that observations speak of.
@@ -76,6 +87,21 @@ impl Scene {
     ///
     /// `point` tells several points of one sort apart.
     pub fn add(&mut self, kind: ObservationKind, setup: &str, target: &str, point: Option<&str>) -> usize {
+        self.add_seen(kind, [setup, target], point, None)
+    }
+
+    /// The series of a board's corner, the board or its camera being the target; made where there is none.
+    pub fn add_corner(&mut self, kind: ObservationKind, setup: &str, target: &str, corner: Corner) -> usize {
+        self.add_seen(kind, [setup, target], None, Some(corner))
+    }
+
+    fn add_seen(
+        &mut self,
+        kind: ObservationKind,
+        [setup, target]: [&str; 2],
+        point: Option<&str>,
+        corner: Option<Corner>,
+    ) -> usize {
         let setup = index_of(&mut self.setups, setup);
         let target = index_of(&mut self.targets, target);
         let point = kind.unknowns().point.map(|word| {
@@ -83,8 +109,11 @@ impl Scene {
                 point.filter(|name| !name.is_empty()).map_or_else(|| word.into(), |name| format!("{word} {name}"));
             index_of(&mut self.points, &name)
         });
-        let same =
-            |series: &Series| (series.kind, series.setup, series.target, series.point) == (kind, setup, target, point);
+        let label = corner.as_ref().map(|corner| &corner.label);
+        let same = |series: &Series| {
+            (series.kind, series.setup, series.target, series.point) == (kind, setup, target, point)
+                && series.corner.as_ref().map(|corner| &corner.label) == label
+        };
         if let Some(known) = self.series.iter().position(same) {
             return known;
         }
@@ -95,7 +124,7 @@ impl Scene {
             })
         };
         let channels = [Some(channel(kind.place())), kind.turn().map(channel)];
-        self.series.push(Series { kind, setup, target, point, channels });
+        self.series.push(Series { kind, setup, target, point, corner, channels });
         self.series.len() - 1
     }
 
@@ -103,7 +132,44 @@ impl Scene {
     pub fn adopt(&mut self, other: &Self, series: &Series) -> usize {
         let point = series.point.map(|point| label_of(&other.points[point]).to_owned());
         let (setup, target) = (&other.setups[series.setup], &other.targets[series.target]);
-        self.add(series.kind, setup, target, point.as_deref())
+        self.add_seen(series.kind, [setup, target], point.as_deref(), series.corner.clone())
+    }
+
+    /// The corners of a board, seen by a camera at so many metres.
+    ///
+    /// `None` where the board is not known.
+    pub fn of_board(kind: ObservationKind, sight: &Sight, range: f64) -> Option<Self> {
+        let mut scene = Self::default();
+        let (lens, on_hand) = (sight.lens.clone(), sight.on_hand);
+        let camera = Arc::new(Camera { lens, on_hand, range });
+        let board = sight.board?;
+        for (number, at) in (0..board.corners()).filter_map(|number| Some((number, board.corner(number)?))) {
+            let corner = Corner { label: number.to_string(), at, camera: camera.clone() };
+            scene.add_corner(kind, kind.own_setup(), sight.on_tip(), corner);
+        }
+        Some(scene)
+    }
+
+    /// How far away the boards are as a rule, m; `None` where no camera sees one.
+    pub fn range(&self) -> Option<f64> {
+        self.series.iter().find_map(|series| Some(series.corner.as_ref()?.camera.range))
+    }
+
+    /// Metres per pixel of a noise channel, where it is of pixels.
+    pub fn per_pixel(&self, channel: usize) -> Option<f64> {
+        let own = |series: &&Series| series.channels[0] == Some(channel);
+        self.series.iter().filter(own).find_map(|series| Some(series.corner.as_ref()?.camera.metres_per_pixel()))
+    }
+
+    /// Gives errors in pixels as lengths at this distance, m.
+    pub fn set_range(&mut self, range: f64) {
+        let mut known: Vec<(Arc<Camera>, Arc<Camera>)> = Vec::new();
+        for corner in self.series.iter_mut().filter_map(|series| series.corner.as_mut()) {
+            let same = known.iter().find(|(old, _)| Arc::ptr_eq(old, &corner.camera));
+            let new =
+                same.map_or_else(|| Arc::new(Camera { range, ..(*corner.camera).clone() }), |(_, new)| new.clone());
+            known.push((std::mem::replace(&mut corner.camera, new.clone()), new));
+        }
     }
 
     /// The point of a label, such as `front/0`, whatever sort of point it is.

@@ -17,7 +17,7 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
     let mut groups: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
     for (index, series) in data.scene.series.iter().enumerate() {
         let target = targets[series.target].split('@').next().unwrap_or("");
-        let columns = series.kind.columns(target);
+        let columns = series.kind.columns(series.corner.as_ref().map_or(target, |corner| &corner.label));
         match groups.iter_mut().find(|group| group.0 == columns) {
             Some(group) => group.1.push(index),
             None => groups.push((columns, vec![index])),

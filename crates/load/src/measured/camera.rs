@@ -1,0 +1,18 @@
+//! A camera and the board that it sees, from a file and words.
+
+use super::MeasuredError;
+use denavit_calibrate::observation::board::{Board, Sight};
+use denavit_calibrate::observation::lens::Lens;
+
+/// What is said of a camera: its file of intrinsics and the text of it, the board in words (`7x5:30mm`), and whether it
+/// sits on the hand.
+///
+/// # Errors
+/// Intrinsics or a board that cannot be read.
+pub fn sight(file: &str, text: &str, board: Option<&str>, on_hand: bool) -> Result<Sight, MeasuredError> {
+    let read =
+        |written: &str| written.parse::<Board>().map_err(|error| MeasuredError::Option(format!("--board: {error}")));
+    let board = board.map(read).transpose()?;
+    let lens = Lens::read(file, text).map_err(|error| MeasuredError::Option(error.to_string()))?;
+    Ok(Sight { lens, on_hand, board })
+}
