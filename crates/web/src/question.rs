@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use denavit_dh::{Convention, Gauge};
 use denavit_export::Units;
 use denavit_export::sources::Stated;
-use denavit_load::{Loaded, Opened, Options, Selection, TableOptions};
+use denavit_load::{Loaded, NEARLY_PARALLEL, Opened, Options, Selection, TableOptions};
 use denavit_model::{Chain, ChainJoint, Reading};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -246,14 +246,9 @@ impl RobotText {
             let named = if scales.is_empty() { "as URDF" } else { "as URDF, joint scales left out" };
             return Ok((format!("{} ({named})", self.file), urdf.map_err(|error| error.to_string())?.value));
         }
-        let is_xacro = denavit_xacro::is_xacro(&self.text);
-        let is_named = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("xacro"));
-        let is_meant = || is_named || denavit_model::urdf::read(&self.file, &self.text).is_err();
-        if is_xacro && is_meant() {
-            let expanded = denavit_load::expanded(&self.file, &self.text, &self.options());
-            return Ok((format!("{} (expanded)", self.file), expanded.map_err(|error| error.to_string())?.urdf));
-        }
-        Ok((self.file.clone(), self.text.clone()))
+        let urdf = denavit_load::urdf_text(&self.file, self.text.clone(), &self.options(), &self.canonical_options());
+        let urdf = urdf.map_err(|error| error.to_string())?;
+        Ok((urdf.shown, urdf.text))
     }
 
     pub(crate) fn canonical_options(&self) -> denavit_export::urdf::Options {
@@ -262,7 +257,7 @@ impl RobotText {
             parallelism: if self.exact {
                 denavit_dh::Parallelism::Exact
             } else {
-                denavit_dh::Parallelism::Within { angle: TOLERANCE }
+                denavit_dh::Parallelism::Within { angle: NEARLY_PARALLEL }
             },
             tip: self.tip.clone(),
             ..denavit_export::urdf::Options::default()
@@ -301,9 +296,6 @@ pub fn without_scales(robot: Loaded) -> Result<(Loaded, BTreeMap<String, f64>), 
     Ok((Loaded::Poe(plain.map_err(|error| error.to_string())?), scales))
 }
 
-/// Neighbouring axes nearer to parallel than this are made parallel, rad, as the command line does.
-const TOLERANCE: f64 = 1e-6;
-
 /// How a table is to be made.
 pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<TableOptions, String> {
     let convention = match convention {
@@ -320,7 +312,7 @@ pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<Ta
         Some("paper") => Some(Gauge::Paper),
         Some(word) => return Err(format!("\"{word}\" is no gauge; take simple or paper")),
     };
-    Ok(TableOptions { convention, gauge, tolerance: TOLERANCE })
+    Ok(TableOptions { convention, gauge, tolerance: NEARLY_PARALLEL })
 }
 
 /// Units of documents for people.
