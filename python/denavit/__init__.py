@@ -52,6 +52,10 @@ from denavit.view import View, explore
 
 __version__ = _version("denavit")
 
+show_explorer: bool = False
+"""Whether robots, chains, diffs and fits show themselves in a notebook by the explorer, as `explore` does: three megabytes
+for each cell. Otherwise they show their text."""
+
 __all__ = [
     "ArgumentError",
     "CalibrationError",
@@ -99,4 +103,5 @@ __all__ = [
     "explore",
     "fingerprint",
     "load",
+    "show_explorer",
 ]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
 from denavit._frozen import Frozen
+from denavit._shown import Shown
 from denavit.table import Table
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Coordinate:
     continuous: bool = False
 
 
-class Chain(Frozen):
+class Chain(Shown, Frozen):
     """A chain of joints from a base link to a tip link; made by `Robot.chain`.
 
     Joint values are arrays whose last axis has one value for each of the n coordinates (rad, m): shape ``(n,)`` for one

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from denavit import _denavit
+from denavit._shown import Shown
 from denavit.bridges.sources import text_of
 from denavit.robot import Robot, Source, load
 
@@ -48,7 +49,7 @@ class JointDifference:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Diff:
+class Diff(Shown):
     """How two robots differ; shows itself as `denavit diff` prints it. True in conditions where they do differ.
 
     Attributes:

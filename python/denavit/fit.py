@@ -12,6 +12,7 @@ from denavit import _denavit
 from denavit import progress as _progress
 from denavit._files import save
 from denavit._frozen import Frozen
+from denavit._shown import Shown
 from denavit.chain import Chain
 from denavit.commands import Commands, compensate
 from denavit.errors import ArgumentError, ExportError
@@ -48,7 +49,7 @@ class Found:
         return cls(*texts, urdf, stages, tuple(native.notes))
 
 
-class Fit(Frozen):
+class Fit(Shown, Frozen):
     """A calibration's result; made by `calibrate`. Shows itself as `denavit calibrate` prints it.
 
     A fit that was pickled keeps its results; `predict` and `report` of it fit once more when they are first called.

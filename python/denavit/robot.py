@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from denavit import _denavit
 from denavit._files import save
 from denavit._frozen import Frozen
+from denavit._shown import Shown
 from denavit.bridges.sources import text_of
 from denavit.chain import Chain
 from denavit.errors import ArgumentError
@@ -41,7 +42,7 @@ class ChainListing:
     default: bool
 
 
-class Robot(Frozen):
+class Robot(Shown, Frozen):
     """A robot as its source gives it; made by `load`.
 
     Robots are values: they do not change, can be pickled, and are equal where their sources read the same.

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
@@ -36,10 +38,12 @@ class View:
     Attributes:
         robots: File and text of each; two are drawn over each other.
         height: Of the frame in a notebook, in pixels.
+        meshes: For each robot the mesh files that it names, as it names them.
     """
 
     robots: tuple[tuple[str, str], ...]
     height: int = 640
+    meshes: tuple[tuple[tuple[str, bytes], ...], ...] = ()
 
     @property
     def page(self) -> str:
@@ -54,7 +58,9 @@ class View:
                 "python/denavit and install the package again",
                 file=str(PAGE),
             )
-        told = json.dumps([{"file": file, "text": text} for file, text in self.robots], ensure_ascii=False)
+        meshes = [{uri: base64.b64encode(content).decode() for uri, content in files} for files in self.meshes]
+        robots = [(file, text, meshes[at] if meshes else {}) for at, (file, text) in enumerate(self.robots)]
+        told = json.dumps([{"file": file, "text": text, "meshes": files} for file, text, files in robots], ensure_ascii=False)
         # No text of a robot can end the element that holds it.
         filled = ROBOTS.replace("[]", told.replace("<", "\\u003c"))
         return PAGE.read_text(encoding="utf-8").replace(ROBOTS, filled, 1)
@@ -74,20 +80,34 @@ class View:
         return f"<denavit.View of {' and '.join(file for file, _ in self.robots)}>"
 
 
-def explore(*robots: Source | Chain | Diff | Fit, height: int = 640) -> View:
+def explore(
+    *robots: Source | Chain | Diff | Fit,
+    height: int = 640,
+    meshes: int = 16 << 20,
+    package_path: Sequence[str | os.PathLike[str]] = (),
+) -> View:
     """Show robots on the explorer's page; ``denavit explore``.
 
     Args:
         robots: Anything that `load` takes; a chain; a diff, whose two robots are drawn over each other; a fit, which is the
             robot as drawn and the calibrated one.
         height: Of the frame in a notebook, in pixels.
+        meshes: Bytes of mesh files (stl, dae, obj) that are put into the page, at most, all robots together; 0: none.
+        package_path: Folders with ROS packages, or packages, to find meshes in.
 
     Examples:
         >>> import denavit as dn
         >>> dn.explore("robots/universal_robots/ur5e.urdf")
         <denavit.View of ur5e.urdf>
     """
-    return View(tuple(_told(robot) for given in robots for robot in _robots(given)), height)
+    shown = [robot for given in robots for robot in _robots(given)]
+    folders = [os.fspath(folder) for folder in package_path]
+    found: list[tuple[tuple[str, bytes], ...]] = []
+    for robot in shown:
+        files = tuple(robot._native.meshes(folders, meshes))
+        meshes -= sum(len(content) for _, content in files)
+        found.append(files)
+    return View(tuple(_told(robot) for robot in shown), height, tuple(found) if any(found) else ())
 
 
 def _robots(given: Any) -> tuple[Robot, ...]:

@@ -7,6 +7,7 @@ use denavit_export::urdf::{Frames, LinkFrames, Options as ExportOptions};
 use denavit_load::{Loaded, Options, Selection};
 use denavit_model::{Note, Reading};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -90,6 +91,19 @@ impl Robot {
     fn urdf(&self) -> Option<String> {
         let Loaded::Robot(robot) = &*self.loaded else { return None };
         Some(robot.source.text.clone())
+    }
+
+    /// The mesh files that its shapes name, as it names them, and what they hold: of a tree, of at most `most` bytes together.
+    fn meshes<'py>(
+        &self,
+        py: Python<'py>,
+        package_path: Vec<PathBuf>,
+        most: u64,
+    ) -> Vec<(String, Bound<'py, PyBytes>)> {
+        let Loaded::Robot(robot) = &*self.loaded else { return Vec::new() };
+        let options = Options { package_path, ..Options::default() };
+        let found = py.detach(|| denavit_load::meshes(robot, &self.file, &options, most)).found;
+        found.into_iter().map(|mesh| (mesh.uri, PyBytes::new(py, &mesh.bytes))).collect()
     }
 
     /// What was read otherwise than it is written.

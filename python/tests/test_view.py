@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import html
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,6 +37,23 @@ def test_what_is_shown_of_what() -> None:
     assert calibrated[1] == fit.robot.text != drawn[1]
 
 
+def test_meshes_beside_the_robot_are_in_the_page_up_to_a_limit(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    mesh = b"solid a\nendsolid a\n"
+    (tmp_path / "meshes/part.stl").write_bytes(mesh)
+    (tmp_path / "secret.txt").write_text("nobody's business")
+    shape = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
+    shapes = shape.format("meshes/part.stl") + shape.format("secret.txt")
+    robot = tmp_path / "arm.urdf"
+    robot.write_text(UR5E.read_text().replace('<link name="base">', f'<link name="base">{shapes}', 1))
+    view = dn.explore(robot)
+    assert view.meshes == ((("meshes/part.stl", mesh),),)
+    assert dn.explore(robot, meshes=len(mesh) - 1).meshes == ()
+    assert dn.explore(dn.diff(robot, UR5E)).meshes == ((("meshes/part.stl", mesh),), ())
+    if PAGE.is_file():
+        assert base64.b64encode(mesh).decode() in view.page
+
+
 def test_the_wheel_has_the_page_that_was_built() -> None:
     page = TOP / "web/dist/explorer.html"
     if not page.is_file():
@@ -60,17 +79,31 @@ def test_without_the_page_it_says_how_to_make_it(monkeypatch: pytest.MonkeyPatch
         dn.explore(UR5E)._repr_html_()
 
 
+def test_values_show_the_explorer_where_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = dn.load(UR5E)
+    difference = dn.diff(robot, robot.text.replace("0.1625", "0.1645"))
+    for value in (robot, robot.chain(), difference):
+        assert value._repr_html_() is None, "three megabytes are not for every cell"
+    monkeypatch.setattr(dn, "show_explorer", True)
+    monkeypatch.setattr(dn.View, "_repr_html_", lambda view: f"[{len(view.robots)}]")
+    assert robot._repr_html_() == f"<pre>{html.escape(repr(robot))}</pre>[1]"
+    shown = difference._repr_html_()
+    assert shown is not None
+    assert shown.startswith("<pre>") and shown.endswith("</pre>[2]")
+
+
 @pytest.fixture(scope="module")
 def outputs() -> list[str]:
-    """What three cells of a notebook show, as a kernel sends it."""
+    """What cells of a notebook show, as a kernel sends it: one asks for the explorer, the others are values that show it."""
     nbformat = pytest.importorskip("nbformat", reason="skipped, because nbformat is not installed")
     nbclient = pytest.importorskip("nbclient", reason="skipped, because nbclient is not installed")
     make = nbformat.v4.new_code_cell
     begin = f"import denavit as dn\nrobot = dn.load({str(UR5E)!r})\nchain = robot.chain()"
     cells = [
         f"{begin}\ndn.explore(robot)",
-        'dn.explore(dn.diff(robot, robot.text.replace("0.1625", "0.1645")))',
-        "dn.explore(dn.calibrate(chain, chain.simulate(60, seed=1).data, effects=None))",
+        'dn.show_explorer = True\ndn.diff(robot, robot.text.replace("0.1625", "0.1645"))',
+        "dn.calibrate(chain, chain.simulate(60, seed=1).data, effects=None)",
+        "robot",
     ]
     notebook = nbformat.v4.new_notebook(cells=[make(cell) for cell in cells])
     nbclient.NotebookClient(notebook, timeout=120).execute()
@@ -90,10 +123,10 @@ def browser() -> Iterator[Any]:
 @in_browser
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_views_of_an_executed_notebook_in_a_browser(theme: str, browser: Any, outputs: list[str], tmp_path: Path) -> None:
-    """All three stand in one document, as in a notebook."""
+    """All of them stand in one document, as in a notebook."""
     document = tmp_path / "notebook.html"
     document.write_text("<!doctype html><meta charset=utf-8><body>" + "".join(f"<div>{output}</div>" for output in outputs))
-    context = browser.new_context(viewport={"width": 1100, "height": 2000}, color_scheme=theme)
+    context = browser.new_context(viewport={"width": 1100, "height": 3200}, color_scheme=theme)
     page = context.new_page()
     page.set_default_timeout(60_000)
     asked: list[str] = []
@@ -101,7 +134,7 @@ def test_views_of_an_executed_notebook_in_a_browser(theme: str, browser: Any, ou
     context.on("request", lambda request: asked.append(request.url))
     page.on("pageerror", lambda error: troubles.append(str(error)))
     page.goto(document.as_uri())
-    robot, diff, fit = (page.frame_locator(f"iframe >> nth={index}") for index in range(3))
+    robot, diff, fit, itself = (page.frame_locator(f"iframe >> nth={index}") for index in range(4))
     robot.locator("#dh tbody tr").first.wait_for()
     rows = robot.locator("#dh tbody tr").all_inner_texts()
     assert len(rows) == len(dn.load(UR5E).chain().table().rows)
@@ -109,6 +142,9 @@ def test_views_of_an_executed_notebook_in_a_browser(theme: str, browser: Any, ou
     for frame, words in ((diff, "2 mm"), (fit, "mm")):
         panel = frame.locator("[role=tabpanel]")
         panel.get_by_text(words).first.wait_for()
+    itself.locator("#dh tbody tr").first.wait_for()
+    assert itself.locator("#dh tbody tr").all_inner_texts() == rows
+    assert "different" in page.locator("pre").nth(0).inner_text()
     shots = TOP / "target/tests/notebook"
     shots.mkdir(parents=True, exist_ok=True)
     page.screenshot(path=str(shots / f"{theme}.png"), full_page=True)

@@ -1,6 +1,6 @@
 // A robot in the 3-D view: its links with their shapes, and joints that move them.
 
-import { BoxGeometry, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DoubleSide, Group, Matrix4, Mesh, MeshStandardMaterial, Object3D, SphereGeometry, Vector3 } from "three";
+import { Box3, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DoubleSide, Group, Matrix4, Mesh, MeshStandardMaterial, Object3D, Sphere, SphereGeometry, Vector3 } from "three";
 import { COLOURS, rod, segment } from "./drawn";
 import type { Scene, Shape } from "./engine";
 import type { Dropped } from "./files";
@@ -24,6 +24,7 @@ export class Body {
         });
         this.joints = scene.joints.map((joint) => {
             const made = new Group();
+            made.userData["joint"] = joint.name;
             made.matrixAutoUpdate = false;
             made.matrix.fromArray(joint.origin);
             const [parent, child] = [this.links[joint.parent], this.links[joint.child]];
@@ -37,22 +38,38 @@ export class Body {
         if (root) this.group.add(root);
         this.group.updateMatrixWorld(true);
         const points = this.places();
-        const size = Math.max(0, ...points.map((point) => point.distanceTo(points[scene.root] ?? new Vector3())));
-        // A robot with all links at one place still wants a size.
-        this.size = size > 1e-6 ? size : 0.5;
-        let shapes = 0;
+        const reach = Math.max(0, ...points.map((point) => point.distanceTo(points[scene.root] ?? new Vector3())));
+        const seenLinks = new Set<number>();
         for (const [index, link] of scene.links.entries()) {
             const seen = link.visuals.length > 0 ? link.visuals : link.collisions;
             for (const shape of seen) {
                 const made = this.shape(shape);
                 if (made) {
                     this.links[index]?.add(made);
-                    shapes++;
+                    seenLinks.add(index);
                 }
             }
         }
-        this.skeleton(shapes === 0);
+        // A robot with all links at one place has the size of its shapes; one without any still wants a size.
+        this.group.updateMatrixWorld(true);
+        const extent = seenLinks.size > 0 ? new Box3().setFromObject(this.group).getSize(new Vector3()).length() / 2 : 0;
+        this.size = reach > 1e-6 ? reach : extent > 1e-6 ? extent : 0.5;
+        this.skeleton(seenLinks);
         this.move(() => 0);
+    }
+
+    /** A ball around everything that is drawn, where the joints are; a shape far larger than the robot, such as a floor, does not count. */
+    ball(): Sphere {
+        const box = new Box3();
+        for (const place of this.places()) box.expandByPoint(place);
+        for (const link of this.links) {
+            for (const part of link.children) {
+                if (part.userData["joint"] !== undefined) continue;
+                const own = new Box3().setFromObject(part);
+                if (!own.isEmpty() && own.getSize(new Vector3()).length() < this.size * 6) box.union(own);
+            }
+        }
+        return box.getBoundingSphere(new Sphere());
     }
 
     /** Where the links are, in the root's frame. */
@@ -96,18 +113,19 @@ export class Body {
         });
     }
 
-    /** Axes as rods and lines between them: a robot without shapes is seen, too. */
-    private skeleton(alone: boolean): void {
+    /** Axes as rods and lines between them: a robot without shapes, or with those of some links missing, is seen, too. */
+    private skeleton(seenLinks: Set<number>): void {
         const { size } = this;
+        const bare = (link: number) => !seenLinks.has(link) && (seenLinks.size === 0 || this.missing.length > 0);
         const colour = this.other ? COLOURS.other : 0x7b8794;
         for (const [index, joint] of this.scene.joints.entries()) {
             const parent = this.links[joint.parent];
             const to = new Vector3().setFromMatrixPosition(new Matrix4().fromArray(joint.origin));
             if (to.length() > size * 1e-4) {
-                if (alone) parent?.add(rod(new Vector3(), to, size * 0.012, colour));
+                if (bare(joint.parent)) parent?.add(rod(new Vector3(), to, size * 0.012, colour));
                 else parent?.add(segment(new Vector3(), to, colour, 0.7));
             }
-            if (alone && joint.kind !== "fixed") {
+            if (bare(joint.child) && joint.kind !== "fixed") {
                 const axis = new Vector3(...joint.axis).multiplyScalar(size * 0.045);
                 this.joints[index]?.add(rod(axis.clone().negate(), axis, size * 0.026, this.other ? COLOURS.other : 0x5b7fa6));
             }

@@ -6,6 +6,7 @@ import { chain, question } from "./app";
 import { Columns } from "./columns";
 import { fill, h, number, save, select, stem } from "./dom";
 import { Engine, type Calibrated, type Possible } from "./engine";
+import type { DataFile } from "./files";
 import { bars, curve, effects, heat, plain, type Report } from "./report";
 
 export class Calibrate implements Panel {
@@ -13,10 +14,10 @@ export class Calibrate implements Panel {
     readonly element = h("section", { class: "panel", "aria-label": "Calibrate" });
     // A worker of its own: the page stays awake, and the work can be stopped.
     private readonly engine = new Engine();
-    private data: { file: string; text: string } | undefined;
-    private test: { file: string; text: string } | undefined;
+    private data: DataFile | undefined;
+    private test: DataFile | undefined;
     private readonly columns = new Columns((map) => this.look(map), () => { this.result = undefined; });
-    private looked = "";
+    private looked: { key: string; data: DataFile } | undefined;
     private readonly out = h("div", {});
     private readonly factor = h("span", { class: "factor" });
     private readonly trial = h("div", { class: "trial" });
@@ -34,7 +35,7 @@ export class Calibrate implements Panel {
 
     constructor(private readonly app: App) {}
 
-    take(file: { file: string; text: string }): void {
+    take(file: DataFile): void {
         if (this.data && this.result === undefined && this.data.file !== file.file) this.test = file;
         else [this.data, this.test, this.result] = [file, undefined, undefined];
         void this.show();
@@ -49,7 +50,7 @@ export class Calibrate implements Panel {
             h("h2", {}, "Calibrate from measurements"),
             this.data
                 ? h("p", {}, h("b", { id: "data" }, this.data.file), this.test ? ` · judged by ${this.test.file}` : "")
-                : h("p", {}, "Drop a CSV of measurements: a column for each joint, and x, y, z of what a tracker saw. A second CSV judges."),
+                : h("p", {}, "Drop a CSV or an Excel workbook of measurements: a column for each joint, and x, y, z of what a tracker saw. A second one judges."),
             this.data ? h("div", { class: "row" },
                 select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; void this.app.trying(() => this.columns.judge()); }, "data-units"),
                 select("Search for", [["auto", "effects"], ["curves", "error curves"], ["none", "geometry only"]], this.search, (value) => { this.search = value; }, "search"),
@@ -58,9 +59,8 @@ export class Calibrate implements Panel {
             this.data ? this.columns.element : null,
             this.out, this.trial);
         if (!this.result) this.out.replaceChildren();
-        const looked = `${key}\n${this.data?.text}`;
-        if (this.data && this.looked !== looked) {
-            this.looked = looked;
+        if (this.data && (this.looked?.key !== key || this.looked.data !== this.data)) {
+            this.looked = { key, data: this.data };
             await this.app.trying(() => this.columns.look());
         }
         await this.app.trying(() => this.offerEffects());
@@ -110,7 +110,7 @@ export class Calibrate implements Panel {
                 h("button", { id: "report-json", click: () => save(`${name}_calibration.json`, result.text, "application/json") }, "Report (JSON)"),
                 h("button", { id: "effects-json", click: () => save(`${name}_effects.json`, result.effects, "application/json") }, "Effects (JSON)")),
             key ? bars(report, key) : null,
-            effects(report, this.search === "auto"),
+            effects(result.said),
             ...(result.tried.length > 0 ? [h("h3", {}, "What was tried"), heat(result.tried)] : []),
             ...(report.curves?.length ? [h("h3", {}, "Error curves of the joints"), ...report.curves.map(curve)] : []),
             h("h3", {}, "What is left, on the robot"),

@@ -50,6 +50,8 @@ export class Compare implements Panel {
     private go(at: { joint: string; value: number }[]): void {
         for (const { joint, value } of at) this.app.q.set(joint, value);
         this.app.changed();
+        // The posture may lie outside of what was seen.
+        this.app.view.fit();
     }
 
     private async swap(): Promise<void> {

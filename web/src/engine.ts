@@ -1,5 +1,6 @@
 // The toolkit, compiled to WebAssembly, in a worker: questions and answers as they stand in crates/web.
 
+import type { Said } from "./report";
 import EngineWorker from "./engine.worker?worker&inline";
 
 export interface RobotText {
@@ -72,6 +73,7 @@ export interface Rows {
 export interface Calibrated {
     text: string;
     words: string;
+    said: Said | null;
     urdf: string | null;
     effects: string;
     notes: string[];
@@ -87,6 +89,20 @@ export interface Possible {
 export interface Acted {
     rows: { drawn: number[]; acted: number[]; apart_m: number }[];
     effects: string;
+}
+
+export interface TwistAnswer {
+    name: string;
+    kind: string;
+    pitch: number;
+    /** Unit twists (ω, v) in the base frame. */
+    before: number[];
+    after: number[];
+    /** Whether a small turn about, a small move along x, y, z changes the axis. */
+    changes: boolean[];
+    /** Frame of the six motions, its z along the axis, in the base frame: 16 numbers, column by column. */
+    frame: number[];
+    tables: [TableAnswer, TableAnswer];
 }
 
 export interface ColumnsAnswer {
@@ -111,6 +127,7 @@ interface Answers {
     open: Opened;
     table: TableAnswer;
     poe: { text: string };
+    twist: TwistAnswer;
     fk: { text: string };
     check: { text: string; file: string; urdf: string; is_source: boolean };
     fix: { file: string; text: string; made: number };

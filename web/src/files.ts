@@ -6,6 +6,7 @@ import { Unzip, UnzipInflate } from "fflate";
 const MOST_BYTES = 512 * 1024 * 1024;
 const MOST_FILES = 20_000;
 const MOST_TEXT = 32 * 1024 * 1024;
+const MOST_WORKBOOK = 128 * 1024 * 1024;
 
 export type Dropped = Map<string, Uint8Array>;
 
@@ -25,9 +26,11 @@ class Bounds {
     bytes = 0;
     files = 0;
 
+    constructor(private readonly most = MOST_BYTES, private readonly mend = "drop the robot's own folder only") {}
+
     add(bytes: number): void {
         this.bytes += bytes;
-        if (this.bytes > MOST_BYTES) throw new Error(`more than ${MOST_BYTES >> 20} MB in all; drop the robot's own folder only`);
+        if (this.bytes > this.most) throw new Error(`more than ${this.most >> 20} MB in all; ${this.mend}`);
     }
 
     file(): void {
@@ -139,7 +142,20 @@ async function take(file: File, name: string, out: Dropped, bounds: Bounds): Pro
 }
 
 const MESH = /\.(stl|dae|obj)$/i;
+const WORKBOOK = /\.xls[xm]$/i;
 const TEXT = /\.(urdf|xacro|xml|yaml|yml|csv|tsv|json|md|txt|toml)$/i;
+
+/** A file of data, as the engine takes it. */
+export type DataFile = { file: string } & ({ text: string } | { workbook: string });
+
+/** A workbook in base64; it is an archive, which is unpacked within bounds before the engine unpacks it again. */
+function workbook(name: string, bytes: Uint8Array): DataFile {
+    const file = name.slice(1);
+    unzipped(file, bytes, new Bounds(MOST_WORKBOOK, "save the sheet with the measurements as CSV"));
+    let binary = "";
+    for (let at = 0; at < bytes.length; at += 1 << 15) binary += String.fromCharCode(...bytes.subarray(at, at + (1 << 15)));
+    return { file, workbook: btoa(binary) };
+}
 
 export function isMesh(name: string): boolean {
     return MESH.test(name);
@@ -163,7 +179,7 @@ export interface Sorted {
     /** Files that may be a robot, the likeliest first. */
     robots: string[];
     /** Files of measurements. */
-    data: string[];
+    data: DataFile[];
     /** Texts, all of them: xacro may include them. */
     texts: Record<string, string>;
     /** Every name. */
@@ -173,8 +189,9 @@ export interface Sorted {
 /** Which files are robots, which are measurements; where measurements are wanted, a list of anything is taken for some. */
 export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sorted {
     const texts: Record<string, string> = {};
-    const [robots, data]: [string[], string[]] = [[], []];
+    const [robots, data]: [string[], DataFile[]] = [[], []];
     for (const [name, bytes] of dropped) {
+        if (WORKBOOK.test(name)) data.push(workbook(name, bytes));
         if (!TEXT.test(name)) continue;
         let text: string;
         try {
@@ -186,7 +203,7 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
         texts[name] = text;
         if (/\/package\.xml$/i.test(name)) continue;
         if (/\.(urdf|xacro|xml)$/i.test(name) && /<(\w+:)?robot[\s>]/.test(text)) robots.push(name);
-        else if (/\.(csv|tsv|txt)$/i.test(name) && (wanted === "measurements" || holdsMeasurements(text))) data.push(name);
+        else if (/\.(csv|tsv|txt)$/i.test(name) && (wanted === "measurements" || holdsMeasurements(text))) data.push({ file: name.slice(1), text });
         else if (/\.(csv|tsv|json|md|yaml|yml)$/i.test(name) && dropped.size <= 8) robots.push(name);
     }
     // A robot that others include is a part; the top one is called like a robot, lies high, and is no macro alone.

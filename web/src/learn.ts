@@ -3,52 +3,13 @@
 import { Matrix4, Vector3 } from "three";
 import type { App, Panel } from "./app";
 import { chain, question } from "./app";
+import { axis, commonNormal, type Line, type Normal } from "./axes";
 import { h, number } from "./dom";
 import { placed, type TableFile } from "./table";
+import { TwistStep } from "./twist";
 
 interface Poe {
     joints: { name: string; kind: string; twist: number[]; pitch: number }[];
-}
-
-interface Line {
-    name: string;
-    kind: string;
-    direction: Vector3;
-    point: Vector3;
-}
-
-interface Normal {
-    /** Feet of the common normal on the two axes. */
-    feet: [Vector3, Vector3];
-    length: number;
-    angle: number;
-    parallel: boolean;
-}
-
-/** Axes nearer to parallel than this have no common normal of their own, rad. */
-const PARALLEL = 1e-6;
-
-/** The axis of a twist (ω, v): its direction, and the point nearest to the base. */
-export function axis(name: string, kind: string, twist: number[], pitch: number): Line {
-    const [w, v] = [new Vector3(...(twist.slice(0, 3) as [number, number, number])), new Vector3(...(twist.slice(3) as [number, number, number]))];
-    if (kind === "prismatic" || w.lengthSq() === 0) return { name, kind, direction: v.clone().normalize(), point: new Vector3() };
-    const moment = v.clone().addScaledVector(w, -pitch);
-    return { name, kind, direction: w.clone().normalize(), point: w.clone().cross(moment).divideScalar(w.lengthSq()) };
-}
-
-export function commonNormal(a: Line, b: Line): Normal {
-    const cross = a.direction.clone().cross(b.direction);
-    const angle = Math.atan2(cross.length(), a.direction.dot(b.direction));
-    const between = b.point.clone().sub(a.point);
-    if (cross.length() < PARALLEL) {
-        const foot = b.point.clone().addScaledVector(b.direction, -between.dot(b.direction));
-        return { feet: [a.point.clone(), foot], length: foot.distanceTo(a.point), angle, parallel: true };
-    }
-    const square = cross.lengthSq();
-    const s = between.clone().cross(b.direction).dot(cross) / square;
-    const t = between.clone().cross(a.direction).dot(cross) / square;
-    const feet: [Vector3, Vector3] = [a.point.clone().addScaledVector(a.direction, s), b.point.clone().addScaledVector(b.direction, t)];
-    return { feet, length: feet[0].distanceTo(feet[1]), angle, parallel: false };
 }
 
 export class Learn implements Panel {
@@ -94,15 +55,23 @@ export class Learn implements Panel {
         if (!robot) return;
         const base = chain(robot).base;
         const root = app.view.pose(0, base)?.clone() ?? new Matrix4();
-        const lines = poe.joints.map((joint) => axis(joint.name, joint.kind, joint.twist, joint.pitch));
+        // Each axis is drawn where its joint is.
+        const inBase = root.clone().invert();
+        const place = (name: string) => {
+            const joint = robot.opened.scene.joints.find((it) => it.name === name);
+            const link = joint && robot.opened.scene.links[joint.child];
+            const pose = link && app.view.pose(0, link.name);
+            return pose ? new Vector3().setFromMatrixPosition(pose).applyMatrix4(inBase) : new Vector3();
+        };
+        const lines = poe.joints.map((joint) => axis(joint.name, joint.kind, joint.twist, joint.pitch, place(joint.name)));
         const size = app.view.size;
         const inRoot = (point: Vector3) => point.clone().applyMatrix4(root);
         const drawAxes = (upTo: number, normal?: Normal) => {
             app.view.frames([], base, null);
             const shown = lines.slice(0, upTo);
             app.view.marks([
-                ...shown.map((line) => ({ from: inRoot(line.point.clone().addScaledVector(line.direction, -size * 0.5)), to: inRoot(line.point.clone().addScaledVector(line.direction, size * 0.5)), colour: 0x0072b2 })),
-                ...(normal ? [{ from: inRoot(normal.feet[0]), to: inRoot(normal.feet[1]), colour: 0xe69f00 }] : []),
+                ...shown.map((line) => ({ from: inRoot(line.point.clone().addScaledVector(line.direction, -size * 0.5)), to: inRoot(line.point.clone().addScaledVector(line.direction, size * 0.5)), colour: 0x0072b2, thick: true })),
+                ...(normal ? [{ from: inRoot(normal.feet[0]), to: inRoot(normal.feet[1]), colour: 0xe69f00, thick: true }] : []),
             ], [], shown.map((line, at) => ({ at: inRoot(line.point.clone().addScaledVector(line.direction, size * 0.5)), words: `${at + 1}` })));
         };
         const vector = (it: Vector3) => `(${number(it.x)}, ${number(it.y)}, ${number(it.z)})`;
@@ -150,6 +119,8 @@ export class Learn implements Panel {
                 draw: () => drawRows(at),
             });
         });
+        const twist = new TwistStep(app, robot, lines, root);
+        if (lines.length > 0) this.steps.push({ title: "One twist, alive", words: () => twist.words(), draw: () => twist.draw() });
         this.steps.push({
             title: "And back",
             words: () => {

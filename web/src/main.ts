@@ -40,7 +40,7 @@ const header = h("header", {},
         h("label", { class: "button" }, "Open folder", folder), link, theme));
 const start = h("section", { class: "start" },
     h("h1", {}, "Drop a robot here"),
-    h("p", {}, "A URDF, a xacro file with its packages (folder or zip), or a Denavit-Hartenberg table. Two files at once are compared; a CSV of measurements calibrates."),
+    h("p", {}, "A URDF, a xacro file with its packages (folder or zip), or a Denavit-Hartenberg table. Two files at once are compared; a CSV or a workbook of measurements calibrates."),
     h("p", {},
         h("label", { class: "button main", for: "files" }, "Open files"), " ",
         h("label", { class: "button", for: "folder" }, "Open folder"), " ",
@@ -134,10 +134,10 @@ async function take(dropped: Dropped): Promise<void> {
     }
     const table = data[0];
     if (table !== undefined) {
-        if (!app.robot) throw new Error(`${table.slice(1)} holds measurements; drop the robot that they are of first, or both at once`);
+        if (!app.robot) throw new Error(`${table.file} holds measurements; drop the robot that they are of first, or both at once`);
         const calibrate = panels[2] as Calibrate;
         await turnTo(calibrate);
-        calibrate.take({ file: table.slice(1), text: texts[table] ?? "" });
+        calibrate.take(table);
     } else if (first === undefined) {
         throw new Error(`no robot among ${dropped.size === 1 ? `"${[...dropped.keys()][0]?.slice(1)}"` : `${dropped.size} files`}; drop a URDF, a xacro file, or a D-H table in CSV, JSON or Markdown`);
     }

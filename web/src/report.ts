@@ -3,66 +3,37 @@
 import { h, number, svg } from "./dom";
 import type { Calibrated } from "./engine";
 
-export interface Effect {
-    kind: string;
-    joint?: string;
-    where?: string;
-    covariate?: string;
-    driven_by?: string;
-    delta_bic: number;
-    probability: number;
-    found_again: number;
-    parameters: Record<string, { value: number; std: number; unit: string }>;
-    ambiguous_with: { kind: string; joint: string; probability: number }[];
+/** What was found, in the engine's words. */
+export interface Said {
+    heading: string;
+    effects: { said: { title: string; named: boolean; numbers: string[]; why: string }; probability: number }[];
+    structured: boolean;
+    ending: string;
 }
 
 export interface Report {
     columns: { column: string; taken_for: string }[];
     stages: { name: string; train: Record<string, number>; test?: Record<string, number> }[];
-    /** Sure enough to be named. */
-    effects: Effect[];
-    /** Corrected for, although another may act in their stead. */
-    one_of?: Effect[];
     curves?: { joint: string; unit: string; rms: number; table: { at: number; value: number; std: number }[] }[];
-    unexplained: { structured: boolean; p_value: number; where: { joint?: string; covariate?: string; share: number }[] };
     samples: { train: number; test: number };
 }
 
 export const plain = (kind: string) => kind.replaceAll("_", " ");
 
-/** A probability that is nearly 1 is not written as if it were. */
-const percent = (share: number) => (share > 0.995 ? "over 99 %" : `${Math.round(100 * share)} %`);
-
-const place = (effect: Effect) =>
-    `${plain(effect.kind)} at ${effect.joint ?? effect.where ?? ""}${effect.driven_by ? `, driven by ${effect.driven_by}` : ""}${effect.covariate ? `, with ${effect.covariate}` : ""}`;
-
-const figures = (effect: Effect) =>
-    Object.entries(effect.parameters).map(([word, it]) => `${word} ${it.value.toPrecision(4)} ± ${it.std.toPrecision(2)} ${it.unit === "1" ? "" : it.unit}`.trim()).join(", ");
-
 /** Named effects, those that are one of several, and structure that has no name: each kind looks its own way. */
-export function effects(report: Report, searched: boolean): HTMLElement {
-    const open = report.one_of ?? [];
-    const left = report.unexplained;
-    const meter = (share: number) => h("meter", { min: 0, max: 1, value: share, "aria-label": `probability ${percent(share)}` });
-    const named = report.effects.map((effect) => h("li", { class: "named" },
-        h("b", {}, place(effect)), h("br", {}), figures(effect), h("br", {}),
-        meter(effect.probability), ` probability ${percent(effect.probability)}, found again in ${Math.round(100 * effect.found_again)} % of resampled runs`,
-        effect.ambiguous_with.length === 0 ? null : h("div", { class: "rivals" },
-            `less likely in its stead: ${effect.ambiguous_with.map((rival) => `${plain(rival.kind)} at ${rival.joint} (${percent(rival.probability)})`).join(", ")}`)));
-    const unsure = open.map((effect) => {
-        const all = [{ words: place(effect), probability: effect.probability }, ...effect.ambiguous_with.map((rival) => ({ words: `${plain(rival.kind)} at ${rival.joint}`, probability: rival.probability }))];
-        return h("li", { class: "open" }, h("i", {}, all.length > 1 ? "One of" : "Perhaps"),
-            h("ul", {}, ...all.map((it) => h("li", {}, `${it.words} `, meter(it.probability), ` ${percent(it.probability)}`))),
-            h("div", { class: "rivals" }, `corrected for as the first, not named: found again in ${Math.round(100 * effect.found_again)} % of resampled runs; ${figures(effect)}`));
-    });
-    const structure = left.structured ? h("li", { class: "unnamed", id: "unnamed" }, h("i", {}, "Structure without a name"), ` (p ${left.p_value.toPrecision(2)})`,
-        h("div", { class: "rivals" }, `What remains follows ${left.where.map((it) => `${it.joint ?? it.covariate ?? "run order"} (${Math.round(100 * it.share)} %)`).join(", ")}; no effect of the catalogue explains it.`)) : null;
-    const all = [...named, ...unsure, ...(structure ? [structure] : [])];
-    return h("div", { id: "effects" }, h("h3", {}, "Effects"),
-        named.length === 0 ? h("p", { id: "no-effects" }, !searched ? "Not searched for." : open.length > 0 ? "No effect is sure enough to be named." : "The data ask for no effect.") : null,
-        all.length > 0 ? h("ul", { id: "effects-found", class: "effects" }, ...all) : null,
-        left.structured ? null : h("p", {}, `What remains has no structure (p ${left.p_value.toPrecision(2)}).`));
+export function effects(found: Said | null): HTMLElement {
+    const heading = h("h3", {}, "Effects");
+    if (!found) return h("div", { id: "effects" }, heading, h("p", {}, "Not searched for."));
+    const list = found.effects.map(({ said, probability }) => h("li", { class: said.named ? "named" : "open" },
+        h("b", {}, said.title), ...said.numbers.flatMap((words) => [h("br", {}), words]), h("br", {}),
+        h("meter", { min: 0, max: 1, value: probability, "aria-label": "probability" }), h("div", { class: "rivals" }, said.why)));
+    if (found.structured) list.push(h("li", { class: "unnamed", id: "unnamed" }, found.ending));
+    return h("div", { id: "effects" }, heading, h("p", { id: "effects-heading" }, sentence(found.heading)),
+        list.length > 0 ? h("ul", { id: "effects-found", class: "effects" }, ...list) : null,
+        found.structured ? null : h("p", {}, sentence(found.ending)));
 }
+
+const sentence = (words: string) => `${words.charAt(0).toUpperCase()}${words.slice(1)}`;
 
 /** Errors after each stage, of the rows fitted and of those held out. */
 export function bars(report: Report, key: string): HTMLElement {

@@ -7,7 +7,7 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Body } from "./body";
 import { h } from "./dom";
-import { clear, dispose, drawnStep, segment, triad } from "./drawn";
+import { clear, dispose, drawnStep, rod, segment, triad } from "./drawn";
 import type { Scene } from "./engine";
 import type { Dropped } from "./files";
 import { type Label, Labels } from "./labels";
@@ -24,6 +24,7 @@ export class View {
     private controls: OrbitControls | undefined;
     private readonly overlay = new Group();
     private readonly arrows = new Group();
+    private readonly pointed = new Group();
     private readonly bodies: (Body | undefined)[] = [undefined, undefined];
     private readonly pointer = h("span", { class: "tag pointer", hidden: true });
     private rowNames: string[] = [];
@@ -61,6 +62,7 @@ export class View {
     /** Shows a robot in place `index`: 0 as itself, 1 as the other one of a comparison; null takes it away. */
     show(index: 0 | 1, scene: Scene | null, meshes: Dropped = new Map(), from = "/"): void {
         this.start();
+        if (index === 0) clear(this.pointed);
         const old = this.bodies[index];
         if (old) {
             this.scene.remove(old.group);
@@ -101,7 +103,7 @@ export class View {
         this.overlay.matrix.copy(from);
         this.overlay.matrixWorldNeedsUpdate = true;
         this.rowNames = rows.map((row) => row.label);
-        const { size } = this;
+        const size = this.scale(rows);
         const labels: Label[] = [];
         for (const [index, row] of rows.entries()) {
             const [own, stands] = [chosen === index, chosen === null || chosen === index];
@@ -125,10 +127,23 @@ export class View {
         this.draw();
     }
 
+    /**
+     * The length that frames are drawn by: the robot's size where its frames stand apart; less where they stand close to each other, as
+     * those of a finger do.
+     */
+    private scale(rows: PlacedRow[]): number {
+        const step = ({ from, to }: PlacedRow) => new Vector3().setFromMatrixPosition(from).distanceTo(new Vector3().setFromMatrixPosition(to));
+        const steps = rows.map(step).filter((length) => length > this.size * 1e-4).sort((a, b) => a - b);
+        const middle = steps[Math.floor(steps.length / 2)] ?? this.size;
+        return Math.min(this.size, Math.max(7 * middle, this.size * 0.01));
+    }
+
     /** Lines, arrows and names in the root frame, in place of those before. */
-    marks(lines: { from: Vector3; to: Vector3; colour: number }[], arrows: { at: Vector3; by: Vector3; colour: number }[], names: { at: Vector3; words: string }[] = []): void {
+    marks(lines: { from: Vector3; to: Vector3; colour: number; thick?: boolean }[], arrows: { at: Vector3; by: Vector3; colour: number }[], names: { at: Vector3; words: string }[] = []): void {
         clear(this.arrows);
-        for (const { from, to, colour } of lines) this.arrows.add(segment(from, to, colour, 1));
+        for (const { from, to, colour, thick } of lines) {
+            this.arrows.add(thick && from.distanceTo(to) > 0 ? rod(from, to, this.size * 0.004, colour) : segment(from, to, colour, 1));
+        }
         for (const { at, by, colour } of arrows) {
             const length = by.length();
             if (length < 1e-12) continue;
@@ -143,12 +158,14 @@ export class View {
     fit(side = new Vector3(1, -1.25, 0.75)): void {
         const body = this.bodies[0];
         if (!body || !this.controls) return;
-        const points = body.places();
-        const centre = points.reduce((sum, point) => sum.add(point), new Vector3()).multiplyScalar(1 / Math.max(1, points.length));
-        const reach = Math.max(body.size * 0.35, ...points.map((point) => point.distanceTo(centre)));
+        const seen = body.ball();
+        if (this.bodies[1]) seen.union(this.bodies[1].ball());
+        const { center: centre } = seen;
+        const reach = Math.max(body.size * 0.35, seen.radius);
         this.controls.target.copy(centre);
         const aspect = Math.min(1, this.element.clientWidth / Math.max(1, this.element.clientHeight));
-        this.camera.position.copy(centre).addScaledVector(side.clone().normalize(), (reach * 3.4) / Math.max(0.5, aspect));
+        // A ball of this size fills the view at 1 / sin(fov / 2); frames and names stand around it.
+        this.camera.position.copy(centre).addScaledVector(side.clone().normalize(), (reach * 3.1) / Math.max(0.5, aspect));
         this.camera.near = body.size / 500;
         this.camera.far = body.size * 100;
         this.camera.updateProjectionMatrix();
@@ -192,7 +209,7 @@ export class View {
         this.controls.addEventListener("change", () => this.draw());
         const sun = new DirectionalLight(0xffffff, 1.6);
         sun.position.set(2, -3, 4);
-        this.scene.add(new AmbientLight(0xffffff, 0.6), new HemisphereLight(0xffffff, 0x8899aa, 1.4), sun, this.overlay, this.arrows);
+        this.scene.add(new AmbientLight(0xffffff, 0.6), new HemisphereLight(0xffffff, 0x8899aa, 1.4), sun, this.overlay, this.arrows, this.pointed);
         new ResizeObserver(() => this.resize()).observe(this.element);
         canvas.addEventListener("pointermove", (event) => {
             if (event.buttons === 0) this.hover(event);
@@ -231,6 +248,7 @@ export class View {
         if (words !== this.hovered) {
             this.hovered = words;
             this.onrow(row ?? null);
+            this.point(row === undefined && typeof link === "string" ? link : null);
         }
         this.pointer.textContent = words;
         this.pointer.hidden = words === "";
@@ -241,9 +259,20 @@ export class View {
         this.pointer.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
     }
 
+    /** Draws the frame of the link under the pointer, as the URDF has it. */
+    private point(link: string | null): void {
+        clear(this.pointed);
+        const pose = link === null ? undefined : this.pose(0, link);
+        if (pose) this.pointed.add(triad(pose, this.size * 0.14, 1));
+        this.draw();
+    }
+
     private unhover(): void {
         this.pointer.hidden = true;
-        if (this.hovered) this.onrow(null);
+        if (this.hovered) {
+            this.onrow(null);
+            this.point(null);
+        }
         this.hovered = "";
     }
 

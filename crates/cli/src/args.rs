@@ -105,7 +105,7 @@ pub struct RobotArguments {
     #[arg(long)]
     pub exact: bool,
     /// Neighbouring axes closer to parallel than this are treated as parallel, rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-6, conflicts_with = "exact",
+    #[arg(long, value_name = "RAD", default_value_t = denavit_load::NEARLY_PARALLEL, conflicts_with = "exact",
         value_parser = numbers::tolerance)]
     pub tolerance: f64,
     /// What some sources need.

@@ -6,7 +6,7 @@ use crate::args::{ConventionName, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
 use denavit_export::sources::Stated;
-use denavit_load::{Options, Selection};
+use denavit_load::{Options, Selection, UrdfText};
 use denavit_model::Reading;
 
 pub use denavit_load::Loaded;
@@ -41,35 +41,13 @@ pub fn load_quietly(name: &str, arguments: &SourceArguments) -> Result<Loaded, F
     Ok(denavit_load::load(name, &options)?.robot)
 }
 
-/// A source as URDF text.
-pub struct UrdfText {
-    /// What messages call it.
-    pub shown: String,
-    /// The text.
-    pub text: String,
-    /// Whether it was xacro.
-    pub is_xacro: bool,
-}
-
-/// A source as URDF text, for what looks at URDF text. URDF stays as it is, broken or not; xacro is expanded; what a table or
-/// screw axes stand for is written.
+/// A source as URDF text, for what looks at URDF text.
 pub fn urdf_text(file: &str, text: String, arguments: &SourceArguments) -> Result<UrdfText, Failure> {
-    let is_named = |end: &str| file.to_ascii_lowercase().ends_with(end);
-    let is_markup = is_named(".urdf") || text.trim_start_matches('\u{feff}').trim_start().starts_with(['<', '\0']);
-    if !is_markup && !text.trim().is_empty() {
-        let options = Options { arguments_for_another: true, ..options(arguments)? };
-        let robot = denavit_load::from_text(file, &text, &options)?.robot;
-        let urdf = denavit_load::canonical(&robot, file, &denavit_export::urdf::Options::default())?;
-        return Ok(UrdfText { shown: format!("{file} (as URDF)"), text: urdf.value, is_xacro: false });
-    }
-    let is_xacro = denavit_xacro::is_xacro(&text);
-    let is_meant =
-        || is_named(".xacro") || !arguments.values.is_empty() || denavit_model::urdf::read(file, &text).is_err();
-    if is_xacro && is_meant() {
-        let text = expanded(file, &text, arguments)?;
-        return Ok(UrdfText { shown: format!("{file} (expanded)"), text, is_xacro: true });
-    }
-    Ok(UrdfText { shown: file.to_owned(), text, is_xacro: false })
+    let options = Options { arguments_for_another: true, ..options(arguments)? };
+    let urdf = denavit_load::urdf_text(file, text, &options, &denavit_export::urdf::Options::default())?;
+    output::reads(&urdf.includes)?;
+    urdf.notes.iter().for_each(output::mention);
+    Ok(urdf)
 }
 
 /// The URDF that a xacro document stands for.

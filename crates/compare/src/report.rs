@@ -5,7 +5,7 @@
 mod entries;
 mod github;
 mod json;
-mod junit;
+pub mod junit;
 mod markdown;
 mod sarif;
 mod text;

@@ -8,9 +8,8 @@ pub use files::{CorpusFile, Findings, robots_in};
 pub use history::{Became, GitChange, changes};
 
 use crate::error::FleetError;
+use denavit_calibrate::identify::threads::dealt;
 use serde::Serialize;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How a corpus is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,21 +66,5 @@ pub fn corpus(names: &[String], options: &CorpusOptions, tell: &(dyn Fn(&str) + 
 
 /// The work done on each item by `threads`, in the order of the items.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], threads: usize, work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::with_capacity(items.len()));
-    std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, items.len().max(1)) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(index) else { return };
-                    let result = work(item);
-                    done.lock().expect("keeping a result does not panic").push((index, result));
-                }
-            });
-        }
-    });
-    let mut done = done.into_inner().expect("keeping a result does not panic");
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, result)| result).collect()
+    dealt(items.iter(), threads.min(items.len()), || (), |(), item| work(item))
 }

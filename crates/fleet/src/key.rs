@@ -4,7 +4,6 @@ use crate::manifest::Entry;
 use crate::tasks::source_options;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
-use std::fmt::Write as _;
 use std::sync::Mutex;
 
 /// Counts up when the tables of a result change.
@@ -31,11 +30,7 @@ pub(crate) fn key(entry: &Entry, robots: &Robots) -> String {
     for file in entry.data.iter().chain(&entry.test) {
         hash.update(of_bytes(file));
     }
-    let mut text = String::with_capacity(64);
-    for byte in hash.finalize() {
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
+    base16ct::lower::encode_string(&hash.finalize())
 }
 
 fn of_bytes(file: &str) -> [u8; 32] {

@@ -24,6 +24,7 @@ mod meshes;
 mod read;
 mod robot;
 mod table;
+mod urdf_text;
 
 pub use canonical::canonical;
 pub use checked::{CheckError, CheckOptions, Rules};
@@ -31,7 +32,8 @@ pub use error::LoadError;
 pub use meshes::{MeshFile, Meshes, meshes};
 pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};
 pub use robot::{Listing, Loaded, Selection};
-pub use table::{Made, TableOptions};
+pub use table::{Made, NEARLY_PARALLEL, TableOptions};
+pub use urdf_text::{UrdfText, urdf_text};
 
 use denavit_export::sources::Stated;
 use std::path::PathBuf;

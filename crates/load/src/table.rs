@@ -8,6 +8,9 @@ use denavit_export::urdf::read_off;
 use denavit_model::Reading;
 use denavit_model::notes::{Note, Noted};
 
+/// Neighbouring axes closer to parallel than this are made parallel where nothing else is said, rad.
+pub const NEARLY_PARALLEL: f64 = 1e-6;
+
 /// How the table is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableOptions {

@@ -1,14 +1,15 @@
 //! Each question and its answer.
 
-use crate::question::{Question, RobotText, table_options, units};
-use crate::{effects, measured};
+use crate::question::{Question, RobotText, table_options, units, without_scales};
+use crate::{effects, measured, twists};
 use denavit_compare::lint;
 use denavit_compare::report::{self, Report};
 use denavit_compare::{Options as Comparing, compare};
 use denavit_export::{Sheet, formats, poe, shapes};
-use denavit_load::{CheckOptions, Rules, json};
+use denavit_load::{CheckOptions, Loaded, Rules, TableOptions, json};
 use denavit_model::notes::Noted;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// The answer to a question.
 pub fn of(question: &Question) -> Result<Value, String> {
@@ -21,6 +22,7 @@ pub fn of(question: &Question) -> Result<Value, String> {
             let Noted { value, notes } = source.load()?.chain(&source.selection()).map_err(words)?;
             Ok(json!({ "text": poe::json(&value, &notes) }))
         }
+        Question::Twist(asked) => twists::twisted(asked),
         Question::Fk { source, q } => {
             let noted = source.load()?.chain(&source.selection()).map_err(words)?;
             let chain = &noted.value;
@@ -72,14 +74,29 @@ fn open(source: &RobotText) -> Result<Value, String> {
     let (file, urdf) = source.urdf()?;
     let tree = denavit_model::urdf::read(&file, &urdf).map_err(words)?;
     let listing = opened.robot.chains();
+    let (_, scales) = without_scales(opened.robot)?;
+    let mut scene = shapes::scene(&tree, source.reading());
+    scale(&mut scene, &scales);
     Ok(json!({
         "robot": listing.robot,
         "chains": json::chains(&listing),
         "urdf": urdf,
         "urdf_file": file,
         "notes": opened.notes,
-        "scene": shapes::scene(&tree, source.reading()),
+        "scene": scene,
     }))
+}
+
+/// Gives the joints of a scene the scales that its URDF could not say, and to what follows them, too.
+fn scale(scene: &mut Value, scales: &BTreeMap<String, f64>) {
+    let Some(joints) = scene["joints"].as_array_mut() else { return };
+    let names: Vec<String> = joints.iter().map(|joint| joint["name"].as_str().unwrap_or_default().to_owned()).collect();
+    for joint in joints {
+        let driver = joint["driver"].as_u64().and_then(|index| names.get(usize::try_from(index).ok()?));
+        if let (Some(by), Some(own)) = (driver.and_then(|name| scales.get(name)), joint["scale"].as_f64()) {
+            joint["scale"] = json!(own * by);
+        }
+    }
 }
 
 fn table(
@@ -89,8 +106,18 @@ fn table(
     written: &str,
     format: &str,
 ) -> Result<Value, String> {
-    let loaded = source.load()?;
-    let made = loaded.table(&source.selection(), &table_options(convention, gauge)?).map_err(words)?;
+    tabled(&source.load()?, source, &table_options(convention, gauge)?, written, format)
+}
+
+/// A robot's table in a format, and in the cells that a page shows.
+pub fn tabled(
+    loaded: &Loaded,
+    source: &RobotText,
+    options: &TableOptions,
+    written: &str,
+    format: &str,
+) -> Result<Value, String> {
+    let made = loaded.table(&source.selection(), options).map_err(words)?;
     let Noted { value: table, notes } = made.table;
     let sheet = Sheet {
         table: &table,

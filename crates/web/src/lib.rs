@@ -11,6 +11,7 @@ mod effects;
 mod measured;
 mod memory;
 mod question;
+mod twists;
 
 pub use question::{Question, RobotText};
 

@@ -8,7 +8,7 @@ use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Pro
 use denavit_calibrate::identify::proportion::within_proportion;
 use denavit_calibrate::observation::measurements::import::{self, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{self, Loaded as Data, Units};
-use denavit_calibrate::report::text;
+use denavit_calibrate::report::{findings, text};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_export::urdf;
@@ -24,7 +24,7 @@ const SEED: u64 = 0;
 /// says, or by its names where there is none.
 pub fn columns(source: &RobotText, data: &DataText, units: &str, map: Option<&str>) -> Result<Value, String> {
     let chain = source.load()?.chain(&source.selection()).map_err(words)?.value;
-    let outlined = import::outline(data.text.as_bytes(), &chain);
+    let outlined = import::outline(&data.bytes()?, &chain);
     let columns = outlined.map_err(|problem| format!("{}: {problem}", data.file))?;
     let tried = import_options(map).and_then(|options| read(data, &chain, units, &options));
     let joints: Vec<&str> = chain.coordinates().iter().map(|joint| joint.name.as_str()).collect();
@@ -42,7 +42,7 @@ fn import_options(map: Option<&str>) -> Result<ImportOptions, String> {
 
 fn read(data: &DataText, chain: &Chain, units: &str, options: &ImportOptions) -> Result<Data, String> {
     let units: Units = units.parse().map_err(words)?;
-    measurements::read_export(&data.file, data.text.as_bytes(), chain, units, options).map_err(words)
+    measurements::read_export(&data.file, &*data.bytes()?, chain, units, options).map_err(words)
 }
 
 /// The calibration as JSON, as text and as the report's page, with the calibrated URDF and effects.
@@ -92,9 +92,28 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
         "urdf": urdf,
         "effects": result.effects(&statics).to_json(),
         "notes": notes,
+        "said": found(&result),
         "residuals": residuals(&chain, &result),
         "tried": tried(&result),
     }))
+}
+
+/// What was found, in the sentences of the report: what the list is headed and ended with, each effect; none where nothing
+/// was searched for.
+fn found(result: &Calibration) -> Value {
+    let Some(trace) = &result.trace else { return Value::Null };
+    let text = findings::findings(trace);
+    let effects: Vec<Value> = trace
+        .findings
+        .iter()
+        .map(|finding| json!({ "said": findings::said(finding, trace), "probability": finding.probability }))
+        .collect();
+    json!({
+        "heading": text.lines().next(),
+        "effects": effects,
+        "structured": trace.leftover.structured,
+        "ending": text.lines().next_back(),
+    })
 }
 
 /// The search's first pass: the best candidate of each kind at each place, and by how much it lowers the criterion.

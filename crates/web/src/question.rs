@@ -1,11 +1,14 @@
 //! What a page may ask.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use denavit_dh::{Convention, Gauge};
 use denavit_export::Units;
 use denavit_export::sources::Stated;
-use denavit_load::{Loaded, Opened, Options, Selection, TableOptions};
-use denavit_model::Reading;
+use denavit_load::{Loaded, NEARLY_PARALLEL, Opened, Options, Selection, TableOptions};
+use denavit_model::{Chain, ChainJoint, Reading};
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -31,6 +34,8 @@ pub enum Question {
     },
     /// Screw axes and home pose.
     Poe(RobotText),
+    /// One joint's twist moved, and what becomes of the D-H numbers.
+    Twist(Twist),
     /// Where the tip is.
     Fk {
         /// The robot.
@@ -110,13 +115,52 @@ pub struct Calibrate {
     pub hold_out: Option<f64>,
 }
 
-/// A file of data.
+/// A joint's axis moved by hand.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Twist {
+    /// The robot.
+    pub source: RobotText,
+    /// Which joint of the chain, counted from 0.
+    pub joint: usize,
+    /// Turned about x, y, z, then moved along them, rad and m; z is the axis as drawn.
+    pub by: [f64; 6],
+    /// Units of the tables for people, such as `mm,deg`.
+    pub units: String,
+}
+
+/// A file of data: a text, or a workbook.
 #[derive(Debug, Clone, Deserialize)]
 pub struct DataText {
     /// Its name.
     pub file: String,
-    /// Its text.
-    pub text: String,
+    /// What it holds.
+    #[serde(flatten)]
+    pub content: Content,
+}
+
+/// What a file of data holds.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Content {
+    /// Text.
+    Text(String),
+    /// An Excel workbook, in base64.
+    Workbook(String),
+}
+
+impl DataText {
+    /// The file's bytes.
+    ///
+    /// # Errors
+    /// A workbook that is not base64.
+    pub(crate) fn bytes(&self) -> Result<Cow<'_, [u8]>, String> {
+        match &self.content {
+            Content::Text(text) => Ok(Cow::Borrowed(text.as_bytes())),
+            Content::Workbook(packed) => {
+                STANDARD.decode(packed).map(Cow::Owned).map_err(|error| format!("{}: {error}", self.file))
+            }
+        }
+    }
 }
 
 /// A robot's text, the files beside it, and how it is to be read.
@@ -160,6 +204,7 @@ impl Question {
             }
             Self::Diff { a, b } => vec![a, b],
             Self::Calibrate(asked) => vec![&asked.source],
+            Self::Twist(asked) => vec![&asked.source],
         };
         let mut files = Vec::new();
         for robot in robots {
@@ -196,18 +241,14 @@ impl RobotText {
         let start = self.text.trim_start_matches('\u{feff}').trim_start();
         let is_urdf_name = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
         if !is_urdf_name && !start.starts_with('<') && !start.is_empty() {
-            let robot = self.load()?;
+            let (robot, scales) = without_scales(self.load()?)?;
             let urdf = denavit_load::canonical(&robot, &self.file, &self.canonical_options());
-            return Ok((format!("{} (as URDF)", self.file), urdf.map_err(|error| error.to_string())?.value));
+            let named = if scales.is_empty() { "as URDF" } else { "as URDF, joint scales left out" };
+            return Ok((format!("{} ({named})", self.file), urdf.map_err(|error| error.to_string())?.value));
         }
-        let is_xacro = denavit_xacro::is_xacro(&self.text);
-        let is_named = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("xacro"));
-        let is_meant = || is_named || denavit_model::urdf::read(&self.file, &self.text).is_err();
-        if is_xacro && is_meant() {
-            let expanded = denavit_load::expanded(&self.file, &self.text, &self.options());
-            return Ok((format!("{} (expanded)", self.file), expanded.map_err(|error| error.to_string())?.urdf));
-        }
-        Ok((self.file.clone(), self.text.clone()))
+        let urdf = denavit_load::urdf_text(&self.file, self.text.clone(), &self.options(), &self.canonical_options());
+        let urdf = urdf.map_err(|error| error.to_string())?;
+        Ok((urdf.shown, urdf.text))
     }
 
     pub(crate) fn canonical_options(&self) -> denavit_export::urdf::Options {
@@ -216,7 +257,7 @@ impl RobotText {
             parallelism: if self.exact {
                 denavit_dh::Parallelism::Exact
             } else {
-                denavit_dh::Parallelism::Within { angle: TOLERANCE }
+                denavit_dh::Parallelism::Within { angle: NEARLY_PARALLEL }
             },
             tip: self.tip.clone(),
             ..denavit_export::urdf::Options::default()
@@ -232,8 +273,28 @@ impl RobotText {
     }
 }
 
-/// Neighbouring axes nearer to parallel than this are made parallel, rad, as the command line does.
-const TOLERANCE: f64 = 1e-6;
+/// A robot whose joints count as their coordinates do, which is all that a URDF can say, and the scales of the joints of which
+/// one was left out, by name; a joint that another drives keeps its own.
+///
+/// # Errors
+/// The joints make no chain.
+pub fn without_scales(robot: Loaded) -> Result<(Loaded, BTreeMap<String, f64>), String> {
+    let Loaded::Poe(chain) = &robot else { return Ok((robot, BTreeMap::new())) };
+    let drives = |joint: &ChainJoint| chain.coordinates()[joint.coordinate].name == joint.name;
+    let scaled = |joint: &&ChainJoint| drives(joint) && joint.scale.abs() != 1.0;
+    let scales: BTreeMap<String, f64> =
+        chain.joints().iter().filter(scaled).map(|joint| (joint.name.clone(), joint.scale)).collect();
+    if scales.is_empty() {
+        return Ok((robot, scales));
+    }
+    let joints = chain.joints().iter().map(|joint| {
+        let scale = if scales.contains_key(&joint.name) { 1.0 } else { joint.scale };
+        ChainJoint { scale, ..joint.clone() }
+    });
+    let names = (chain.name(), chain.base(), chain.tip());
+    let plain = Chain::new(names, chain.coordinates().to_vec(), joints.collect(), *chain.home());
+    Ok((Loaded::Poe(plain.map_err(|error| error.to_string())?), scales))
+}
 
 /// How a table is to be made.
 pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<TableOptions, String> {
@@ -251,7 +312,7 @@ pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<Ta
         Some("paper") => Some(Gauge::Paper),
         Some(word) => return Err(format!("\"{word}\" is no gauge; take simple or paper")),
     };
-    Ok(TableOptions { convention, gauge, tolerance: TOLERANCE })
+    Ok(TableOptions { convention, gauge, tolerance: NEARLY_PARALLEL })
 }
 
 /// Units of documents for people.

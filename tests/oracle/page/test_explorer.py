@@ -8,13 +8,15 @@ import json
 import re
 import subprocess
 
+import numpy as np
 import pytest
 from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, table_of, with_page, without, zipped
 from playwright.sync_api import expect
+from scipy.linalg import expm
 
 pytestmark = needs_page
 
-OWN = [path.relative_to(WORKSPACE) for kind in ("*.urdf", "*_dh.csv", "*_nominal_poe.csv") for path in sorted(ROBOTS.rglob(kind))]
+OWN = [path.relative_to(WORKSPACE) for kind in ("*.urdf", "*_dh.csv", "*_poe.csv") for path in sorted(ROBOTS.rglob(kind))]
 
 
 def test_drop_table_canonical_in_three_clicks(explorer):
@@ -68,7 +70,7 @@ def frames_end_at_the_tip(page):
 
 def test_sliders_move_picture_and_tip_to_where_forward_kinematics_says(explorer):
     page = explorer()
-    for robot in (UR5E, ROBOTS / "denso/hsr065_screw_spline.urdf", ROBOTS / "kuka/kr16_2_on_rail.urdf", ROBOTS / "robotiq/2f_85.urdf"):
+    for robot in (UR5E, ROBOTS / "denso/hsr065_screw_spline.urdf", ROBOTS / "kuka/kr16_2_on_rail.urdf", ROBOTS / "robotiq/2f_85.urdf", ROBOTS / "unimation/puma560_actual_poe.csv"):
         drop(page, robot)
         page.wait_for_function("name => window.denavit.app.robot?.file === name && window.denavit.app.table", arg=robot.name)
         sliders = page.locator("input[data-joint]")
@@ -287,6 +289,84 @@ def test_learn_derives_the_table_and_comes_back_to_the_tip(explorer):
         ticks += "✓" in page.locator("section.panel").inner_text()
         page.click("#next")
     assert ticks >= 4
+    assert float(page.get_attribute("#roundtrip", "data-apart")) < 1e-12
+
+
+def moved_by(page, by):
+    """Moves the six sliders of the twist and waits for what becomes of it."""
+    for at, value in enumerate(by):
+        page.locator(f'input[data-twist="{at}"]').evaluate("(it, value) => { it.value = value; it.dispatchEvent(new Event('input')); }", value)
+    page.wait_for_function("() => document.querySelector('#twist-dh')")
+    page.wait_for_timeout(300)
+    return json.loads(page.get_attribute("#twist-numbers", "data-changed"))
+
+
+def to_step(page, title):
+    page.click("#tab-Learn")
+    page.locator(".steps button", has_text=title).click()
+    expect(page.locator("section.panel h2").first).to_contain_text(title)
+
+
+def test_a_twist_moved_by_hand_changes_what_section_v_of_the_paper_says(explorer, tmp_path):
+    page = explorer()
+    drop_robot(page, UR5E)
+    to_step(page, "One twist, alive")
+    # 4 numbers for each of six turning joints, 6 for the tip.
+    expect(page.locator("#identifiable b")).to_have_text("30")
+    page.select_option("#twist-joint", "2")
+    expect(page.locator("#twist-free")).to_have_text("4 of 6")
+    assert moved_by(page, [0, 0, 0, 0, 0, 0]) == []
+    assert moved_by(page, [0, 0, 0.3, 0, 0, 0.05]) == [], "an axis that turns about itself and moves along itself is the same axis"
+    by = [0.12, -0.07, 0.02, 0.03, -0.01, 0.04]
+    changed = moved_by(page, by)
+    # Elbow: the rows to it and from it, and where the next normal starts.
+    assert {words.split()[-1] for words in changed} == {"2", "3", "4"}
+    assert {words for words in changed if words.endswith(" 4")} <= {"θ of 4", "d of 4"}
+    shot(page, "twist-desktop-light")
+    # The axis moved by the matrix exponential of numpy's friends, and its table by the command line.
+    axes = json.loads(cli("poe", UR5E, "--json"))
+    joint = axes["joints"][2]
+    twist, frame = np.array(joint["twist"]), np.array(page.evaluate("(source) => window.denavit.app.engine.ask('twist', source).then((it) => it.frame)", asked_twist(by))).reshape(4, 4).T
+    hat = np.zeros((4, 4))
+    hat[:3, :3], hat[:3, 3] = skew(by[:3]), by[3:]
+    motion = frame @ expm(hat) @ np.linalg.inv(frame)
+    turned, moved = motion[:3, :3], motion[:3, 3]
+    omega = turned @ twist[:3]
+    joint["twist"] = [*omega, *(turned @ twist[3:] + np.cross(moved, omega))]
+    answer = page.evaluate("(source) => window.denavit.app.engine.ask('twist', source)", asked_twist(by))
+    same(answer["after"], [float(value) for value in joint["twist"]], 1e-14)
+    file = tmp_path / "moved.json"
+    file.write_text(json.dumps(axes))
+    expected = json.loads(cli("table", file, "--gauge", "paper", "--json"))["rows"]
+    same(json.loads(answer["tables"][1]["text"])["rows"], expected, 1e-9)
+
+
+def asked_twist(by):
+    return {"source": {"file": "ur5e.urdf", "text": UR5E.read_text()}, "joint": 2, "by": by, "units": "m,deg"}
+
+
+def skew(w):
+    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+
+
+def test_of_a_sliding_axis_only_its_direction_counts(explorer):
+    page = explorer()
+    drop_robot(page, ROBOTS / "kuka/kr16_2_on_rail.urdf")
+    to_step(page, "One twist, alive")
+    page.select_option("#twist-joint", "0")
+    expect(page.locator("#twist-free")).to_have_text("2 of 6")
+    assert moved_by(page, [0, 0, 0.2, 0.1, -0.1, 0.3]) == []
+    assert moved_by(page, [0.1, 0, 0, 0, 0, 0]) != []
+
+
+def test_the_papers_calibrated_robot_is_shown_although_no_urdf_can_say_it(explorer):
+    page = explorer()
+    drop_robot(page, ROBOTS / "unimation/puma560_actual_poe.csv")
+    assert page.evaluate("() => window.denavit.app.robot.opened.scene.joints.filter((it) => it.driver !== null && it.scale !== 1).length") >= 6
+    page.click("#canonical")
+    complains(page, "which URDF cannot say")
+    page.click("#tab-Learn")
+    page.locator(".steps button", has_text="And back").click()
     assert float(page.get_attribute("#roundtrip", "data-apart")) < 1e-12
 
 

@@ -5,7 +5,7 @@ import json
 import subprocess
 
 import pytest
-from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, browser, cli, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, without
+from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, WORKSPACE, browser, cli, complains, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, without, zipped
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -84,6 +84,34 @@ def test_unclear_columns_are_asked_about_one_by_one(size, theme, explorer, tmp_p
     same(without(found, "origin"), without(json.loads(expected.read_text()), "origin"), 1e-5)
 
 
+BOOK = WORKSPACE / "tests/measured/files/readings.xlsx"
+
+
+def test_a_workbook_is_read_as_the_command_line_reads_it(explorer, tmp_path):
+    page = explorer()
+    drop_robot(page, UR5E)
+    drop(page, BOOK)
+    page.select_option("#data-units", "mm,deg")
+    expect(page.locator("#columns-verdict")).to_contain_text("rows are read")
+    page.select_option("#search", "none")
+    found = calibrated(page)
+    expected = tmp_path / "report.json"
+    cli("calibrate", UR5E, "--data", BOOK, "--units", "mm,deg", "--effects", "none", "--json", expected)
+    same(without(found, "origin"), without(json.loads(expected.read_text()), "origin"), 1e-5)
+
+
+def test_damaged_and_bloated_workbooks_get_one_sentence(explorer):
+    page = explorer()
+    drop_robot(page, UR5E)
+    drop(page, ("cut.xlsx", BOOK.read_bytes()[:400]))
+    complains(page, "cut.xlsx")
+    drop(page, ("bomb.xlsx", zipped({"xl/worksheets/sheet1.xml": b" " * (200 << 20)})))
+    complains(page, "bomb.xlsx: more than 128 MB")
+    page.click("#tab-Calibrate")
+    drop(page, ("letter.xlsx", zipped({"word/document.xml": "<a/>"})))
+    expect(page.locator("#columns-verdict, .said.wrong").filter(has_text="this Excel workbook cannot be read").first).to_be_visible()
+
+
 def test_names_in_a_file_of_measurements_are_text(explorer):
     page = explorer()
     drop_robot(page, UR5E)
@@ -101,20 +129,25 @@ def test_effects_look_as_sure_as_they_are(explorer):
     assert [effect["kind"] for effect in report["effects"]] == ["joint_compliance"] and "one_of" not in report
     named = page.locator("#effects-found .named")
     expect(named).to_have_count(1)
-    probability = report["effects"][0]["probability"]
-    expect(named).to_contain_text("over 99 %" if probability > 0.995 else f"probability {round(100 * probability)} %")
-    assert float(named.locator("meter").get_attribute("value")) == pytest.approx(probability, rel=1e-9)
-    assert page.locator("#effects-found .open, #unnamed").count() == 0
+    # The sentences are those of the command line's report, heading, effects and ending.
+    lines = [line.strip() for line in page.locator("#report").text_content().splitlines()]
+    shown = page.locator("#effects").inner_text()
+    for words in (page.locator("#effects-heading").inner_text(), named.locator("b").inner_text(), page.locator("#effects > p").last.inner_text()):
+        assert words[0].lower() + words[1:] in lines, words
+    why = named.locator(".rivals").inner_text().split("; ")
+    assert f"why: {why[0]}" in lines and why[1] in lines
+    assert float(named.locator("meter").get_attribute("value")) == pytest.approx(report["effects"][0]["probability"], rel=1e-9)
+    assert page.locator("#effects-found .open, #unnamed").count() == 0 and "has no structure" in shown
     page.locator("#effects").scroll_into_view_if_needed()
     shot(page, "effects-light")
     # The same effect, less sure, and structure that no effect explains: shown by the page's own hand, and otherwise than a named one.
-    report["one_of"] = [{**report["effects"].pop(), "probability": 0.6, "ambiguous_with": [{"kind": "link_compliance", "joint": "elbow_joint", "probability": 0.3}]}]
-    report["unexplained"] = {"structured": True, "p_value": 1e-4, "where": [{"joint": "wrist_1_joint", "share": 0.4}]}
-    page.evaluate("report => document.getElementById('effects').replaceWith(window.denavit.effects(report, true))", report)
-    expect(page.locator("#no-effects")).to_have_text("No effect is sure enough to be named.")
+    unsure = {"title": "one of: joint_compliance at shoulder_lift_joint (60 %), link_compliance at elbow_joint (30 %)", "named": False, "numbers": ["coefficient 1"], "why": "corrected for, not named"}
+    said = {"heading": "no effect is sure enough to be named, of 9 candidates", "effects": [{"said": unsure, "probability": 0.6}], "structured": True, "ending": "structure remains that no effect explains (p 1.0e-4): wrist_1_joint 40 %"}
+    page.evaluate("said => document.getElementById('effects').replaceWith(window.denavit.effects(said))", said)
+    expect(page.locator("#effects-heading")).to_have_text("No effect is sure enough to be named, of 9 candidates")
     assert page.locator("#effects-found .named").count() == 0
-    assert page.locator("#effects-found .open li").all_text_contents() == ["joint compliance at shoulder_lift_joint  60 %", "link compliance at elbow_joint  30 %"]
-    expect(page.locator("#unnamed")).to_contain_text("What remains follows wrist_1_joint (40 %)")
+    expect(page.locator("#effects-found .open b")).to_have_text(unsure["title"])
+    expect(page.locator("#unnamed")).to_have_text(said["ending"])
     edges = page.evaluate("() => [...document.querySelectorAll('#effects-found > li')].map((it) => getComputedStyle(it).borderLeftStyle)")
     assert edges == ["dashed", "dotted"]
     shot(page, "effects-unsure-light")

@@ -3,12 +3,13 @@
 """
 
 import base64
+import re
 import struct
 import subprocess
 from pathlib import Path
 
 import pytest
-from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, VENDOR, browser, cli, denavit, drop_robot, explorer, needs_page, shot, with_page, zipped
+from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, VENDOR, browser, cli, denavit, drop, drop_robot, explorer, needs_page, shot, with_page, zipped
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -56,6 +57,91 @@ def test_names_of_frames_lie_beside_each_other_and_every_one_is_seen_when_it_is_
     for index in range(rows.count()):
         rows.nth(index).focus()
         page.wait_for_function("name => [...document.querySelectorAll('.labels .tag.chosen')].some((it) => it.textContent === name && !it.hidden)", arg=seen["all"][index])
+
+
+SIZES = """() => {
+  const { view } = window.denavit.app;
+  const [reach, rods] = [view.bodies[0].ball().radius, []];
+  view.overlay.traverse((it) => { if (it.isMesh) rods.push([it.geometry.parameters.radiusTop, it.geometry.parameters.height]); });
+  // How much of the picture the robot takes, and how long the axes of a frame are, both seen.
+  const distance = view.camera.position.distanceTo(view.controls.target);
+  return { filled: reach / (distance * Math.sin((view.camera.fov * Math.PI) / 360)), axis: Math.max(...view.overlay.children.filter((it) => it.userData.row !== undefined)[0].children.map((it) => it.geometry.parameters.height)), reach, thick: Math.max(...rods.map(([radius]) => radius)) };
+}"""
+
+
+def arm(scale):
+    """A slewing, luffing, telescoping arm of this length of boom, m, with shapes."""
+    link = lambda name, length: f'<link name="{name}"><visual><origin xyz="0 0 {length * scale / 2}"/><geometry><cylinder radius="{scale * 0.04}" length="{length * scale}"/></geometry></visual></link>'
+    joint = lambda name, kind, parent, child, xyz, axis: f'<joint name="{name}" type="{kind}"><origin xyz="{xyz}"/><parent link="{parent}"/><child link="{child}"/><axis xyz="{axis}"/><limit lower="0" upper="{scale}" effort="1" velocity="1"/></joint>'
+    return f"""<robot name="crane"><link name="base"/>{link("mast", 1)}{link("boom", 1)}{link("jib", 0.5)}
+      {joint("slew", "revolute", "base", "mast", "0 0 0", "0 0 1")}{joint("luff", "revolute", "mast", "boom", f"{scale * 0.1} 0 {scale}", "0 1 0")}
+      {joint("extend", "prismatic", "boom", "jib", f"0 0 {scale}", "0 0 1")}</robot>""".encode()
+
+
+@pytest.mark.parametrize("scale", [10, 0.02], ids=["crane of 30 m", "arm of 5 cm"])
+def test_frames_are_drawn_in_proportion_whatever_the_size_of_the_robot(scale, explorer):
+    page = explorer()
+    drop_robot(page, (f"arm{scale}.urdf", arm(scale)))
+    seen = page.evaluate(SIZES)
+    assert 0.5 < seen["filled"] < 1
+    assert 0.05 < seen["axis"] / seen["reach"] < 0.4 and seen["thick"] < 0.02 * seen["reach"]
+    shot(page, f"size-{scale}")
+
+
+def test_frames_of_a_finger_are_as_large_as_a_finger_and_a_hand_fills_the_view(explorer):
+    page = explorer()
+    drop_robot(page, ROBOTS / "robotiq/2f_85.urdf")
+    seen = page.evaluate(SIZES)
+    assert 0.5 < seen["filled"] < 1 and seen["axis"] < 0.03
+    shot(page, "gripper")
+    # The same gripper at the end of a long boom: its frames keep their size.
+    text = (ROBOTS / "robotiq/2f_85.urdf").read_text()
+    root = re.search(r'<link name="([^"]+)"', text).group(1)
+    boom = f'<link name="ground"/><joint name="boom" type="revolute"><origin xyz="20 0 20"/><parent link="ground"/><child link="{root}"/><axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint></robot>'
+    drop(page, ("boom.urdf", text.replace("</robot>", boom).encode()))
+    page.wait_for_function("() => window.denavit.app.robot?.file === 'boom.urdf' && window.denavit.app.table")
+    beside = page.evaluate(SIZES)
+    assert beside["reach"] > 10 and beside["axis"] < 0.05
+
+
+def test_links_whose_meshes_are_missing_are_drawn_as_rods(explorer):
+    page = explorer()
+    rods = "() => { let n = 0; window.denavit.app.view.bodies[0].group.traverse((it) => { if (it.isMesh && it.geometry.type === 'CylinderGeometry') n++; }); return n; }"
+    mesh, ball = '<mesh filename="gone.stl"/>', '<sphere radius="0.05"/>'
+    joint = '<joint name="{0}{1}" type="continuous"><origin xyz="0 0 0.3"/><parent link="{0}"/><child link="{1}"/><axis xyz="1 0 0"/></joint>'
+    links = '<link name="a"><visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link><link name="b"><visual><geometry>{}</geometry></visual></link><link name="c"/>'
+    robot = "<robot name='arm'>" + links + joint.format("a", "b") + joint.format("b", "c") + "</robot>"
+    drop_robot(page, ("arm.urdf", robot.format(mesh).encode()))
+    # From b to c, and the axes of the two joints below a.
+    assert page.evaluate(rods) == 3
+    drop(page, ("arm2.urdf", robot.format(ball).encode()))
+    page.wait_for_function("() => window.denavit.app.robot?.file === 'arm2.urdf'")
+    assert page.evaluate(rods) == 0
+
+
+def test_the_frame_of_the_link_under_the_pointer_is_drawn_and_named(explorer):
+    page = explorer()
+    drop_robot(page, UR5E)
+    links = page.evaluate("() => window.denavit.app.robot.opened.scene.links.map((it) => it.name)")
+    box = page.locator(".view").bounding_box()
+    for step in range(1, 60):
+        page.mouse.move(box["x"] + step / 60 * box["width"], box["y"] + 0.45 * box["height"])
+        words = page.locator(".tag.pointer").inner_text() if page.locator(".tag.pointer").is_visible() else ""
+        if words in links:
+            break
+    assert words in links
+    apart = page.evaluate(
+        """link => {
+          const { view } = window.denavit.app;
+          const at = view.pose(0, link).elements.slice(12, 15);
+          const drawn = view.pointed.children[0].children.map((it) => it.position.toArray());
+          return Math.min(...drawn.map((point) => Math.hypot(...point.map((value, axis) => value - at[axis])))) / view.size;
+        }""",
+        words,
+    )
+    assert apart < 0.1
+    page.mouse.move(2, 2)
+    page.wait_for_function("() => window.denavit.app.view.pointed.children.length === 0")
 
 
 def test_a_tap_names_what_lies_under_it_inside_of_the_view(browser, explorer):
@@ -204,10 +290,12 @@ def test_explore_compares_a_revision_with_the_file(with_page, explorer, tmp_path
     expect(page.locator("#worst")).to_contain_text("mm")
 
 
-@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
-def test_documents_show_the_same_view(size, with_page, explorer, tmp_path):
+@pytest.mark.parametrize(("size", "theme"), [(DESKTOP, "light"), (PHONE, "dark"), (DESKTOP, "dark")], ids=["desktop", "phone", "dark"])
+def test_documents_show_the_same_view(size, theme, with_page, explorer, tmp_path):
     cli("doc", ROBOTS / "rethink/baxter.urdf", UR5E, "-o", tmp_path)
-    page = explorer((tmp_path / "ur5e.html").as_uri(), size=size)
+    page = explorer((tmp_path / "ur5e.html").as_uri(), size=size, theme=theme)
+    unreadable = page.evaluate(UNREADABLE)
+    assert unreadable == []
     page.wait_for_function("() => window.denavit?.view.works")
     expect(page.locator("#view")).to_be_hidden()
     expect(page.locator(".view canvas")).to_be_visible()
@@ -220,12 +308,51 @@ def test_documents_show_the_same_view(size, with_page, explorer, tmp_path):
     named = names(page)
     assert named["troubles"] == [] and len(named["all"]) == 8
     page.locator(".view").scroll_into_view_if_needed()
-    shot(page, f"document-{size['width']}")
+    shot(page, f"document-{size['width']}-{theme}")
     page.uncheck("#frames")
     assert names(page)["all"] == []
     page.uncheck("#shapes")
     expect(page.locator("#view")).to_be_visible()
     expect(page.locator(".view")).to_be_hidden()
+
+
+# Words whose colour is too near to that of what they stand on (WCAG 2, 4.5 : 1), words in drawings aside.
+UNREADABLE = """() => {
+  const canvas = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+  const read = (colour) => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = colour; canvas.fillRect(0, 0, 1, 1); return [...canvas.getImageData(0, 0, 1, 1).data]; };
+  const light = (rgb) => { const [r, g, b] = rgb.slice(0, 3).map((c) => { const s = c / 255; return s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4; }); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
+  const under = (it) => { for (let at = it; at; at = at.parentElement) { const colour = read(getComputedStyle(at).backgroundColor); if (colour[3] === 255) return colour; } return [255, 255, 255, 255]; };
+  const texts = [...document.querySelectorAll('body *')].filter((it) => !it.closest('svg, .view, script, style') && [...it.childNodes].some((child) => child.nodeType === 3 && child.textContent.trim()) && it.getClientRects().length);
+  return texts.flatMap((it) => {
+    const [a, b] = [light(read(getComputedStyle(it).color)), light(under(it))];
+    const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    return contrast < 4.5 ? [`${it.tagName} "${it.textContent.trim().slice(0, 30)}" ${contrast.toFixed(1)}`] : [];
+  });
+}"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_reports_can_be_read_in_either_theme(theme, explorer, tmp_path):
+    data = ROBOTS / "universal_robots/ur5e_tracker.csv"
+    cli("calibrate", UR5E, "--data", data, "--effects", "none", "--html", tmp_path / "report.html", "--json", tmp_path / "report.json")
+    page = explorer((tmp_path / "report.html").as_uri(), theme=theme)
+    assert page.evaluate(UNREADABLE) == []
+    dark = page.evaluate("() => getComputedStyle(document.body).backgroundColor") != "rgb(255, 255, 255)"
+    assert dark == (theme == "dark")
+    shot(page, f"report-{theme}")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_word_of_the_explorer_can_be_read_in_either_theme(theme, explorer):
+    page = explorer(theme=theme)
+    assert page.evaluate(UNREADABLE) == []
+    drop_robot(page, UR5E)
+    for tab in ("See", "Calibrate", "Learn"):
+        page.click(f"#tab-{tab}")
+        page.wait_for_timeout(300)
+        # Buttons that wait are meant to be pale.
+        pale = [words for words in page.evaluate(UNREADABLE) if not words.startswith('BUTTON "Back"')]
+        assert pale == [], tab
 
 
 def test_documents_of_hostile_robots_hold_no_markup_of_theirs(with_page, explorer, tmp_path):

@@ -33,6 +33,8 @@ const BEYOND_GEOMETRY: f64 = 0.02;
 /// Rows on which mistakes are tried, and on which the best are confirmed.
 const ROWS_TO_TRY: usize = 20;
 const ROWS_TO_CONFIRM: usize = 200;
+/// Iterations after a start: enough to see which mistake's rows fit, not to fit them.
+const ITERATIONS_TO_TRY: usize = 10;
 /// The best mistakes are confirmed, no more than these.
 const CONFIRMED: usize = 3;
 
@@ -165,7 +167,7 @@ fn undone(
 
 /// How far the robot as drawn is from these rows.
 fn nominal_misfit(chain: &Chain, data: &Measurements) -> [f64; 2] {
-    let options = FitOptions { robust: true, most_iterations: 10 };
+    let options = FitOptions { robust: true, most_iterations: ITERATIONS_TO_TRY };
     misfit(&nominal_fit(chain, data, &vec![1.0; data.observations()], &options), data)
 }
 

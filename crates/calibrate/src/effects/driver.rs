@@ -352,6 +352,11 @@ impl Driver {
         )
     }
 
+    /// Whether its values depend on how the arm stands, or on its load.
+    pub fn needs_posture(&self) -> bool {
+        self.feels_gravity() || matches!(self, Self::GravitySide(_))
+    }
+
     /// Unit of one value: what a coefficient is per.
     pub fn unit(&self, chain: &Chain) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));

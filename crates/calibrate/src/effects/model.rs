@@ -142,37 +142,76 @@ impl EffectModel {
         out: &mut Perturbation,
     ) -> Posture {
         let mut posture = self.statics.posture(conditions, None);
-        if self.effects.iter().any(|effect| effect.term.driver.feels_gravity()) {
-            let mut given = Perturbation::none(joints.len());
-            for _ in 0..MOST_PASSES {
-                let mut next = Perturbation::none(joints.len());
-                self.add_for(conditions, joints, &posture, &mut next);
-                let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
-                given = next;
-                if moved < STILL {
-                    break;
-                }
-                posture = self.statics.posture(conditions, Some(&given));
-            }
+        let mut steady = Perturbation::none(joints.len());
+        self.add_steady(conditions, joints, &posture, &mut steady);
+        let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
+            .effects
+            .iter()
+            .filter(|effect| effect.term.driver.needs_posture())
+            .map(|effect| (effect, self.directions(&effect.term, joints)))
+            .collect();
+        if bending.is_empty() {
+            out.add(&steady);
+            return posture;
         }
-        self.add_for(conditions, joints, &posture, out);
+        let bent = |posture: &Posture| {
+            let mut next = steady.clone();
+            for (effect, directions) in &bending {
+                self.add_effect(effect, directions, conditions, posture, &mut next);
+            }
+            next
+        };
+        let mut given = Perturbation::none(joints.len());
+        let passes = if bending.iter().any(|(effect, _)| effect.term.driver.feels_gravity()) { MOST_PASSES } else { 0 };
+        for _ in 0..passes {
+            let next = bent(&posture);
+            let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
+            given = next;
+            if moved < STILL {
+                out.add(&given);
+                return posture;
+            }
+            posture = self.statics.posture(conditions, Some(&given));
+        }
+        out.add(&bent(&posture));
         posture
     }
 
-    fn add_for(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], posture: &Posture, out: &mut Perturbation) {
-        for effect in &self.effects {
-            let directions = effect.term.carrier.directions(self.statics.chain.joints(), joints, &self.statics.points);
-            let values = self.values(&effect.term, conditions, posture);
-            for (actions, coefficient) in effect.term.actions(&directions, &values).iter().zip(&effect.coefficients) {
-                for (action, amount) in actions {
-                    action.add_to(amount * coefficient, out);
-                }
-            }
+    /// What does not hang on how the arm stands under gravity.
+    fn add_steady(
+        &self,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        posture: &Posture,
+        out: &mut Perturbation,
+    ) {
+        for effect in self.effects.iter().filter(|effect| !effect.term.driver.needs_posture()) {
+            self.add_effect(effect, &self.directions(&effect.term, joints), conditions, posture, out);
         }
         for curve in &self.curves {
             let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
             out.twists[curve.joint] += joints[curve.joint].screw.twist() * curve.value(reading);
         }
+    }
+
+    fn add_effect(
+        &self,
+        effect: &Effect,
+        directions: &[Vec<Action>],
+        conditions: &Conditions<'_>,
+        posture: &Posture,
+        out: &mut Perturbation,
+    ) {
+        let values = self.values(&effect.term, conditions, posture);
+        for (actions, coefficient) in effect.term.actions(directions, &values).iter().zip(&effect.coefficients) {
+            for (action, amount) in actions {
+                action.add_to(amount * coefficient, out);
+            }
+        }
+    }
+
+    fn directions(&self, term: &Term, joints: &[ChainJoint]) -> Vec<Vec<Action>> {
+        term.carrier.directions(self.statics.chain.joints(), joints, &self.statics.points)
     }
 
     fn values(&self, term: &Term, conditions: &Conditions<'_>, posture: &Posture) -> Vec<f64> {
@@ -247,8 +286,7 @@ impl Effects for EffectModel {
         let posture = self.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()));
         let mut column = 0;
         for effect in &self.effects {
-            let directions =
-                effect.term.carrier.directions(self.statics.chain.joints(), &arm.joints, &self.statics.points);
+            let directions = self.directions(&effect.term, &arm.joints);
             let values = self.values(&effect.term, &conditions, &posture);
             for actions in effect.term.actions(&directions, &values) {
                 for (action, amount) in &actions {

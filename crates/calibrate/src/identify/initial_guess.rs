@@ -130,12 +130,10 @@ fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Bo
     }
     let from_tips = std::iter::once_with(move || aligned(chain, data, tips, &vec![Vector3::zeros(); targets]));
     let nearest = move || {
-        let arms = turned_frames().into_iter().map(|mut rotation| {
-            let mut arm = Arm::new(chain, &data.scene);
-            for _ in 0..PLACINGS {
-                arm = aligned(chain, data, tips, &offsets_for(data, tips, &rotation));
-                rotation = arm.instruments[0].rotation;
-            }
+        let placed = |rotation: &Rotation3<f64>| aligned(chain, data, tips, &offsets_for(data, tips, rotation));
+        let turned = turned_frames();
+        let arms = turned.iter().map(|rotation| {
+            let arm = (1..PLACINGS).fold(placed(rotation), |arm, _| placed(&arm.instruments[0].rotation));
             (squares_left(&arm, data, tips), arm)
         });
         let mut arms: Vec<(f64, Arm)> = arms.collect();

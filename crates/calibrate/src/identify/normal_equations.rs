@@ -3,13 +3,11 @@
 use crate::identify::jacobian_block::Panel;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::simd_residuals;
-use crate::identify::stop::{carried, look};
-use crate::identify::threads::joined;
+use crate::identify::threads::{available, dealt};
 use crate::observation::arm::Arm;
 use crate::observation::parameters::Effects;
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
-use std::sync::Mutex;
 
 /// Jᵀ W J, Jᵀ W r and rᵀ W r of one kind of value.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,29 +73,13 @@ impl<E: Effects> ResidualModel<'_, E> {
             blocks.push((of, own));
             rest = others;
         }
-        let threads = if rows < ROWS_FOR_THREADS { 1 } else { crate::identify::threads::available().min(blocks.len()) };
-        let mut done: Vec<(usize, Vec<Channel>)> = Vec::with_capacity(blocks.len());
-        let queue = Mutex::new(blocks.into_iter());
-        let work = || {
-            let mut scratch = Scratch::new(self.layout, arm);
-            let mut done = Vec::new();
-            loop {
-                look();
-                let next = queue.lock().expect("taking a block does not panic").next();
-                let Some((rows, squares)) = next else { return done };
-                done.push((rows.start, self.block(arm, weights, rows, squares, &mut scratch)));
-            }
-        };
-        std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
-            done.extend(work());
-            for other in others {
-                done.extend(joined(other));
-            }
+        let threads = if rows < ROWS_FOR_THREADS { 1 } else { available().min(blocks.len()) };
+        let start = || Scratch::new(self.layout, arm);
+        let done = dealt(blocks.into_iter(), threads, start, |scratch, (rows, squares)| {
+            self.block(arm, weights, rows, squares, scratch)
         });
-        done.sort_by_key(|(first, _)| *first);
         let mut channels = vec![Channel::zeros(self.layout.len()); self.data.scene.channels.len()];
-        for (_, block) in &done {
+        for block in &done {
             for (sum, part) in channels.iter_mut().zip(block) {
                 sum.add(part);
             }

@@ -3,7 +3,7 @@
 use crate::identify::stop::{carried, look};
 use std::cell::Cell;
 use std::panic::resume_unwind;
-use std::thread::ScopedJoinHandle;
+use std::sync::Mutex;
 
 thread_local! {
     /// Whether calls from this thread start no threads of their own.
@@ -31,25 +31,37 @@ pub(crate) fn available() -> usize {
 
 /// The work done on each item, in the order of the items.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let threads = available();
-    let work = |item: &T| {
-        look();
-        work(item)
-    };
-    if threads == 1 {
-        return items.iter().map(work).collect();
-    }
-    let work = &work;
-    std::thread::scope(|scope| {
-        let share = items.len().div_ceil(threads).max(1);
-        let parts = items.chunks(share);
-        let parts = parts.map(|part| scope.spawn(carried(move || part.iter().map(work).collect::<Vec<R>>())));
-        let parts: Vec<_> = parts.collect();
-        parts.into_iter().flat_map(joined).collect()
-    })
+    dealt(items.iter(), available().min(items.len()), || (), |(), item| work(item))
 }
 
-/// What a thread made; its panic goes on here.
-pub(crate) fn joined<R>(thread: ScopedJoinHandle<'_, R>) -> R {
-    thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+/// The work done on each item, in the order of the items, by `threads` threads, the calling one included. An item is dealt
+/// out as soon as a thread is free; each thread begins with what `start` makes.
+pub fn dealt<I: Iterator + Send, S, R: Send>(
+    items: I,
+    threads: usize,
+    start: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, I::Item) -> R + Sync,
+) -> Vec<R> {
+    let queue = Mutex::new(items.enumerate());
+    let deal = || {
+        let mut own = start();
+        let mut done = Vec::new();
+        loop {
+            look();
+            let next = queue.lock().expect("taking an item does not panic").next();
+            let Some((index, item)) = next else { return done };
+            done.push((index, work(&mut own, item)));
+        }
+    };
+    let mut done = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(deal))).collect();
+        let mut done = deal();
+        for other in others {
+            // Its panic goes on here.
+            done.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        done
+    });
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
 }

@@ -194,6 +194,17 @@ impl Perturbation {
         }
     }
 
+    /// Both together, to first order.
+    pub fn add(&mut self, other: &Self) {
+        for (twist, more) in self.twists.iter_mut().zip(&other.twists) {
+            *twist += more;
+        }
+        self.target += other.target;
+        self.anchor += other.anchor;
+        self.scale += other.scale;
+        self.reading += other.reading;
+    }
+
     /// Back to no perturbation, without allocation.
     pub fn clear(&mut self) {
         self.twists.fill(Vector6::zeros());

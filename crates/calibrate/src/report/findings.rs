@@ -55,27 +55,33 @@ pub struct Said {
     pub named: bool,
     /// Its numbers with their standard deviations.
     pub numbers: Vec<String>,
-    /// How sure it is, and what may act in its stead.
+    /// How sure it is.
     pub why: String,
+    /// What may act in the stead of a named one.
+    pub rivals: Option<String>,
 }
 
 /// A finding in the words of the report.
 pub fn said(finding: &Finding, trace: &Trace) -> Said {
     let (rivals, own) = (rivals(finding), title(finding, trace));
     let again = format!("found again in {:.0} % of resampled runs", 100.0 * finding.found_again);
-    let (title, why) = if finding.named {
-        let mut why = format!("probability {}, {again}", percent(finding.probability));
-        if !rivals.is_empty() {
-            let _ = write!(why, "; less likely in its stead: {}", rivals.join(", "));
-        }
-        (own, why)
+    let (title, why, rivals) = if finding.named {
+        let rivals = (!rivals.is_empty()).then(|| format!("less likely in its stead: {}", rivals.join(", ")));
+        (own, format!("probability {}, {again}", percent(finding.probability)), rivals)
     } else {
         let alone = if rivals.is_empty() { "perhaps" } else { "one of" };
         let own = format!("{own} ({})", percent(finding.probability));
         let all: Vec<String> = std::iter::once(own).chain(rivals).collect();
-        (format!("{alone}: {}", all.join(", ")), format!("corrected for, not named: {again}"))
+        (format!("{alone}: {}", all.join(", ")), format!("corrected for, not named: {again}"), None)
     };
-    Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why }
+    Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why, rivals }
+}
+
+/// The effects, the named ones first.
+pub fn named_first(trace: &Trace) -> Vec<&Finding> {
+    let (mut named, open): (Vec<&Finding>, Vec<&Finding>) = trace.findings.iter().partition(|finding| finding.named);
+    named.extend(open);
+    named
 }
 
 /// What the structure that no effect explains follows; none where nothing of structure remains.
@@ -97,44 +103,24 @@ fn places(trace: &Trace) -> String {
 pub fn findings(trace: &Trace) -> String {
     let mut text = String::new();
     let count = trace.candidates;
-    let (named, open): (Vec<&Finding>, Vec<&Finding>) = trace.findings.iter().partition(|finding| finding.named);
     if trace.findings.is_empty() {
         let beside = if trace.fit.effects.curves.is_empty() { "" } else { " and error curves" };
         let _ = writeln!(text, "no effect beyond geometry{beside}, of {count} candidates");
-    } else if named.is_empty() {
-        let _ = writeln!(text, "no effect is sure enough to be named, of {count} candidates");
-    } else {
+    } else if trace.findings.iter().any(|finding| finding.named) {
         let _ = writeln!(text, "effects that the data ask for, of {count} candidates");
+    } else {
+        let _ = writeln!(text, "no effect is sure enough to be named, of {count} candidates");
     }
-    for finding in named {
-        let _ = writeln!(text, "  {}", title(finding, trace));
-        for value in &finding.values {
-            let _ = writeln!(text, "      {}", number(value));
+    for finding in named_first(trace) {
+        let Said { title, named, numbers, why, rivals } = said(finding, trace);
+        let _ = writeln!(text, "  {title}");
+        for number in numbers {
+            let _ = writeln!(text, "      {number}");
         }
-        let _ = writeln!(
-            text,
-            "      why: probability {}, found again in {:.0} % of resampled runs",
-            percent(finding.probability),
-            100.0 * finding.found_again
-        );
-        let rivals = rivals(finding);
-        if !rivals.is_empty() {
-            let _ = writeln!(text, "      less likely in its stead: {}", rivals.join(", "));
+        let _ = writeln!(text, "      {}{why}", if named { "why: " } else { "" });
+        if let Some(rivals) = rivals {
+            let _ = writeln!(text, "      {rivals}");
         }
-    }
-    for finding in open {
-        let own = format!("{} ({})", title(finding, trace), percent(finding.probability));
-        let all: Vec<String> = std::iter::once(own).chain(rivals(finding)).collect();
-        if all.len() > 1 {
-            let _ = writeln!(text, "  one of: {}", all.join(", "));
-        } else {
-            let _ = writeln!(text, "  perhaps: {}", all[0]);
-        }
-        for value in &finding.values {
-            let _ = writeln!(text, "      {}", number(value));
-        }
-        let again = 100.0 * finding.found_again;
-        let _ = writeln!(text, "      corrected for, not named: found again in {again:.0} % of resampled runs");
     }
     let left = &trace.leftover;
     if left.structured {

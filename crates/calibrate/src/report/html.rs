@@ -5,7 +5,7 @@ use crate::effects::catalogue::{KINDS, Kind};
 use crate::report::findings::{self, Said};
 use crate::report::plots::{self, Plot, PlotError};
 use crate::report::{rows, text, trace_plots};
-use crate::trace::{Finding, Trace};
+use crate::trace::Trace;
 use denavit_model::nalgebra::Vector3;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Value, context};
@@ -76,12 +76,9 @@ struct EffectShown {
     plots: [Plot; 2],
 }
 
-/// The named ones first.
 fn effects(result: &Calibration) -> Result<Vec<EffectShown>, PlotError> {
     let Some(trace) = &result.trace else { return Ok(Vec::new()) };
-    let (mut sure, open): (Vec<&Finding>, Vec<&Finding>) = trace.findings.iter().partition(|finding| finding.named);
-    sure.extend(open);
-    let shown = sure.into_iter().map(|finding| {
+    let shown = findings::named_first(trace).into_iter().map(|finding| {
         let name = format!("{} at {}", finding.term.kind.name(), finding.place);
         Ok(EffectShown {
             said: findings::said(finding, trace),

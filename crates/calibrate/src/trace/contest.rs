@@ -39,9 +39,9 @@ impl Tracer<'_> {
         let field = self.field(&linear);
         let mut sets = Vec::new();
         for index in contested {
-            let rest = state.without(&linear, &[index]);
-            let own = field.own(&rest.loose, &state.chosen[index]);
-            let mut scored = field.score(&rest.loose, &self.candidates);
+            let rest = state.loosely_without(&linear, &[index]);
+            let own = field.own(&rest, &state.chosen[index]);
+            let mut scored = field.score(&rest, &self.candidates);
             scored.retain(|other| other.gain.rank > 0 && other.gain.drop > CONTENDS * own.gain.drop);
             scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
             let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
@@ -53,7 +53,7 @@ impl Tracer<'_> {
                 if !seen.contains(&key(&other.candidate)) {
                     seen.push(key(&other.candidate));
                     let mut chosen = state.chosen.clone();
-                    chosen[index] = field.refined(&rest.loose, &self.survey, &other.candidate).candidate;
+                    chosen[index] = field.refined(&rest, &self.survey, &other.candidate).candidate;
                     sets.push(chosen);
                 }
             }

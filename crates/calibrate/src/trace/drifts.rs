@@ -4,7 +4,6 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::Driver;
 use crate::effects::model::{Coupling, Term};
-use crate::trace::projector::Projector;
 use crate::trace::select::{LEAST_DELTA_BIC, State, Tracer};
 use denavit_model::nalgebra::DMatrix;
 
@@ -35,8 +34,8 @@ impl Tracer<'_> {
             .collect();
         let linear = self.linear(state);
         let field = self.field(&linear);
-        let rest = state.without(&linear, &own);
         let (others, residual) = state.parts(&linear, &own);
+        let rest = linear.loose().beside(&[&others], &residual);
         let together = |terms: &[Candidate]| {
             let mut cells = Vec::new();
             for candidate in terms {
@@ -46,8 +45,8 @@ impl Tracer<'_> {
         };
         let judged = |terms: &[Candidate]| {
             let scanned = terms.iter().map(|candidate| candidate.scanned).sum();
-            let gain = rest.loose.gain_of(&together(terms));
-            field.judged(&rest.loose, &Candidate { scanned, ..terms[0].clone() }, gain).delta_bic
+            let gain = rest.gain_of(&together(terms));
+            field.judged(&rest, &Candidate { scanned, ..terms[0].clone() }, gain).delta_bic
         };
         let had: Vec<Candidate> = own.iter().map(|&index| state.chosen[index].clone()).collect();
         let mut best = (judged(&had), had);
@@ -59,7 +58,7 @@ impl Tracer<'_> {
             }
             let mut places: Vec<f64> = Vec::new();
             while places.len() < MOST_STEPS {
-                let projector = Projector::new(&[&linear.geometry, &others, &together(&terms)], &residual);
+                let projector = rest.beside(&[&together(&terms)], &residual);
                 let all = clock.all_places();
                 let stride = all.len().div_ceil(PLACES).max(1);
                 let step = |at: f64| drift(carrier, Driver::Steps { covariate: clock.name.clone(), at: vec![at] }, 1);

@@ -102,7 +102,7 @@ pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
     let mut leftover = Leftover::default();
     for round in 0..MOST_BLOCKS {
-        let projector = Projector::new(&[&linear.geometry, &linear.effects, &taken], &linear.residual);
+        let projector = linear.loose().beside(&[&linear.effects, &taken], &linear.residual);
         let free = (linear.residual.len() - projector.rank()) as f64;
         let mut scored = gains(&projector, &columns, &open, free);
         // By how far each is beyond chance: probabilities of strong structure all round to zero.

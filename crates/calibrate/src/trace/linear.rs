@@ -9,8 +9,10 @@ use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use crate::trace::projector::Projector;
 use crate::trace::search::postures;
 use denavit_model::nalgebra::{DMatrix, DVector};
+use std::sync::OnceLock;
 
 /// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
 /// sensible size cannot do.
@@ -38,6 +40,14 @@ pub struct Linear {
     pub weights: Vec<f64>,
     /// The arm in every data row, as the model has it give way.
     pub postures: Vec<Posture>,
+    of_geometry: Geometry,
+}
+
+/// What geometry can do: formed once for all that is tested beside it.
+#[derive(Debug, Clone, Default)]
+struct Geometry {
+    loose: OnceLock<Projector>,
+    firm: OnceLock<Projector>,
 }
 
 /// The model as it is, and beside it every carrier's directions as free numbers.
@@ -118,6 +128,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         channels: Vec::with_capacity(values),
         weights: Vec::with_capacity(values),
         postures: postures(model, &fit.arm, data),
+        of_geometry: Geometry::default(),
     };
     let mut at = 0;
     for row in 0..data.len() {
@@ -194,6 +205,16 @@ impl Linear {
         let priors = firm.nrows() - self.values();
         firm.rows_mut(self.values(), priors).scale_mut(RELAXED);
         firm
+    }
+
+    /// What geometry can do, far beyond its tolerances.
+    pub fn loose(&self) -> &Projector {
+        self.of_geometry.loose.get_or_init(|| Projector::new(&[&self.geometry], &self.residual))
+    }
+
+    /// What geometry can do in its tolerances.
+    pub fn in_tolerances(&self) -> &Projector {
+        self.of_geometry.firm.get_or_init(|| Projector::new(&[&self.firm(&self.geometry)], &self.residual))
     }
 
     /// Columns of one carrier.

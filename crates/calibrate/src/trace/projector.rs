@@ -30,10 +30,18 @@ pub struct Gain {
 impl Projector {
     /// The basis of these columns together; columns that others imply are left out.
     pub fn new(parts: &[&DMatrix<f64>], residual: &DVector<f64>) -> Self {
+        let none = Self { basis: DMatrix::zeros(residual.len(), 0), residual: DVector::zeros(0), rss: 0.0 };
+        none.beside(parts, residual)
+    }
+
+    /// The basis with these columns beside it, and what both leave of a residual.
+    #[must_use]
+    pub fn beside(&self, parts: &[&DMatrix<f64>], residual: &DVector<f64>) -> Self {
         let rows = residual.len();
         let count: usize = parts.iter().map(|part| part.ncols()).sum();
-        let mut basis = DMatrix::zeros(rows, count);
-        let mut rank = 0;
+        let mut rank = self.rank();
+        let mut basis = DMatrix::zeros(rows, rank + count);
+        basis.columns_mut(0, rank).copy_from(&self.basis);
         for part in parts {
             for column in part.column_iter() {
                 let norm = column.norm();

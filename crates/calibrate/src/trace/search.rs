@@ -4,8 +4,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::stop::{carried, look};
-use crate::identify::threads::joined;
+use crate::identify::threads::{available, dealt};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::trace::ScanCell;
@@ -14,7 +13,6 @@ use crate::trace::projector::{Gain, Projector, UNSEEN};
 use crate::trace::select::Tracer;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use std::sync::Mutex;
 
 /// Candidates whose columns are projected together.
 const BATCH: usize = 16;
@@ -50,8 +48,8 @@ impl Rest {
         let as_matrix = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         firm_residual.copy_from(&linear.firm(&as_matrix).column(0));
         Self {
-            loose: Projector::new(&[&linear.geometry, effects], residual),
-            firm: Projector::new(&[&linear.firm(&linear.geometry), effects], &firm_residual),
+            loose: linear.loose().beside(&[effects], residual),
+            firm: linear.in_tolerances().beside(&[effects], &firm_residual),
         }
     }
 }
@@ -83,8 +81,7 @@ impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
         let linear = self.linear(&self.refitted(Vec::new(), None));
-        let projector = Projector::new(&[&linear.geometry], &linear.residual);
-        self.scan(&self.field(&linear).score(&projector, &self.candidates))
+        self.scan(&self.field(&linear).score(linear.loose(), &self.candidates))
     }
 }
 
@@ -133,27 +130,9 @@ impl Field<'_> {
 
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let threads = crate::identify::threads::available();
-        let queue = Mutex::new(candidates.chunks(BATCH).enumerate());
-        let work = || {
-            let mut done = Vec::new();
-            loop {
-                look();
-                let next = queue.lock().expect("taking a batch does not panic").next();
-                let Some((index, batch)) = next else { return done };
-                done.push((index, self.score_batch(projector, batch)));
-            }
-        };
-        let mut done = std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
-            let mut done = work();
-            for other in others {
-                done.extend(joined(other));
-            }
-            done
-        });
-        done.sort_by_key(|(index, _)| *index);
-        done.into_iter().flat_map(|(_, scored)| scored).collect()
+        let scored =
+            dealt(candidates.chunks(BATCH), available(), || (), |(), batch| self.score_batch(projector, batch));
+        scored.into_iter().flatten().collect()
     }
 
     fn score_batch(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {

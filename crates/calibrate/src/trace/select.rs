@@ -5,8 +5,9 @@ use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
-use crate::identify::fit_stage;
 use crate::identify::solve::Fit;
+use crate::identify::{IdentifyOptions, fit_stage};
+use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::drifts::COARSE;
@@ -22,6 +23,8 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
 /// A swap must gain this much, or the search would go round in circles.
 pub(crate) const SWAP_GAIN: f64 = 2.0;
+/// Scanned numbers that explain no more than this (χ²) beyond those at hand are the same.
+const SAME_DROP: f64 = 0.1;
 /// Changes of one effect for another by fitting both, at the end.
 const MOST_CONTESTS: usize = 3;
 /// How many of the best candidates of a pass have their scanned numbers refined.
@@ -72,6 +75,12 @@ impl State {
     pub(crate) fn without(&self, linear: &Linear, left_out: &[usize]) -> Rest {
         let (others, residual) = self.parts(linear, left_out);
         Rest::new(linear, &others, &residual)
+    }
+
+    /// The same on loose geometry alone, which is all that finding scanned numbers takes.
+    pub(crate) fn loosely_without(&self, linear: &Linear, left_out: &[usize]) -> Projector {
+        let (others, residual) = self.parts(linear, left_out);
+        linear.loose().beside(&[&others], &residual)
     }
 
     /// The columns of the other effects, and the residual without these.
@@ -203,12 +212,15 @@ impl<'a> Tracer<'a> {
 
     /// Refits with these terms and refines their scanned numbers at the new state.
     pub(crate) fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
+        let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
+        self.fitted(chosen, arm, &vec![1.0; self.data.observations()], &self.options.identify)
+    }
+
+    fn fitted(&self, chosen: Vec<Candidate>, arm: &Arm, weights: &[f64], options: &IdentifyOptions) -> State {
         let chosen = with_steps_joined(chosen);
         let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(self.statics, &terms);
-        let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
-        let weights = vec![1.0; self.data.observations()];
-        let fit = fit_stage(self.data, arm, &model, &weights, &self.options.identify);
+        let fit = fit_stage(self.data, arm, &model, weights, options);
         State { chosen, fit }
     }
 
@@ -233,6 +245,8 @@ impl<'a> Tracer<'a> {
         let scored = field.score(&rest.loose, &self.candidates);
         let best = self.best(&field, &rest, &scored)?;
         let next = self.rescanned(self.added(state, &best.candidate));
+        // Rows that the place as first scanned left out may come back.
+        let next = self.refitted(next.chosen.clone(), Some(&next));
         (rejected(&next.fit) * 2 <= before).then_some(next)
     }
 
@@ -299,9 +313,14 @@ impl<'a> Tracer<'a> {
     /// Swaps, merges and drops until nothing changes.
     fn tidied(&self, state: State) -> State {
         let mut state = self.rescanned(state);
+        let before = state.chosen.clone();
         for _ in 0..4 {
             let Some(next) = self.improved(&state) else { break };
             state = self.rescanned(next);
+        }
+        if !same_terms(&state.chosen, &before) {
+            // Other effects, other outliers.
+            state = self.refitted(state.chosen.clone(), Some(&state));
         }
         let newest = state.chosen.len().saturating_sub(1)..state.chosen.len();
         self.contested(&state, newest).unwrap_or(state)
@@ -315,13 +334,27 @@ impl<'a> Tracer<'a> {
         let linear = self.linear(&state);
         let field = self.field(&linear);
         let mut chosen = state.chosen.clone();
+        let mut moved = false;
         for (index, candidate) in chosen.iter_mut().enumerate() {
             if candidate.scanned > 0 {
-                let rest = state.without(&linear, &[index]);
-                *candidate = field.refined(&rest.loose, &self.survey, candidate).candidate;
+                let rest = state.loosely_without(&linear, &[index]);
+                let refined = field.refined(&rest, &self.survey, candidate);
+                if refined.candidate.scanned != candidate.scanned
+                    || refined.gain.drop > field.own(&rest, candidate).gain.drop + SAME_DROP
+                {
+                    *candidate = refined.candidate;
+                    moved = true;
+                }
             }
         }
-        self.refitted(chosen, Some(&state))
+        if moved { self.followed(chosen, &state) } else { state }
+    }
+
+    /// Refits after a small change: from the state, which rows are outliers being known.
+    fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
+        let mut options = self.options.identify.clone();
+        options.fit.robust = false;
+        self.fitted(chosen, &state.fit.arm, &state.fit.weights, &options)
     }
 
     /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
@@ -334,7 +367,7 @@ impl<'a> Tracer<'a> {
             if own.delta_bic < LEAST_DELTA_BIC {
                 let mut chosen = state.chosen.clone();
                 chosen.remove(index);
-                return Some(self.refitted(chosen, Some(state)));
+                return Some(self.followed(chosen, state));
             }
             let scored = field.score(&rest.loose, &self.candidates);
             let Some(best) = self.best(&field, &rest, &scored) else { continue };
@@ -342,7 +375,7 @@ impl<'a> Tracer<'a> {
             if found > had + SWAP_GAIN && best.candidate.term != state.chosen[index].term {
                 let mut chosen = state.chosen.clone();
                 chosen[index] = best.candidate;
-                return Some(self.refitted(chosen, Some(state)));
+                return Some(self.followed(chosen, state));
             }
         }
         self.merged(state, &field)
@@ -393,9 +426,9 @@ impl<'a> Tracer<'a> {
             let mut weakest: Option<(f64, usize)> = None;
             for index in 0..state.chosen.len() {
                 let (others, residual) = state.parts(&linear, &[index]);
-                let projector = Projector::new(&[&linear.geometry, &others, &leftover.columns], &residual);
-                let own = field.own(&projector, &state.chosen[index]);
-                let alone = field.own(&Projector::new(&[&linear.geometry, &others], &residual), &state.chosen[index]);
+                let others = linear.loose().beside(&[&others], &residual);
+                let alone = field.own(&others, &state.chosen[index]);
+                let own = field.own(&others.beside(&[&leftover.columns], &residual), &state.chosen[index]);
                 let beside = !self.passes(&own) && alone.gain.drop < MIMIC_BESIDE * leftover.drop;
                 let mimic = beside || alone.gain.drop < MIMIC * leftover.drop;
                 if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {

@@ -18,9 +18,10 @@ use crate::trace::leftover::{self, Leftover};
 use crate::trace::select::{State, Tracer, same_terms};
 use crate::trace::{Finding, Trace, TraceOptions};
 
-/// Rows that causes are looked for in, at most: more rows tell more of curves, but a cause that 800 postures do not show is
-/// none to be named, and the time grows with them.
+/// Rows that causes are looked for in, at most, and values: 800 positions, 400 poses. More tell more of curves, but a cause
+/// that these do not show is none to be named, and the time grows with them.
 const MOST_ROWS: usize = 800;
+const MOST_VALUES: usize = 2400;
 /// Candidates that are judged, at most.
 const MOST_JUDGED: usize = 80;
 /// From this probability on a cause stays in the model although it is not named (Barbieri, Berger 2004: the median
@@ -39,7 +40,7 @@ pub(crate) fn trace(
 ) -> Trace {
     let survey = Survey::of(statics, data, options.gear_ratios.clone());
     let curves = fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
-    let rows = thinned(data.len());
+    let rows = thinned(data);
     let part = data.subset(&rows);
     let thin = on_rows(geometric, data, &rows);
     let tracer = Tracer::new(statics, &part, &thin, options);
@@ -136,11 +137,10 @@ pub(crate) fn trace(
 }
 
 /// Rows spread evenly over the run.
-fn thinned(rows: usize) -> Vec<usize> {
-    if rows <= MOST_ROWS {
-        return (0..rows).collect();
-    }
-    (0..MOST_ROWS).map(|k| k * rows / MOST_ROWS).collect()
+fn thinned(data: &Measurements) -> Vec<usize> {
+    let (rows, values) = (data.len(), data.values());
+    let most = rows.min(MOST_ROWS).min((rows * MOST_VALUES).div_ceil(values.max(1)));
+    (0..most).map(|k| k * rows / most).collect()
 }
 
 /// What a fit leaves that smooth functions explain.

@@ -7,7 +7,7 @@ use crate::output::{self, Outputs, Slot, Status};
 use crate::source;
 use denavit_compare::lint;
 use denavit_compare::report::{self, Report};
-use denavit_load::{CheckOptions, Rules};
+use denavit_load::{CheckOptions, Rules, UrdfText};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     for name in &names {
         let (file, written) = source::read_text(name)?;
         let rules = Rules::of(&file, &options)?;
-        let source::UrdfText { shown, text: urdf, is_xacro } = source::urdf_text(&file, written, &source)?;
+        let UrdfText { shown, text: urdf, is_xacro, .. } = source::urdf_text(&file, written, &source)?;
         any_is_xacro |= is_xacro;
         let mut found = rules.check(&shown, &urdf);
         if arguments.fix && Path::new(name).is_file() {

@@ -1,22 +1,13 @@
 //! The list of rules as a page, and one rule explained: both made from [`RULES`].
 
 use crate::lint::{RULES, Rule};
-use crate::report::Level;
 use std::fmt::Write;
-
-fn level(rule: &Rule) -> &'static str {
-    match rule.level {
-        Level::Error => "error",
-        Level::Warning => "warning",
-        Level::Note => "note",
-    }
-}
 
 /// One rule in Markdown: what it finds, why that matters, an example and its mend.
 pub fn explain(rule: &Rule) -> String {
     let mend = if rule.fixable { "`--fix` fixes it" } else { "to be fixed by hand" };
     let mut out = format!("## {} {}\n\n", rule.code, rule.name);
-    let _ = writeln!(out, "{}. *{}; {mend}.*\n\n{}\n", rule.summary, level(rule), rule.why);
+    let _ = writeln!(out, "{}. *{}; {mend}.*\n\n{}\n", rule.summary, rule.level.word(), rule.why);
     let _ = writeln!(out, "```xml\n{}\n```\n", rule.bad.trim());
     let _ = writeln!(out, "Mended:\n\n```xml\n{}\n```", rule.good.trim());
     out
@@ -40,7 +31,7 @@ pub fn page() -> String {
             "| [{}](#{anchor}) | {} | {} | {fix} | {} |",
             rule.code,
             rule.name,
-            level(rule),
+            rule.level.word(),
             rule.summary.replace('|', "\\|")
         );
     }

@@ -4,11 +4,41 @@ use crate::comparison::{Comparison, Verdict};
 use crate::report::{Entry, Level, Report};
 use std::fmt::Write;
 
-/// A test case and why it failed.
-struct Case {
-    class: String,
-    name: String,
-    failures: Vec<Entry>,
+/// A test case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Case {
+    /// What it belongs to, with dots: `denavit.check`.
+    pub class: String,
+    /// Its own name.
+    pub name: String,
+    /// Why it failed; none: it passed.
+    pub failure: Option<CaseFailure>,
+}
+
+/// Why a test case failed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CaseFailure {
+    /// In one sentence.
+    pub message: String,
+    /// In whole, a line for each reason.
+    pub text: String,
+}
+
+/// The file of a suite of test cases.
+pub fn suite(name: &str, cases: &[Case]) -> String {
+    let failed = cases.iter().filter(|case| case.failure.is_some()).count();
+    let head = format!("name=\"{}\" tests=\"{}\" failures=\"{failed}\"", escaped(name), cases.len());
+    let mut out = format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {head}>\n  <testsuite {head}>\n");
+    for Case { class, name, failure } in cases {
+        let _ = write!(out, "    <testcase classname=\"{}\" name=\"{}\"", escaped(class), escaped(name));
+        let Some(CaseFailure { message, text }) = failure else {
+            out.push_str("/>\n");
+            continue;
+        };
+        let (message, text) = (escaped(message), escaped(text));
+        let _ = writeln!(out, ">\n      <failure message=\"{message}\">{text}</failure>\n    </testcase>");
+    }
+    out + "  </testsuite>\n</testsuites>\n"
 }
 
 pub(super) fn render(report: &Report) -> String {
@@ -17,33 +47,22 @@ pub(super) fn render(report: &Report) -> String {
         Report::Findings { files, .. } => {
             let mut entries = report.entries();
             entries.retain(|entry| entry.level != Level::Note);
-            files
-                .iter()
-                .map(|file| Case {
-                    class: "denavit.check".into(),
-                    name: file.clone(),
-                    failures: entries.iter().filter(|entry| entry.file == *file).cloned().collect(),
-                })
-                .collect()
+            let case = |file: &String| Case {
+                class: "denavit.check".into(),
+                name: file.clone(),
+                failure: failure(entries.iter().filter(|entry| entry.file == *file)),
+            };
+            files.iter().map(case).collect()
         }
     };
-    let failed = cases.iter().filter(|case| !case.failures.is_empty()).count();
-    let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let _ = writeln!(out, "<testsuites name=\"denavit\" tests=\"{}\" failures=\"{failed}\">", cases.len());
-    let _ = writeln!(out, "  <testsuite name=\"denavit\" tests=\"{}\" failures=\"{failed}\">", cases.len());
-    for case in &cases {
-        let (class, name) = (escaped(&case.class), escaped(&case.name));
-        let head = format!("    <testcase classname=\"{class}\" name=\"{name}\"");
-        if case.failures.is_empty() {
-            let _ = writeln!(out, "{head}/>");
-            continue;
-        }
-        let lines: Vec<String> = case.failures.iter().map(line).collect();
-        let message = escaped(&case.failures[0].sentence());
-        let _ = writeln!(out, "{head}>\n      <failure message=\"{message}\">{}</failure>", escaped(&lines.join("\n")));
-        out.push_str("    </testcase>\n");
-    }
-    out + "  </testsuite>\n</testsuites>\n"
+    suite("denavit", &cases)
+}
+
+/// Of all entries of a case: the first one's sentence is its message.
+fn failure<'a>(entries: impl Iterator<Item = &'a Entry>) -> Option<CaseFailure> {
+    let entries: Vec<&Entry> = entries.collect();
+    let lines: Vec<String> = entries.iter().map(|entry| line(entry)).collect();
+    entries.first().map(|first| CaseFailure { message: first.sentence(), text: lines.join("\n") })
 }
 
 fn line(entry: &Entry) -> String {
@@ -54,21 +73,25 @@ fn line(entry: &Entry) -> String {
 fn of_comparison(comparison: &Comparison, mut entries: Vec<Entry>) -> Vec<Case> {
     entries.retain(|entry| entry.level == Level::Error);
     let class = format!("denavit.diff.{}", comparison.b.file);
-    let mut cases: Vec<Case> = Vec::new();
-    for entry in entries {
-        match cases.iter_mut().find(|case| case.name == entry.subject) {
-            Some(case) => case.failures.push(entry),
-            None => cases.push(Case { class: class.clone(), name: entry.subject.clone(), failures: vec![entry] }),
+    let mut names: Vec<&String> = Vec::new();
+    for entry in &entries {
+        if !names.contains(&&entry.subject) {
+            names.push(&entry.subject);
         }
     }
+    let mut cases: Vec<Case> = Vec::new();
+    for name in names {
+        let failure = failure(entries.iter().filter(|entry| entry.subject == *name));
+        cases.push(Case { class: class.clone(), name: name.clone(), failure });
+    }
     if comparison.verdict == Verdict::Same {
-        cases.push(Case { class, name: format!("same robot as {}", comparison.a.file), failures: Vec::new() });
+        cases.push(Case { class, name: format!("same robot as {}", comparison.a.file), failure: None });
     }
     cases
 }
 
 /// Text that XML takes: what it reserves written out, control characters that it forbids left out.
-pub(super) fn escaped(text: &str) -> String {
+fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -4,7 +4,7 @@
 //! OASIS, Static Analysis Results Interchange Format 2.1.0, sections 3.13 to 3.30.
 
 use crate::lint::RULES;
-use crate::report::{Entry, Level, Report};
+use crate::report::{Entry, Report};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -41,18 +41,13 @@ pub(super) fn render(report: &Report) -> String {
 }
 
 fn result(entry: &Entry) -> Value {
-    let level = match entry.level {
-        Level::Error => "error",
-        Level::Warning => "warning",
-        Level::Note => "note",
-    };
     let mut place = json!({ "artifactLocation": { "uri": uri(&entry.file) } });
     if let Some(line) = entry.line {
         place["region"] = json!({ "startLine": line });
     }
     json!({
         "ruleId": entry.code,
-        "level": level,
+        "level": entry.level.word(),
         "message": { "text": entry.sentence() },
         "locations": [{ "physicalLocation": place }],
     })

@@ -54,10 +54,6 @@ fn line(report: &Report, entry: &Entry, paint: &dyn Fn(&str) -> String) -> Strin
         return format!("  {}", if entry.level == Level::Error { text } else { paint(&text) });
     }
     let place = format!("{}:{}", entry.file, entry.line.unwrap_or(1));
-    let level = match entry.level {
-        Level::Error => "error",
-        Level::Warning => "warning",
-        Level::Note => "note",
-    };
+    let level = entry.level.word();
     format!("{place}: {} {}: {}", paint(&format!("{level} {}", entry.code)), entry.subject, entry.message)
 }

@@ -7,7 +7,6 @@ use crate::error::FleetError;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::HashSet;
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// What a merge is about to do.
@@ -131,9 +130,5 @@ fn holds(path: &std::path::Path, table: &'static super::TableKind, gone: &HashSe
 fn digest<'a>(keys: impl Iterator<Item = &'a str>) -> String {
     let mut hash = Sha256::new();
     keys.for_each(|key| hash.update(key.as_bytes()));
-    let mut text = String::new();
-    for byte in &hash.finalize()[..8] {
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
+    base16ct::lower::encode_string(&hash.finalize()[..8])
 }

@@ -3,15 +3,12 @@
 use super::{Found, Summary, TaskError, load, note, selection};
 use crate::manifest::Entry;
 use denavit_dh::Convention;
-use denavit_load::TableOptions;
-
-/// Neighbouring axes closer to parallel than this are made parallel, rad: as `denavit table` does.
-const TOLERANCE: f64 = 1e-6;
+use denavit_load::{NEARLY_PARALLEL, TableOptions};
 
 pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     let mut found = Found::default();
     let loaded = load(entry, &entry.robot, &mut found.notes)?;
-    let options = TableOptions { convention: Some(Convention::Distal), gauge: None, tolerance: TOLERANCE };
+    let options = TableOptions { convention: Some(Convention::Distal), gauge: None, tolerance: NEARLY_PARALLEL };
     let made = loaded.table(&selection(entry), &options)?.table;
     let table = made.value;
     for remark in &made.notes {

@@ -4,7 +4,6 @@ use super::rows::{DataFile, RowsAsked};
 use denavit_calibrate::calibration::contract::{FileRead, FileUse, Origin};
 use jiff::Timestamp;
 use sha2::{Digest as _, Sha256};
-use std::fmt::Write as _;
 
 /// Seconds since 1970 to be taken for now, so that two runs make the same bytes.
 ///
@@ -27,10 +26,7 @@ fn today() -> String {
 }
 
 fn sha256(file: &DataFile) -> String {
-    Sha256::digest(&file.bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    base16ct::lower::encode_string(&Sha256::digest(&file.bytes))
 }
 
 #[cfg(test)]

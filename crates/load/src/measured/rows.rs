@@ -137,12 +137,7 @@ mod tests {
 
     #[test]
     fn every_file_is_a_setup_of_its_own() {
-        let file = |name: &str| DataFile {
-            name: name.into(),
-            bytes: Vec::new(),
-            units: Units::default(),
-            import: ImportOptions::default(),
-        };
+        let file = |name: &str| DataFile { name: name.into(), ..DataFile::default() };
         let files = ["monday/run.csv", "tuesday/run.csv", "late.csv", "<data frame>", "<data frame>"].map(file);
         let expected = ["monday/run.csv", "tuesday/run.csv", "late", "<data frame>", "<data frame> 2"];
         assert_eq!(setups(&files), expected);

@@ -32,13 +32,13 @@ const VALUES_PER_NUMBER: usize = 4;
 /// A curve has at least this many waves, or it is no curve.
 const FEWEST_WAVES: usize = 3;
 /// Linearisations, at most: one may go to leaving out curves; after that the second changes little, the third hardly
-/// anything.
-const ROUNDS: usize = 6;
+/// anything, but where an effect bends the model.
+const ROUNDS: usize = 10;
 /// A round that gains less than this changes no probability by a tenth.
 const SETTLED: f64 = 0.1;
-/// Nor does one count that gains less than this for each value: noise is then known to a few parts in a hundred thousand,
-/// and rows at the edge of being outliers come and go.
-const SETTLED_PER_VALUE: f64 = 2e-5;
+/// Nor does one count that gains less than this times the root of the number of values: the noise then changes by a hundredth
+/// of its standard deviation, and rows at the edge of being outliers come and go.
+const SETTLED_NOISE: f64 = 0.01;
 /// Stretches of the run that each part of it is made of, where there are parts: enough that no part lacks what was moved
 /// one after the other, and each long beside the time over which a run's errors are alike.
 const STRETCHES: usize = 4;
@@ -106,7 +106,7 @@ pub fn fit_curves(
         // Each round is in units of its own noise: the score of the values themselves.
         let score = score + round.units();
         round.step(data, &mut state, &hyper);
-        let enough = SETTLED.max(SETTLED_PER_VALUE * round.linear.values() as f64);
+        let enough = SETTLED.max(SETTLED_NOISE * (round.linear.values() as f64).sqrt());
         let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
         state.fit.converged = settled;

@@ -6,9 +6,8 @@
 
 use crate::effects::curve::Waves;
 use crate::identify::gram::products;
-use crate::identify::stop::{carried, look};
-use crate::identify::threads::joined;
-use std::sync::Mutex;
+use crate::identify::stop::look;
+use crate::identify::threads::{available, dealt};
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
 const ROWS: usize = 256;
@@ -103,34 +102,17 @@ impl Gram {
         }
         // A sum of its own for each lane of stretches, added in order: no sum depends on which thread was the faster.
         let lanes = stretches.len().clamp(1, LANES);
-        let queue = Mutex::new(0..lanes);
-        let work = || {
-            let mut done = Vec::new();
-            loop {
+        let of_lane = |lane: usize| {
+            let mut sums = vec![Channel::zeros(size); channels];
+            for range in stretches.iter().skip(lane).step_by(lanes) {
                 look();
-                let next = queue.lock().expect("taking a lane does not panic").next();
-                let Some(lane) = next else { return done };
-                let mut sums = vec![Channel::zeros(size); channels];
-                for range in stretches.iter().skip(lane).step_by(lanes) {
-                    look();
-                    for (channel, sums) in sums.iter_mut().enumerate() {
-                        add_stretch(columns, waves, readings, range.clone(), channel, sums);
-                    }
+                for (channel, sums) in sums.iter_mut().enumerate() {
+                    add_stretch(columns, waves, readings, range.clone(), channel, sums);
                 }
-                done.push((lane, sums));
             }
+            sums
         };
-        let threads = crate::identify::threads::available().min(lanes);
-        let mut done = std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(work))).collect();
-            let mut done = work();
-            for other in others {
-                done.extend(joined(other));
-            }
-            done
-        });
-        done.sort_by_key(|(lane, _)| *lane);
-        let mut done = done.into_iter().map(|(_, sums)| sums);
+        let mut done = dealt(0..lanes, available().min(lanes), || (), |(), lane| of_lane(lane)).into_iter();
         let mut channels = done.next().expect("there is a lane");
         for part in done {
             for (sum, part) in channels.iter_mut().zip(part) {

@@ -1,6 +1,7 @@
 //! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory.
 
 use crate::identify::stop::look;
+use crate::identify::threads::{available, dealt};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// The lower triangle L of A = L Lᵀ, or its inverse, row by row.
@@ -33,21 +34,18 @@ impl Triangle {
     pub fn inverse_columns(&self) -> Vec<f64> {
         let size = self.size;
         let mut columns = vec![0.0; size * size];
-        let threads = crate::identify::threads::available().min(1 + size / 200);
+        let threads = available().min(1 + size / 200);
         // Columns get shorter to the right: neighbours are dealt in turn.
-        let queue = std::sync::Mutex::new(columns.chunks_exact_mut(size).enumerate());
-        let work = || loop {
-            let next = queue.lock().expect("taking a column does not panic").next();
-            let Some((index, column)) = next else { return };
-            column[index] = 1.0;
-            dispatch!(Level::new(), simd => forward_in(simd, &self.cells, size, column, index));
-        };
-        std::thread::scope(|scope| {
-            for _ in 1..threads {
-                scope.spawn(work);
-            }
-            work();
-        });
+        let each = columns.chunks_exact_mut(size).enumerate();
+        dealt(
+            each,
+            threads,
+            || (),
+            |(), (index, column)| {
+                column[index] = 1.0;
+                dispatch!(Level::new(), simd => forward_in(simd, &self.cells, size, column, index));
+            },
+        );
         columns
     }
 }

@@ -4,6 +4,7 @@ use crate::args::{FleetHistoryArguments, FleetWatchArguments};
 use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::{Outputs, Status};
+use denavit_compare::report::junit::{self, Case, CaseFailure};
 use denavit_fleet::Day;
 use denavit_fleet::nights::{Fleet, History};
 use denavit_fleet::statistics::trend::Shape;
@@ -126,30 +127,18 @@ fn markdown_text(answer: &WatchAnswer) -> String {
 }
 
 fn junit_text(fleet: &Fleet, answer: &WatchAnswer) -> String {
-    let escaped = |text: &str| {
-        let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-        text.replace('"', "&quot;")
-    };
     let tonight = fleet.tonight().map(|day| day.0);
     let there = fleet.serials.iter().zip(&fleet.nights);
     let there = there.filter(|(_, nights)| nights.nights.last().map(|night| night.day) == tonight);
-    let (mut cases, mut count) = (String::new(), 0);
-    for (serial, _) in there {
-        count += 1;
-        let _ = write!(cases, "  <testcase classname=\"denavit.fleet\" name=\"{}\"", escaped(serial));
-        match answer.alarms.iter().find(|alarm| alarm.serial == *serial) {
-            None => cases.push_str("/>\n"),
-            Some(alarm) => {
-                let message = escaped(&alarm.message);
-                let _ = writeln!(cases, ">\n    <failure message=\"{message}\">{message}</failure>\n  </testcase>");
-            }
-        }
-    }
-    let failures = answer.alarms.len();
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"denavit fleet watch\" tests=\"{count}\" \
-         failures=\"{failures}\">\n{cases}</testsuite>\n</testsuites>\n"
-    )
+    let cases: Vec<Case> = there
+        .map(|(serial, _)| {
+            let said: Vec<&str> =
+                answer.alarms.iter().filter(|alarm| alarm.serial == *serial).map(|alarm| &alarm.message[..]).collect();
+            let failure = said.first().map(|&first| CaseFailure { message: first.into(), text: said.join("\n") });
+            Case { class: "denavit.fleet".into(), name: serial.clone(), failure }
+        })
+        .collect();
+    junit::suite("denavit fleet watch", &cases)
 }
 
 #[derive(Serialize)]

@@ -1,20 +1,10 @@
 //! The first sheet with data of an Excel workbook, as rows of cells.
 
 use super::{Fault, ImportProblem};
-#[cfg(not(target_family = "wasm"))]
 use calamine::{Data, Reader, Xlsx};
-#[cfg(not(target_family = "wasm"))]
 use std::io::Cursor;
 
-/// A web page has no reader of workbooks.
-#[cfg(target_family = "wasm")]
-pub(super) fn rows(_bytes: &[u8]) -> Result<Vec<(usize, Vec<String>)>, Fault> {
-    let reason = "workbooks are not read in a web page; save the sheet as CSV".into();
-    Err(Fault { line: 0, problem: ImportProblem::Workbook(reason) })
-}
-
 /// Rows with their numbers in the sheet; empty rows are left out.
-#[cfg(not(target_family = "wasm"))]
 pub(super) fn rows(bytes: &[u8]) -> Result<Vec<(usize, Vec<String>)>, Fault> {
     let failed = |reason: String| Fault { line: 0, problem: ImportProblem::Workbook(reason) };
     let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(|error| failed(error.to_string()))?;

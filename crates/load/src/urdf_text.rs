@@ -1,0 +1,55 @@
+//! Any source as URDF text, for what looks at the text and not at the robot alone.
+
+use crate::read::{Expanded, expanded, from_text};
+use crate::{LoadError, Options, canonical};
+use denavit_export::urdf;
+use std::path::PathBuf;
+
+/// A source as URDF text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UrdfText {
+    /// What messages call it.
+    pub shown: String,
+    /// The text.
+    pub text: String,
+    /// Whether it was xacro.
+    pub is_xacro: bool,
+    /// What the expansion of a xacro file has to say.
+    pub notes: Vec<String>,
+    /// Files that the source made us read: what a xacro file includes, and its yaml.
+    pub includes: Vec<PathBuf>,
+}
+
+/// A source as URDF text. URDF stays as it is, broken or not; xacro is expanded; what a table or screw axes stand for is
+/// made as `written` says.
+///
+/// # Errors
+/// A xacro file that does not expand, or a source that is neither and no robot.
+pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Options) -> Result<UrdfText, LoadError> {
+    let plain = |shown: String, text: String| UrdfText {
+        shown,
+        text,
+        is_xacro: false,
+        notes: Vec::new(),
+        includes: Vec::new(),
+    };
+    let is_named = |end: &str| file.to_ascii_lowercase().ends_with(end);
+    let is_markup = is_named(".urdf") || text.trim_start_matches('\u{feff}').trim_start().starts_with(['<', '\0']);
+    if !is_markup && !text.trim().is_empty() {
+        let robot = from_text(file, &text, options)?.robot;
+        return Ok(plain(format!("{file} (as URDF)"), canonical(&robot, file, written)?.value));
+    }
+    let is_meant =
+        || is_named(".xacro") || !options.arguments.is_empty() || denavit_model::urdf::read(file, &text).is_err();
+    if denavit_xacro::is_xacro(&text) && is_meant() {
+        let Expanded { urdf, notes, files_read, .. } = expanded(file, &text, options)?;
+        let notes = notes.iter().map(ToString::to_string).collect();
+        return Ok(UrdfText {
+            is_xacro: true,
+            notes,
+            includes: files_read,
+            ..plain(format!("{file} (expanded)"), urdf)
+        });
+    }
+    Ok(plain(file.to_owned(), text))
+}
