@@ -139,6 +139,33 @@ class Measurements:
         return cls(_as_text(content), file, units, told=told, socket=socket)
 
     @classmethod
+    def from_bag(
+        cls,
+        path: str | os.PathLike[str],
+        chain: Chain,
+        *,
+        joint_topic: str | None = None,
+        target_topic: str | None = None,
+    ) -> Measurements:
+        """Take the standstills of a ROS 2 bag, a row each; see `docs/bags.md`.
+
+        Lines that begin with ``#`` at the head of `text` say what was found: how many standstills, and how far the clocks are
+        apart.
+
+        Args:
+            path: The folder that ``ros2 bag record`` made, or a ``.mcap`` or ``.db3`` file in it.
+            chain: Whose joints the bag's ``JointState`` names.
+            joint_topic: The topic of the joint readings, where several have these joints.
+            target_topic: The topic of the target, where there are several; ``/tf:PARENT/CHILD`` names a transform.
+
+        Raises:
+            DataError: A bag that cannot be read, that does not say which topics are meant, or in which nothing stands still.
+        """
+        file = os.fspath(path)
+        rows, notes = _denavit.bag_rows(file, chain._native, joint_topic, target_topic)
+        return cls("".join(f"# {note}\n" for note in notes) + rows, file)
+
+    @classmethod
     def from_columns(
         cls, columns: Mapping[str, Iterable[object] | float | str], units: str = "m,rad", file: str = "<columns>"
     ) -> Measurements:

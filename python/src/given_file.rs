@@ -82,6 +82,23 @@ pub fn read_bytes<'py>(py: Python<'py>, name: &str) -> PyResult<(String, Bound<'
     Ok((file, PyBytes::new(py, &bytes)))
 }
 
+/// A ROS 2 bag as rows: CSV in SI, and what was found.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
+pub fn bag_rows(
+    py: Python<'_>,
+    bag: &str,
+    chain: PyRef<'_, Chain>,
+    joint_topic: Option<String>,
+    target_topic: Option<String>,
+) -> PyResult<(String, Vec<String>)> {
+    let joints = chain.chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+    let asked = denavit_bag::Asked { joints, joint_topic, target_topic };
+    let rows = py.detach(|| denavit_bag::rows(bag, &asked));
+    let rows = rows.map_err(|failure| error(Class::Data, &failure.to_string(), Spot::file(bag)))?;
+    Ok((rows.csv, rows.notes))
+}
+
 /// Columns of a file as CSV, names in the first row; `None` of a file that is just that.
 #[pyfunction]
 pub fn cells(name: &str, content: Content) -> PyResult<Option<String>> {

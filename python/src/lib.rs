@@ -26,7 +26,7 @@ mod _denavit {
     #[pymodule_export]
     use crate::given::Effects;
     #[pymodule_export]
-    use crate::given_file::{cells, columns_draft, read_bytes};
+    use crate::given_file::{bag_rows, cells, columns_draft, read_bytes};
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
     #[pymodule_export]

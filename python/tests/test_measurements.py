@@ -6,6 +6,8 @@ import io
 import json
 import os
 import pickle
+import sqlite3
+import struct
 import subprocess
 from pathlib import Path
 
@@ -199,3 +201,62 @@ def test_a_broken_workbook_is_named(drawn: dn.Chain, tmp_path: Path) -> None:
     for use in (lambda: broken.columns, lambda: dn.calibrate(drawn, broken)):
         with pytest.raises(dn.DataError, match=r"run\.xlsx.*this Excel workbook cannot be read"):
             use()
+
+
+def message(*parts: float | str | list[float] | list[str]) -> bytes:
+    """Little-endian CDR: whole numbers of 4 bytes, floats of 8, texts and lists after their length."""
+    out = b""
+
+    def put(form: str, value: float) -> None:
+        nonlocal out
+        size = struct.calcsize(form)
+        out += b"\0" * (-len(out) % size) + struct.pack("<" + form, value)
+
+    def add(part: float | str | list[float] | list[str]) -> None:
+        nonlocal out
+        if isinstance(part, (str, list)):
+            put("I", len(part) + isinstance(part, str))
+            if isinstance(part, str):
+                out += part.encode() + b"\0"
+            else:
+                for entry in part:
+                    add(entry)
+        else:
+            put("i" if isinstance(part, int) else "d", part)
+
+    for part in parts:
+        add(part)
+    return b"\0\1\0\0" + out
+
+
+def test_a_bag_is_read_as_the_command_reads_it(drawn: dn.Chain, poses: dn.Measurements, tmp_path: Path) -> None:
+    bag = tmp_path / "run.db3"
+    stand, move, start = 1.0, 0.5, 1_700_000_000
+    names = list(drawn.joints)
+    rows = poses.to_pandas()
+    with sqlite3.connect(bag) as opened:
+        opened.execute("CREATE TABLE topics(id INTEGER, name TEXT, type TEXT)")
+        opened.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+        kinds = [(1, "/joint_states", "sensor_msgs/msg/JointState"), (2, "/tracker", "geometry_msgs/msg/PointStamped")]
+        opened.executemany("INSERT INTO topics VALUES (?, ?, ?)", kinds)
+        for step in range(round(len(rows) * (stand + move) * 50)):
+            time = step / 50
+            row, within = divmod(time, stand + move)
+            share = max(0.0, within - stand) / move
+            after = min(int(row) + 1, len(rows) - 1)
+            now = (1 - share) * rows.iloc[int(row)] + share * rows.iloc[after]
+            stamp = [int(start + time), round((time % 1) * 1e9)]
+            log = stamp[0] * 10**9 + stamp[1]
+            said = message(*stamp, "", names, [float(now[name]) for name in names], [], [])
+            seen = message(*stamp, "tracker", *(float(now[axis]) for axis in "xyz"))
+            opened.executemany(
+                "INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)", [(1, log, said), (2, log, seen)]
+            )
+    data = dn.Measurements.from_bag(bag, drawn)
+    assert len(data) == len(rows) and data.text.startswith("# 40 standstills")
+    found = data.to_pandas()
+    assert np.allclose(found[names], rows[names], atol=1e-9) and np.allclose(found[["x", "y", "z"]], rows[["x", "y", "z"]])
+    mine, theirs = dn.calibrate(drawn, data, effects=None).to_dict(), of_command("--data", os.fspath(bag))
+    assert mine["stages"] == theirs["stages"] and mine["parameters"] == theirs["parameters"]
+    with pytest.raises(dn.DataError, match="no_such_topic"):
+        dn.Measurements.from_bag(bag, drawn, target_topic="/no_such_topic")
