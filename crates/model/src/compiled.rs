@@ -21,7 +21,7 @@ use crate::se3::Pose;
 use blocks::Block;
 use fearless_simd::{Level, Simd, dispatch};
 use frames::Frames;
-use nalgebra::{Vector3, Vector6};
+use nalgebra::Vector6;
 pub use sin_cos::{sine_and_cosine, sines_and_cosines};
 use std::num::NonZeroUsize;
 
@@ -194,27 +194,8 @@ impl CompiledChain {
     /// The lengths of `q` and `jacobians` do not go together.
     pub fn jacobians_into(&self, frame: JacobianFrame, q: &[f64], jacobians: &mut [f64]) {
         assert_eq!(6 * q.len(), jacobians.len(), "six numbers for each coordinate of each configuration");
-        let n = self.coordinates;
-        let mut columns = vec![Vector6::zeros(); n];
-        for (q, jacobian) in q.chunks_exact(n.max(1)).zip(jacobians.chunks_exact_mut(6 * n.max(1))) {
-            let pose = match frame {
-                JacobianFrame::Space => self.space_jacobian_into(q, &mut columns),
-                JacobianFrame::Body | JacobianFrame::Tip => self.tip_jacobian_into(q, &mut columns),
-            };
-            if frame == JacobianFrame::Body {
-                let own = pose.rotation.transpose();
-                for column in &mut columns {
-                    let angular = own * Vector3::new(column[0], column[1], column[2]);
-                    let linear = own * Vector3::new(column[3], column[4], column[5]);
-                    column.fixed_rows_mut::<3>(0).copy_from(&angular);
-                    column.fixed_rows_mut::<3>(3).copy_from(&linear);
-                }
-            }
-            for (k, column) in columns.iter().enumerate() {
-                for row in 0..6 {
-                    jacobian[row * n + k] = column[row];
-                }
-            }
+        if !q.is_empty() {
+            dispatch!(self.level, simd => batch::jacobians(simd, self, frame, q, jacobians));
         }
     }
 

@@ -1,9 +1,9 @@
 //! Many configurations: the lanes are configurations, all of them doing the same.
 
-use super::CompiledChain;
 use super::blocks::{Block, Gap};
 use super::frames::Twist;
 use super::sin_cos;
+use super::{CompiledChain, JacobianFrame};
 use crate::se3::{self, Pose};
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -77,6 +77,19 @@ impl<S: Simd> Frames<S> {
 /// the last.
 #[inline(always)]
 fn reached<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], first: usize, count: usize) -> Frames<S> {
+    walked(simd, chain, q, first, count, |_, _, _| {})
+}
+
+/// The same; `visit` sees each joint's axis and a point on it on the way.
+#[inline(always)]
+fn walked<S: Simd>(
+    simd: S,
+    chain: &CompiledChain,
+    q: &[f64],
+    first: usize,
+    count: usize,
+    mut visit: impl FnMut(&Block, usize, &Frames<S>),
+) -> Frames<S> {
     let stride = chain.coordinates;
     let here = &q[first * stride..(first + count) * stride];
     let mut frames = Frames::all(simd, &chain.start);
@@ -89,6 +102,7 @@ fn reached<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], first: usize, cou
                 S::f64s::from_fn(simd, |lane| here[lane.min(count - 1) * stride + coordinate])
             };
             let (turn, slide) = turn_and_slide(simd, block, k, values);
+            visit(block, k, &frames);
             frames = frames.stepped(turn, slide, &block.gaps[k]);
         }
     }
@@ -156,6 +170,64 @@ pub(super) fn tips<S: Simd, T: From<[f64; 3]>>(simd: S, chain: &CompiledChain, q
         let Frames { origin, .. } = reached(simd, chain, q, chunk * width, tips.len());
         for (lane, tip) in tips.iter_mut().enumerate() {
             *tip = std::array::from_fn(|row| origin[row].as_slice()[lane]).into();
+        }
+    }
+}
+
+/// u × v in each lane.
+#[inline(always)]
+fn cross<S: Simd>(u: &Vectors<S>, v: &Vectors<S>) -> Vectors<S> {
+    each::<S>(|row| {
+        let (next, last) = ((row + 1) % 3, (row + 2) % 3);
+        u[next].mul_sub(v[last], u[last] * v[next])
+    })
+}
+
+#[inline(always)]
+pub(super) fn jacobians<S: Simd>(
+    simd: S,
+    chain: &CompiledChain,
+    frame: JacobianFrame,
+    q: &[f64],
+    jacobians: &mut [f64],
+) {
+    let (width, n) = (S::f64s::LEN, chain.coordinates);
+    let zero = [S::f64s::splat(simd, 0.0); 3];
+    // The angular and the linear part of each coordinate's column.
+    let mut columns = vec![(zero, zero); n];
+    for (chunk, jacobians) in jacobians.chunks_mut(6 * n * width).enumerate() {
+        columns.fill((zero, zero));
+        let Frames { x, y, z, origin } =
+            walked(simd, chain, q, chunk * width, jacobians.len() / (6 * n), |block, k, Frames { z, origin, .. }| {
+                let rate = &block.rates[k];
+                let (angular, linear) = &mut columns[rate.coordinate];
+                if rate.turning != 0.0 {
+                    let moment = cross::<S>(origin, z);
+                    *angular = each::<S>(|row| z[row].mul_add(rate.turning, angular[row]));
+                    *linear = each::<S>(|row| moment[row].mul_add(rate.turning, linear[row]));
+                }
+                if rate.sliding != 0.0 {
+                    *linear = each::<S>(|row| z[row].mul_add(rate.sliding, linear[row]));
+                }
+            });
+        for (angular, linear) in &mut columns {
+            if frame != JacobianFrame::Space {
+                let carried = cross::<S>(angular, &origin);
+                *linear = each::<S>(|row| linear[row] + carried[row]);
+            }
+            if frame == JacobianFrame::Body {
+                let along =
+                    |axis: &Vectors<S>, v: &Vectors<S>| axis[0].mul_add(v[0], axis[1].mul_add(v[1], axis[2] * v[2]));
+                *angular = [along(&x, angular), along(&y, angular), along(&z, angular)];
+                *linear = [along(&x, linear), along(&y, linear), along(&z, linear)];
+            }
+        }
+        for (lane, jacobian) in jacobians.chunks_exact_mut(6 * n).enumerate() {
+            for (k, (angular, linear)) in columns.iter().enumerate() {
+                for (row, part) in angular.iter().chain(linear).enumerate() {
+                    jacobian[row * n + k] = part.as_slice()[lane];
+                }
+            }
         }
     }
 }
