@@ -6,7 +6,7 @@ import type { Calibrated } from "./engine";
 /** What was found, in the engine's words. */
 export interface Said {
     heading: string;
-    effects: { said: { title: string; named: boolean; numbers: string[]; why: string }; probability: number }[];
+    effects: { said: { title: string; named: boolean; numbers: string[]; why: string; rivals: string | null }; probability: number }[];
     structured: boolean;
     ending: string;
 }
@@ -26,7 +26,7 @@ export function effects(found: Said | null): HTMLElement {
     if (!found) return h("div", { id: "effects" }, heading, h("p", {}, "Not searched for."));
     const list = found.effects.map(({ said, probability }) => h("li", { class: said.named ? "named" : "open" },
         h("b", {}, said.title), ...said.numbers.flatMap((words) => [h("br", {}), words]), h("br", {}),
-        h("meter", { min: 0, max: 1, value: probability, "aria-label": "probability" }), h("div", { class: "rivals" }, said.why)));
+        h("meter", { min: 0, max: 1, value: probability, "aria-label": "probability" }), h("div", { class: "rivals" }, said.rivals === null ? said.why : `${said.why}; ${said.rivals}`)));
     if (found.structured) list.push(h("li", { class: "unnamed", id: "unnamed" }, found.ending));
     return h("div", { id: "effects" }, heading, h("p", { id: "effects-heading" }, sentence(found.heading)),
         list.length > 0 ? h("ul", { id: "effects-found", class: "effects" }, ...list) : null,
