@@ -13,6 +13,11 @@ const LEAST_READINGS: usize = 3;
 /// A target whose readings spread this many times more than usual was moving.
 const MOVING: f64 = 10.0;
 
+/// Spreads below this (m) are rounding: the instrument repeats itself to the last digit and does not say how sure it is.
+const ROUNDING: f64 = 1e-9;
+/// Readings that agree by chance are not taken to be this many times surer than usual.
+const SURER: f64 = 10.0;
+
 /// The rows of a bag.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
@@ -135,7 +140,8 @@ fn csv(rows: &[&Row], asked: &Asked) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let turned = rows[0].target.len() == 7;
     // Standard deviations weigh rows against each other: without any they say nothing.
-    let spreads = rows.iter().any(|row| row.spread.iter().any(|spread| *spread > 0.0));
+    let usual = median(rows.iter().flat_map(|row| row.spread).collect());
+    let spreads = usual > ROUNDING;
     let target: &[&str] = if turned { &["x", "y", "z", "qx", "qy", "qz", "qw"] } else { &["x", "y", "z"] };
     let spread: &[&str] = if spreads { &["x.std", "y.std", "z.std"] } else { &[] };
     let names = asked.joints.iter().map(String::as_str).chain(target.iter().copied()).chain(spread.iter().copied());
@@ -146,9 +152,7 @@ fn csv(rows: &[&Row], asked: &Asked) -> String {
         let numbers = std::iter::once(row.time - start).chain(row.joints.iter().chain(&row.target).copied());
         let mut record: Vec<String> = numbers.map(|number| number.to_string()).collect();
         if spreads {
-            // An instrument that repeats itself to the last digit does not say how sure it is.
-            let shown = |spread: &f64| if *spread > 0.0 { spread.to_string() } else { String::new() };
-            record.extend(row.spread.iter().map(shown));
+            record.extend(row.spread.iter().map(|spread| spread.max(usual / SURER).to_string()));
         }
         records.push(record);
     }
@@ -157,4 +161,32 @@ fn csv(rows: &[&Row], asked: &Asked) -> String {
     }
     let bytes = writer.into_inner().expect("writing into memory does not fail");
     String::from_utf8(bytes).expect("CSV of texts is text")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_row_is_surer_than_its_readings_can_say() {
+        let asked = Asked { joints: vec!["a".into()], ..Asked::default() };
+        let stds = |spreads: &[f64]| -> Vec<String> {
+            let row = |spread: &f64| Row {
+                time: 0.0,
+                joints: vec![0.1],
+                target: vec![1.0, 2.0, 3.0],
+                spread: [*spread; 3],
+                readings: 5,
+            };
+            let rows: Vec<Row> = spreads.iter().map(row).collect();
+            let csv = csv(&rows.iter().collect::<Vec<_>>(), &asked);
+            csv.lines().map(|line| line.rsplit(',').next().unwrap_or_default().to_owned()).collect()
+        };
+        let found = stds(&[2e-5, 0.0, 1e-18, 4e-5, 2e-5]);
+        assert_eq!(found[0], "z.std");
+        for (found, expected) in found[1..].iter().zip([2e-5, 2e-6, 2e-6, 4e-5, 2e-5]) {
+            assert!((found.parse::<f64>().unwrap() - expected).abs() < 1e-15, "{found}");
+        }
+        assert_eq!(stds(&[0.0, 1e-17, 0.0]), ["z", "3", "3", "3"]);
+    }
 }

@@ -2,8 +2,9 @@
 
 use crate::identify::stop::{carried, look};
 use std::cell::Cell;
-use std::panic::resume_unwind;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
+use std::thread::ScopedJoinHandle;
 
 thread_local! {
     /// Whether calls from this thread start no threads of their own.
@@ -55,12 +56,10 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
     };
     let mut done = std::thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(deal))).collect();
-        let mut done = deal();
-        for other in others {
-            // Its panic goes on here.
-            done.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        }
-        done
+        // All have ended before a panic goes on: none of them runs when the caller is told.
+        let own = catch_unwind(AssertUnwindSafe(deal));
+        let all: Vec<_> = std::iter::once(own).chain(others.into_iter().map(ScopedJoinHandle::join)).collect();
+        all.into_iter().flat_map(|done| done.unwrap_or_else(|panic| resume_unwind(panic))).collect::<Vec<_>>()
     });
     done.sort_by_key(|(index, _)| *index);
     done.into_iter().map(|(_, result)| result).collect()
