@@ -36,6 +36,7 @@ class SearchGiven(TypedDict):
     effects: list[str]
     max_effects: int
     gear_ratios: list[str]
+    prior: tuple[str, str] | None
     hold_out: float | None
     seed: int
 
@@ -197,6 +198,7 @@ def plan(
     box: list[float],
     target: list[float],
     anchor: list[float] | None,
+    prior: tuple[str, str] | None,
     seed: int,
 ) -> tuple[str, str, str, _Array]: ...
 def simulate(

@@ -101,6 +101,7 @@ impl<'a> Report<'a> {
         })?;
         let mut environment = Environment::new();
         environment.set_auto_escape_callback(|_| AutoEscape::Html);
+        environment.add_global("style", Value::from_safe_string(include_str!("report/style.css").to_owned()));
         environment.add_template("fleet.html", include_str!("report/fleet.html"))?;
         environment.add_template("robot.html", include_str!("report/robot.html"))?;
         Ok(Self { fleet, said: fleet.watch(how), effects, environment })

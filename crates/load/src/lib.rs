@@ -33,7 +33,7 @@ pub use meshes::{MeshFile, Meshes, meshes};
 pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};
 pub use robot::{Listing, Loaded, Selection};
 pub use table::{Made, NEARLY_PARALLEL, TableOptions};
-pub use urdf_text::{UrdfText, urdf_text};
+pub use urdf_text::{UrdfText, is_markup, urdf_text};
 
 use denavit_export::sources::Stated;
 use std::path::PathBuf;

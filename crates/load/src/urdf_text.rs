@@ -33,14 +33,12 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
         notes: Vec::new(),
         includes: Vec::new(),
     };
-    let is_named = |end: &str| file.to_ascii_lowercase().ends_with(end);
-    let is_markup = is_named(".urdf") || text.trim_start_matches('\u{feff}').trim_start().starts_with(['<', '\0']);
-    if !is_markup && !text.trim().is_empty() {
+    if !is_markup(file, &text) {
         let robot = from_text(file, &text, options)?.robot;
         return Ok(plain(format!("{file} (as URDF)"), canonical(&robot, file, written)?.value));
     }
     let is_meant =
-        || is_named(".xacro") || !options.arguments.is_empty() || denavit_model::urdf::read(file, &text).is_err();
+        || is_named(file, ".xacro") || !options.arguments.is_empty() || denavit_model::urdf::read(file, &text).is_err();
     if denavit_xacro::is_xacro(&text) && is_meant() {
         let Expanded { urdf, notes, files_read, .. } = expanded(file, &text, options)?;
         let notes = notes.iter().map(ToString::to_string).collect();
@@ -52,4 +50,14 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
         });
     }
     Ok(plain(file.to_owned(), text))
+}
+
+/// Whether a source is taken for URDF or xacro, whole or broken, and not for a table or screw axes.
+pub fn is_markup(file: &str, text: &str) -> bool {
+    let start = text.trim_start_matches('\u{feff}').trim_start();
+    is_named(file, ".urdf") || start.is_empty() || start.starts_with(['<', '\0'])
+}
+
+fn is_named(file: &str, end: &str) -> bool {
+    file.to_ascii_lowercase().ends_with(end)
 }

@@ -102,17 +102,15 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
 /// was searched for.
 fn found(result: &Calibration) -> Value {
     let Some(trace) = &result.trace else { return Value::Null };
-    let text = findings::findings(trace);
-    let effects: Vec<Value> = trace
-        .findings
-        .iter()
+    let effects: Vec<Value> = findings::named_first(trace)
+        .into_iter()
         .map(|finding| json!({ "said": findings::said(finding, trace), "probability": finding.probability }))
         .collect();
     json!({
-        "heading": text.lines().next(),
+        "heading": findings::heading(trace),
         "effects": effects,
         "structured": trace.leftover.structured,
-        "ending": text.lines().next_back(),
+        "ending": findings::ending(trace),
     })
 }
 

@@ -10,7 +10,7 @@ use denavit_model::{Chain, ChainJoint, Reading};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A question of the page.
 #[derive(Debug, Clone, Deserialize)]
@@ -238,9 +238,7 @@ impl RobotText {
 
     /// The URDF that it stands for, xacro expanded; what the command line calls it.
     pub(crate) fn urdf(&self) -> Result<(String, String), String> {
-        let start = self.text.trim_start_matches('\u{feff}').trim_start();
-        let is_urdf_name = Path::new(&self.file).extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
-        if !is_urdf_name && !start.starts_with('<') && !start.is_empty() {
+        if !denavit_load::is_markup(&self.file, &self.text) {
             let (robot, scales) = without_scales(self.load()?)?;
             let urdf = denavit_load::canonical(&robot, &self.file, &self.canonical_options());
             let named = if scales.is_empty() { "as URDF" } else { "as URDF, joint scales left out" };

@@ -99,18 +99,33 @@ fn places(trace: &Trace) -> String {
     trace.leftover.places.iter().map(place).collect::<Vec<_>>().join(", ")
 }
 
+/// What the list of effects is headed with: how sure the surest is, of how many candidates.
+pub fn heading(trace: &Trace) -> String {
+    let what = if trace.findings.is_empty() {
+        let beside = if trace.fit.effects.curves.is_empty() { "" } else { " and error curves" };
+        format!("no effect beyond geometry{beside}")
+    } else if trace.findings.iter().any(|finding| finding.named) {
+        "effects that the data ask for".to_owned()
+    } else {
+        "no effect is sure enough to be named".to_owned()
+    };
+    format!("{what}, of {} candidates", trace.candidates)
+}
+
+/// What it ends with: what no effect explains.
+pub fn ending(trace: &Trace) -> String {
+    let left = &trace.leftover;
+    let chance = probability(left.p_value);
+    if left.structured {
+        format!("structure remains that no effect explains ({chance}): {}", places(trace))
+    } else {
+        format!("what remains has no structure ({chance})")
+    }
+}
+
 /// The effects with their numbers and rivals, then what no effect explains.
 pub fn findings(trace: &Trace) -> String {
-    let mut text = String::new();
-    let count = trace.candidates;
-    if trace.findings.is_empty() {
-        let beside = if trace.fit.effects.curves.is_empty() { "" } else { " and error curves" };
-        let _ = writeln!(text, "no effect beyond geometry{beside}, of {count} candidates");
-    } else if trace.findings.iter().any(|finding| finding.named) {
-        let _ = writeln!(text, "effects that the data ask for, of {count} candidates");
-    } else {
-        let _ = writeln!(text, "no effect is sure enough to be named, of {count} candidates");
-    }
+    let mut text = heading(trace) + "\n";
     for finding in named_first(trace) {
         let Said { title, named, numbers, why, rivals } = said(finding, trace);
         let _ = writeln!(text, "  {title}");
@@ -122,16 +137,5 @@ pub fn findings(trace: &Trace) -> String {
             let _ = writeln!(text, "      {rivals}");
         }
     }
-    let left = &trace.leftover;
-    if left.structured {
-        let _ = writeln!(
-            text,
-            "structure remains that no effect explains ({}): {}",
-            probability(left.p_value),
-            places(trace)
-        );
-    } else {
-        let _ = writeln!(text, "what remains has no structure ({})", probability(left.p_value));
-    }
-    text
+    text + &ending(trace) + "\n"
 }

@@ -1,6 +1,7 @@
 //! Of which files a calibration is made, and when.
 
 use super::rows::{DataFile, RowsAsked};
+use super::search::SearchAsked;
 use denavit_calibrate::calibration::contract::{FileRead, FileUse, Origin};
 use jiff::Timestamp;
 use sha2::{Digest as _, Sha256};
@@ -18,6 +19,12 @@ pub(super) fn origin(asked: &RowsAsked) -> Origin {
     let all = fitted.chain(asked.test.iter().map(|file| (file, FileUse::Test)));
     let files = all.map(|(file, used)| FileRead { file: file.name.clone(), used, sha256: sha256(file) }).collect();
     Origin { date: Some(today()), files, ..Origin::default() }
+}
+
+/// The file of an earlier calibration as the origin lists it.
+pub fn prior_read(asked: &SearchAsked) -> Option<FileRead> {
+    let read = |file: &DataFile| FileRead { file: file.name.clone(), used: FileUse::Prior, sha256: sha256(file) };
+    asked.prior.as_ref().map(read)
 }
 
 fn today() -> String {
