@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from importlib.metadata import version as _version
 
+from denavit import fleet
 from denavit.chain import Chain, Coordinate
 from denavit.commands import Commands
 from denavit.compare import (
@@ -27,8 +28,10 @@ from denavit.errors import (
     DataError,
     DenavitError,
     ExportError,
+    ManifestError,
     ReadError,
     RobotError,
+    StoreError,
 )
 from denavit.fit import Fit, calibrate
 from denavit.measurements import Measurements, Told
@@ -78,6 +81,7 @@ __all__ = [
     "Fit",
     "JointDifference",
     "Leftover",
+    "ManifestError",
     "Match",
     "Measurements",
     "Note",
@@ -93,6 +97,7 @@ __all__ = [
     "RobotError",
     "Row",
     "Simulation",
+    "StoreError",
     "Table",
     "TipDifference",
     "Told",
@@ -102,6 +107,7 @@ __all__ = [
     "diff",
     "explore",
     "fingerprint",
+    "fleet",
     "load",
     "show_explorer",
 ]

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypedDict, final
 
 import numpy as np
@@ -35,6 +36,7 @@ class SearchGiven(TypedDict):
     effects: list[str]
     max_effects: int
     gear_ratios: list[str]
+    prior: tuple[str, str] | None
     hold_out: float | None
     seed: int
 
@@ -139,6 +141,24 @@ class Fit:
     def residuals(self) -> list[tuple[str, _Residuals, _Residuals]]: ...
     def predict(self, later: Given) -> tuple[str, _Residuals]: ...
 
+@final
+class FleetLedger:
+    def __new__(cls, manifest: str, set: list[tuple[str, str]], store: Path) -> FleetLedger: ...
+    @property
+    def entries(self) -> int: ...
+    def jobs(self) -> list[tuple[str, str | None, str, str]]: ...
+    def keep(self, index: int, tables: list[tuple[str, bytes]], error: str | None) -> None: ...
+    def close(self) -> str: ...
+    def leave(self) -> None: ...
+
+def fleet_run(
+    manifest: str,
+    set: list[tuple[str, str]],
+    store: Path,
+    threads: int,
+    progress: Callable[[int, int, str], object] | None,
+) -> str: ...
+def fleet_compute(text: str) -> tuple[list[tuple[str, bytes]], str | None]: ...
 def read_text(name: str) -> tuple[str, str]: ...
 def read_bytes(name: str) -> tuple[str, bytes]: ...
 def bag_rows(bag: str, chain: Chain, joint_topic: str | None, target_topic: str | None) -> tuple[str, list[str]]: ...
@@ -178,6 +198,7 @@ def plan(
     box: list[float],
     target: list[float],
     anchor: list[float] | None,
+    prior: tuple[str, str] | None,
     seed: int,
 ) -> tuple[str, str, str, _Array]: ...
 def simulate(

@@ -234,6 +234,7 @@ class Chain(Shown, Frozen):
         box: Sequence[float] = (),
         target: Sequence[float] = (0.1, 0.0, 0.1),
         anchor: Sequence[float] | None = None,
+        prior: str | os.PathLike[str] | Fit | None = None,
         seed: int = 0,
     ) -> Plan:
         """Choose the poses to measure that make the robot best observable; `denavit plan`.
@@ -246,14 +247,16 @@ class Chain(Shown, Frozen):
             box: Box in which the target must stay, base frame, m: ``x0, x1, y0, y1, z0, z1``.
             target: Where the target sits on the tip, m.
             anchor: Where the anchor of a distance instrument stands, base frame, m; by default the arm's size away.
+            prior: An earlier calibration of this robot, as a fit or as its JSON file: poses are chosen for what they add.
             seed: Of the spread candidates and of the random poses that the plan is compared with.
 
         Raises:
             ArgumentError: Fewer candidates than poses are left within the limits and the box, or an argument cannot be.
         """
+        from denavit.fit import earlier
         from denavit.run import plan
 
-        return plan(self, count, measure, candidates, spread, box, target, anchor, seed)
+        return plan(self, count, measure, candidates, spread, box, target, anchor, earlier(prior), seed)
 
     def simulate(
         self,

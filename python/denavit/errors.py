@@ -82,3 +82,11 @@ class DataError(DenavitError):
 
 class CalibrationError(DenavitError):
     """Measurements that give no calibration."""
+
+
+class ManifestError(DenavitError):
+    """A fleet's manifest that cannot be followed."""
+
+
+class StoreError(DenavitError):
+    """A fleet's store that cannot be read or written."""

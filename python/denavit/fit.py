@@ -236,6 +236,7 @@ def calibrate(
     scales: Iterable[str] | Literal["all"] = (),
     pitches: Iterable[str] | Literal["all"] = (),
     gear_ratio: Mapping[str, float] | None = None,
+    prior: str | os.PathLike[str] | Fit | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Fit:
     """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C ends it at once.
@@ -258,6 +259,9 @@ def calibrate(
         scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
         gear_ratio: Motor turns per joint turn, by joint.
+        prior: An earlier calibration of this robot to go on from, as a fit or as the JSON file that ``Fit.save`` or
+            ``denavit calibrate --json`` wrote: what it knows of the axes stands in for the drawing's tolerances, so that a few
+            new poses bring the robot up to date.
         progress: Called with what is going on, ``geometry``, ``effects``, ``curves``, ``judgement``; an exception that it
             raises ends the fit. By default it is shown in a notebook and on a terminal.
 
@@ -294,6 +298,7 @@ def calibrate(
         "effects": ["none"] if effects is None else _words(effects),
         "max_effects": max_effects,
         "gear_ratios": [f"{joint}={float(ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],
+        "prior": earlier(prior),
         "hold_out": hold_out,
         "seed": seed,
     }
@@ -303,6 +308,16 @@ def calibrate(
         with _progress.shown() as show:
             native = _denavit.calibrate(chain._native, rows, search, show)
     return Fit._of(chain, (rows, search), Found.of(native), native)
+
+
+def earlier(prior: str | os.PathLike[str] | Fit | None) -> tuple[str, str] | None:
+    """Name and JSON of an earlier calibration."""
+    if prior is None:
+        return None
+    if isinstance(prior, Fit):
+        return "prior", prior._found.json
+    name, content = _denavit.read_bytes(os.fspath(prior))
+    return name, content.decode("utf-8", errors="replace")
 
 
 def _words(words: str | Iterable[str]) -> list[str]:

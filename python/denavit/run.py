@@ -90,12 +90,14 @@ def plan(
     box: Sequence[float],
     target: Sequence[float],
     anchor: Sequence[float] | None,
+    prior: tuple[str, str] | None,
     seed: int,
 ) -> Plan:
     """See `Chain.plan`."""
     rows = _joint_rows("candidates", candidates)
     away = None if anchor is None else list(anchor)
-    found, csv, text, q = _denavit.plan(chain._native, count, measure, rows, spread, list(box), list(target), away, seed)
+    where = list(box), list(target), away
+    found, csv, text, q = _denavit.plan(chain._native, count, measure, rows, spread, *where, prior, seed)
     return Plan(q, json.loads(found), csv, text)
 
 

@@ -25,6 +25,10 @@ pub enum Class {
     Data,
     /// Measurements that cannot be fitted.
     Calibration,
+    /// A manifest that is none.
+    Manifest,
+    /// A fleet's store that cannot be read or written.
+    Store,
 }
 
 impl Class {
@@ -37,6 +41,8 @@ impl Class {
             Self::Export => "ExportError",
             Self::Data => "DataError",
             Self::Calibration => "CalibrationError",
+            Self::Manifest => "ManifestError",
+            Self::Store => "StoreError",
         }
     }
 }

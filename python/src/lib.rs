@@ -7,6 +7,7 @@ mod arrays;
 mod chain;
 mod compare;
 mod errors;
+mod fleet;
 mod given;
 mod given_file;
 mod measured;
@@ -23,6 +24,8 @@ mod _denavit {
     use crate::chain::Chain;
     #[pymodule_export]
     use crate::compare::{Comparison, Findings, check, compare, fingerprint, fingerprint_matches};
+    #[pymodule_export]
+    use crate::fleet::{FleetLedger, fleet_compute, fleet_run};
     #[pymodule_export]
     use crate::given::Effects;
     #[pymodule_export]

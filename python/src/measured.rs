@@ -16,7 +16,7 @@ use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
 use denavit_load::Loaded;
-use denavit_load::measured::{Rows, RowsAsked, SearchAsked, moving, other_chains, rows, search};
+use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, prior_read, rows, search};
 use denavit_model::nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -44,6 +44,7 @@ pub struct SearchGiven {
     effects: Vec<String>,
     max_effects: usize,
     gear_ratios: Vec<String>,
+    prior: Option<(String, String)>,
     hold_out: Option<f64>,
     seed: u64,
 }
@@ -162,8 +163,10 @@ pub fn calibrate(
         effects: search.effects,
         max_effects: search.max_effects,
         gear_ratios: search.gear_ratios,
+        prior: search.prior.map(prior_file),
         hold_out,
     };
+    let prior = prior_read(&asked);
     let mut options = self::search(&asked, nominal).map_err(|failure| measured(&failure))?;
     let file = rows.data.first().map_or_else(String::new, |given| given.name.clone());
     let asked = RowsAsked {
@@ -181,8 +184,14 @@ pub fn calibrate(
     let mut result = result.map_err(|failure| calibration(&failure.to_string(), &file))?;
     result.report.columns = columns;
     result.report.origin = origin;
+    result.report.origin.files.extend(prior);
     let (chain, loaded, exact) = (nominal.clone(), Arc::clone(&chain.loaded), chain.exact);
     Ok(Fit { result, chain, statics, loaded, exact, notes })
+}
+
+/// An earlier calibration: what to call it, and its JSON.
+pub fn prior_file((name, text): (String, String)) -> DataFile {
+    DataFile { name, bytes: text.into_bytes(), ..DataFile::default() }
 }
 
 /// What a calibration is made of.

@@ -4,7 +4,7 @@
 
 use crate::chain::Chain;
 use crate::errors::{argument, measured};
-use crate::measured::kind;
+use crate::measured::{kind, prior_file};
 use crate::robot::reading;
 use denavit_calibrate::apply::plan::{PlanOptions, plan as planned};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
@@ -13,7 +13,7 @@ use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_rea
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::observation::kinds::PIXEL;
 use denavit_calibrate::observation::measurements::Units;
-use denavit_load::measured::{corners, moving, sight};
+use denavit_load::measured::{corners, earlier, moving, sight};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 
@@ -64,7 +64,7 @@ type PlanMade<'py> = (String, String, String, Bound<'py, PyArray2<f64>>);
 
 /// Poses to measure.
 #[pyfunction]
-#[pyo3(signature = (chain, wanted, measure, candidates, spread, r#box, target, anchor, seed))]
+#[pyo3(signature = (chain, wanted, measure, candidates, spread, r#box, target, anchor, prior, seed))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
 pub fn plan<'py>(
     py: Python<'py>,
@@ -76,6 +76,7 @@ pub fn plan<'py>(
     r#box: Vec<f64>,
     target: [f64; 3],
     anchor: Option<[f64; 3]>,
+    prior: Option<(String, String)>,
     seed: u64,
 ) -> PyResult<PlanMade<'py>> {
     let nominal = &chain.chain;
@@ -83,6 +84,7 @@ pub fn plan<'py>(
     let kind = kind(measure)?;
     finite("target", &target)?;
     finite("anchor", anchor.as_ref().map_or(&[], |anchor| anchor))?;
+    let known = prior.map(prior_file).map(|file| earlier(&file, nominal)).transpose();
     let usual = PlanOptions::new(nominal, count("count", wanted)?, kind);
     let options = PlanOptions {
         candidates: candidates.map(|array| joint_rows("candidates", &array, nominal)).transpose()?,
@@ -90,6 +92,7 @@ pub fn plan<'py>(
         allowed: corners(&r#box).map_err(|failure| measured(&failure))?,
         target: target.into(),
         anchor: anchor.map_or(usual.anchor, Into::into),
+        earlier: known.map_err(|failure| measured(&failure))?,
         seed,
         ..usual
     };

@@ -11,8 +11,8 @@ pub mod rows;
 use self::diagnosis::Diagnosis;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::{
-    CalibrationReport, Counts, CurveEntry, EffectEntry, Held, Identified, Origin, Rival, SCHEMA, Samples, Stage,
-    Unexplained, Unidentifiable,
+    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, Held, Identified, Origin, Rival, SCHEMA, Samples,
+    Stage, Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::effects::driver::Statics;
@@ -21,6 +21,7 @@ use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::lack_of_fit::lack_of_fit;
+use crate::identify::posterior::Posterior;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
@@ -178,10 +179,15 @@ pub struct Calibration {
 impl Calibration {
     /// The arm at the stage that was adopted.
     pub fn arm(&self) -> &Arm {
-        match (self.beyond_geometry(), self.report.adopted) {
-            (Some(fit), _) => &fit.arm,
-            (None, Adopted::Nominal) => &self.identification.nominal.arm,
-            _ => &self.identification.geometric.arm,
+        self.beyond_geometry().map_or(&self.without_effects().arm, |fit| &fit.arm)
+    }
+
+    /// The fit that was adopted, where it holds geometry alone; else the geometric one.
+    pub fn without_effects(&self) -> &Fit<NoEffects> {
+        match (self.report.adopted, &self.identification.earlier) {
+            (Adopted::Nominal, _) => &self.identification.nominal,
+            (Adopted::Earlier, Some(earlier)) => &earlier.fit,
+            _ => &self.identification.geometric,
         }
     }
 
@@ -249,11 +255,17 @@ pub fn calibrate_and_tell(
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);
-    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects);
+    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects).map(|trace| {
+        let mut trace = trace.clone();
+        if let (Some(known), Some(found)) = (&mut trace.identify.earlier, &identification.earlier) {
+            known.weight = found.weight;
+        }
+        trace
+    });
     if wanted.is_some() {
         begin(Progress::Effects)?;
     }
-    let found = wanted.map(|options| trace(statics, &train, geometric, options));
+    let found = wanted.map(|options| trace(statics, &train, geometric, &options));
     if let (Some(test), Some(found)) = (&test, &found) {
         let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
         recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
@@ -270,21 +282,30 @@ pub fn calibrate_and_tell(
     begin(Progress::Judgement)?;
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add("nominal".into(), &identification.nominal)?;
+    if let Some(earlier) = &identification.earlier {
+        stages.add("earlier".into(), &earlier.fit)?;
+    }
     stages.add("geometric".into(), geometric)?;
     let beyond = beyond(curves.as_ref(), found.as_ref());
     for reached in &beyond {
         stages.add(reached.name.clone(), reached.fit)?;
     }
     let last = stages.adopt(&beyond);
+    let plain = stages.done.len() - beyond.len();
     let (stages, residuals) = (stages.done, stages.residuals);
-    let reached = last.checked_sub(2).map(|index| &beyond[index]);
-    let adopted =
-        reached.map_or(if last == 0 { Adopted::Nominal } else { Adopted::Geometric }, |reached| reached.adopted);
+    let reached = last.checked_sub(plain).map(|index| &beyond[index]);
+    let adopted = match reached {
+        Some(reached) => reached.adopted,
+        None if last + 1 == plain => Adopted::Geometric,
+        None if last == 0 => Adopted::Nominal,
+        None => Adopted::Earlier,
+    };
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
-    let (weights, (parameters, differs)) = match reached {
-        Some(reached) => (&reached.fit.weights, identified(reached.fit)),
-        None if last == 0 => (&identification.nominal.weights, identified(&identification.nominal)),
-        None => (&geometric.weights, identified(geometric)),
+    let (weights, (parameters, posterior, differs)) = match (reached, adopted, &identification.earlier) {
+        (Some(reached), ..) => (&reached.fit.weights, identified(reached.fit)),
+        (None, Adopted::Nominal, _) => (&identification.nominal.weights, identified(&identification.nominal)),
+        (None, Adopted::Earlier, Some(earlier)) => (&earlier.fit.weights, identified(&earlier.fit)),
+        _ => (&geometric.weights, identified(geometric)),
     };
     let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
@@ -312,6 +333,8 @@ pub fn calibrate_and_tell(
         placements: None,
         rows: Vec::new(),
         parameters,
+        posterior,
+        earlier: identification.earlier.as_ref().map(|earlier| Continued { weight: earlier.weight }),
         differs_from_drawing: differs,
         effects: entries(true),
         one_of: entries(false),
@@ -382,8 +405,8 @@ fn unidentifiable(identifiable: &Identifiability, parameters: &[Identified]) -> 
     identifiable.unidentifiable.iter().map(entry).collect()
 }
 
-/// The joints' parameters of a fit with their intervals, and those that are far from the drawing.
-fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Vec<DrawingDifference>) {
+/// The joints' parameters of a fit with their intervals, how they hang together, and those that are far from the drawing.
+fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Option<Posterior>, Vec<DrawingDifference>) {
     let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let joints = fit.arm.nominal.joints();
     let of = |index: usize| {
@@ -398,7 +421,7 @@ fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Vec<DrawingDifference>) {
             held_by_prior: fit.held_by_prior(index),
         }
     };
-    (fit.layout.joints.clone().map(of).collect(), drawing_differences(fit))
+    (fit.layout.joints.clone().map(of).collect(), Posterior::of(fit), drawing_differences(fit))
 }
 
 /// What a parameter that the data cannot tell is held by.
@@ -530,7 +553,8 @@ impl Stages<'_> {
         for stage in 1..self.done.len() {
             let worse = worse(&self.residuals[at].test, &self.residuals[stage].test);
             self.done[stage].worse_on_held_out = worse;
-            let settled = stage.checked_sub(2).is_none_or(|index| beyond[index].fit.settled());
+            let index = stage.checked_sub(self.done.len() - beyond.len());
+            let settled = index.is_none_or(|index| beyond[index].fit.settled());
             if settled && !worse {
                 at = stage;
             }

@@ -1,5 +1,6 @@
 //! From data to an arm: the nominal stage, then the axes.
 
+mod continued;
 pub mod dh_form;
 pub(crate) mod gram;
 pub mod identifiability;
@@ -8,6 +9,7 @@ pub mod intervals;
 mod jacobian_block;
 pub mod lack_of_fit;
 pub mod normal_equations;
+pub mod posterior;
 pub mod proportion;
 pub mod quantization;
 pub mod redundancy;
@@ -19,6 +21,7 @@ pub mod stop;
 pub mod threads;
 
 use self::initial_guess::nominal_fit;
+use self::posterior::Earlier;
 use crate::identify::solve::{Fit, FitOptions, fit};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
@@ -30,8 +33,10 @@ use denavit_model::Chain;
 pub struct IdentifyOptions {
     /// Which parts of the arm are free.
     pub freedom: Freedom,
-    /// The prior.
+    /// The prior: how far the robot is expected to be from its drawing.
     pub tolerances: Tolerances,
+    /// What an earlier calibration knows of the axes; it takes the place of the tolerances where it says anything.
+    pub earlier: Option<Earlier>,
     /// Outliers and the end of the iteration.
     pub fit: FitOptions,
 }
@@ -42,9 +47,19 @@ impl IdentifyOptions {
         Self {
             freedom: Freedom::axes(chain.joints().len()),
             tolerances: Tolerances::default(),
+            earlier: None,
             fit: FitOptions::default(),
         }
     }
+}
+
+/// What becomes of an earlier calibration on new rows.
+#[derive(Debug, Clone)]
+pub struct EarlierFit {
+    /// Its axes, instrument and targets placed anew.
+    pub fit: Fit<NoEffects>,
+    /// How much of it the geometric stage counts: 1 in full, 0 not at all, as the new rows bear it out.
+    pub weight: f64,
 }
 
 /// The two stages that every calibration has.
@@ -52,12 +67,15 @@ impl IdentifyOptions {
 pub struct Identification {
     /// The robot as drawn, instrument and targets fitted to the rows that the geometric stage kept.
     pub nominal: Fit<NoEffects>,
+    /// The robot as an earlier calibration left it, instrument and targets fitted to the same rows.
+    pub earlier: Option<EarlierFit>,
     /// The axes fitted too.
     pub geometric: Fit<NoEffects>,
 }
 
 impl IdentifyOptions {
-    /// The same, but joints that never move in these data keep their axes, scales and pitches.
+    /// The same, but joints that never move in these data keep their axes, scales and pitches, unless an earlier calibration
+    /// knows them.
     #[must_use]
     pub fn for_data(&self, chain: &Chain, data: &Measurements) -> Self {
         let mut options = self.clone();
@@ -68,7 +86,16 @@ impl IdentifyOptions {
                 options.freedom.pitches[index] = false;
             }
         }
+        if let Some(earlier) = &self.earlier {
+            options.freedom = earlier.freed(chain, &options.freedom);
+        }
         options
+    }
+
+    /// Every axis, no scale, no pitch of a revolute joint, nothing known from before: what any robot is tried with.
+    #[must_use]
+    pub fn plain(&self, chain: &Chain) -> Self {
+        Self { freedom: Freedom::axes(chain.joints().len()), earlier: None, ..self.clone() }
     }
 }
 
@@ -80,11 +107,35 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     let some = few.as_ref().unwrap_or(data);
     let all = vec![1.0; some.observations()];
     let first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });
-    let geometric = fit_stage(data, &first.arm, &NoEffects, &weights, options);
+    let (geometric, weight) = match &options.earlier {
+        Some(_) => continued::continued(data, &first.arm, &weights, options),
+        None => (fit_stage(data, &first.arm, &NoEffects, &weights, options), 0.0),
+    };
     let layout = &first.layout;
     let plain = FitOptions { robust: false, ..options.fit };
     let nominal = fit(data, layout, &first.arm, &NoEffects, &geometric.weights, &plain);
-    Identification { nominal, geometric }
+    let earlier = options.earlier.as_ref().map(|earlier| {
+        let tolerances = &options.tolerances;
+        let free = Layout::new(chain, &data.scene, &options.freedom, tolerances, Vec::new());
+        let arm = expected(&earlier.counted(1.0).in_layout(free, chain, tolerances), &first.arm);
+        EarlierFit { fit: fit(data, layout, &arm, &NoEffects, &geometric.weights, &plain), weight }
+    });
+    Identification { nominal, earlier, geometric }
+}
+
+/// Steps to the arm that departs from the drawing by given numbers: each leaves the square of what was missing.
+const STEPS_TO_EXPECTED: usize = 4;
+
+/// The arm with its axes where the layout's prior expects them.
+fn expected(layout: &Layout, arm: &Arm) -> Arm {
+    let mut expected = arm.clone();
+    for _ in 0..STEPS_TO_EXPECTED {
+        let departure = layout.prior.departure(&layout.difference(&expected, arm));
+        let mut step = vec![0.0; layout.len()];
+        step.iter_mut().zip(departure.iter()).for_each(|(step, departure)| *step = -departure);
+        expected = layout.stepped(&expected, &step);
+    }
+    expected
 }
 
 /// Fit axes, instrument, targets and the effects' numbers together, starting at `start`.
@@ -98,6 +149,11 @@ pub fn fit_stage<E: Effects>(
     weights: &[f64],
     options: &IdentifyOptions,
 ) -> Fit<E> {
-    let layout = Layout::new(&start.nominal, &data.scene, &options.freedom, &options.tolerances, effects.parameters());
+    let chain = &start.nominal;
+    let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, effects.parameters());
+    let layout = match &options.earlier {
+        Some(earlier) => earlier.in_layout(layout, chain, &options.tolerances),
+        None => layout,
+    };
     fit(data, &layout, start, effects, weights, &options.fit)
 }

@@ -18,6 +18,7 @@ mod oracle;
 mod page;
 mod placing;
 mod plan_and_compensate;
+mod prior;
 mod real;
 mod recovery;
 mod redundancy;

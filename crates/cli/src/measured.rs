@@ -62,6 +62,11 @@ pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<Data
     Ok(DataFile { name, bytes, units, import, ..DataFile::default() })
 }
 
+/// A file whose columns nobody has to be told of.
+pub fn bare_file(file: &str) -> Result<DataFile, Failure> {
+    data_file(file, Units::default(), ImportOptions::default())
+}
+
 /// A file of measurements, or a bag as the rows that it makes.
 pub fn data_file_or_bag(
     file: &str,

@@ -3,7 +3,7 @@
 //! A night of a UR5e is forty positions of one program, 0.05 mm noise. How its 24 parameters scatter together is measured on real
 //! calibrations of simulated nights, and so is what a growing effect does to them; then 10 100 robots live by these numbers.
 //!
-//! `cargo run -p denavit-fleet --example study_watch` prints the table of docs/fleet.md.
+//! `cargo run --release -p denavit-fleet --example study_watch` prints the table of docs/fleet.md.
 
 #![allow(clippy::print_stdout)] // A study prints its table.
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -104,17 +104,24 @@ fn main() {
             let (mut false_alarms, mut called, mut false_marks, mut expected) =
                 (0, std::collections::BTreeSet::new(), 0, 0.0);
             let mut found = vec![None; SICK];
+            // Share of mistakes among a night's marks, by whether anybody is sick.
+            let mut mistakes: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
             for tonight in 0..NIGHTS {
                 let said = watch_of(&fleet, &scatters, tonight, &how);
                 expected += said.expected_false;
-                false_marks += said.marked.iter().filter(|robot| **robot < HEALTHY).count();
+                let anybody = tonight > ONSET;
+                let wrong = said.marked.iter().filter(|robot| **robot < HEALTHY || !anybody).count();
+                false_marks += wrong;
+                if said.watched > 0 {
+                    mistakes[usize::from(anybody)].push(wrong as f64 / said.marked.len().max(1) as f64);
+                }
                 for alarm in &said.alarms {
                     match alarm.robot.checked_sub(HEALTHY) {
                         None => {
                             false_alarms += 1;
                             called.insert(alarm.robot);
                         }
-                        Some(_) if tonight < ONSET => false_alarms += 1,
+                        Some(_) if !anybody => false_alarms += 1,
                         Some(sick) => found[sick] = found[sick].or(Some(tonight - ONSET)),
                     }
                 }
@@ -125,13 +132,24 @@ fn main() {
             let then = nights.get(SICK / 2).map_or(f64::NAN, |night| 1e3 * GROWTH * f64::from(*night));
             println!("{effect:<36} {:>3} of {SICK}  {:>18} {:>12} {then:>13.0}", nights.len(), at(0.5), at(0.9));
             println!(
-                "    healthy: {false_alarms} false alarms of {} robots ({expected:.1e} expected), {false_marks} marks that did \
-                 not come again",
-                called.len()
+                "    healthy: {false_alarms} false alarms of {} robots in {} nights ({expected:.1e} expected), {false_marks} \
+                 false marks; share of mistakes among a night's marks: {}, with sick robots {}",
+                called.len(),
+                mistakes.iter().map(Vec::len).sum::<usize>(),
+                share(&mistakes[0]),
+                share(&mistakes[1]),
             );
         }
         println!();
     }
+}
+
+/// Mean and its standard deviation: the false discovery rate of a night.
+fn share(nights: &[f64]) -> String {
+    let count = nights.len() as f64;
+    let mean = nights.iter().sum::<f64>() / count;
+    let variance = nights.iter().map(|night| (night - mean).powi(2)).sum::<f64>() / (count - 1.0) / count;
+    format!("{mean:.3} ± {:.3}", variance.sqrt())
 }
 
 /// Robots whose numbers scatter together as `lower` says, in units of each number's own scatter.

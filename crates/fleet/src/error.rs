@@ -37,6 +37,13 @@ pub enum FleetError {
     /// A folder that has no store.
     #[error("{}: there is no fleet's store in this folder; `denavit fleet run MANIFEST -o FOLDER` makes one", .0.display())]
     NoStore(PathBuf),
+    /// A process that computes for another, and sees something else.
+    #[error(
+        "{0}: its files are not those that the run began with; every machine must see the same files under the same names, \
+        have the same version of denavit, and nobody may change them meanwhile; mend that and run it again: what was finished \
+        is kept"
+    )]
+    OtherFiles(String),
     /// A source that cannot be read.
     #[error(transparent)]
     Load(#[from] denavit_load::LoadError),

@@ -10,6 +10,7 @@
 pub mod corpus;
 mod day;
 mod error;
+mod job;
 mod key;
 pub mod manifest;
 pub mod nights;
@@ -21,4 +22,5 @@ mod tasks;
 
 pub use day::Day;
 pub use error::FleetError;
-pub use run::{Outcome, RunOptions, Tally, run, run_one};
+pub use job::{Computed, Job, Ledger};
+pub use run::{FailedEntry, Outcome, RunOptions, RunReport, run};

@@ -4,12 +4,12 @@ mod pattern;
 
 use crate::day::Day;
 use crate::error::FleetError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What is done with a robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Task {
     /// Fit the measurements.
@@ -44,12 +44,11 @@ impl Task {
 }
 
 /// One robot, one night, one task.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// The robot's name in the fleet.
     pub serial: String,
     /// The night, as `YYYY-MM-DD`.
-    #[serde(serialize_with = "as_text")]
     pub date: Option<Day>,
     /// What happened before this night.
     pub event: String,
@@ -67,16 +66,8 @@ pub struct Entry {
     pub options: TaskOptions,
 }
 
-#[expect(clippy::ref_option, clippy::trivially_copy_pass_by_ref, reason = "serde hands the field over so")]
-fn as_text<S: serde::Serializer>(day: &Option<Day>, serializer: S) -> Result<S::Ok, S::Error> {
-    match day {
-        Some(day) => serializer.collect_str(day),
-        None => serializer.serialize_none(),
-    }
-}
-
 /// How a task is done; the words are those of the command line's options.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TaskOptions {
     /// Link that the chain starts at.
     pub base: Option<String>,

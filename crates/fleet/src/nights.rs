@@ -7,6 +7,7 @@ use crate::statistics::trend::{self, Crossing, Point, Shape};
 use crate::statistics::vigil::{Night, Nights, Said, Watch, watch};
 use crate::store::Store;
 use crate::store::schema::{PARAMETERS, RUNS};
+use crate::store::table::Cell;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 
@@ -45,100 +46,73 @@ pub struct Fleet {
     pub last_keys: Vec<String>,
 }
 
-/// What is known of a night before its values are.
-struct Known {
-    robot: usize,
-    day: i32,
-    event: bool,
-    kind: String,
-    rms: Option<f64>,
-}
-
-/// A night and what is known of it beside its values.
-struct Calibrated {
-    night: Night,
-    sure: Vec<Option<(f64, f64)>>,
-    key: String,
-}
-
 impl Fleet {
     /// Reads the calibrations that have a date and were done.
+    ///
+    /// In memory are a number for each parameter and night, and some thousand rows of the table that is read.
     ///
     /// # Errors
     /// A file of the store cannot be read.
     pub fn read(store: &Store) -> Result<Self, FleetError> {
-        let runs = runs(store)?;
-        let mut serials: Vec<String> = runs.values().map(|(serial, _)| serial.clone()).collect();
-        serials.sort();
-        serials.dedup();
-        let place: HashMap<&str, usize> =
-            serials.iter().enumerate().map(|(at, serial)| (serial.as_str(), at)).collect();
-        let known: HashMap<String, Known> =
-            runs.iter().map(|(key, (serial, known))| (key.clone(), known(place[serial.as_str()]))).collect();
+        let Calendar { serials, kinds, nights: known } = Calendar::read(store)?;
+        let place: HashMap<Key, usize> = known.iter().enumerate().map(|(at, night)| (night.key, at)).collect();
+        let is_last = |at: usize| known.get(at + 1).is_none_or(|next: &KnownNight| next.robot != known[at].robot);
         let mut index: BTreeMap<Number, usize> = BTreeMap::new();
-        let mut values: HashMap<&str, Vec<(usize, f64, f64, f64)>> = HashMap::new();
-        let wanted = ["key", "joint", "parameter", "value", "std", "held_by_prior", "unit", "task"];
-        let [key, joint, parameter, value, std, held, unit, _] = wanted.map(|name| PARAMETERS.index(name));
-        store.each_file(&PARAMETERS, &wanted, &mut |rows| {
+        // Of each night, by the places that numbers are given out in.
+        let mut values: Vec<Vec<Option<f64>>> = vec![Vec::new(); known.len()];
+        let mut sure: Vec<Vec<Option<(f64, f64)>>> = vec![Vec::new(); serials.len()];
+        let wanted = ["key", "joint", "parameter", "value", "std", "held_by_prior", "unit"];
+        let [key, joint, parameter, value, std, held, unit] = wanted.map(|name| PARAMETERS.index(name));
+        store.each_group(&PARAMETERS, &wanted, &mut |rows| {
             for row in rows {
-                let Some((name, night)) = known.get_key_value(row[key].text()) else { continue };
+                let Some(&at) = key_of(&row[key]).and_then(|key| place.get(&key)) else { continue };
+                let night = &known[at];
                 let number = Number {
-                    robot: night.kind.clone(),
+                    robot: kinds[night.kind].clone(),
                     joint: row[joint].text().to_owned(),
                     parameter: row[parameter].text().to_owned(),
                     unit: row[unit].text().to_owned(),
                 };
                 let next = index.len();
-                let at = *index.entry(number).or_insert(next);
-                if let Some(number) = row[value].real() {
-                    let std = row[std].real().unwrap_or(f64::NAN);
-                    values.entry(name).or_default().push((at, number, std, row[held].real().unwrap_or(0.0)));
+                let number = *index.entry(number).or_insert(next);
+                if let Some(value) = row[value].real() {
+                    put(&mut values[at], number, value);
+                    if is_last(at) {
+                        let std = row[std].real().unwrap_or(f64::NAN);
+                        put(&mut sure[night.robot], number, (std, row[held].real().unwrap_or(0.0)));
+                    }
                 }
             }
             Ok(())
         })?;
-        let mut kinds: Vec<&String> = known.values().map(|night| &night.kind).collect();
-        kinds.sort();
-        kinds.dedup();
-        for kind in kinds {
+        let mut of_kinds = Vec::new();
+        for kind in &kinds {
             let next = index.len();
             let (joint, parameter, unit) = (String::new(), "rms".into(), "m".into());
-            index.entry(Number { robot: kind.clone(), joint, parameter, unit }).or_insert(next);
+            of_kinds.push(*index.entry(Number { robot: kind.clone(), joint, parameter, unit }).or_insert(next));
         }
-        // Places as they were given out; they are put in the order of the names below.
+        for (night, values) in known.iter().zip(&mut values) {
+            if let Some(rms) = night.rms {
+                put(values, of_kinds[night.kind], rms);
+            }
+        }
+        // Places as they were given out; they are put in the order of the names.
         let order: Vec<usize> = index.values().copied().collect();
-        let mut rank = vec![0; order.len()];
-        for (new, old) in order.iter().enumerate() {
-            rank[*old] = new;
-        }
-        let numbers: Vec<Number> = index.into_keys().collect();
-        let mut nights: Vec<BTreeMap<i32, Calibrated>> = serials.iter().map(|_| BTreeMap::new()).collect();
-        let mut keys: Vec<&String> = known.keys().collect();
-        keys.sort();
-        for key in keys {
-            let night = &known[key];
-            let mut row = vec![None; numbers.len()];
-            let mut sure = vec![None; numbers.len()];
-            for (at, value, std, held) in values.get(key.as_str()).into_iter().flatten() {
-                row[rank[*at]] = Some(*value);
-                sure[rank[*at]] = Some((*std, *held));
+        let mut fleet = Self {
+            nights: serials.iter().map(|_| Nights::default()).collect(),
+            last: sure.iter().map(|sure| in_order(sure, &order)).collect(),
+            last_keys: Vec::new(),
+            serials,
+            numbers: index.into_keys().collect(),
+        };
+        for (at, (night, values)) in known.iter().zip(&mut values).enumerate() {
+            let values = in_order(&std::mem::take(values), &order);
+            fleet.nights[night.robot].nights.push(Night { day: night.day, event: night.event, values });
+            if is_last(at) {
+                fleet.last_keys.push(base16ct::lower::encode_string(&night.key));
             }
-            let rms = numbers.iter().position(|number| number.parameter == "rms" && number.robot == night.kind);
-            if let Some(at) = rms {
-                row[at] = night.rms;
-            }
-            let found = Night { day: night.day, event: night.event, values: row };
-            nights[night.robot].insert(night.day, Calibrated { night: found, sure, key: key.clone() });
         }
-        let (mut last, mut last_keys) = (Vec::new(), Vec::new());
-        for of in &nights {
-            let (_, night) = of.last_key_value().expect("a robot is there by a night");
-            last.push(night.sure.clone());
-            last_keys.push(night.key.clone());
-        }
-        let nights =
-            nights.into_iter().map(|of| Nights { nights: of.into_values().map(|found| found.night).collect() });
-        Ok(Self { nights: nights.collect(), serials, numbers, last, last_keys })
+        Ok(fleet)
     }
 
     /// The watch of the last night.
@@ -236,21 +210,94 @@ pub struct History {
     pub crossing: Option<Crossing>,
 }
 
-type OfRobot = Box<dyn Fn(usize) -> Known>;
+/// A run's key, as bytes.
+type Key = [u8; 32];
 
-/// Calibrations with a date that were done: key to serial, and what is known of the night once its robot has a place.
-fn runs(store: &Store) -> Result<HashMap<String, (String, OfRobot)>, FleetError> {
-    let wanted = ["key", "serial", "date", "task", "name", "event", "ok", "rms"];
-    let [key, serial, date, task, name, event, ok, rms] = wanted.map(|name| RUNS.index(name));
-    let mut runs: HashMap<String, (String, OfRobot)> = HashMap::new();
-    store.each_file(&RUNS, &wanted, &mut |rows| {
-        for row in rows.iter().filter(|row| row[ok].is_true() && row[task].text() == "calibrate") {
-            let Some(day) = row[date].day() else { continue };
-            let (kind, event, rms) = (row[name].text().to_owned(), !row[event].text().is_empty(), row[rms].real());
-            let known = move |robot| Known { robot, day, event, kind: kind.clone(), rms };
-            runs.insert(row[key].text().to_owned(), (row[serial].text().to_owned(), Box::new(known)));
+fn key_of(cell: &Cell) -> Option<Key> {
+    let mut key = [0; 32];
+    base16ct::lower::decode(cell.text(), &mut key).ok().filter(|key| key.len() == 32)?;
+    Some(key)
+}
+
+/// Puts something at a place of a list that grows where it must.
+fn put<T: Clone>(list: &mut Vec<Option<T>>, at: usize, item: T) {
+    if list.len() <= at {
+        list.resize(at + 1, None);
+    }
+    list[at] = Some(item);
+}
+
+/// A list in another order, as long as it need be.
+fn in_order<T: Clone>(list: &[Option<T>], order: &[usize]) -> Vec<Option<T>> {
+    let at = |old: &usize| list.get(*old).cloned().flatten();
+    let long = order.iter().rposition(|old| at(old).is_some()).map_or(0, |last| last + 1);
+    order[..long].iter().map(at).collect()
+}
+
+/// What is known of a night before its values are.
+struct KnownNight {
+    robot: usize,
+    day: i32,
+    key: Key,
+    event: bool,
+    kind: usize,
+    rms: Option<f64>,
+}
+
+/// Who was calibrated when.
+struct Calendar {
+    serials: Vec<String>,
+    /// Names of the kinds of robots.
+    kinds: Vec<String>,
+    /// One for each robot and day, in this order.
+    nights: Vec<KnownNight>,
+}
+
+impl Calendar {
+    /// Calibrations with a date that were done.
+    fn read(store: &Store) -> Result<Self, FleetError> {
+        let wanted = ["key", "serial", "date", "task", "name", "event", "ok", "rms"];
+        let [key, serial, date, task, name, event, ok, rms] = wanted.map(|name| RUNS.index(name));
+        let (mut serials, mut kinds) = (BTreeMap::new(), BTreeMap::new());
+        let place = |names: &mut BTreeMap<String, usize>, name: &str| {
+            let next = names.len();
+            // A name for each new one alone: there are many rows.
+            names.get(name).copied().unwrap_or_else(|| *names.entry(name.to_owned()).or_insert(next))
+        };
+        let mut nights = Vec::new();
+        store.each_group(&RUNS, &wanted, &mut |rows| {
+            for row in rows.iter().filter(|row| row[ok].is_true() && row[task].text() == "calibrate") {
+                let (Some(day), Some(key)) = (row[date].day(), key_of(&row[key])) else { continue };
+                nights.push(KnownNight {
+                    robot: place(&mut serials, row[serial].text()),
+                    day,
+                    key,
+                    event: !row[event].text().is_empty(),
+                    kind: place(&mut kinds, row[name].text()),
+                    rms: row[rms].real(),
+                });
+            }
+            Ok(())
+        })?;
+        let (serials, robots) = ranked(serials);
+        let (kinds, kinds_ranked) = ranked(kinds);
+        for night in &mut nights {
+            (night.robot, night.kind) = (robots[night.robot], kinds_ranked[night.kind]);
         }
-        Ok(())
-    })?;
-    Ok(runs)
+        nights.sort_by_key(|night| (night.robot, night.day, night.key));
+        // Of two runs of a day the one with the greater key, whichever was read first.
+        nights.reverse();
+        nights.dedup_by_key(|night| (night.robot, night.day));
+        nights.reverse();
+        Ok(Self { serials, kinds, nights })
+    }
+}
+
+/// Names in order, and the place in it of each place that was given out.
+fn ranked(names: BTreeMap<String, usize>) -> (Vec<String>, Vec<usize>) {
+    let mut ranks = vec![0; names.len()];
+    for (rank, place) in names.values().enumerate() {
+        ranks[*place] = rank;
+    }
+    (names.into_keys().collect(), ranks)
 }

@@ -85,7 +85,7 @@ impl<'a> Report<'a> {
         let names = ["key", "kind", "place", "parameter", "value", "unit", "named"];
         let [key, kind, place, parameter, value, unit, named] = names.map(|name| EFFECTS.index(name));
         let mut effects: HashMap<usize, Vec<EffectShown>> = HashMap::new();
-        store.each_file(&EFFECTS, &names, &mut |rows| {
+        store.each_group(&EFFECTS, &names, &mut |rows| {
             for row in rows {
                 let Some(robot) = robot_of.get(row[key].text()) else { continue };
                 effects.entry(*robot).or_default().push(EffectShown {

@@ -1,17 +1,20 @@
 //! Every entry of a manifest on every core: finished work is not done again, and a bad robot is a row.
 
 use crate::error::FleetError;
+use crate::job::{Computed, Job};
 use crate::key::{Robots, key};
 use crate::manifest::Entry;
 use crate::store::{Held, Slot, Store};
-use crate::tasks;
+use denavit_calibrate::identify::stop::Stop;
+use serde::Serialize;
 use std::collections::{HashMap, HashSet};
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Small files of this many runs are merged into one while others are computed.
-const MERGED_AT: usize = 256;
+pub(crate) const MERGED_AT: usize = 256;
 
 /// How an entry ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,9 +27,13 @@ pub enum Outcome {
     Failed(String),
 }
 
-/// A run over a fleet, counted.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Tally {
+/// What a run over a fleet did; the contract of `denavit fleet run --json`.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct RunReport {
+    /// Folder of the store.
+    pub store: PathBuf,
+    /// Entries of the manifest.
+    pub entries: usize,
     /// Computed now.
     pub done: usize,
     /// Found in the store.
@@ -35,18 +42,62 @@ pub struct Tally {
     pub failed: usize,
     /// Runs that newer inputs or options replaced, taken out of the store.
     pub replaced: usize,
+    /// The rows with an error, by robot, night and task.
+    pub failures: Vec<FailedEntry>,
+}
+
+/// A row with its error.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct FailedEntry {
+    /// The robot.
+    pub serial: String,
+    /// The night.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
+    /// What was to be done.
+    pub task: &'static str,
+    /// Why it was not.
+    pub error: String,
+}
+
+impl RunReport {
+    pub(crate) fn of(store: &Store, entries: usize) -> Self {
+        Self { store: store.folder().to_owned(), entries, ..Self::default() }
+    }
+
+    pub(crate) fn count(&mut self, entry: &Entry, outcome: &Outcome) {
+        match outcome {
+            Outcome::Known => self.known += 1,
+            Outcome::Done => self.done += 1,
+            Outcome::Failed(error) => {
+                self.done += 1;
+                self.failed += 1;
+                let date = entry.date.map(|day| day.to_string());
+                let (serial, task, error) = (entry.serial.clone(), entry.task.name(), error.clone());
+                self.failures.push(FailedEntry { serial, date, task, error });
+            }
+        }
+    }
+
+    pub(crate) fn in_order(mut self, replaced: usize) -> Self {
+        self.failures.sort();
+        self.replaced = replaced;
+        self
+    }
 }
 
 /// How a fleet is run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct RunOptions {
     /// Robots computed at the same time; each on one thread, so that nothing depends on how many there are.
     pub threads: usize,
+    /// Asks robots that are being computed to stop; nothing of them is kept.
+    pub stop: Stop,
 }
 
 impl Default for RunOptions {
     fn default() -> Self {
-        Self { threads: std::thread::available_parallelism().map_or(1, usize::from) }
+        Self { threads: std::thread::available_parallelism().map_or(1, usize::from), stop: Stop::default() }
     }
 }
 
@@ -57,9 +108,9 @@ impl Default for RunOptions {
 pub fn run(
     entries: &[Entry],
     held: &Held,
-    options: RunOptions,
+    options: &RunOptions,
     tell: &(dyn Fn(&Entry, &Outcome) -> ControlFlow<()> + Sync),
-) -> Result<Tally, FleetError> {
+) -> Result<RunReport, FleetError> {
     let store = &held.store;
     let finished = store.finished()?;
     let work = Work {
@@ -68,8 +119,9 @@ pub fn run(
         finished: &finished,
         robots: Robots::default(),
         next: AtomicUsize::new(0),
-        stop: AtomicBool::new(false),
-        tally: Mutex::new((Tally::default(), HashSet::new())),
+        broken_off: AtomicBool::new(false),
+        stop: &options.stop,
+        report: Mutex::new((RunReport::of(store, entries.len()), HashSet::new())),
         unmerged: AtomicUsize::new(0),
         merging: Mutex::new(()),
         tell,
@@ -80,36 +132,21 @@ pub fn run(
         threads.into_iter().map(|thread| thread.join().expect("a robot's panic is caught")).collect::<Vec<_>>()
     });
     ended.into_iter().collect::<Result<Vec<()>, FleetError>>()?;
-    let stopped = work.stop.load(Ordering::Relaxed);
-    let (mut tally, keys) = work.tally.into_inner().expect("counting does not panic");
-    let gone = if stopped { HashSet::new() } else { replaced(entries, &finished, &keys) };
-    tally.replaced = gone.len();
+    let broken_off = work.broken_off.load(Ordering::Relaxed);
+    let (report, keys) = work.report.into_inner().expect("counting does not panic");
+    let gone = if broken_off { HashSet::new() } else { replaced(entries, &finished, &keys) };
     store.merge(&gone)?;
-    Ok(tally)
-}
-
-/// Runs one entry into a store, for an engine that deals entries out to many processes; `known`: keys that need no work.
-///
-/// Nothing is locked: entries that differ write different files, and one that runs twice writes the same.
-///
-/// # Errors
-/// The store cannot be written.
-#[expect(clippy::implicit_hasher, reason = "callers have one kind of set")]
-pub fn run_one(entry: &Entry, store: &Store, known: &HashSet<String>) -> Result<Outcome, FleetError> {
-    let key = key(entry, &Robots::default());
-    if known.contains(&key) { Ok(Outcome::Known) } else { compute(entry, &key, store) }
-}
-
-fn compute(entry: &Entry, key: &str, store: &Store) -> Result<Outcome, FleetError> {
-    let (tables, error) = tasks::rows(entry, key);
-    store.add(key, &tables)?;
-    Ok(error.map_or(Outcome::Done, Outcome::Failed))
+    Ok(report.in_order(gone.len()))
 }
 
 /// Keys of the store whose robot, night and task stand in the manifest with other inputs or options.
-fn replaced(entries: &[Entry], finished: &HashMap<String, Slot>, keys: &HashSet<String>) -> HashSet<String> {
+pub(crate) fn replaced<'a>(
+    entries: impl IntoIterator<Item = &'a Entry>,
+    finished: &HashMap<String, Slot>,
+    keys: &HashSet<String>,
+) -> HashSet<String> {
     let slot = |entry: &Entry| Slot { serial: entry.serial.clone(), date: entry.date, task: entry.task.name().into() };
-    let slots: HashSet<Slot> = entries.iter().map(slot).collect();
+    let slots: HashSet<Slot> = entries.into_iter().map(slot).collect();
     let old = finished.iter().filter(|(key, slot)| !keys.contains(*key) && slots.contains(*slot));
     old.map(|(key, _)| key.clone()).collect()
 }
@@ -120,8 +157,9 @@ struct Work<'a> {
     finished: &'a HashMap<String, Slot>,
     robots: Robots,
     next: AtomicUsize,
-    stop: AtomicBool,
-    tally: Mutex<(Tally, HashSet<String>)>,
+    broken_off: AtomicBool,
+    stop: &'a Stop,
+    report: Mutex<(RunReport, HashSet<String>)>,
     unmerged: AtomicUsize,
     merging: Mutex<()>,
     tell: &'a (dyn Fn(&Entry, &Outcome) -> ControlFlow<()> + Sync),
@@ -130,32 +168,34 @@ struct Work<'a> {
 impl Work<'_> {
     /// One thread's work: entry after entry until none is left.
     fn go(&self) -> Result<(), FleetError> {
-        while !self.stop.load(Ordering::Relaxed) {
+        while !self.broken_off.load(Ordering::Relaxed) {
             let Some(entry) = self.entries.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
             let key = key(entry, &self.robots);
-            let fresh = self.tally.lock().expect("counting does not panic").1.insert(key.clone());
+            let fresh = self.report.lock().expect("counting does not panic").1.insert(key.clone());
             let known = !fresh || self.finished.contains_key(&key);
-            let outcome = if known { Ok(Outcome::Known) } else { compute(entry, &key, self.store) };
-            let outcome = outcome.inspect_err(|_| self.stop.store(true, Ordering::Relaxed))?;
-            {
-                let tally = &mut self.tally.lock().expect("counting does not panic").0;
-                match outcome {
-                    Outcome::Known => tally.known += 1,
-                    Outcome::Done => tally.done += 1,
-                    Outcome::Failed(_) => {
-                        tally.done += 1;
-                        tally.failed += 1;
-                    }
-                }
-            }
+            let outcome = if known { Ok(Some(Outcome::Known)) } else { self.compute(entry, key) };
+            let outcome = outcome.inspect_err(|_| self.broken_off.store(true, Ordering::Relaxed))?;
+            let Some(outcome) = outcome else {
+                self.broken_off.store(true, Ordering::Relaxed);
+                return Ok(());
+            };
+            self.report.lock().expect("counting does not panic").0.count(entry, &outcome);
             if (self.tell)(entry, &outcome).is_break() {
-                self.stop.store(true, Ordering::Relaxed);
+                self.broken_off.store(true, Ordering::Relaxed);
             }
             if !known && (self.unmerged.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(MERGED_AT) {
                 let _one = self.merging.lock().expect("merging does not panic");
-                self.store.merge(&HashSet::new()).inspect_err(|_| self.stop.store(true, Ordering::Relaxed))?;
+                self.store.merge(&HashSet::new()).inspect_err(|_| self.broken_off.store(true, Ordering::Relaxed))?;
             }
         }
         Ok(())
+    }
+
+    /// `None`: it was asked to stop.
+    fn compute(&self, entry: &Entry, key: String) -> Result<Option<Outcome>, FleetError> {
+        let job = Job { key, entry: entry.clone() };
+        let Some(Computed { tables, error }) = job.work(self.stop)? else { return Ok(None) };
+        self.store.add(&job.key, &tables)?;
+        Ok(Some(error.map_or(Outcome::Done, Outcome::Failed)))
     }
 }

@@ -13,20 +13,18 @@ pub mod schema;
 pub mod table;
 
 use self::schema::{RUNS, TABLES, TableKind};
-use self::table::{Cell, Rows};
+use self::table::{Reader, Rows};
 use crate::day::Day;
 use crate::error::FleetError;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Files whose names begin so are in the making.
 pub(crate) const HIDDEN: &str = ".denavit-";
 /// The file that one run at a time holds.
 const LOCK: &str = ".lock";
-
-/// Takes the rows of one file after the other.
-pub type Reader<'a> = dyn FnMut(&[Vec<Cell>]) -> Result<(), FleetError> + 'a;
 
 /// A store.
 #[derive(Debug)]
@@ -101,7 +99,7 @@ impl Store {
     pub fn finished(&self) -> Result<HashMap<String, Slot>, FleetError> {
         let mut finished = HashMap::new();
         let [key, serial, date, task] = ["key", "serial", "date", "task"].map(|name| RUNS.index(name));
-        self.each_file(&RUNS, &["key", "serial", "date", "task"], &mut |rows| {
+        self.each_group(&RUNS, &["key", "serial", "date", "task"], &mut |rows| {
             for row in rows {
                 let slot = Slot {
                     serial: row[serial].text().to_owned(),
@@ -115,52 +113,46 @@ impl Store {
         Ok(finished)
     }
 
-    /// Reads a table file by file, so that memory does not grow with the store; `wanted`: as of [`Rows::read`].
+    /// Reads a table, some thousand rows at a time, so that memory does not grow with the store; `wanted`: as of
+    /// [`Rows::each_group`].
     ///
     /// # Errors
     /// A file cannot be read, or `each` fails.
-    pub fn each_file(
+    pub fn each_group(
         &self,
         table: &'static TableKind,
         wanted: &[&str],
         each: &mut Reader<'_>,
     ) -> Result<(), FleetError> {
-        for path in self.files(table)? {
-            let mut rows = Rows::of(table);
-            rows.read(&path, wanted)?;
-            each(&rows.rows)?;
-        }
-        Ok(())
+        self.files(table)?.iter().try_for_each(|path| Rows::each_group(table, path, wanted, each))
     }
 
-    /// Writes what a run found; its row in `runs` last. The same run written twice is there once.
+    /// Writes what a run found, name and Parquet of each table that has rows; its row in `runs` last. The same run written
+    /// twice is there once.
     ///
     /// # Errors
     /// The system refuses.
-    pub fn add(&self, key: &str, tables: &[Rows]) -> Result<(), FleetError> {
+    pub fn add(&self, key: &str, tables: &[(String, Vec<u8>)]) -> Result<(), FleetError> {
         for kind in TABLES {
-            for rows in tables.iter().filter(|rows| rows.table.name == kind.name && !rows.rows.is_empty()) {
-                self.put(rows, &format!("{key}.parquet"))?;
+            for (_, parquet) in tables.iter().filter(|(name, _)| name == kind.name) {
+                let target = self.folder.join(kind.name).join(format!("{key}.parquet"));
+                let file = self.fill(kind, |mut file| file.write_all(parquet).map_err(FleetError::store(&target)))?;
+                file.persist(&target).map_err(|error| FleetError::store(&target)(error.error))?;
             }
         }
         Ok(())
     }
 
-    /// Fills a hidden file and gives it its name.
-    fn put(&self, rows: &Rows, name: &str) -> Result<(), FleetError> {
-        let folder = self.folder.join(rows.table.name);
-        let target = folder.join(name);
-        self.fill(rows)?.persist(&target).map_err(|error| FleetError::store(&target)(error.error))?;
-        Ok(())
-    }
-
-    /// A hidden file with these rows, on the disk.
-    fn fill(&self, rows: &Rows) -> Result<tempfile::NamedTempFile, FleetError> {
-        let folder = self.folder.join(rows.table.name);
+    /// A hidden file of a table, on the disk.
+    fn fill(
+        &self,
+        table: &TableKind,
+        write: impl FnOnce(&File) -> Result<(), FleetError>,
+    ) -> Result<tempfile::NamedTempFile, FleetError> {
+        let folder = self.folder.join(table.name);
         let refused = FleetError::store;
         let file = tempfile::Builder::new().prefix(HIDDEN).tempfile_in(&folder).map_err(refused(&folder))?;
-        let handle = file.as_file().try_clone().map_err(refused(file.path()))?;
-        rows.write(handle).map_err(|error| refused(file.path())(std::io::Error::other(error.to_string())))?;
+        write(file.as_file())?;
         readable_by_all(file.as_file()).and_then(|()| file.as_file().sync_all()).map_err(refused(file.path()))?;
         Ok(file)
     }

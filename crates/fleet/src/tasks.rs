@@ -8,6 +8,8 @@ mod table;
 use crate::manifest::{Entry, Task};
 use crate::store::schema::{COMMON, CURVES, EFFECTS, NOTES, PARAMETERS, RESIDUALS, RUNS, TableKind};
 use crate::store::table::{Cell, Rows};
+use denavit_calibrate::identify::stop::Stop;
+use denavit_calibrate::identify::threads::on_this_thread;
 use denavit_load::{LoadError, Loaded, Options, Selection};
 use denavit_model::Reading;
 use thiserror::Error;
@@ -61,8 +63,8 @@ pub(crate) fn note(kind: &str, code: &str, level: &str, place: &str, message: St
     vec![kind.into(), code.into(), level.into(), place.into(), message.into(), Cell::Empty, Cell::Empty]
 }
 
-/// The rows of every table for an entry, done or failed; computed on this thread alone.
-pub(crate) fn rows(entry: &Entry, key: &str) -> (Vec<Rows>, Option<String>) {
+/// The rows of every table for an entry, done or failed; computed on this thread alone. `None`: it was asked to stop.
+pub(crate) fn rows(entry: &Entry, key: &str, stop: &Stop) -> Option<(Vec<Rows>, Option<String>)> {
     let begun = std::time::Instant::now();
     let work = || match entry.task {
         Task::Calibrate => calibrate::run(entry),
@@ -72,10 +74,11 @@ pub(crate) fn rows(entry: &Entry, key: &str) -> (Vec<Rows>, Option<String>) {
         Task::Diff => compare::diff(entry),
     };
     // A mistake of ours in one robot is not the end of the others.
-    let done = std::panic::catch_unwind(|| denavit_calibrate::identify::threads::on_this_thread(work));
+    let done = std::panic::catch_unwind(|| on_this_thread(|| stop.unless_asked(work)));
     let (found, error) = match done {
-        Ok(Ok(found)) => (found, None),
-        Ok(Err(error)) => (Found::default(), Some(error.to_string())),
+        Ok(None) => return None,
+        Ok(Some(Ok(found))) => (found, None),
+        Ok(Some(Err(error))) => (Found::default(), Some(error.to_string())),
         Err(panic) => {
             let words = panic.downcast_ref::<String>().map(String::as_str);
             let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words");
@@ -122,7 +125,7 @@ pub(crate) fn rows(entry: &Entry, key: &str) -> (Vec<Rows>, Option<String>) {
         table(&NOTES, found.notes),
         table(&RUNS, vec![run]),
     ];
-    (tables, error)
+    Some((tables, error))
 }
 
 /// Reads a robot of an entry; what must be said of the reading becomes remarks.

@@ -13,6 +13,10 @@ fn row(table: &'static TableKind, key: &str, serial: &str) -> Vec<Cell> {
     row
 }
 
+fn parquet(rows: &Rows) -> (String, Vec<u8>) {
+    (rows.table.name.to_owned(), rows.parquet().unwrap())
+}
+
 #[test]
 fn cells_of_every_kind_come_back_and_empty_ones_stay_empty() {
     let folder = tempfile::tempdir().unwrap();
@@ -25,10 +29,10 @@ fn cells_of_every_kind_come_back_and_empty_ones_stay_empty() {
     full[RUNS.index("rows_fitted")] = 17_usize.into();
     let rows = Rows { table: &RUNS, rows: vec![row(&RUNS, &key, "first"), full.clone()] };
     let notes = Rows { table: &NOTES, rows: vec![row(&NOTES, &key, "first")] };
-    held.store.add(&key, &[rows, notes]).unwrap();
+    held.store.add(&key, &[parquet(&rows), parquet(&notes)]).unwrap();
     let mut read = Vec::new();
     held.store
-        .each_file(&RUNS, &[], &mut |rows| {
+        .each_group(&RUNS, &[], &mut |rows| {
             read.extend_from_slice(rows);
             Ok(())
         })
@@ -41,7 +45,8 @@ fn tables_without_their_run_are_taken_away_and_foreign_files_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let held = Store::hold(folder.path()).unwrap();
     let key = "b".repeat(64);
-    held.store.add(&key, &[Rows { table: &NOTES, rows: vec![row(&NOTES, &key, "A")] }]).unwrap();
+    let notes = Rows { table: &NOTES, rows: vec![row(&NOTES, &key, "A")] };
+    held.store.add(&key, &[parquet(&notes)]).unwrap();
     assert!(matches!(Store::hold(folder.path()), Err(FleetError::Busy(_))));
     drop(held);
     std::fs::write(folder.path().join("runs/.denavit-half"), "half a file").unwrap();

@@ -11,12 +11,13 @@ mod tip;
 mod within;
 
 pub use camera::sight;
-pub use origin::HashedFile;
+pub use origin::{HashedFile, prior_read};
 pub use rows::{DataFile, Rows, RowsAsked, rows};
-pub use search::{SearchAsked, freedom, other_chains, search};
+pub use search::{SearchAsked, earlier, freedom, other_chains, search};
 pub use tip::{all_known, without_part_in_the_tip};
 pub use within::{corners, moving};
 
+use denavit_calibrate::identify::posterior::EarlierError;
 use denavit_calibrate::identify::proportion::OutOfProportion;
 use denavit_calibrate::observation::measurements::DataError;
 use thiserror::Error;
@@ -34,4 +35,7 @@ pub enum MeasuredError {
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// A calibration that nothing can be continued from.
+    #[error(transparent)]
+    Earlier(#[from] EarlierError),
 }

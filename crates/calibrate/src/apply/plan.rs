@@ -6,6 +6,7 @@
 pub mod next;
 mod written;
 
+use crate::identify::posterior::Earlier;
 use crate::identify::proportion::{OutOfProportion, TooManyJoints, can_be_identified, within_proportion};
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::observation::arm::{Arm, Perturbation, RowState};
@@ -45,6 +46,8 @@ pub struct PlanOptions {
     pub noise: f64,
     /// The prior.
     pub tolerances: Tolerances,
+    /// What an earlier calibration knows of the axes: poses are chosen for what they add to it.
+    pub earlier: Option<Earlier>,
     /// Seed of the spread candidates and of the random poses that the plan is compared with.
     pub seed: u64,
 }
@@ -64,6 +67,7 @@ impl PlanOptions {
             anchor: Vector3::new(1.0, 1.0, 0.0) * chain.size(),
             noise: 5e-5,
             tolerances: Tolerances::default(),
+            earlier: None,
             seed: 0,
         }
     }
@@ -236,6 +240,10 @@ impl Design {
     fn new(chain: &Chain, arm: &Arm, candidates: Vec<Vec<f64>>, options: &PlanOptions) -> Self {
         let data = read_as_predicted(arm, &candidates, options);
         let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
+        let layout = match &options.earlier {
+            Some(earlier) => earlier.in_layout(layout, chain, &options.tolerances),
+            None => layout,
+        };
         let n = layout.len();
         // A millimetre and a milliradian for what has no tolerance of its own.
         let unit: Vec<f64> = layout.parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1e-3)).collect();
@@ -252,7 +260,7 @@ impl Design {
         let mut before = DMatrix::<f64>::identity(n, n) * 1e-6;
         for i in layout.joints.clone() {
             for k in layout.joints.clone() {
-                before[(i, k)] += layout.prior[(i, k)] * unit[i] * unit[k];
+                before[(i, k)] += layout.prior.precision[(i, k)] * unit[i] * unit[k];
             }
         }
         let held = gauge::in_scaled(gauge::conditions(&layout, arm), &unit);

@@ -15,6 +15,8 @@ const LEAST_ROWS: usize = 4;
 pub enum Adopted {
     /// The robot as drawn.
     Nominal,
+    /// The axes as an earlier calibration left them.
+    Earlier,
     /// The axes as fitted.
     Geometric,
     /// Axes and effects.

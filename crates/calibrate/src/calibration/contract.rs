@@ -4,6 +4,7 @@ use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
 use crate::calibration::rows::{Placements, RowEntry};
 use crate::identify::lack_of_fit::LackOfFit;
+use crate::identify::posterior::Posterior;
 use crate::identify::redundancy::Redundancy;
 use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::observation::measurements::ColumnUse;
@@ -13,7 +14,7 @@ use serde_json::{Map, Value};
 
 /// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats` and `curves` to the first, and changes
 /// nothing of it.
-pub const SCHEMA: &str = "denavit.calibration/2";
+pub const SCHEMA: &str = crate::identify::posterior::CALIBRATION_SCHEMA;
 
 /// The result of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,6 +53,13 @@ pub struct CalibrationReport {
     pub placements: Option<Placements>,
     /// How far each axis is from its drawing at that stage.
     pub parameters: Vec<Identified>,
+    /// How the parameters hang together, and what they are counted from: with them the next calibration can go on from here.
+    /// Left out where no axis was identified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<Posterior>,
+    /// What the earlier calibration counted for that this one goes on from; left out where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub earlier: Option<Continued>,
     /// Axes that are many tolerances from where they are drawn.
     pub differs_from_drawing: Vec<DrawingDifference>,
     /// Effects that are sure enough to be named.
@@ -110,6 +118,15 @@ pub enum FileUse {
     Test,
     /// It holds the intrinsics of the camera whose pixels were read.
     Camera,
+    /// It is an earlier calibration that the fit goes on from.
+    Prior,
+}
+
+/// What an earlier calibration counted for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Continued {
+    /// 1 in full, 0 not at all: as much as the new rows bear out.
+    pub weight: f64,
 }
 
 /// Rows used.

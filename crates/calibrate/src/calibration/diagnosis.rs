@@ -188,7 +188,7 @@ pub fn judge(
     if left < UNLIKE_ONE_ROBOT {
         return Ok(());
     }
-    let options = &options.for_all(chain);
+    let options = &options.plain(chain);
     if left >= SUSPICIOUS {
         mistaken(chain, data, (as_written, left), options, other_chains)?;
     }
@@ -231,21 +231,10 @@ fn mistaken(
     promising.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, mistake) in promising.into_iter().take(CONFIRMED) {
         let Some((other, altered)) = undone(&mistake, chain, data, &many, ROWS_TO_CONFIRM) else { continue };
-        let own = IdentifyOptions {
-            freedom: crate::observation::parameters::Freedom::axes(other.joints().len()),
-            ..options.clone()
-        };
-        let after = misfit(&identify(&other, &altered, &own).geometric, &altered);
+        let after = misfit(&identify(&other, &altered, &options.plain(&other)).geometric, &altered);
         if size_of(after, &other) * ORDER < left {
             return Err(Diagnosis::Mistaken { file: data.source.clone(), mistake, before: as_written, after });
         }
     }
     Ok(())
-}
-
-impl IdentifyOptions {
-    /// The same without scales and pitches: what is tried is the plain geometry.
-    fn for_all(&self, chain: &Chain) -> Self {
-        Self { freedom: crate::observation::parameters::Freedom::axes(chain.joints().len()), ..self.clone() }
-    }
 }

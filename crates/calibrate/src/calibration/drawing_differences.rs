@@ -30,7 +30,7 @@ pub struct DrawingDifference {
 /// base is free in the prior, so a common motion of all axes counts for nothing.
 pub fn drawing_differences<E>(fit: &Fit<E>) -> Vec<DrawingDifference> {
     let count = fit.layout.joints.len();
-    let factor = fit.layout.prior.clone().cholesky().and_then(|precision| precision.inverse().cholesky());
+    let factor = fit.layout.prior.of_drawing.clone().cholesky().and_then(|precision| precision.inverse().cholesky());
     let Some(lower) = factor.map(|factor| factor.l()) else { return Vec::new() };
     let moved = DVector::from_vec(fit.layout.difference(&fit.arm, &fit.arm)[fit.layout.joints.clone()].to_vec());
     let Some(own) = lower.solve_lower_triangular(&moved) else { return Vec::new() };

@@ -1,6 +1,5 @@
 //! The calibrated model held against rows that were measured later.
 
-use crate::calibration::adoption::Adopted;
 use crate::calibration::{Calibration, recorded_too};
 use crate::effects::recorded::needed;
 use crate::effects::survey::with_run_order_after;
@@ -31,10 +30,7 @@ impl Calibration {
             recorded_too(&self.train, &later, |name| follows.iter().any(|follows| follows == name))?;
             return self.predicted(fit, &later);
         }
-        match self.report.adopted {
-            Adopted::Nominal => self.predicted(&self.identification.nominal, &later),
-            _ => self.predicted(&self.identification.geometric, &later),
-        }
+        self.predicted(self.without_effects(), &later)
     }
 
     fn predicted<E: Effects>(&self, fit: &Fit<E>, later: &Measurements) -> Result<Prediction, TestError> {

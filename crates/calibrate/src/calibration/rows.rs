@@ -2,7 +2,6 @@
 //! who knows the cell checks first.
 
 use crate::calibration::Calibration;
-use crate::calibration::adoption::Adopted;
 use crate::identify::residual_statistics::{Residual, residuals};
 use crate::identify::solve::Fit;
 use crate::observation::board::Corner;
@@ -68,10 +67,9 @@ pub struct Placements {
 
 /// Every observation of the fitted rows, then of the held-out ones.
 pub(super) fn rows(result: &Calibration) -> Vec<RowEntry> {
-    let (all, weights) = match (result.beyond_geometry(), result.report.adopted) {
-        (Some(fit), _) => fitted(fit, &result.train),
-        (None, Adopted::Nominal) => fitted(&result.identification.nominal, &result.train),
-        _ => fitted(&result.identification.geometric, &result.train),
+    let (all, weights) = match result.beyond_geometry() {
+        Some(fit) => fitted(fit, &result.train),
+        None => fitted(result.without_effects(), &result.train),
     };
     let train = all.iter().map(|residual| entry(residual, &result.train, false, weights[residual.observation] == 0.0));
     let stage = result.report.stages.iter().position(|stage| stage.adopted).unwrap_or(0);

@@ -62,7 +62,7 @@ impl<E> Fit<E> {
     /// Variances of the joints' parameters by the prior alone, the common frame held.
     fn prior_spread(&self) -> Vec<f64> {
         let count = self.layout.joints.len();
-        let Some(covariance) = self.layout.prior.clone().cholesky().map(|factor| factor.inverse()) else {
+        let Some(covariance) = self.layout.prior.precision.clone().cholesky().map(|factor| factor.inverse()) else {
             return vec![0.0; count];
         };
         let mut conditions = gauge::conditions(&self.layout, &self.arm).rows(0, count).into_owned();

@@ -2,8 +2,8 @@
 
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
 use crate::observation::measurements::{KnownLength, Scene};
-use crate::observation::prior;
-use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector3, Vector6};
+use crate::observation::prior::{KnownBefore, Prior};
+use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
 use std::ops::Range;
 
@@ -170,8 +170,8 @@ pub struct Layout {
     pub turns: Vec<Option<usize>>,
     /// Per joint.
     pub bases: Vec<AxisBasis>,
-    /// Inverse covariance of the prior on the joints' parameters.
-    pub prior: DMatrix<f64>,
+    /// What is expected of the joints' parameters.
+    pub prior: Prior,
 }
 
 /// A value known beforehand: its residual over its standard deviation, and the derivatives that are not 0, by column.
@@ -205,7 +205,7 @@ impl Layout {
             joint_parameters(&mut parameters, index, &joint.name, &joint.screw, &bases[index], freedom, tolerances);
         }
         let joints = 0..parameters.len();
-        let prior = prior::precision(chain, &parameters, &bases, tolerances);
+        let prior = Prior::of_drawing(chain, &parameters, &bases, tolerances);
         let mut layout = Self {
             parameters,
             effects: joints.end..joints.end,
@@ -368,11 +368,18 @@ impl Layout {
         result
     }
 
-    /// What the prior charges for an arm: ηᵀ P η of the axes' departure from nominal; see [`Layout::difference`].
+    /// The same layout where some of the joints' parameters were identified before.
+    #[must_use]
+    pub fn knowing(mut self, chain: &Chain, tolerances: &Tolerances, before: &KnownBefore) -> Self {
+        let joints = &self.parameters[self.joints.clone()];
+        self.prior = self.prior.knowing(chain, joints, &self.bases, tolerances, before);
+        self
+    }
+
+    /// What the prior charges for an arm: δᵀ P δ of the axes' departure from what is expected; see [`Layout::difference`].
     pub fn prior_cost(&self, arm: &Arm, reference: &Arm) -> f64 {
-        let difference = self.difference(arm, reference);
-        let joints = DVector::from_row_slice(&difference[self.joints.clone()]);
-        joints.dot(&(&self.prior * &joints))
+        let departure = self.prior.departure(&self.difference(arm, reference));
+        departure.dot(&(&self.prior.precision * &departure))
     }
 
     /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the

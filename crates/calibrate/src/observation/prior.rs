@@ -11,10 +11,13 @@
 //! tell a direction well it changes nothing, where they tell it badly it keeps to the drawing, without noise it
 //! vanishes. A prior on each axis by itself would not do: a zero that is off by 10 mrad turns all axes after it, which
 //! is no news to anyone who masters robots.
+//!
+//! An arm that was calibrated before, or whose siblings were, is known better than that: of the parameters that were
+//! identified then their mean and covariance are taken, of all others what the drawing says of them given those.
 
 use crate::observation::arm::AxisBasis;
 use crate::observation::parameters::{Parameter, ParameterKind, Tolerances};
-use denavit_model::nalgebra::{DMatrix, Vector3, Vector6};
+use denavit_model::nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use denavit_model::{Chain, Quantity};
 
 /// Nothing is expected of the base: this many times the tolerances, rad and m alike.
@@ -40,18 +43,154 @@ fn about(point: &Vector3<f64>, omega: Vector3<f64>, shift: Vector3<f64>) -> Vect
     Vector6::new(omega.x, omega.y, omega.z, v.x, v.y, v.z)
 }
 
-/// Inverse covariance of the joints' parameters.
-///
-/// # Shape and units
-/// Square, one row per parameter given, in units of 1 over the parameters' units.
-pub fn precision(
+/// A common motion of all axes is held by the frame, not by what was measured before: this many tolerances of it are
+/// allowed for. The number changes no result.
+const COMMON: f64 = 30.0;
+/// Share of a tolerance that nobody knows a parameter better than: it keeps the covariance invertible.
+const BEST_KNOWN: f64 = 1e-6;
+
+/// What is expected of the joints' parameters: a normal distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    /// Mean departure from the drawing, in the parameters' units: 0 where nothing was measured before.
+    pub mean: DVector<f64>,
+    /// Inverse covariance, in units of 1 over the parameters' units.
+    pub precision: DMatrix<f64>,
+    /// Inverse covariance by the drawing's tolerances alone.
+    pub of_drawing: DMatrix<f64>,
+}
+
+/// What is known of some parameters from elsewhere, in their order: index among the layout's parameters, mean, covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownBefore {
+    /// Indices among the joints' parameters of a layout, each once.
+    pub indices: Vec<usize>,
+    /// Mean departure from the drawing, in the parameters' units.
+    pub mean: DVector<f64>,
+    /// Covariance, in the parameters' units; directions in which the common frame was held have none.
+    pub covariance: DMatrix<f64>,
+    /// How much of it counts, from 0 to 1.
+    pub weight: f64,
+}
+
+impl Prior {
+    /// By the drawing's tolerances.
+    pub fn of_drawing(chain: &Chain, parameters: &[Parameter], bases: &[AxisBasis], tolerances: &Tolerances) -> Self {
+        let precision = precise(&covariance_of_drawing(chain, parameters, bases, tolerances), parameters);
+        Self { mean: DVector::zeros(parameters.len()), of_drawing: precision.clone(), precision }
+    }
+
+    /// The same where some of the parameters were identified before.
+    ///
+    /// With K those known before, μ and C their mean and covariance, U all others and D the drawing's covariance,
+    /// U = A K + e, A = D_UK D_KK⁻¹, e with the covariance D_UU - A D_KU. What was measured then counts as if its rows had the
+    /// power `weight` in the likelihood: precision w P + (1 - w) P_drawing (Ibrahim and Chen 2000, Statistical Science 15, 46).
+    #[must_use]
+    pub fn knowing(
+        self,
+        chain: &Chain,
+        parameters: &[Parameter],
+        bases: &[AxisBasis],
+        tolerances: &Tolerances,
+        before: &KnownBefore,
+    ) -> Self {
+        let count = parameters.len();
+        let drawn = covariance_of_drawing(chain, parameters, bases, tolerances);
+        let known = &before.indices;
+        let others: Vec<usize> = (0..count).filter(|index| !known.contains(index)).collect();
+        let block = |rows: &[usize], columns: &[usize]| drawn.select_rows(rows).select_columns(columns);
+        let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
+        let mut covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
+            before.covariance[(i, k)] / (unit(known[i]) * unit(known[k]))
+        });
+        for twist in common_motions() {
+            let moved = moved_by(&twist, parameters, bases, 0);
+            let own = DVector::from_iterator(known.len(), known.iter().map(|&index| moved[index] * COMMON));
+            covariance += &own * own.transpose() * tolerances.turn.powi(2);
+        }
+        for i in 0..known.len() {
+            covariance[(i, i)] += BEST_KNOWN.powi(2);
+        }
+        let Some(inverse) = block(known, known).cholesky().map(|factor| factor.inverse()) else { return self };
+        let along = block(&others, known) * inverse;
+        let rest = block(&others, &others) - &along * block(known, &others);
+        let cross = &along * &covariance;
+        let own = &cross * along.transpose() + rest;
+        let mut all = DMatrix::zeros(count, count);
+        let mut place = |rows: &[usize], columns: &[usize], values: &DMatrix<f64>| {
+            for (i, &row) in rows.iter().enumerate() {
+                for (k, &column) in columns.iter().enumerate() {
+                    all[(row, column)] = values[(i, k)];
+                    all[(column, row)] = values[(i, k)];
+                }
+            }
+        };
+        place(known, known, &covariance);
+        place(&others, known, &cross);
+        place(&others, &others, &own);
+        let scaled = DVector::from_fn(known.len(), |i, _| before.mean[i] / unit(known[i]));
+        let expected = &along * &scaled;
+        let mut mean = DVector::zeros(count);
+        for (i, &index) in known.iter().enumerate() {
+            mean[index] = before.mean[i];
+        }
+        for (i, &index) in others.iter().enumerate() {
+            mean[index] = expected[i] * unit(index);
+        }
+        let full = precise(&all, parameters);
+        let precision = &full * before.weight + &self.of_drawing * (1.0 - before.weight);
+        let pull = &full * mean * before.weight;
+        let mean = precision.clone().cholesky().map_or_else(|| DVector::zeros(count), |factor| factor.solve(&pull));
+        Self { mean, precision, of_drawing: self.of_drawing }
+    }
+
+    /// Whether the drawing alone says what is expected.
+    pub fn is_of_drawing(&self) -> bool {
+        self.precision == self.of_drawing
+    }
+
+    /// The departure of the joints' parameters, given first in `difference`, less its mean.
+    pub fn departure(&self, difference: &[f64]) -> DVector<f64> {
+        DVector::from_fn(self.mean.len(), |k, _| difference[k] - self.mean[k])
+    }
+}
+
+/// Turns about the base's axes and moves along them, by 1 rad and 1 m.
+fn common_motions() -> [Vector6<f64>; 6] {
+    std::array::from_fn(|k| Vector6::ith(k, 1.0))
+}
+
+/// What a twist of all axes from `first` on does to each parameter, in tolerances.
+fn moved_by(twist: &Vector6<f64>, parameters: &[Parameter], bases: &[AxisBasis], first: usize) -> Vec<f64> {
+    let of = |parameter: &Parameter| {
+        let after = parameter.kind.joint().is_some_and(|joint| joint >= first);
+        if after { change_in_basis(parameter, bases, twist) / parameter.tolerance.unwrap_or(1.0) } else { 0.0 }
+    };
+    parameters.iter().map(of).collect()
+}
+
+/// Inverse of a covariance in tolerances, in units of 1 over the parameters' units.
+fn precise(covariance: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
+    let count = parameters.len();
+    let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
+    let mut precision =
+        covariance.clone().cholesky().map_or_else(|| DMatrix::identity(count, count), |factor| factor.inverse());
+    for i in 0..count {
+        for k in 0..count {
+            precision[(i, k)] /= unit(i) * unit(k);
+        }
+    }
+    precision
+}
+
+/// Covariance of the joints' parameters by the drawing, in tolerances.
+fn covariance_of_drawing(
     chain: &Chain,
     parameters: &[Parameter],
     bases: &[AxisBasis],
     tolerances: &Tolerances,
 ) -> DMatrix<f64> {
     let count = parameters.len();
-    let expected: Vec<f64> = parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1.0)).collect();
     // Everything in units of the tolerances, so that rad and m mix well.
     let mut covariance = DMatrix::<f64>::zeros(count, count);
     for (i, parameter) in parameters.iter().enumerate() {
@@ -60,24 +199,11 @@ pub fn precision(
         }
     }
     let mut add = |twist: &Vector6<f64>, deviation: f64, from: usize| {
-        let moved: Vec<f64> = parameters
-            .iter()
-            .zip(&expected)
-            .map(|(parameter, expected)| {
-                let after = parameter.kind.joint().is_some_and(|joint| joint >= from);
-                if after { deviation * change_in_basis(parameter, bases, twist) / expected } else { 0.0 }
-            })
-            .collect();
-        for i in 0..count {
-            for k in 0..count {
-                covariance[(i, k)] += moved[i] * moved[k];
-            }
-        }
+        let moved = DVector::from_vec(moved_by(twist, parameters, bases, from)) * deviation;
+        covariance += &moved * moved.transpose();
     };
-    for k in 0..3 {
-        let e = Vector3::ith(k, 1.0);
-        add(&about(&Vector3::zeros(), e, Vector3::zeros()), BASE, 0);
-        add(&about(&Vector3::zeros(), Vector3::zeros(), e), BASE, 0);
+    for twist in common_motions() {
+        add(&twist, BASE, 0);
     }
     for (index, joint) in chain.joints().iter().enumerate() {
         let centre = bases[index].centre.coords;
@@ -90,12 +216,64 @@ pub fn precision(
         let zero = if slides { tolerances.zero_slide } else { tolerances.zero_turn };
         add(&joint.screw.twist(), zero, index + 1);
     }
-    let mut precision =
-        covariance.cholesky().map_or_else(|| DMatrix::identity(count, count), |factor| factor.inverse());
-    for i in 0..count {
-        for k in 0..count {
-            precision[(i, k)] /= expected[i] * expected[k];
+    covariance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::measurements::Scene;
+    use crate::observation::parameters::{Freedom, Layout};
+    use denavit_model::examples;
+
+    #[test]
+    fn knowing_what_the_drawing_says_changes_nothing() {
+        for chain in examples::all() {
+            let (freedom, tolerances) = (Freedom::axes(chain.joints().len()), Tolerances::default());
+            let layout = Layout::new(&chain, &Scene::default(), &freedom, &tolerances, Vec::new());
+            let covariance = layout.prior.of_drawing.clone().cholesky().unwrap().inverse();
+            let indices: Vec<usize> = (0..layout.len()).filter(|index| index % 3 != 1).collect();
+            let before = KnownBefore {
+                weight: 1.0,
+                mean: DVector::zeros(indices.len()),
+                covariance: covariance.select_rows(&indices).select_columns(&indices),
+                indices,
+            };
+            let known = layout.clone().knowing(&chain, &tolerances, &before).prior;
+            // Scaled to the tolerances; the common motion that is allowed for beside the drawing's own is what differs.
+            let unit = DVector::from_iterator(layout.len(), layout.parameters.iter().map(|p| p.tolerance.unwrap()));
+            let scaled = |matrix: &DMatrix<f64>| {
+                DMatrix::from_fn(unit.len(), unit.len(), |i, k| matrix[(i, k)] * unit[i] * unit[k])
+            };
+            let (own, drawing) = (scaled(&known.precision), scaled(&known.of_drawing));
+            assert!((&own - &drawing).norm() < 1e-2 * drawing.norm(), "{}", (&own - &drawing).norm() / drawing.norm());
+            assert!(!known.is_of_drawing() && layout.prior.is_of_drawing());
         }
     }
-    precision
+
+    #[test]
+    fn what_was_measured_pulls_what_hangs_on_it_along() {
+        // The fifth axis is known to be turned; the one behind it stands on the same links.
+        let chain = examples::puma_like();
+        let (freedom, tolerances) = (Freedom::axes(6), Tolerances::default());
+        let layout = Layout::new(&chain, &Scene::default(), &freedom, &tolerances, Vec::new());
+        let at = |name: &str| layout.parameters.iter().position(|parameter| parameter.name == name).unwrap();
+        let known_axes: Vec<usize> =
+            (0..layout.len()).filter(|&k| layout.parameters[k].kind.joint() <= Some(4)).collect();
+        let mut mean = DVector::zeros(known_axes.len());
+        let turned = at("joint_5.turn_x");
+        mean[known_axes.iter().position(|&k| k == turned).unwrap()] = 5e-3;
+        let before = KnownBefore {
+            weight: 1.0,
+            indices: known_axes.clone(),
+            covariance: DMatrix::identity(known_axes.len(), known_axes.len()) * 1e-12,
+            mean,
+        };
+        let prior = layout.clone().knowing(&chain, &tolerances, &before).prior;
+        let last = at("joint_6.turn_x");
+        assert!((prior.mean[turned] - 5e-3).abs() < 1e-7);
+        assert!(prior.mean[last] > 2e-3, "{}", prior.mean[last]);
+        let spread = prior.precision.clone().cholesky().unwrap().inverse();
+        assert!(spread[(last, last)].sqrt() > 5e-4);
+    }
 }

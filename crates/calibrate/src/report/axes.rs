@@ -53,7 +53,8 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
         .map(|(held, name)| format!("{name} ({:.0} %)", 100.0 * held))
         .collect();
     if !weak.is_empty() {
-        let _ = writeln!(text, "poorly identified, kept near the drawing by the prior: {}", weak.join(", "));
+        let by = if fit.layout.prior.is_of_drawing() { "the drawing" } else { "what was known before" };
+        let _ = writeln!(text, "poorly identified, kept near {by} by the prior: {}", weak.join(", "));
     }
     // As printed, ties by name: where two parameters are one in the common frame, only rounding orders their pairs.
     let printed = |pair: &(String, String, f64)| (pair.2.abs() * -100.0).round();

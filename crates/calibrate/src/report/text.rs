@@ -197,9 +197,11 @@ pub fn calibration(result: &Calibration) -> String {
         "parameters: {} = {} expected, {} identifiable from these data",
         result.identifiability.formula, report.identifiability.expected, report.identifiability.rank
     );
+    let continued = result.identification.earlier.is_some();
     for unidentifiable in &report.unidentifiable {
         let held = match unidentifiable.held {
             Held::Nominal => "left at nominal",
+            Held::Prior if continued => "held near what was known before by the prior",
             Held::Prior => "held near nominal by the prior",
         };
         let _ = writeln!(text, "  {} {held}: {}", unidentifiable.parameter, unidentifiable.why);
@@ -208,6 +210,7 @@ pub fn calibration(result: &Calibration) -> String {
     if !report.columns.is_empty() {
         let _ = writeln!(text, "columns: {}", columns::in_words(&report.columns));
     }
+    text.push_str(&trust::continued(report));
     text.push_str(&trust::suspicious_rows(report));
     text.push_str(&trust::differs(report));
     text.push('\n');
@@ -317,7 +320,7 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
 pub fn report(result: &Calibration) -> String {
     let axes = match (result.beyond_geometry(), result.report.adopted) {
-        (_, Adopted::Nominal) => return calibration(result),
+        (_, Adopted::Nominal | Adopted::Earlier) => return calibration(result),
         (Some(fit), _) => axes(fit),
         _ => axes(&result.identification.geometric),
     };

@@ -2,7 +2,7 @@
 //! adopted.
 
 use crate::calibration::Calibration;
-use crate::calibration::contract::CalibrationReport;
+use crate::calibration::contract::{CalibrationReport, FileUse};
 use crate::identify::lack_of_fit::LackOfFit;
 use std::fmt::Write;
 
@@ -38,6 +38,19 @@ pub(super) fn redundancy(result: &Calibration) -> String {
         );
     }
     text
+}
+
+/// How much an earlier calibration counts.
+pub(super) fn continued(report: &CalibrationReport) -> String {
+    let Some(earlier) = report.earlier else { return String::new() };
+    let file = report.origin.files.iter().find(|file| file.used == FileUse::Prior);
+    let name = file.map_or("the earlier calibration", |file| &file.file);
+    let counted = match earlier.weight {
+        1.0 => "counts in full".into(),
+        0.0 => "does not count, for these rows contradict it".into(),
+        weight => format!("counts for {:.1} %, for these rows contradict the rest", 100.0 * weight),
+    };
+    format!("prior: what {name} says of the axes {counted}; stage \"earlier\" is that robot on these rows\n")
 }
 
 /// Lines of rows that were left out, or that look as if they should be.

@@ -107,8 +107,9 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let kept = |observation: &usize| fit.weights[*observation] > 0.0;
     let values: usize =
         (0..data.observations()).filter(kept).map(|observation| data.series_of(observation).kind.height()).sum();
-    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · difference.
-    let prior = layout.prior.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
+    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · departure.
+    let prior =
+        layout.prior.precision.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
     let priors = prior.nrows();
     // The common frame is held as in a fit: to first order an effect does not move along with its axis, so what in truth
     // changes no measured value would stand in for it.
@@ -169,8 +170,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         }
     }
     if priors > 0 {
-        let difference = DVector::from_vec(layout.difference(&fit.arm, reference)[layout.joints.clone()].to_vec());
-        result.residual.rows_mut(values, priors).copy_from(&(&prior * difference / RELAXED));
+        let departure = layout.prior.departure(&layout.difference(&fit.arm, reference));
+        result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
     for (k, known) in lengths.iter().enumerate() {

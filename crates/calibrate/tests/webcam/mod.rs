@@ -65,7 +65,7 @@ pub fn efficiency(on_hand: bool, seeds: Range<u64>) -> f64 {
         let mut information = rows.transpose() * &rows + &held * held.transpose() * 1e6;
         for i in layout.joints.clone() {
             for k in layout.joints.clone() {
-                information[(i, k)] += layout.prior[(i, k)] * 1e-6;
+                information[(i, k)] += layout.prior.precision[(i, k)] * 1e-6;
             }
         }
         let bound = information.cholesky().unwrap().inverse();

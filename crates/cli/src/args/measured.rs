@@ -36,6 +36,7 @@ Examples:
   denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
   denavit calibrate arm.urdf --data corners.csv --camera webcam.yaml --board 7x5:30mm
   denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
+  denavit calibrate arm.urdf --data ten_poses.csv --prior earlier.json   ten poses bring a calibrated robot up to date
   some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
 
 See docs/calibration.md and docs/effects.md.";
@@ -89,6 +90,10 @@ pub struct CalibrateArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
+    /// Go on from an earlier calibration of this robot, as --json wrote it: what it knows of the axes, instead of the
+    /// drawing's tolerances; a few new poses then bring a robot up to date
+    #[arg(long, value_name = "FILE")]
+    pub prior: Option<String>,
     /// Effects to look for behind the geometry: none, curves (error curves of the joints alone), auto, or kinds such as
     /// backlash,joint_compliance
     #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
@@ -316,6 +321,9 @@ pub struct PlanArguments {
     /// Units of the candidates and of the chosen poses: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
+    /// What an earlier calibration knows of the axes, as denavit calibrate --json wrote it: poses that add to that
+    #[arg(long, value_name = "FILE")]
+    pub prior: Option<String>,
     /// Box in which the target must stay, base frame, m
     #[arg(long, value_name = "X0,X1,Y0,Y1,Z0,Z1", value_delimiter = ',', allow_hyphen_values = true)]
     pub r#box: Vec<f64>,

@@ -15,7 +15,7 @@ use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
-use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, other_chains, rows, search};
+use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, other_chains, prior_read, rows, search};
 use denavit_model::{Chain, Reading};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -26,6 +26,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     inputs.extend([
         Some(arguments.robot.robot.as_str()),
         arguments.test.as_deref(),
+        arguments.prior.as_deref(),
         arguments.camera.camera.as_deref(),
     ]);
     measured::one_standard_input(&inputs)?;
@@ -35,7 +36,8 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     let places = Places::of(arguments)?;
     let robot = measured::robot(&arguments.robot)?;
     can_be_identified(&robot.chain)?;
-    let mut options = search(&search_asked(arguments), &robot.chain)?;
+    let asked = search_asked(arguments)?;
+    let mut options = search(&asked, &robot.chain)?;
     let products = products(arguments, &robot)?;
     let Rows { data, test, columns, notes, origin } = rows(&rows_asked(arguments, &robot.chain)?, &robot.chain)?;
     measured::mention(&notes);
@@ -53,6 +55,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     drop(spinner);
     result.report.columns = columns;
     result.report.origin = origin;
+    result.report.origin.files.extend(prior_read(&asked));
     let texts = texts(arguments, &places, &products, &robot, &result)?;
     places.outputs.write(&texts)?;
     if !places.outputs.take_standard_output() {
@@ -90,6 +93,7 @@ impl Places {
         let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
         let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
         let inputs = inputs.chain(arguments.import.files()).chain(arguments.camera.camera.as_deref());
+        let inputs = inputs.chain(arguments.prior.as_deref());
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
         let pairs = arguments.out_for.chunks_exact(2);
         let makers = pairs.map(|pair| {
@@ -203,15 +207,16 @@ fn texts(
 }
 
 /// What is fitted and looked for.
-fn search_asked(arguments: &CalibrateArguments) -> SearchAsked {
-    SearchAsked {
+fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> {
+    Ok(SearchAsked {
         scales: arguments.freedom.scales.clone(),
         pitches: arguments.freedom.pitches.clone(),
         effects: arguments.effects.clone(),
         max_effects: arguments.max_effects,
         gear_ratios: arguments.gear_ratio.clone(),
+        prior: arguments.prior.as_deref().map(measured::bare_file).transpose()?,
         hold_out: arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed }),
-    }
+    })
 }
 
 /// The files to fit and to judge by.

@@ -7,19 +7,22 @@ use crate::measured;
 use crate::output::Status;
 use crate::progress::Spinner;
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_load::measured::corners;
+use denavit_load::measured::{corners, earlier};
 use denavit_model::nalgebra::Vector3;
 
 /// Runs the command.
 pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
-    measured::one_standard_input(&[Some(&arguments.robot.robot), arguments.candidates.as_deref()])?;
-    let inputs = arguments.robot.files().chain(arguments.candidates.as_deref());
+    let (candidates, prior) = (arguments.candidates.as_deref(), arguments.prior.as_deref());
+    measured::one_standard_input(&[Some(&arguments.robot.robot), candidates, prior])?;
+    let inputs = arguments.robot.files().chain(candidates).chain(prior);
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
     let units = measured::units(&arguments.units)?;
     let chain = measured::robot(&arguments.robot)?.chain;
     let usual = PlanOptions::new(&chain, arguments.count.into(), measured::kind(arguments.measure));
     let read = |file: &String| measured::joint_values(file, &chain, &arguments.units);
+    let known = |file: &str| Ok::<_, Failure>(earlier(&measured::bare_file(file)?, &chain)?);
     let options = PlanOptions {
+        earlier: prior.map(known).transpose()?,
         candidates: arguments.candidates.as_ref().map(read).transpose()?,
         spread: arguments.spread.into(),
         allowed: corners(&arguments.r#box)?,

@@ -1,19 +1,19 @@
 //! Small files become one, and rows that newer ones replace go: a merge is done wholly, or by whoever opens the store next.
 
-use super::schema::{RUNS, TABLES};
-use super::table::{Cell, Rows};
+use super::schema::{RUNS, TABLES, TableKind};
+use super::table::{Groups, Rows};
 use super::{HIDDEN, Store, key_of};
 use crate::error::FleetError;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::HashSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What a merge is about to do.
 const JOURNAL: &str = ".merge.json";
 
 /// Names below the store's folder.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 struct Plan {
     /// Goes.
     remove: Vec<PathBuf>,
@@ -25,7 +25,7 @@ impl Store {
     /// Merges the small files of finished runs, those in `gone` left out.
     ///
     /// Runs that are being written meanwhile keep their files: only keys that have their row in `runs` are merged. Merged
-    /// files are read again only where a run in `gone` stands in them.
+    /// files are written anew only where a run in `gone` stands in them, each by itself, so that memory does not grow with the store.
     ///
     /// # Errors
     /// The system refuses; the store is then as before.
@@ -34,36 +34,61 @@ impl Store {
         if keys.is_empty() && gone.is_empty() {
             return Ok(());
         }
-        let mut plan = Plan { remove: Vec::new(), rename: Vec::new() };
+        let mut plan = Plan::default();
         for table in TABLES {
-            let key = table.index("key");
-            let mut merged = Rows::of(table);
-            for path in self.files(table)? {
-                let of_key = key_of(&path);
-                if of_key.as_ref().is_some_and(|key| !keys.contains(key)) {
-                    continue;
+            let (small, merged): (Vec<_>, Vec<_>) =
+                self.files(table)?.into_iter().partition(|path| key_of(path).is_some());
+            let ended = |path: &PathBuf| key_of(path).is_some_and(|key| keys.contains(&key));
+            // In the order of their names, so that the rows stand in that of their keys.
+            self.rewrite(table, &small.into_iter().filter(ended).collect::<Vec<_>>(), gone, &mut plan)?;
+            for path in merged {
+                if holds(&path, table, gone)? {
+                    self.rewrite(table, &[path], gone, &mut plan)?;
                 }
-                let stays = of_key.is_none() && !holds(&path, table, gone)?;
-                if stays {
-                    continue;
-                }
-                merged.read(&path, &[])?;
-                plan.remove.push(self.below(&path));
             }
-            merged.rows.retain(|row| !gone.contains(row[key].text()));
-            if merged.rows.is_empty() {
-                continue;
-            }
-            // Files are read in the order of their names, so the rows stand in that of their keys.
-            let file = self.fill(&merged)?;
-            let (_, hidden) = file.keep().map_err(|error| FleetError::store(&self.folder)(error.error))?;
-            let name = format!("rows-{}.parquet", digest(merged.rows.iter().map(|row| row[key].text())));
-            plan.rename.push((self.below(&hidden), PathBuf::from(table.name).join(name)));
         }
         // A file that keeps its name is replaced by the renaming.
         plan.remove.retain(|path| !plan.rename.iter().any(|(_, name)| name == path));
         self.write_plan(&plan)?;
         self.carry_out(&plan)
+    }
+
+    /// The rows of some files, those of runs in `gone` left out, in one hidden file that the plan gives its name.
+    fn rewrite(
+        &self,
+        table: &'static TableKind,
+        paths: &[PathBuf],
+        gone: &HashSet<String>,
+        plan: &mut Plan,
+    ) -> Result<(), FleetError> {
+        if paths.is_empty() {
+            return Ok(());
+        }
+        let key = table.index("key");
+        // The same rows, the same name.
+        let mut hash = Sha256::new();
+        let mut any = false;
+        let file = self.fill(table, |file| {
+            let mut groups = Groups::begin(table, file)?;
+            for path in paths {
+                Rows::each_group(table, path, &[], &mut |rows| {
+                    for row in rows.iter().filter(|row| !gone.contains(row[key].text())) {
+                        hash.update(row[key].text().as_bytes());
+                        any = true;
+                        groups.push(row.clone())?;
+                    }
+                    Ok(())
+                })?;
+            }
+            groups.end()
+        })?;
+        plan.remove.extend(paths.iter().map(|path| self.below(path)));
+        if any {
+            let (_, hidden) = file.keep().map_err(|error| FleetError::store(&self.folder)(error.error))?;
+            let name = format!("rows-{}.parquet", base16ct::lower::encode_string(&hash.finalize()[..8]));
+            plan.rename.push((self.below(&hidden), PathBuf::from(table.name).join(name)));
+        }
+        Ok(())
     }
 
     /// Ends a merge that was begun.
@@ -110,25 +135,20 @@ impl Store {
         std::fs::remove_file(&journal).map_err(FleetError::store(&journal))
     }
 
-    fn below(&self, path: &std::path::Path) -> PathBuf {
+    fn below(&self, path: &Path) -> PathBuf {
         path.strip_prefix(&self.folder).unwrap_or(path).to_owned()
     }
 }
 
 /// Whether a file holds rows of runs that go.
-fn holds(path: &std::path::Path, table: &'static super::TableKind, gone: &HashSet<String>) -> Result<bool, FleetError> {
-    if gone.is_empty() {
-        return Ok(false);
+fn holds(path: &Path, table: &'static TableKind, gone: &HashSet<String>) -> Result<bool, FleetError> {
+    let mut found = false;
+    if !gone.is_empty() {
+        let key = table.index("key");
+        Rows::each_group(table, path, &["key"], &mut |rows| {
+            found |= rows.iter().any(|row| gone.contains(row[key].text()));
+            Ok(())
+        })?;
     }
-    let mut rows = Rows::of(table);
-    rows.read(path, &["key"])?;
-    let key = table.index("key");
-    Ok(rows.rows.iter().any(|row: &Vec<Cell>| gone.contains(row[key].text())))
-}
-
-/// A name for a set of rows: the same rows, the same name.
-fn digest<'a>(keys: impl Iterator<Item = &'a str>) -> String {
-    let mut hash = Sha256::new();
-    keys.for_each(|key| hash.update(key.as_bytes()));
-    base16ct::lower::encode_string(&hash.finalize()[..8])
+    Ok(found)
 }

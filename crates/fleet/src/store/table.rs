@@ -12,6 +12,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -90,6 +91,12 @@ impl Cell {
     }
 }
 
+/// Takes the rows of one row group after the other.
+pub type Reader<'a> = dyn FnMut(&[Vec<Cell>]) -> Result<(), FleetError> + 'a;
+
+/// A row group holds no more, so that who reads or merges a file of any size has few rows in memory.
+const ROWS_IN_GROUP: usize = 16_384;
+
 /// Rows of one table, every column of it.
 #[derive(Debug, Clone)]
 pub struct Rows {
@@ -122,10 +129,22 @@ impl Rows {
         Self { table, rows: Vec::new() }
     }
 
-    /// Writes Parquet: one row group, dictionaries of repeated texts.
-    pub(super) fn write(&self, file: File) -> Result<(), ParquetError> {
-        let properties = Arc::new(WriterProperties::builder().set_created_by("denavit".into()).build());
-        let mut writer = SerializedFileWriter::new(file, schema(self.table)?, properties)?;
+    /// Their Parquet.
+    ///
+    /// # Errors
+    /// The rows have other columns than their table.
+    pub fn parquet(&self) -> Result<Vec<u8>, FleetError> {
+        let mut bytes = Vec::new();
+        let mut groups = Groups::begin(self.table, &mut bytes)?;
+        for row in &self.rows {
+            groups.push(row.clone())?;
+        }
+        groups.end()?;
+        Ok(bytes)
+    }
+
+    /// Writes them as a row group.
+    fn write<W: Write + Send>(&self, writer: &mut SerializedFileWriter<W>) -> Result<(), ParquetError> {
         let mut group = writer.next_row_group()?;
         let mut index = 0;
         while let Some(mut column) = group.next_column()? {
@@ -159,15 +178,20 @@ impl Rows {
             index += 1;
         }
         group.close()?;
-        writer.close()?;
         Ok(())
     }
 
-    /// Adds the rows of a Parquet file; of the columns in `wanted` alone where they are named, the others then stay empty.
+    /// Hands over the rows of a Parquet file, a row group after the other, so that memory does not grow with the file; of the
+    /// columns in `wanted` alone where they are named, the others are then empty.
     ///
     /// # Errors
-    /// The file is no Parquet, or has other columns.
-    pub fn read(&mut self, path: &Path, wanted: &[&str]) -> Result<(), FleetError> {
+    /// The file is no Parquet, or has other columns; or `each` fails.
+    pub fn each_group(
+        table: &'static TableKind,
+        path: &Path,
+        wanted: &[&str],
+        each: &mut Reader<'_>,
+    ) -> Result<(), FleetError> {
         let not_ours = |reason: String| FleetError::NotOurs { file: path.to_owned(), reason };
         let file = File::open(path).map_err(FleetError::store(path))?;
         let reader = SerializedFileReader::new(file).map_err(|error| not_ours(error.to_string()))?;
@@ -175,12 +199,11 @@ impl Rows {
             let schema = reader.metadata().file_metadata().schema_descr();
             schema.columns().iter().map(|column| column.name().to_owned()).collect()
         };
-        let columns: Vec<_> = self.table.columns().collect();
+        let columns: Vec<_> = table.columns().collect();
         for group in 0..reader.num_row_groups() {
             let group = reader.get_row_group(group).map_err(|error| not_ours(error.to_string()))?;
             let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-            let first = self.rows.len();
-            self.rows.resize(first + count, vec![Cell::Empty; columns.len()]);
+            let mut rows = vec![vec![Cell::Empty; columns.len()]; count];
             for (index, column) in columns.iter().enumerate() {
                 if !wanted.is_empty() && !wanted.contains(&column.name) {
                     continue;
@@ -189,13 +212,55 @@ impl Rows {
                 let at = at.ok_or_else(|| not_ours(format!("it has no column \"{}\"", column.name)))?;
                 let cells = group.get_column_reader(at).and_then(|reader| cells(reader, count));
                 let cells = cells.map_err(|error| not_ours(error.to_string()))?;
-                for (row, cell) in self.rows[first..].iter_mut().zip(cells) {
+                for (row, cell) in rows.iter_mut().zip(cells) {
                     row[index] = cell;
                 }
             }
+            each(&rows)?;
         }
         Ok(())
     }
+}
+
+/// A Parquet file in the making: rows go into it group by group.
+pub(super) struct Groups<W: Write + Send> {
+    writer: SerializedFileWriter<W>,
+    rows: Rows,
+}
+
+impl<W: Write + Send> Groups<W> {
+    /// Nothing in it yet.
+    pub(super) fn begin(table: &'static TableKind, file: W) -> Result<Self, FleetError> {
+        let properties = Arc::new(WriterProperties::builder().set_created_by("denavit".into()).build());
+        let writer = schema(table).and_then(|schema| SerializedFileWriter::new(file, schema, properties));
+        Ok(Self { writer: writer.map_err(unwritten(table))?, rows: Rows::of(table) })
+    }
+
+    /// One more row.
+    pub(super) fn push(&mut self, row: Vec<Cell>) -> Result<(), FleetError> {
+        self.rows.rows.push(row);
+        if self.rows.rows.len() >= ROWS_IN_GROUP { self.flush() } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> Result<(), FleetError> {
+        self.rows.write(&mut self.writer).map_err(unwritten(self.rows.table))?;
+        self.rows.rows.clear();
+        Ok(())
+    }
+
+    /// The end of the file.
+    pub(super) fn end(mut self) -> Result<(), FleetError> {
+        if !self.rows.rows.is_empty() {
+            self.flush()?;
+        }
+        self.writer.close().map_err(unwritten(self.rows.table))?;
+        Ok(())
+    }
+}
+
+fn unwritten(table: &TableKind) -> impl FnOnce(ParquetError) -> FleetError {
+    let file = Path::new(table.name).to_owned();
+    move |error| FleetError::Store { file, reason: error.to_string() }
 }
 
 /// The cells of a column of `count` rows.

@@ -143,7 +143,7 @@ fn summary(report: &CalibrationReport) -> Summary {
         rows_fitted: Some(report.samples.train),
         rows_held_out: Some(report.samples.test),
         nominal_rms: report.stages.first().and_then(rms),
-        geometric_rms: report.stages.get(1).and_then(rms),
+        geometric_rms: report.stages.iter().find(|stage| stage.name == "geometric").and_then(rms),
         rms: adopted.and_then(rms),
         structured: Some(report.unexplained.structured),
         ..Summary::default()

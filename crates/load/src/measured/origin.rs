@@ -1,6 +1,7 @@
 //! Of which files a calibration is made, and when.
 
-use super::rows::RowsAsked;
+use super::rows::{DataFile, RowsAsked};
+use super::search::SearchAsked;
 use denavit_calibrate::calibration::contract::{FileRead, FileUse, Origin};
 use jiff::Timestamp;
 use sha2::{Digest as _, Sha256};
@@ -69,6 +70,15 @@ pub(super) fn origin(asked: &RowsAsked) -> Origin {
     Origin { date: Some(today()), files, ..Origin::default() }
 }
 
+/// The file of an earlier calibration as the origin lists it.
+pub fn prior_read(asked: &SearchAsked) -> Option<FileRead> {
+    let read = |file: &DataFile| {
+        let HashedFile { file, sha256 } = HashedFile::of(&file.name, &file.bytes);
+        FileRead { file, used: FileUse::Prior, sha256 }
+    };
+    asked.prior.as_ref().map(read)
+}
+
 fn today() -> String {
     let said = std::env::var(CLOCK).ok().and_then(|seconds| Timestamp::from_second(seconds.parse().ok()?).ok());
     said.unwrap_or_else(Timestamp::now).strftime("%Y-%m-%d").to_string()
@@ -77,7 +87,6 @@ fn today() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::DataFile;
 
     #[test]
     fn files_are_known_by_the_hash_that_others_compute() {

@@ -1,9 +1,10 @@
 //! What a calibration fits and looks for.
 
-use super::MeasuredError;
+use super::{DataFile, MeasuredError};
 use crate::Loaded;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
+use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Freedom, IdentifyOptions, Measurements};
@@ -22,6 +23,8 @@ pub struct SearchAsked {
     pub max_effects: usize,
     /// Motor turns per joint turn: `NAME=RATIO`.
     pub gear_ratios: Vec<String>,
+    /// What an earlier calibration of this robot knows, or its siblings do.
+    pub prior: Option<DataFile>,
     /// Rows to keep for judging where there is no test file.
     pub hold_out: Option<HoldOut>,
 }
@@ -32,7 +35,8 @@ pub struct SearchAsked {
 /// A joint or a kind of effect that is not there, a ratio that is no number.
 pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, MeasuredError> {
     let freedom = freedom(chain, &asked.scales, &asked.pitches)?;
-    let identify = IdentifyOptions { freedom, ..IdentifyOptions::axes(chain) };
+    let earlier = asked.prior.as_ref().map(|file| earlier(file, chain)).transpose()?;
+    let identify = IdentifyOptions { freedom, earlier, ..IdentifyOptions::axes(chain) };
     let trace = match asked.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["none" | "curves"] => None,
         ["auto"] => Some(Vec::new()),
@@ -47,6 +51,15 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
     });
     let curves = (asked.effects == ["curves"]).then(CurveOptions::default);
     Ok(CalibrateOptions { identify, hold_out: asked.hold_out, trace, curves, other_chains: Vec::new() })
+}
+
+/// What an earlier calibration knows of this chain.
+///
+/// # Errors
+/// The file is no calibration, or one of another chain or drawing.
+pub fn earlier(file: &DataFile, chain: &Chain) -> Result<Earlier, MeasuredError> {
+    let text = String::from_utf8_lossy(&file.bytes);
+    Ok(Earlier::read(&file.name, &text, chain)?)
 }
 
 /// What is fitted: every axis, and scales and pitches of the joints that were named.

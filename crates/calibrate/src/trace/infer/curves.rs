@@ -574,14 +574,14 @@ fn prior(
     let geometry = linear.geometry.ncols();
     let mut precision = DMatrix::zeros(plain.len(), plain.len());
     let joints = fit.layout.joints.len();
-    let tolerance = &fit.layout.prior;
-    precision.view_mut((0, 0), (joints, joints)).copy_from(tolerance);
-    let difference = fit.layout.difference(&fit.arm, reference);
+    let firm = &fit.layout.prior.precision;
+    precision.view_mut((0, 0), (joints, joints)).copy_from(firm);
+    let departure = fit.layout.prior.departure(&fit.layout.difference(&fit.arm, reference));
     let mut pull = vec![0.0; plain.len()];
     let mut charge = 0.0;
     for i in 0..joints {
-        pull[i] = -(0..joints).map(|k| tolerance[(i, k)] * difference[k]).sum::<f64>();
-        charge -= pull[i] * difference[i];
+        pull[i] = -(0..joints).map(|k| firm[(i, k)] * departure[k]).sum::<f64>();
+        charge -= pull[i] * departure[i];
     }
     // The common frame is held as in a fit: these rows come last in the linearisation.
     let held = linear.geometry.nrows() - linear.values() - if joints > 0 { joints } else { 0 };

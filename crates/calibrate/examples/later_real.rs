@@ -1,0 +1,129 @@
+//! A model of one day held against rows of a later one, tracker and target mounted anew: what calibrations promise.
+//!
+//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [SHARE]`
+//!
+//! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER a share of the rows (0.05)
+//! places instrument and target, nothing else; the others are predicted. In the environment: `TIP`, `UNITS`, `SEED`.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+
+use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
+use denavit_calibrate::effects::{EffectModel, Statics};
+use denavit_calibrate::identify::residual_statistics::residuals;
+use denavit_calibrate::identify::solve::{FitOptions, fit};
+use denavit_calibrate::observation::arm::{Perturbation, Row, RowState};
+use denavit_calibrate::observation::measurements::{Measurements, Units, read};
+use denavit_calibrate::observation::parameters::{Effects, Parameter, Sensitivity};
+use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::trace::infer::CurveOptions;
+use denavit_calibrate::{Arm, Freedom, Layout, NoEffects, Tolerances, identify};
+use denavit_model::tree::Reading;
+use rand::SeedableRng as _;
+use rand::seq::SliceRandom as _;
+use rand_chacha::ChaCha8Rng;
+
+/// Effects that act and are not fitted.
+#[derive(Clone)]
+struct Held(EffectModel);
+
+impl Effects for Held {
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
+        self.0.perturb(row, arm, out)
+    }
+
+    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _state: &RowState, _out: &mut [Sensitivity]) {}
+
+    fn stepped(&self, _step: &[f64]) -> Self {
+        self.clone()
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let robot = denavit_model::urdf::read(&arguments[1], &std::fs::read_to_string(&arguments[1]).unwrap()).unwrap();
+    let tip = std::env::var("TIP").ok();
+    let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
+    let statics = Statics::of(&robot, &chain);
+    let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
+    let load = |path: &str| {
+        read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
+    };
+    let (before, later) = (load(&arguments[2]), load(&arguments[3]));
+    let share: f64 = arguments.get(4).map_or(0.05, |word| word.parse().unwrap());
+    let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
+    let mut order: Vec<usize> = (0..later.len()).collect();
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let (placing, judged) = order.split_at((later.len() as f64 * share).ceil() as usize);
+    let [placing, judged] = [placing, judged].map(|rows| {
+        let mut rows = rows.to_vec();
+        rows.sort_unstable();
+        later.subset(&rows)
+    });
+    let within = within_range(&before, &judged);
+    println!(
+        "{} rows fitted; of {} later ones {} place instrument and target; {} of the others within the range of the fitted",
+        before.len(),
+        later.len(),
+        placing.len(),
+        within.iter().filter(|within| **within).count()
+    );
+    println!("| model of {} | all later rows, mm rms | within its range |\n|---|---|---|", arguments[2]);
+    for word in ["geometry", "curves", "effects and curves"] {
+        let mut options = CalibrateOptions::geometry(&chain);
+        options.curves = (word == "curves").then(CurveOptions::default);
+        options.trace = (word == "effects and curves").then(|| TraceOptions::new(options.identify.clone()));
+        let found =
+            calibrate(&chain, &statics, before.clone(), None, &options).unwrap_or_else(|error| panic!("{error}"));
+        let [all, inside] = predicted(&found, &statics, &placing, &judged, &within);
+        println!("| {word} | {:.4} | {:.4} |", all * 1e3, inside * 1e3);
+    }
+}
+
+/// For each row whether every reading lies within what the fitted rows span.
+fn within_range(fitted: &Measurements, rows: &Measurements) -> Vec<bool> {
+    let joints = fitted.reading(0).len();
+    let span = |joint: usize| {
+        let values = (0..fitted.len()).map(|row| fitted.reading(row)[joint]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    };
+    let spans: Vec<[f64; 2]> = (0..joints).map(span).collect();
+    let inside =
+        |row: usize| rows.reading(row).iter().zip(&spans).all(|(value, [low, high])| low <= value && value <= high);
+    (0..rows.len()).map(inside).collect()
+}
+
+/// Position error in m, root mean square: of all rows judged, and of those within the range.
+fn predicted(
+    found: &Calibration,
+    statics: &Statics,
+    placing: &Measurements,
+    judged: &Measurements,
+    within: &[bool],
+) -> [f64; 2] {
+    let chain = &statics.chain;
+    let options = denavit_calibrate::IdentifyOptions {
+        freedom: Freedom::placement(chain.joints().len()),
+        ..denavit_calibrate::IdentifyOptions::axes(chain)
+    };
+    // The drawn robot finds where they stand roughly; the model then says it exactly.
+    let guess = identify(chain, placing, &options).nominal.arm;
+    let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());
+    let start = Arm { joints: found.arm().joints.clone(), ..guess };
+    let weights = vec![1.0; placing.observations()];
+    let model = found.effects(statics);
+    let arm = if model.effects.is_empty() && model.curves.is_empty() {
+        fit(placing, &layout, &start, &NoEffects, &weights, &FitOptions::default()).arm
+    } else {
+        fit(placing, &layout, &start, &Held(model.clone()), &weights, &FitOptions::default()).arm
+    };
+    let errors = residuals(&arm, &Held(model), judged);
+    let rms = |rows: &dyn Fn(usize) -> bool| {
+        let squares: Vec<f64> =
+            errors.iter().filter(|error| rows(error.row)).map(|error| error.place.norm_squared()).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    [rms(&|_| true), rms(&|row| within[row])]
+}

@@ -1,0 +1,101 @@
+//! How much an earlier calibration counts: as much as the new rows bear out.
+//!
+//! A posterior is surer of itself than a real robot deserves: what its model lacked was taken for noise, and an arm may have
+//! been knocked since. The earlier rows are therefore counted with a power between 0 and 1 (the power prior of Ibrahim and
+//! Chen): the largest of a few beside which no other makes the new rows clearly more probable,
+//!
+//! ```text
+//! log p(rows | w) = - ½ Σ_channels (N log σ² + RSS/σ²) - ½ δᵀ P_w δ + ½ log |P_w| + ½ log |C_w|
+//! ```
+//! with P_w the prior's precision, C_w the joints' covariance after the fit and δ their departure from the prior's mean, on
+//! the directions that the common frame leaves (MacKay 1992, Neural Computation 4, 415: Laplace's approximation).
+
+use crate::identify::solve::{Fit, FitOptions};
+use crate::identify::{IdentifyOptions, fit_stage};
+use crate::observation::arm::Arm;
+use crate::observation::gauge;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::NoEffects;
+use denavit_model::nalgebra::{DMatrix, DVector};
+
+/// The weights that are tried.
+const WEIGHTS: [f64; 8] = [1.0, 0.5, 0.2, 0.1, 0.03, 0.01, 1e-3, 0.0];
+/// What the rows must gain in log probability before less than all is counted: odds of 20 to 1.
+const CONTRADICTED: f64 = 3.0;
+/// A condition smaller than this share of the largest is rounding.
+const SAYS_NOTHING: f64 = 1e-9;
+
+/// The geometric fit that goes on from an earlier calibration, and the weight at which it counts.
+///
+/// While the weight is chosen, which rows are gross outliers is decided without the earlier calibration, so that it cannot
+/// reject what contradicts it.
+pub(super) fn continued(
+    data: &Measurements,
+    start: &Arm,
+    weights: &[f64],
+    options: &IdentifyOptions,
+) -> (Fit<NoEffects>, f64) {
+    let counted = |weight: f64, robust: bool| IdentifyOptions {
+        earlier: options.earlier.as_ref().map(|earlier| earlier.counted(weight)),
+        fit: FitOptions { robust, ..options.fit },
+        ..options.clone()
+    };
+    let alone = fit_stage(data, start, &NoEffects, weights, &counted(0.0, options.fit.robust));
+    let tried = WEIGHTS.map(|weight| {
+        let fit = fit_stage(data, &alone.arm, &NoEffects, &alone.weights, &counted(weight, false));
+        (weight, if fit.settled() { log_evidence(data, &fit) } else { f64::NEG_INFINITY })
+    });
+    let best = tried.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
+    let enough = tried.iter().find(|(_, evidence)| *evidence >= best - CONTRADICTED);
+    let weight = enough.map_or(0.0, |(weight, _)| *weight);
+    (fit_stage(data, start, &NoEffects, weights, &counted(weight, options.fit.robust)), weight)
+}
+
+/// Logarithm of the rows' probability under the layout's prior, up to what no weight changes.
+fn log_evidence(data: &Measurements, fit: &Fit<NoEffects>) -> f64 {
+    let channels = &data.scene.channels;
+    let mut sums = vec![0.0; channels.len()];
+    for (at, square) in fit.squares.iter().enumerate() {
+        for (part, channel) in data.series_of(at).channels.iter().enumerate() {
+            if let Some(channel) = channel {
+                sums[*channel] += fit.weights[at] * square[part];
+            }
+        }
+    }
+    let of_rows: f64 = sums
+        .iter()
+        .zip(&fit.values)
+        .zip(&fit.noise.levels)
+        .map(|((sum, count), level)| count * level.powi(2).ln() + sum / level.powi(2))
+        .sum();
+    let count = fit.layout.joints.len();
+    let unit = DVector::from_fn(count, |k, _| fit.layout.parameters[k].tolerance.unwrap_or(1.0));
+    let free = free_directions(fit, &unit);
+    let prior = &fit.layout.prior;
+    let departure = prior.departure(&fit.layout.difference(&fit.arm, &fit.arm));
+    let charge = departure.dot(&(&prior.precision * &departure));
+    let precision = DMatrix::from_fn(count, count, |i, k| prior.precision[(i, k)] * unit[i] * unit[k]);
+    let covariance = DMatrix::from_fn(count, count, |i, k| fit.covariance[(i, k)] / (unit[i] * unit[k]));
+    let log_determinant = |matrix: &DMatrix<f64>| {
+        let values = (free.transpose() * matrix * &free).symmetric_eigenvalues();
+        values.iter().map(|value| value.max(f64::MIN_POSITIVE).ln()).sum::<f64>()
+    };
+    0.5 * (log_determinant(&precision) + log_determinant(&covariance) - of_rows - charge)
+}
+
+/// Orthonormal directions of the joints' parameters, in tolerances, that the common frame leaves.
+fn free_directions(fit: &Fit<NoEffects>, unit: &DVector<f64>) -> DMatrix<f64> {
+    let count = unit.len();
+    let mut held = gauge::conditions(&fit.layout, &fit.arm).rows(0, count).into_owned();
+    for (mut row, unit) in held.row_iter_mut().zip(unit.iter()) {
+        row.scale_mut(*unit);
+    }
+    let sizes: Vec<f64> = held.column_iter().map(|column| column.norm()).collect();
+    let largest = sizes.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    for (mut column, size) in held.column_iter_mut().zip(sizes) {
+        column.scale_mut(if size > SAYS_NOTHING * largest { size.recip() } else { 0.0 });
+    }
+    let eigen = (&held * held.transpose()).symmetric_eigen();
+    let free: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] < SAYS_NOTHING).collect();
+    eigen.eigenvectors.select_columns(&free)
+}

@@ -1,0 +1,319 @@
+//! What a calibration knows of the axes, kept for the next one: mean, standard deviations and correlations of the joints'
+//! parameters, and the axes as drawn that they are counted from.
+//!
+//! ```json
+//! {"schema": "denavit.prior/1", "robot": "arm", "base": "base", "tip": "tool0",
+//!  "parameters": [{"parameter": "j1.turn_x", "change": 1e-4, "std": 2e-5, "unit": "rad"}, …],
+//!  "posterior": {"drawn": {"j1": [0, 0, 1, 0, 0, 0], …}, "correlations": [[], [0.3], [0.1, -0.2], …]}}
+//! ```
+//! A calibration's own JSON holds the same fields. `drawn`: twist `[omega; v]` of each axis as drawn, base frame, m and rad.
+//! Row k of `correlations` holds those of parameter k with the parameters before it.
+
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Scene;
+use crate::observation::parameters::{Freedom, Layout, Parameter, ParameterKind, Tolerances};
+use crate::observation::prior::KnownBefore;
+use denavit_model::Chain;
+use denavit_model::nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// Version of the form that holds nothing else.
+pub const SCHEMA: &str = "denavit.prior/1";
+/// Version of a calibration's own JSON.
+pub const CALIBRATION_SCHEMA: &str = "denavit.calibration/2";
+/// Axes drawn this far apart, m and rad, are two drawings.
+const SAME_DRAWING: f64 = 1e-6;
+
+/// What a fit knows of the axes beside the parameters' values and standard deviations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Posterior {
+    /// Twist `[omega; v]` of each joint's axis as drawn, base frame.
+    pub drawn: BTreeMap<String, [f64; 6]>,
+    /// For each parameter its correlations with those before it.
+    pub correlations: Vec<Vec<f64>>,
+}
+
+/// A parameter as it was identified.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KnownParameter {
+    /// Its name, such as `elbow_joint.turn_x`.
+    pub parameter: String,
+    /// Departure from the drawing, in the unit.
+    pub change: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// `rad`, `m`, `m/rad` or `1`.
+    pub unit: String,
+}
+
+/// The axes as an earlier calibration left them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Earlier {
+    schema: String,
+    /// The robot's name.
+    pub robot: String,
+    /// Name of the base link.
+    pub base: String,
+    /// Name of the tip link.
+    pub tip: String,
+    /// The joints' parameters.
+    pub parameters: Vec<KnownParameter>,
+    /// How they hang together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<Posterior>,
+    /// How much of it counts, from 0 to 1.
+    #[serde(skip, default = "in_full")]
+    pub weight: f64,
+}
+
+fn in_full() -> f64 {
+    1.0
+}
+
+/// Why an earlier calibration is none of this robot.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EarlierError {
+    /// No JSON, or not of this form.
+    #[error("{file}: not a calibration ({why}); give what denavit calibrate --json wrote")]
+    Form {
+        /// The file.
+        file: String,
+        /// What the parser says.
+        why: String,
+    },
+    /// Another version.
+    #[error("{file}: schema is \"{found}\", which holds no prior; give what denavit calibrate --json wrote")]
+    Schema {
+        /// The file.
+        file: String,
+        /// As written.
+        found: String,
+    },
+    /// Written before correlations were, or nothing was identified.
+    #[error("{file}: {why}, so nothing can be continued from it; calibrate again with the rows of then")]
+    Nothing {
+        /// The file.
+        file: String,
+        /// What it lacks.
+        why: String,
+    },
+    /// A number that cannot be.
+    #[error("{file}: {parameter}: {why}; make the file again")]
+    Number {
+        /// The file.
+        file: String,
+        /// The parameter.
+        parameter: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// A joint or a parameter that this chain does not have.
+    #[error("{file}: the chain {base} → {tip} has no {name}; choose the robot, base and tip of then ({then})")]
+    OtherChain {
+        /// The file.
+        file: String,
+        /// The joint or the parameter.
+        name: String,
+        /// The chain's base.
+        base: String,
+        /// The chain's tip.
+        tip: String,
+        /// Robot, base and tip of the file.
+        then: String,
+    },
+    /// The same names, other axes.
+    #[error(
+        "{file}: {joint} was drawn elsewhere (by {apart:.3} mm and mrad) when the robot was calibrated; give the robot as it \
+         was drawn then, not its calibrated URDF"
+    )]
+    OtherDrawing {
+        /// The file.
+        file: String,
+        /// The joint.
+        joint: String,
+        /// mm and mrad.
+        apart: f64,
+    },
+}
+
+impl Posterior {
+    /// Of a fit's joints; `None` where it has no free axes.
+    pub fn of<E>(fit: &Fit<E>) -> Option<Self> {
+        let joints = fit.layout.joints.clone();
+        let correlation = |i: usize, k: usize| {
+            let size = fit.deviation(i) * fit.deviation(k);
+            if size > 0.0 { (fit.covariance[(i, k)] / size).clamp(-1.0, 1.0) } else { 0.0 }
+        };
+        let correlations = joints.clone().map(|i| (0..i).map(|k| correlation(i, k)).collect()).collect();
+        (!joints.is_empty()).then(|| Self { drawn: drawn(&fit.arm.nominal), correlations })
+    }
+}
+
+fn drawn(chain: &Chain) -> BTreeMap<String, [f64; 6]> {
+    chain.joints().iter().map(|joint| (joint.name.clone(), joint.screw.twist().into())).collect()
+}
+
+impl Earlier {
+    /// Reads what `denavit calibrate --json` wrote, or a file that holds a prior alone, for this chain.
+    ///
+    /// # Errors
+    /// Another form, another robot, or the same robot drawn elsewhere.
+    pub fn read(file: &str, text: &str, chain: &Chain) -> Result<Self, EarlierError> {
+        let form = |error: serde_json::Error| EarlierError::Form { file: file.into(), why: error.to_string() };
+        let any: serde_json::Value = serde_json::from_str(text).map_err(form)?;
+        let found = any["schema"].as_str().unwrap_or("missing");
+        if found != SCHEMA && found != CALIBRATION_SCHEMA {
+            return Err(EarlierError::Schema { file: file.into(), found: found.into() });
+        }
+        let earlier: Self = serde_json::from_value(any).map_err(form)?;
+        earlier.check(file, chain)?;
+        Ok(earlier)
+    }
+
+    /// What is known of a robot's axes from its siblings: means and standard deviations, each parameter by itself.
+    pub fn of_siblings(chain: &Chain, parameters: Vec<KnownParameter>) -> Self {
+        let correlations = (0..parameters.len()).map(|k| vec![0.0; k]).collect();
+        Self {
+            schema: SCHEMA.into(),
+            robot: chain.name().into(),
+            base: chain.base().into(),
+            tip: chain.tip().into(),
+            parameters,
+            posterior: Some(Posterior { drawn: drawn(chain), correlations }),
+            weight: 1.0,
+        }
+    }
+
+    /// As JSON text, indented.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("names are texts and numbers are numbers") + "\n"
+    }
+
+    fn check(&self, file: &str, chain: &Chain) -> Result<(), EarlierError> {
+        let nothing = |why: &str| EarlierError::Nothing { file: file.into(), why: why.into() };
+        let Some(posterior) = &self.posterior else {
+            return Err(nothing(if self.parameters.is_empty() {
+                "no axis was identified"
+            } else {
+                "it holds no correlations of the parameters"
+            }));
+        };
+        let other_chain = |name: &str| EarlierError::OtherChain {
+            file: file.into(),
+            name: name.into(),
+            base: chain.base().into(),
+            tip: chain.tip().into(),
+            then: format!("{}, {} → {}", self.robot, self.base, self.tip),
+        };
+        let number = |parameter: &str, why: &str| EarlierError::Number {
+            file: file.into(),
+            parameter: parameter.into(),
+            why: why.into(),
+        };
+        if posterior.correlations.len() != self.parameters.len() {
+            let why = format!("{} rows where {} belong", posterior.correlations.len(), self.parameters.len());
+            return Err(number("posterior.correlations", &why));
+        }
+        let joint = |name: &str| chain.joints().iter().find(|joint| joint.name == name);
+        if let Some(name) = posterior.drawn.keys().find(|name| joint(name).is_none()) {
+            return Err(other_chain(name));
+        }
+        for (joint, then) in posterior.drawn.iter().filter_map(|(name, then)| Some((joint(name)?, then))) {
+            let now = joint.screw.twist();
+            let apart = now.iter().zip(then).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if !apart.is_finite() || apart > SAME_DRAWING {
+                return Err(EarlierError::OtherDrawing {
+                    file: file.into(),
+                    joint: joint.name.clone(),
+                    apart: apart * 1e3,
+                });
+            }
+        }
+        let own = every_parameter(chain);
+        for (index, (known, row)) in self.parameters.iter().zip(&posterior.correlations).enumerate() {
+            let name = &known.parameter;
+            let Some(parameter) = own.iter().find(|own| own.name == *name) else {
+                return Err(other_chain(name));
+            };
+            if self.parameters[..index].iter().any(|before| before.parameter == *name) {
+                return Err(number(name, "it stands there twice"));
+            }
+            if parameter.unit != known.unit {
+                return Err(number(name, &format!("its unit is \"{}\", not \"{}\"", parameter.unit, known.unit)));
+            }
+            if !known.change.is_finite() || !known.std.is_finite() || known.std < 0.0 {
+                return Err(number(name, "its change and std must be finite, std not below 0"));
+            }
+            if row.len() != index || row.iter().any(|value| !(-1.0..=1.0).contains(value)) {
+                return Err(number(name, &format!("it needs {index} correlations between -1 and 1")));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the layout's joints are known by; what was identified then and is held now has no part in it.
+    fn known(&self, layout: &Layout) -> KnownBefore {
+        let parameters = &layout.parameters[layout.joints.clone()];
+        let at = |name: &str| parameters.iter().position(|parameter| parameter.name == name);
+        let kept: Vec<(usize, usize)> = (0..self.parameters.len())
+            .filter_map(|then| at(&self.parameters[then].parameter).map(|now| (then, now)))
+            .collect();
+        let correlation = |i: usize, k: usize| match (&self.posterior, i.cmp(&k)) {
+            (_, std::cmp::Ordering::Equal) => 1.0,
+            (Some(posterior), std::cmp::Ordering::Greater) => posterior.correlations[i][k],
+            (Some(posterior), std::cmp::Ordering::Less) => posterior.correlations[k][i],
+            (None, _) => 0.0,
+        };
+        let of = |i: usize| &self.parameters[kept[i].0];
+        KnownBefore {
+            indices: kept.iter().map(|(_, now)| *now).collect(),
+            weight: self.weight,
+            mean: DVector::from_fn(kept.len(), |i, _| of(i).change),
+            covariance: DMatrix::from_fn(kept.len(), kept.len(), |i, k| {
+                correlation(kept[i].0, kept[k].0) * of(i).std * of(k).std
+            }),
+        }
+    }
+
+    /// The layout with its joints expected where the earlier calibration left them.
+    pub fn in_layout(&self, layout: Layout, chain: &Chain, tolerances: &Tolerances) -> Layout {
+        let known = self.known(&layout);
+        layout.knowing(chain, tolerances, &known)
+    }
+
+    /// The same, counted with another weight.
+    #[must_use]
+    pub fn counted(&self, weight: f64) -> Self {
+        Self { weight, ..self.clone() }
+    }
+
+    /// What was identified then stays free, whatever else is.
+    #[must_use]
+    pub fn freed(&self, chain: &Chain, freedom: &Freedom) -> Freedom {
+        let mut freed = freedom.clone();
+        for parameter in every_parameter(chain) {
+            if !self.parameters.iter().any(|known| known.parameter == parameter.name) {
+                continue;
+            }
+            match parameter.kind {
+                ParameterKind::Turn { joint, .. } | ParameterKind::Move { joint, .. } => freed.axes[joint] = true,
+                ParameterKind::Pitch { joint } => freed.pitches[joint] = true,
+                ParameterKind::Scale { joint } => freed.scales[joint] = true,
+                _ => {}
+            }
+        }
+        freed
+    }
+}
+
+/// All that a fit could free of a chain's joints.
+fn every_parameter(chain: &Chain) -> Vec<Parameter> {
+    let all = vec![true; chain.joints().len()];
+    let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all };
+    let mut layout = Layout::new(chain, &Scene::default(), &freedom, &Tolerances::default(), Vec::new());
+    layout.parameters.truncate(layout.joints.end);
+    layout.parameters
+}

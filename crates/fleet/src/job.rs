@@ -1,0 +1,118 @@
+//! Entries that other processes compute: they are handed jobs and hand back Parquet, and one process keeps the store.
+//!
+//! Only the process that holds the store writes it. So a worker that is lost, or that works on though nobody waits for it any
+//! more, can leave nothing half done, and needs no folder that it may write into.
+
+use crate::error::FleetError;
+use crate::key::{Robots, key};
+use crate::manifest::Entry;
+use crate::run::{MERGED_AT, Outcome, RunReport, replaced};
+use crate::store::table::Rows;
+use crate::store::{Held, Slot};
+use crate::tasks;
+use denavit_calibrate::identify::stop::Stop;
+use denavit_calibrate::identify::threads::dealt;
+use serde::{Deserialize, Serialize};
+use std::collections::{HashMap, HashSet};
+
+/// An entry that is not in the store yet. As JSON it goes to another process.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// The key of the run.
+    pub key: String,
+    /// What to do.
+    pub entry: Entry,
+}
+
+/// What a job found, on its way to the store.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Computed {
+    /// Name of each table that has rows, and its Parquet.
+    pub tables: Vec<(String, Vec<u8>)>,
+    /// Why it was not done: the row of `runs` says it, too.
+    pub error: Option<String>,
+}
+
+impl Job {
+    /// Does the job, on this thread alone; paths are taken from the working directory.
+    ///
+    /// # Errors
+    /// The files that are found here are not those that the key was made of, or this is another version of denavit.
+    pub fn compute(&self) -> Result<Computed, FleetError> {
+        if key(&self.entry, &Robots::default()) != self.key {
+            return Err(FleetError::OtherFiles(self.entry.serial.clone()));
+        }
+        Ok(self.work(&Stop::default())?.expect("nobody asks it to stop"))
+    }
+
+    /// `None`: it was asked to stop.
+    pub(crate) fn work(&self, stop: &Stop) -> Result<Option<Computed>, FleetError> {
+        let Some((tables, error)) = tasks::rows(&self.entry, &self.key, stop) else { return Ok(None) };
+        let filled = tables.iter().filter(|rows| !rows.rows.is_empty());
+        let parquet = |rows: &Rows| Ok((rows.table.name.to_owned(), rows.parquet()?));
+        Ok(Some(Computed { tables: filled.map(parquet).collect::<Result<_, FleetError>>()?, error }))
+    }
+}
+
+/// A run over a fleet whose jobs are done elsewhere: what there is to do, and what came back.
+#[derive(Debug)]
+pub struct Ledger {
+    held: Held,
+    entries: Vec<Entry>,
+    keys: HashSet<String>,
+    finished: HashMap<String, Slot>,
+    kept: HashSet<String>,
+    report: RunReport,
+}
+
+impl Ledger {
+    /// The run, and the jobs that are to be done: each once, in the manifest's order.
+    ///
+    /// # Errors
+    /// A file of the store cannot be read.
+    pub fn open(entries: Vec<Entry>, held: Held) -> Result<(Self, Vec<Job>), FleetError> {
+        let finished = held.store.finished()?;
+        let robots = Robots::default();
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let of_entries = dealt(entries.iter(), threads, || (), |(), entry| key(entry, &robots));
+        let mut report = RunReport::of(&held.store, entries.len());
+        let mut keys = HashSet::new();
+        let mut jobs = Vec::new();
+        for (entry, key) in entries.iter().zip(of_entries) {
+            if keys.insert(key.clone()) && !finished.contains_key(&key) {
+                jobs.push(Job { key, entry: entry.clone() });
+            } else {
+                report.count(entry, &Outcome::Known);
+            }
+        }
+        Ok((Self { held, entries, keys, finished, kept: HashSet::new(), report }, jobs))
+    }
+
+    /// Writes what a job found. The same job a second time changes nothing.
+    ///
+    /// # Errors
+    /// The store cannot be written; what was kept before stays in it.
+    pub fn keep(&mut self, job: &Job, found: &Computed) -> Result<(), FleetError> {
+        if !self.kept.insert(job.key.clone()) {
+            return Ok(());
+        }
+        self.held.store.add(&job.key, &found.tables)?;
+        self.report.count(&job.entry, &found.error.clone().map_or(Outcome::Done, Outcome::Failed));
+        if self.kept.len().is_multiple_of(MERGED_AT) {
+            self.held.store.merge(&HashSet::new())?;
+        }
+        Ok(())
+    }
+
+    /// Ends the run and lets go of the store. Runs of older inputs or options go, but for those whose new result did not come.
+    ///
+    /// # Errors
+    /// The store cannot be written; what was kept before stays in it.
+    pub fn close(self) -> Result<RunReport, FleetError> {
+        let Self { held, entries, keys, finished, kept, report } = self;
+        let missing = |key: &String| !kept.contains(key) && !finished.contains_key(key);
+        let gone = if keys.iter().any(missing) { HashSet::new() } else { replaced(&entries, &finished, &keys) };
+        held.store.merge(&gone)?;
+        Ok(report.in_order(gone.len()))
+    }
+}

@@ -1,0 +1,180 @@
+//! A run over a fleet: here, or by jobs that are handed to other processes.
+
+#![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
+
+use crate::errors::{Class, Spot, argument, broken, error, load};
+use denavit_fleet::manifest::{self, Entry};
+use denavit_fleet::store::{Held, Store};
+use denavit_fleet::{Computed, FleetError, Job, Ledger, Outcome, RunOptions, RunReport};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::{Mutex, mpsc};
+use std::time::Duration;
+
+/// How long the interpreter is left alone before it is asked whether somebody wants to stop.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+fn fleet(failure: &FleetError) -> PyErr {
+    let message = failure.to_string();
+    match failure {
+        FleetError::Load(failure) => load(failure),
+        FleetError::Manifest { .. } => error(Class::Manifest, &message, Spot::default()),
+        FleetError::Store { file, .. } | FleetError::NotOurs { file, .. } => {
+            error(Class::Store, &message, Spot::file(&file.display().to_string()))
+        }
+        FleetError::Busy(folder) | FleetError::NoStore(folder) => {
+            error(Class::Store, &message, Spot::file(&folder.display().to_string()))
+        }
+        _ => error(Class::Store, &message, Spot::default()),
+    }
+}
+
+fn opened(manifest: &str, set: &[(String, String)], store: &Path) -> Result<(Vec<Entry>, Held), FleetError> {
+    let entries = manifest::read(manifest, set)?;
+    Ok((entries, Store::hold(store)?))
+}
+
+fn json(report: &RunReport) -> PyResult<String> {
+    serde_json::to_string(report).map_err(|failure| broken(&failure.to_string()))
+}
+
+/// A job that stands as JSON.
+fn job(text: &str) -> PyResult<Job> {
+    serde_json::from_str(text).map_err(|failure| argument(format!("this is no job of a fleet: {failure}")))
+}
+
+/// Runs a manifest into a store in this process; `progress` is called with each robot that ends and with how many there are.
+/// The result is the contract of `denavit fleet run --json`.
+#[pyfunction]
+#[pyo3(signature = (manifest, set, store, threads, progress))]
+pub fn fleet_run(
+    py: Python<'_>,
+    manifest: &str,
+    set: Vec<(String, String)>,
+    store: std::path::PathBuf,
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    let (entries, held) = py.detach(|| opened(manifest, &set, &store)).map_err(|failure| fleet(&failure))?;
+    let mut options = RunOptions::default();
+    if threads > 0 {
+        options.threads = threads;
+    }
+    let (stop, count) = (options.stop.clone(), entries.len());
+    let (tell, told) = mpsc::channel();
+    // Behind a lock, as only then may another thread wait for it while the interpreter goes on.
+    let told = Mutex::new(told);
+    let run = std::thread::spawn(move || {
+        let tell = |entry: &Entry, _: &Outcome| match tell.send(entry.serial.clone()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(mpsc::SendError(_)) => ControlFlow::Break(()),
+        };
+        denavit_fleet::run(&entries, &held, &options, &tell)
+    });
+    let wait = || {
+        let mut ended = 0;
+        loop {
+            let next = py.detach(|| told.lock().expect("receiving does not panic").recv_timeout(PATIENCE));
+            py.check_signals()?;
+            match next {
+                Ok(serial) => {
+                    ended += 1;
+                    if let Some(progress) = progress {
+                        progress.call1((ended, count, serial))?;
+                    }
+                }
+                Err(mpsc::RecvTimeoutError::Disconnected) => return Ok(()),
+                Err(mpsc::RecvTimeoutError::Timeout) => {}
+            }
+        }
+    };
+    if let Err(interrupted) = wait() {
+        stop.ask();
+        // What it ended with is of no interest any more; what it finished is in the store.
+        let _ = py.detach(|| run.join());
+        return Err(interrupted);
+    }
+    let report = py.detach(|| run.join()).unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    json(&report.map_err(|failure| fleet(&failure))?)
+}
+
+/// Serial, date, task, and the job as JSON.
+type JobToDo = (String, Option<String>, &'static str, String);
+
+/// Name and Parquet of each table that has rows, and why the job was not done.
+type Found<'py> = (Vec<(String, Bound<'py, PyBytes>)>, Option<String>);
+
+/// A run whose jobs other processes do; this one alone writes the store.
+#[pyclass(frozen, module = "denavit._denavit")]
+pub struct FleetLedger {
+    ledger: Mutex<Option<Ledger>>,
+    jobs: Vec<Job>,
+    #[pyo3(get)]
+    entries: usize,
+}
+
+#[pymethods]
+impl FleetLedger {
+    /// Holds the store and finds out what is to be done.
+    #[new]
+    #[pyo3(signature = (manifest, set, store))]
+    fn new(py: Python<'_>, manifest: &str, set: Vec<(String, String)>, store: std::path::PathBuf) -> PyResult<Self> {
+        let open = || {
+            let (entries, held) = opened(manifest, &set, &store)?;
+            Ok((entries.len(), Ledger::open(entries, held)?))
+        };
+        let (entries, (ledger, jobs)) = py.detach(open).map_err(|failure| fleet(&failure))?;
+        Ok(Self { ledger: Mutex::new(Some(ledger)), jobs, entries })
+    }
+
+    /// Serial, date and task of each job that is to be done, and the job as JSON for `fleet_compute`.
+    fn jobs(&self) -> PyResult<Vec<JobToDo>> {
+        let of = |job: &Job| {
+            let text = serde_json::to_string(job).map_err(|failure| broken(&failure.to_string()))?;
+            let Entry { serial, date, task, .. } = &job.entry;
+            Ok((serial.clone(), date.map(|day| day.to_string()), task.name(), text))
+        };
+        self.jobs.iter().map(of).collect()
+    }
+
+    /// Writes what the job at this place of `jobs` found.
+    fn keep(
+        &self,
+        py: Python<'_>,
+        index: usize,
+        tables: Vec<(String, PyBackedBytes)>,
+        error: Option<String>,
+    ) -> PyResult<()> {
+        let job = self.jobs.get(index).ok_or_else(|| argument(format!("there is no job {index}")))?;
+        let mut ledger = self.ledger.lock().expect("writing does not panic");
+        let ledger = ledger.as_mut().ok_or_else(closed)?;
+        let tables = tables.into_iter().map(|(name, parquet)| (name, parquet.to_vec())).collect();
+        py.detach(|| ledger.keep(job, &Computed { tables, error })).map_err(|failure| fleet(&failure))
+    }
+
+    /// Ends the run and lets go of the store; the result is the contract of `denavit fleet run --json`.
+    fn close(&self, py: Python<'_>) -> PyResult<String> {
+        let ledger = self.ledger.lock().expect("writing does not panic").take().ok_or_else(closed)?;
+        json(&py.detach(|| ledger.close()).map_err(|failure| fleet(&failure))?)
+    }
+
+    /// Lets go of the store where the run is broken off; what was kept stays in it.
+    fn leave(&self) {
+        drop(self.ledger.lock().expect("writing does not panic").take());
+    }
+}
+
+fn closed() -> PyErr {
+    argument("this run over a fleet has ended")
+}
+
+/// Does a job in this process, on one thread: name and Parquet of each table, and why it was not done where it was not.
+#[pyfunction]
+pub fn fleet_compute<'py>(py: Python<'py>, text: &str) -> PyResult<Found<'py>> {
+    let job = job(text)?;
+    let Computed { tables, error } = py.detach(|| job.compute()).map_err(|failure| fleet(&failure))?;
+    Ok((tables.into_iter().map(|(name, parquet)| (name, PyBytes::new(py, &parquet))).collect(), error))
+}
