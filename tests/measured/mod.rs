@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod closed_loop;
+mod contact;
 mod exports;
 mod watch;
 

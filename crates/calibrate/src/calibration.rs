@@ -508,7 +508,8 @@ fn enough(data: &Measurements) -> Result<(), CalibrateError> {
 fn needed_to_place(scene: &Scene) -> usize {
     let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
     let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
-    6 * instruments + 3 * (scene.points.len() + scene.targets.len() + turns)
+    let planes = (0..scene.setups.len()).filter(|&setup| scene.has_plane(setup)).count();
+    6 * instruments + 3 * (planes + scene.points.len() + scene.targets.len() + turns)
 }
 
 struct Stages<'a> {

@@ -109,11 +109,19 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     let first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });
     let (geometric, weight) = match &options.earlier {
         Some(_) => continued::continued(data, &first.arm, &weights, options),
-        None => (fit_stage(data, &first.arm, &NoEffects, &weights, options), 0.0),
+        None => {
+            let staged = |arm: &Arm| fit_stage(data, arm, &NoEffects, &weights, options);
+            (initial_guess::with_plates_turned(data, staged(&first.arm), &staged), 0.0)
+        }
     };
     let layout = &first.layout;
     let plain = FitOptions { robust: false, ..options.fit };
-    let nominal = fit(data, layout, &first.arm, &NoEffects, &geometric.weights, &plain);
+    // Its plates lie as those of the geometry: these are told from the ones that are turned over.
+    let mut start = first.arm.clone();
+    for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_plane(setup)) {
+        start.instruments[setup] = geometric.arm.instruments[setup];
+    }
+    let nominal = fit(data, layout, &start, &NoEffects, &geometric.weights, &plain);
     let earlier = options.earlier.as_ref().map(|earlier| {
         let tolerances = &options.tolerances;
         let free = Layout::new(chain, &data.scene, &options.freedom, tolerances, Vec::new());

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod camera;
+mod contact;
 mod curves;
 mod diagnosis;
 mod exports;

@@ -8,7 +8,7 @@ use denavit_calibrate::ObservationKind;
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::observation::board::Sight;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
+use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, PLANE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
 use denavit_load::measured::{self as load, DataFile, HashedFile, moving};
@@ -198,5 +198,7 @@ pub fn kind(measure: MeasureName) -> ObservationKind {
         MeasureName::Poses => POSE,
         MeasureName::Positions => POSITION,
         MeasureName::Distances => DISTANCE,
+        MeasureName::Planes => PLANE,
+        MeasureName::Dial => DIAL,
     }
 }

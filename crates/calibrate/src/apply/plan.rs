@@ -96,6 +96,12 @@ pub enum PlanError {
     /// A chain of more joints than can be planned for.
     #[error(transparent)]
     TooManyJoints(#[from] TooManyJoints),
+    /// What is observed holds the target: postures are not chosen freely.
+    #[error(
+        "poses cannot be chosen for {}: whoever brings the target into contact chooses them; spread them as widely as the arm can",
+        .0.plural()
+    )]
+    Held(ObservationKind),
     /// Numbers of the robot that are too far apart in size.
     #[error(
         "the information of these poses cannot be computed: lengths of the robot, the target's or the anchor's place are too \
@@ -165,6 +171,9 @@ const MOST_SWEEPS: usize = 20;
 pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
     within_proportion(chain)?;
     can_be_identified(chain)?;
+    if options.kind.holds_the_target() {
+        return Err(PlanError::Held(options.kind));
+    }
     let all = candidates(chain, options)?;
     let total = all.len();
     let mut arm = Arm::new(chain, &Scene::of(options.kind, 1));

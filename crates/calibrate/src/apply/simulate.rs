@@ -1,6 +1,7 @@
 //! Measurement files for trials and teaching: a robot that differs from its drawing, an instrument, noise. Seeded.
 
 pub mod columns;
+mod contact;
 pub mod effect_specification;
 pub mod files;
 mod sight;
@@ -10,7 +11,7 @@ use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
 use crate::observation::board::Sight;
 use crate::observation::kinds::{Disturbance, ObservationKind, POSITION, Seen};
-use crate::observation::measurements::{Covariate, Measurements, Scene};
+use crate::observation::measurements::{Covariate, Label, Measurements, Scene};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Coordinate, Pose, se3};
@@ -76,7 +77,11 @@ impl Default for SimulationOptions {
 impl SimulationOptions {
     /// Postures to choose from for each row: a camera does not see its board in all of them.
     pub fn tries(&self) -> usize {
-        if self.kind.of_a_board() { sight::TRIES } else { 1 }
+        match self.kind {
+            kind if kind.of_a_board() => sight::TRIES,
+            kind if kind.holds_the_target() => contact::TRIES,
+            _ => 1,
+        }
     }
 }
 
@@ -164,6 +169,9 @@ fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
 /// What is seen: the corners of the board, or so many targets.
 fn scene(options: &SimulationOptions, targets: usize) -> Scene {
     let board = || Scene::of_board(options.kind, options.sight.as_ref()?, 1.0);
+    if options.kind.holds_the_target() {
+        return contact::scene(options);
+    }
     let of_board = options.kind.of_a_board().then(board).flatten();
     of_board.unwrap_or_else(|| Scene::of_several(options.kind, targets))
 }
@@ -193,6 +201,9 @@ fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng)
             target.rotation = Rotation3::from_scaled_axis(normal_vector(random, 0.5));
         }
     }
+    if options.kind.holds_the_target() {
+        contact::within_reach(&mut arm, random);
+    }
     if let Some(sight) = options.sight.as_ref().filter(|_| options.kind.of_a_board()) {
         sight::face_each_other(&mut arm, &scene, sight, random);
     }
@@ -208,6 +219,9 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     }
     if options.kind.of_a_board() {
         readings = sight::that_see_enough(arm, &scene(options, 1), readings, options.rows);
+    }
+    if options.kind.holds_the_target() {
+        readings = contact::touching(arm, options, readings, random);
     }
     let mut data = unmeasured(arm, options, &readings);
     let seen = match &options.before {
@@ -269,10 +283,20 @@ fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> 
     let mut data = Measurements::empty("simulation", joints, scene);
     data.covariates.clone_from(&options.covariates);
     let nothing = vec![0.0; options.kind.numbers()];
+    let touches = options.kind.holds_the_target();
+    if touches {
+        // The column that tells the planes apart.
+        let name = options.kind.label().unwrap_or("setup").to_owned();
+        let planes = data.scene.setups.iter().map(|setup| setup.split(' ').next().unwrap_or("").to_owned());
+        data.labels.push(Label { name, values: planes.cycle().take(readings.len()).collect() });
+    }
     let (mut state, still) = (RowState::default(), Perturbation::none(arm.joints.len()));
     for (row, reading) in readings.iter().enumerate() {
         arm.state_into(reading, None, &mut state);
         for (index, series) in data.scene.series.iter().enumerate() {
+            if touches && index != row % data.scene.series.len() {
+                continue;
+            }
             if series.kind.in_view(&Seen::new(arm, &state.tip, &still, series, &nothing, false)) {
                 data.observed.push(index, &nothing);
             }

@@ -56,7 +56,7 @@ pub struct Placed {
 /// Where everything beside the robot was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Placements {
-    /// instrument_from_base of each setup whose instrument's frame was seen.
+    /// instrument_from_base of each setup whose instrument's frame was seen; of a plane a frame in which it is z = 0.
     pub instruments: Vec<Placed>,
     /// tip_from_target of each target.
     pub targets: Vec<Placed>,
@@ -116,7 +116,8 @@ pub(super) fn placements(result: &Calibration) -> Placements {
             quaternion: turns.then_some([xyzw.x, xyzw.y, xyzw.z, xyzw.w]),
         }
     };
-    let setups = scene.setups.iter().enumerate().filter(|(setup, _)| scene.has_instrument(*setup));
+    let seen = |setup: usize| scene.has_instrument(setup) || scene.has_plane(setup);
+    let setups = scene.setups.iter().enumerate().filter(|(setup, _)| seen(*setup));
     let targets = scene.targets.iter().enumerate();
     let points = scene.points.iter().zip(&arm.points);
     Placements {

@@ -7,6 +7,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, se3};
+use std::collections::BTreeSet;
 
 /// Rows that the search for a start looks at.
 const ROWS_FOR_START: usize = 60;
@@ -41,7 +42,47 @@ pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options:
         }
         None => start(chain, data, weights, &layout),
     };
-    fit(data, &layout, &start, &NoEffects, weights, options)
+    let placed = |arm: &Arm| fit(data, &layout, arm, &NoEffects, weights, options);
+    with_plates_turned(data, placed(&start), &placed)
+}
+
+/// A plate turned round must leave less than this share of the squares to be taken.
+const TURNED_IS_BETTER: f64 = 0.9;
+
+/// The fit with every plate on the side on which it leaves least: readings that count up where the fit has them count down leave
+/// a minimum of their own, which no step leads out of.
+pub(crate) fn with_plates_turned(
+    data: &Measurements,
+    mut found: Fit<NoEffects>,
+    fit: &dyn Fn(&Arm) -> Fit<NoEffects>,
+) -> Fit<NoEffects> {
+    let reads = |observation: usize| {
+        let kind = data.series_of(observation).kind;
+        kind.unknowns().plane && kind.numbers() > 0
+    };
+    let of_plates: Vec<usize> = (0..data.observations()).filter(|&observation| reads(observation)).collect();
+    let left = |fit: &Fit<NoEffects>| of_plates.iter().map(|&at| fit.squares[at][0]).sum::<f64>();
+    let setups: BTreeSet<usize> = of_plates.iter().map(|&at| data.series_of(at).setup).collect();
+    // Each may be right only when the others are.
+    for _ in &setups {
+        let before = left(&found);
+        for &setup in &setups {
+            let own = of_plates.iter().filter(|&&at| data.series_of(at).setup == setup);
+            let read: Vec<f64> = own.map(|&at| data.observed.values(at)[0]).collect();
+            let middle = read.iter().sum::<f64>() / read.len() as f64;
+            let over = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+            let mut arm = found.arm.clone();
+            arm.instruments[setup] = se3::pose(over, Vector3::new(0.0, 0.0, 2.0 * middle)) * arm.instruments[setup];
+            let turned = fit(&arm);
+            if left(&turned) < TURNED_IS_BETTER * left(&found) {
+                found = turned;
+            }
+        }
+        if left(&found) >= before {
+            break;
+        }
+    }
+    found
 }
 
 /// Rows spread over the run that do for placing the robot as drawn; `None` where that takes all of them.
@@ -59,7 +100,7 @@ pub(crate) fn some_rows(data: &Measurements) -> Option<Measurements> {
 
 /// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.
 fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -> Arm {
-    if data.scene.setups.len() > 1 {
+    if data.scene.setups.len() > 1 && data.scene.has_instruments() {
         return assembled(chain, data, weights);
     }
     let rows = usable_rows(data, weights);
@@ -195,9 +236,28 @@ fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3
             pose.rotation = nearest_rotation(&sum);
         }
     }
+    place_planes(data, tips, &mut arm);
     let points = places_of_points(data, tips, &arm).into_iter();
     arm.points = points.map(|places| places.first().copied().unwrap_or_default()).collect();
     arm
+}
+
+/// Puts planes where the rows that touch them have them, the targets being where this arm has them.
+fn place_planes(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
+    for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_plane(setup)) {
+        let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
+        for (row, tip) in tips.iter().enumerate() {
+            for observation in data.of_row(row).filter(|&observation| data.series_of(observation).setup == setup) {
+                let series = data.series_of(observation);
+                predicted.push((tip * Point3::from(arm.targets[series.target].translation.vector)).coords);
+                values.push(data.observed.values(observation));
+                kind = Some(series.kind);
+            }
+        }
+        if let Some(plane) = kind.and_then(|kind| kind.plane(&predicted, &values)) {
+            arm.instruments[setup] = plane;
+        }
+    }
 }
 
 /// For each point where it may stand, the targets being where this arm has them.
@@ -296,8 +356,10 @@ fn point_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose])
     offsets.into_iter().flat_map(move |offset| {
         let mut arm = Arm::new(chain, &data.scene);
         arm.targets.iter_mut().for_each(|target| target.translation.vector = offset);
+        place_planes(data, tips, &mut arm);
         let places = places_of_points(data, tips, &arm);
-        let most = places.iter().map(Vec::len).max().unwrap_or(0);
+        // Planes alone have one place each.
+        let most = places.iter().map(Vec::len).max().unwrap_or(1);
         (0..most).map(move |choice| {
             let at = |places: &Vec<Vector3<f64>>| places.get(choice).or(places.first()).copied().unwrap_or_default();
             Arm { points: places.iter().map(at).collect(), ..arm.clone() }

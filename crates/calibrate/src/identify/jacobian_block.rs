@@ -26,6 +26,7 @@ fn depends_on(part: &Part, kind: ParameterKind) -> bool {
         | ParameterKind::Point { .. }
         | ParameterKind::Target { .. } => false,
         ParameterKind::Instrument { component, .. } => component < 3,
+        ParameterKind::Plane { component, .. } => component < 2,
         _ => true,
     }
 }

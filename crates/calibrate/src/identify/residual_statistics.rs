@@ -231,6 +231,10 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
         }
     }
     place_points(&mut placed, &fit.effects, data, &unplaced);
+    let planes = (0..here.setups.len()).filter(|&setup| here.has_plane(setup));
+    for plane in planes.filter(|&setup| !known.setups.contains(&here.setups[setup])) {
+        place_plane(&mut placed, &fit.effects, data, plane);
+    }
     Ok(placed)
 }
 
@@ -254,6 +258,24 @@ fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, poi
         if let Some(place) = kind.and_then(|kind| kind.points(&predicted, &values).first().copied()) {
             arm.points[point] = place;
         }
+    }
+}
+
+/// Puts a plane that no fit has seen where the rows that touch it have it.
+fn place_plane<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
+    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
+    for row in 0..data.len() {
+        for observation in data.of_row(row).filter(|&observation| data.series_of(observation).setup == setup) {
+            let (series, own) = (data.series_of(observation), data.observed.values(observation));
+            stand(arm, effects, data, row, &mut state, &mut perturbation);
+            predicted.push(Seen::new(arm, &state.tip, &perturbation, series, own, false).predicted);
+            values.push(own);
+            kind = Some(series.kind);
+        }
+    }
+    if let Some(plane) = kind.and_then(|kind| kind.plane(&predicted, &values)) {
+        arm.instruments[setup] = plane;
     }
 }
 

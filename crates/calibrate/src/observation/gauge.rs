@@ -40,6 +40,10 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
                     at_centre.dot(if direction == 0 { &basis.a } else { &basis.b })
                 }
                 ParameterKind::Instrument { component, .. } => -f64::from(u8::from(component == column)),
+                ParameterKind::Plane { setup, component } => {
+                    let motion = Vector6::new(omega.x, omega.y, omega.z, v.x, v.y, v.z);
+                    -se3::adjoint_times(&arm.instruments[setup], &motion)[[0, 1, 5][component]]
+                }
                 ParameterKind::Point { point, component } => (v + omega.cross(&arm.points[point]))[component],
                 ParameterKind::Target { target, component } => {
                     let point = home.rotation * arm.targets[target].translation.vector + home.translation.vector;

@@ -4,8 +4,10 @@
 //! the same for all: it moves and turns the target, and the kind says how its residual follows ([`Follows`]). What a kind
 //! knows beside the target (an instrument's frame, an anchor, a socket) it takes from the [`Scene`](crate::observation::measurements::Scene).
 
+mod dial;
 mod distance;
 mod pixel;
+mod plane;
 mod pose;
 mod position;
 mod socket;
@@ -31,8 +33,14 @@ pub const SOCKET: ObservationKind = ObservationKind(&socket::Socket);
 /// A corner of a board in a camera's image.
 pub const PIXEL: ObservationKind = ObservationKind(&pixel::Pixel);
 
+/// A ball that touches a plane.
+pub const PLANE: ObservationKind = ObservationKind(&plane::Plane);
+
+/// A dial gauge on a plate.
+pub const DIAL: ObservationKind = ObservationKind(&dial::Dial);
+
 /// Every kind; of those whose columns a file has, the first is meant.
-pub const KINDS: [ObservationKind; 5] = [POSE, POSITION, DISTANCE, SOCKET, PIXEL];
+pub const KINDS: [ObservationKind; 7] = [POSE, POSITION, DISTANCE, SOCKET, PIXEL, PLANE, DIAL];
 
 /// A kind of observation, by reference to its definition.
 #[derive(Clone, Copy)]
@@ -84,6 +92,8 @@ pub struct Part {
 pub struct Unknowns {
     /// The frame of the instrument, in which it reads.
     pub instrument: bool,
+    /// The plane z = 0 of such a frame alone.
+    pub plane: bool,
     /// The orientation of the target on the tip.
     pub turn: bool,
     /// A point that stands still in the base frame, and what it is called.
@@ -259,6 +269,16 @@ pub trait Observe: Sync {
     /// was measured there.
     fn points(&self, _predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Vec<Vector3<f64>> {
         Vec::new()
+    }
+
+    /// The frame of the plane, given predicted places of the target (m, base frame) and what was measured there.
+    fn plane(&self, _predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Option<Pose> {
+        None
+    }
+
+    /// The column whose texts tell apart what it is of.
+    fn label(&self) -> Option<&'static str> {
+        self.unknowns().point
     }
 
     /// What observations of one target in one row and setup say together, where none of them says it alone: another kind, and

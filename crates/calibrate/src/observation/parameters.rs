@@ -46,6 +46,14 @@ pub enum ParameterKind {
         /// 0 to 5.
         component: usize,
     },
+    /// The frame of a setup of which only the plane z = 0 is seen, in its own axes: rotations about x and y (rad), translation
+    /// along z (m).
+    Plane {
+        /// Index of the setup.
+        setup: usize,
+        /// 0 to 2.
+        component: usize,
+    },
     /// A point's place, base frame, m.
     Point {
         /// Index of the point.
@@ -162,6 +170,8 @@ pub struct Layout {
     pub targets: Range<usize>,
     /// First parameter of each setup's instrument, where one is seen.
     pub instruments: Vec<Option<usize>>,
+    /// First parameter of each setup's plane, where only that is seen.
+    pub planes: Vec<Option<usize>>,
     /// First parameter of each point.
     pub points: Vec<usize>,
     /// First parameter of each target's place.
@@ -212,6 +222,7 @@ impl Layout {
             targets: 0..0,
             joints,
             instruments: Vec::new(),
+            planes: Vec::new(),
             points: Vec::new(),
             places: Vec::new(),
             turns: Vec::new(),
@@ -241,6 +252,17 @@ impl Layout {
             }
             self.instruments.push(first);
         }
+        for (setup, name) in scene.setups.iter().enumerate() {
+            let mut add = |component: usize| {
+                let (word, unit) = [("turn_x", "rad"), ("turn_y", "rad"), ("z", "m")][component];
+                free(format!("{name}.{word}"), ParameterKind::Plane { setup, component }, unit)
+            };
+            let first = scene.has_plane(setup).then(|| add(0));
+            if first.is_some() {
+                (1..3).for_each(|component| _ = add(component));
+            }
+            self.planes.push(first);
+        }
         for (point, name) in scene.points.iter().enumerate() {
             let mut add = |component: usize| {
                 free(format!("{name}.{}", AXES[component]), ParameterKind::Point { point, component }, "m")
@@ -248,7 +270,8 @@ impl Layout {
             self.points.push(add(0));
             (1..3).for_each(|component| _ = add(component));
         }
-        let start = self.joints.end + 6 * self.instruments.iter().flatten().count() + 3 * self.points.len();
+        let planes = self.planes.iter().flatten().count();
+        let start = self.joints.end + 6 * self.instruments.iter().flatten().count() + 3 * (planes + self.points.len());
         // Numbers follow the word, names stand apart from it.
         let called = |name: &str| {
             let space = if name.starts_with(|c: char| c.is_alphabetic()) { " " } else { "" };
@@ -304,6 +327,7 @@ impl Layout {
             effects: self.joints.end..self.joints.end + count,
             targets: shift(self.targets.start)..shift(self.targets.end),
             instruments: self.instruments.iter().map(|column| column.map(shift)).collect(),
+            planes: self.planes.iter().map(|column| column.map(shift)).collect(),
             points: self.points.iter().copied().map(shift).collect(),
             places: self.places.iter().copied().map(shift).collect(),
             turns: self.turns.iter().map(|column| column.map(shift)).collect(),
@@ -329,6 +353,7 @@ impl Layout {
         let joints = arm.joints.len();
         let (mut turned, mut moved, mut pitch) = (vec![[0.0; 2]; joints], vec![[0.0; 2]; joints], vec![0.0; joints]);
         let mut instruments = vec![Vector6::zeros(); arm.instruments.len()];
+        let mut planes = vec![Vector6::zeros(); arm.instruments.len()];
         let mut turns = vec![Vector3::zeros(); arm.targets.len()];
         for (parameter, &delta) in self.parameters.iter().zip(step) {
             match parameter.kind {
@@ -340,6 +365,7 @@ impl Layout {
                 }
                 ParameterKind::Effect { .. } => {}
                 ParameterKind::Instrument { setup, component } => instruments[setup][component] = delta,
+                ParameterKind::Plane { setup, component } => planes[setup][[0, 1, 5][component]] = delta,
                 ParameterKind::Point { point, component } => result.points[point][component] += delta,
                 ParameterKind::Target { target, component } => {
                     result.targets[target].translation.vector[component] += delta;
@@ -357,6 +383,12 @@ impl Layout {
             if *step != Vector6::zeros() {
                 let moved = *instrument * se3::exp(step);
                 *instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+            }
+        }
+        for (plane, step) in result.instruments.iter_mut().zip(&planes) {
+            if *step != Vector6::zeros() {
+                let moved = se3::exp(step) * *plane;
+                *plane = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
             }
         }
         for (target, step) in result.targets.iter_mut().zip(&turns) {
@@ -401,7 +433,10 @@ impl Layout {
                 (arm.targets[target].translation.vector - reference.targets[target].translation.vector)[component]
             }
             ParameterKind::TargetTurn { target, component } => turns[target][component],
-            ParameterKind::Effect { .. } | ParameterKind::Instrument { .. } | ParameterKind::Point { .. } => 0.0,
+            ParameterKind::Effect { .. }
+            | ParameterKind::Instrument { .. }
+            | ParameterKind::Plane { .. }
+            | ParameterKind::Point { .. } => 0.0,
         };
         self.parameters.iter().map(of).collect()
     }

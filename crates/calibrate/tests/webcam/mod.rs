@@ -48,15 +48,27 @@ fn derivatives(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> 
 /// Error of predicted pixels in images that were not fitted, over what the Cramér-Rao bound allows for them: 1 where
 /// nothing better can be had from these data and the prior; root mean square over the runs of these seeds.
 pub fn efficiency(on_hand: bool, seeds: Range<u64>) -> f64 {
-    let chain = panda();
+    let sigma =
+        |data: &Measurements, options: &SimulationOptions| options.noise_pixel * data.scene.per_pixel(0).unwrap();
+    efficiency_of(&panda(), &webcam(on_hand), sigma, seeds)
+}
+
+/// The same of what is measured with these options; `sigma`: standard deviation of one value, m.
+pub fn efficiency_of(
+    chain: &Chain,
+    options: &SimulationOptions,
+    sigma: fn(&Measurements, &SimulationOptions) -> f64,
+    seeds: Range<u64>,
+) -> f64 {
     let (mut found, mut allowed) = (0.0, 0.0);
     for seed in seeds {
-        let options = SimulationOptions { seed, ..webcam(on_hand) };
-        let run = simulate(&chain, &options, &NoEffects);
-        let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
-        let later = SimulationOptions { seed: seed + 1_000_000, noise_pixel: 0.0, ..options.clone() };
+        let options = SimulationOptions { seed, ..options.clone() };
+        let run = simulate(chain, &options, &NoEffects);
+        let fit = identify(chain, &run.data, &IdentifyOptions::axes(chain)).geometric;
+        let later =
+            SimulationOptions { seed: seed + 1_000_000, noise_pixel: 0.0, noise_position: 0.0, ..options.clone() };
         let test = simulate_arm(&run.arm, &later, &NoEffects).data;
-        let sigma = options.noise_pixel * run.data.scene.per_pixel(0).unwrap();
+        let sigma = sigma(&run.data, &options);
         let layout = &fit.layout;
         // Parameters in units of a thousandth, for the numbers' sake.
         let unit = vec![1e-3; layout.len()];

@@ -13,6 +13,10 @@ pub enum MeasureName {
     Positions,
     /// Distance of a target from one fixed anchor, as a draw-wire sensor measures it
     Distances,
+    /// Readings with a ball on the tip that touches planes: plane
+    Planes,
+    /// Readings of a dial gauge on the tip that stands on plates: dial, setup
+    Dial,
 }
 
 /// What effects follow, where no file says it.

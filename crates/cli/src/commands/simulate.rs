@@ -6,7 +6,7 @@ use crate::measured;
 use crate::output::{Outputs, Slot, Status};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
 use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_readings};
+use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
 use denavit_calibrate::observation::kinds::PIXEL;
 use denavit_model::Chain;
 use std::path::Path;
@@ -34,6 +34,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         Failure::Argument(match error {
             FilesError::Effect(error) => format!("--effect {error}"),
             FilesError::Column(error) => format!("--columns: {error}"),
+            FilesError::EffectsInContact => format!("--effect: {error}"),
+            FilesError::OutOfReach { .. } => format!("--rows: {error}"),
             FilesError::OutOfSight { .. } => format!("--camera: {error}"),
             FilesError::Targets(count) => format!("--targets {count}: {error}"),
             other => format!("{}: {other}", arguments.effects.as_deref().unwrap_or("--effects")),
@@ -61,7 +63,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         ));
     }
     let kind = if sight.is_some() { PIXEL } else { measured::kind(arguments.measure) };
-    let tries = if kind.of_a_board() { TRIES } else { 1 };
+    let tries = SimulationOptions { kind, ..SimulationOptions::default() }.tries();
     let readings = match &arguments.poses {
         Some(file) => measured::joint_values(file, chain, &arguments.units)?,
         None => commanded_readings(chain, arguments.rows as usize * tries, arguments.seed),

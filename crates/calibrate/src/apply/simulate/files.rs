@@ -64,6 +64,17 @@ pub enum FilesError {
         /// Rows asked for.
         wanted: usize,
     },
+    /// Effects where nothing is read.
+    #[error("effects are not simulated with readings on planes; take a dial gauge, whose readings show them")]
+    EffectsInContact,
+    /// Postures that do not come to their planes.
+    #[error("the arm comes to its planes in {found} of {wanted} rows only; ask for fewer, or try another seed")]
+    OutOfReach {
+        /// Rows that touch one.
+        found: usize,
+        /// Rows asked for.
+        wanted: usize,
+    },
     /// An effect follows what is not recorded.
     #[error("{kind} follows \"{column}\"; record it with --columns \"{column}\"")]
     NotRecorded {
@@ -83,6 +94,11 @@ pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &Fil
     if options.targets > 1 && !options.kind.of_several() {
         return Err(FilesError::Targets(options.targets));
     }
+    let contact = options.kind.holds_the_target();
+    let any_effect = !asked.specifications.is_empty() || !effects.effects.is_empty();
+    if contact && options.kind.numbers() == 0 && any_effect {
+        return Err(FilesError::EffectsInContact);
+    }
     options.covariates = columns(&asked.columns, chain, options.rows, 0, options.seed)?;
     for effect in &effects.effects {
         for column in recorded::needed(&effect.term, chain) {
@@ -96,8 +112,10 @@ pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &Fil
     let mut model = effects;
     model.effects.extend(granted(&asked.specifications, statics, &bare, options.seed)?.effects);
     let run = simulate(chain, &options, &model);
-    let enough = |found: usize, wanted: usize| {
-        if found < wanted { Err(FilesError::OutOfSight { found, wanted }) } else { Ok(()) }
+    let enough = |found: usize, wanted: usize| match contact {
+        _ if found >= wanted => Ok(()),
+        true => Err(FilesError::OutOfReach { found, wanted }),
+        false => Err(FilesError::OutOfSight { found, wanted }),
     };
     enough(run.data.len(), options.rows)?;
     let comments = |rows: usize, kind: ObservationKind| {

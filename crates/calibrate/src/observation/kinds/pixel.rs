@@ -85,7 +85,7 @@ impl Observe for Pixel {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { instrument: true, turn: true, point: None }
+        Unknowns { instrument: true, turn: true, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

@@ -34,7 +34,7 @@ impl Observe for Pose {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { instrument: true, turn: true, point: None }
+        Unknowns { instrument: true, turn: true, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

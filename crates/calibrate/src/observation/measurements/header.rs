@@ -152,7 +152,7 @@ fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
             let columns = kind.columns(&target);
             let free =
                 |column: &String| names.contains(column) && !groups.iter().any(|group| group.columns.contains(column));
-            let label = kind.unknowns().point.and_then(|word| names.iter().position(|name| name == word));
+            let label = kind.label().and_then(|word| names.iter().position(|name| name == word));
             let known = groups.iter().any(|group| group.kind == kind && columns.is_empty());
             if columns.iter().all(free) && !known && (label.is_some() || !columns.is_empty()) {
                 let target = kind.own_target().map_or(target, String::from);

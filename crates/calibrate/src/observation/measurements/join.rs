@@ -104,9 +104,11 @@ impl Measurements {
     pub fn apart(&self, setups: &[String]) -> Result<(Self, Self), String> {
         let placement = |observation: usize| {
             let series = self.series_of(observation);
+            let setup = self.scene.setups[series.setup].as_str();
+            let plane = setup.strip_suffix(series.kind.own_setup()).map_or("", str::trim_end);
             let point = series.point.map_or("", |point| label_of(&self.scene.points[point]));
             let placement = point.rsplit_once('/').map_or("", |(placement, _)| placement);
-            [self.scene.setups[series.setup].as_str(), placement]
+            [setup, plane, placement]
         };
         let of = |row: usize, name: &str| self.of_row(row).any(|observation| placement(observation).contains(&name));
         if let Some(unknown) = setups.iter().find(|name| !(0..self.len()).any(|row| of(row, name))) {
@@ -121,12 +123,18 @@ impl Measurements {
 /// The names of setup, target and point in a setup of this name; what keeps to the tip keeps its name.
 pub(super) fn in_setup(kind: ObservationKind, setup: &str, target: &str, point: &str) -> (String, String, String) {
     let own = kind.own_setup();
+    // A plane is a setup, and its label tells it apart.
+    let (setup, point) = match (kind.unknowns().plane, setup.is_empty()) {
+        (true, true) => (point.to_owned(), ""),
+        (true, false) if !point.is_empty() => (format!("{setup}/{point}"), ""),
+        _ => (setup.to_owned(), point),
+    };
     if setup.is_empty() {
         return (own.into(), target.into(), point.into());
     }
-    let separate = if point.is_empty() { setup.to_owned() } else { format!("{setup}/{point}") };
+    let separate = if point.is_empty() { setup.clone() } else { format!("{setup}/{point}") };
     let target = if kind.own_target().is_some() { target.into() } else { format!("{target}@{setup}") };
-    let setup = if own.is_empty() { setup.to_owned() } else { format!("{setup} {own}") };
+    let setup = if own.is_empty() { setup } else { format!("{setup} {own}") };
     (setup, target, separate)
 }
 

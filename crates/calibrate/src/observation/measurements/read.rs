@@ -366,7 +366,8 @@ impl<'a> Table<'a> {
         // What no label tells apart is there although no row may see it.
         for (group, of) in header.groups.iter().enumerate() {
             if header.setup.is_none() && of.label.is_none() && of.corner.is_none() {
-                series.push((group, String::new(), String::new(), data.scene.add(of.kind, "", &of.target, None)));
+                let (setup, target, _) = in_setup(of.kind, "", &of.target, "");
+                series.push((group, String::new(), String::new(), data.scene.add(of.kind, &setup, &target, None)));
             }
         }
         Self { header, factors, data, others, normalised_by: 0.0, series, spreads: Vec::new(), images: None }

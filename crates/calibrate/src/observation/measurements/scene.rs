@@ -217,6 +217,11 @@ impl Scene {
         self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().instrument)
     }
 
+    /// Whether a setup's frame is seen by its plane z = 0 alone.
+    pub fn has_plane(&self, setup: usize) -> bool {
+        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().plane)
+    }
+
     /// Whether anything is read in an instrument's frame.
     pub fn has_instruments(&self) -> bool {
         self.series.iter().any(|series| series.kind.unknowns().instrument)

@@ -1,0 +1,122 @@
+//! A ball on the tip that touches a plane: a plate, a table, a wall of which nothing is known but that it is flat.
+//!
+//! r = -(X p)·z, m, with X the frame of the plane, whose plane z = 0 it is, and p the middle of the ball. Nothing is read: the
+//! joint readings are the measurement. The ball's radius is part of where the plane is found.
+
+use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
+use crate::observation::measurements::Problem;
+use crate::observation::parameters::{Layout, Sensitivity};
+use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use denavit_model::{Pose, se3};
+
+#[derive(Debug)]
+pub(super) struct Plane;
+
+/// The target in the plane's own frame, m.
+pub(super) fn in_plane(seen: &Seen<'_>) -> Vector3<f64> {
+    (seen.instrument() * Point3::from(seen.predicted)).coords
+}
+
+/// Direction of the plane's normal, base frame.
+pub(super) fn normal(seen: &Seen<'_>) -> Vector3<f64> {
+    seen.instrument().rotation.inverse() * Vector3::z()
+}
+
+/// Columns of the plane where heights above it are `stretched` by this: turns about its x and y, shift along its z.
+pub(super) fn plane_columns(seen: &Seen<'_>, layout: &Layout, stretched: f64, rows: &mut Rows<'_>) {
+    let Some(column) = layout.planes[seen.series.setup] else { return };
+    let there = in_plane(seen);
+    rows.put(0, column, &[-there.y * stretched, there.x * stretched, -stretched]);
+}
+
+/// The plane that these places (m, base frame) are nearest to, their heights above it being as read, m: the direction in which
+/// they spread least, either way round.
+pub(super) fn through(places: &[Vector3<f64>], heights: &[f64]) -> Option<Pose> {
+    let count = places.len() as f64;
+    if places.is_empty() {
+        return None;
+    }
+    let middle = places.iter().sum::<Vector3<f64>>() / count;
+    let height = heights.iter().sum::<f64>() / count;
+    let spread = places.iter().map(|place| (place - middle) * (place - middle).transpose()).sum::<Matrix3<f64>>();
+    let along = spread.symmetric_eigen();
+    let normal = along.eigenvectors.column(along.eigenvalues.imin()).normalize();
+    let left = |normal: &Vector3<f64>| -> f64 {
+        let pairs = places.iter().zip(heights);
+        pairs.map(|(place, read)| (read - height - normal.dot(&(place - middle))).powi(2)).sum()
+    };
+    let normal = if left(&-normal) < left(&normal) { -normal } else { normal };
+    let rotation = se3::least_rotation(&normal, &Vector3::z());
+    let rotation = Rotation3::from_matrix_unchecked(*rotation.matrix());
+    Some(se3::pose(rotation, Vector3::new(0.0, 0.0, height) - rotation * middle))
+}
+
+impl Observe for Plane {
+    fn name(&self) -> &'static str {
+        "plane"
+    }
+
+    fn plural(&self) -> &'static str {
+        "readings on planes"
+    }
+
+    fn place(&self) -> Part {
+        Part { word: "height", height: 1, unit: "m", by_turn: false }
+    }
+
+    fn unknowns(&self) -> Unknowns {
+        Unknowns { plane: true, ..Unknowns::default() }
+    }
+
+    fn numbers(&self) -> usize {
+        0
+    }
+
+    fn discrepancy(&self, seen: &Seen<'_>) -> Discrepancy {
+        Discrepancy { place: Vector3::new(-in_plane(seen).z, 0.0, 0.0), turn: Vector3::zeros() }
+    }
+
+    fn follows(&self, seen: &Seen<'_>) -> Follows {
+        Follows::Line(normal(seen))
+    }
+
+    fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, _left: &Matrix3<f64>, rows: &mut Rows<'_>) {
+        plane_columns(seen, layout, 1.0, rows);
+    }
+
+    fn plane(&self, predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Option<Pose> {
+        through(predicted, &vec![0.0; predicted.len()])
+    }
+
+    fn predict(&self, _seen: &Seen<'_>, _values: &mut Vec<f64>) {}
+
+    fn disturb(&self, _values: &mut [f64], _errors: &mut Disturbance<'_>) {}
+
+    fn holds_the_target(&self) -> bool {
+        true
+    }
+
+    fn own_target(&self) -> Option<&'static str> {
+        Some("ball")
+    }
+
+    fn own_setup(&self) -> &'static str {
+        "plane"
+    }
+
+    fn label(&self) -> Option<&'static str> {
+        Some("plane")
+    }
+
+    fn columns(&self, _target: &str) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn of_cells(&self, _cells: &[f64], _values: &mut Vec<f64>) -> Result<f64, Problem> {
+        Ok(0.0)
+    }
+
+    fn by_effect(&self, _seen: &Seen<'_>, _effect: &Sensitivity) -> Vector3<f64> {
+        Vector3::zeros()
+    }
+}
