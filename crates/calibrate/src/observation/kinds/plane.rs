@@ -116,6 +116,10 @@ impl Observe for Plane {
         Ok(0.0)
     }
 
+    fn lengths(&self) -> usize {
+        0
+    }
+
     fn by_effect(&self, _seen: &Seen<'_>, _effect: &Sensitivity) -> Vector3<f64> {
         Vector3::zeros()
     }
