@@ -4,6 +4,7 @@ pub mod adoption;
 pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
+pub mod monitor;
 pub mod prediction;
 pub mod rows;
 
@@ -28,7 +29,7 @@ use crate::identify::residual_statistics::{Errors, Residual, TestError, errors, 
 use crate::identify::solve::{Fit, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::arm::Arm;
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{Effects, NoEffects};
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::{Finding, Trace, TraceOptions, trace};
@@ -494,16 +495,20 @@ fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option
 }
 
 fn enough(data: &Measurements) -> Result<(), CalibrateError> {
-    let scene = &data.scene;
-    let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
-    let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
-    let needed = 6 * instruments + 3 * (scene.points.len() + scene.targets.len() + turns);
+    let needed = needed_to_place(&data.scene);
     let (postures, values) = different(data);
     if values <= needed {
         let (file, rows) = (data.source.clone(), data.len());
         return Err(CalibrateError::TooFewRows { file, rows, postures, values, needed });
     }
     Ok(())
+}
+
+/// Numbers to find before any geometry: where instruments, points and targets are.
+fn needed_to_place(scene: &Scene) -> usize {
+    let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
+    let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
+    6 * instruments + 3 * (scene.points.len() + scene.targets.len() + turns)
 }
 
 struct Stages<'a> {
@@ -615,20 +620,25 @@ fn fresh(data: Measurements, test: Option<Measurements>) -> (Measurements, Optio
     (data, test, stale)
 }
 
+/// Whether a row has the measured values of the row before, digit for digit, although a joint moved.
+fn repeats_the_row_before(data: &Measurements, row: usize) -> bool {
+    let values = |row: usize| -> Vec<f64> {
+        data.of_row(row).flat_map(|observation| data.observed.values(observation).to_vec()).collect()
+    };
+    if row == 0 {
+        return false;
+    }
+    let (before, here) = (values(row - 1), values(row));
+    let moved = data.reading(row - 1).iter().zip(data.reading(row)).any(|(a, b)| (a - b).abs() > MOVED);
+    moved && here.len() >= 3 && before == here && !data.locate[row]
+}
+
 /// The rows without those that repeat the measured values of the row before, digit for digit, although a joint moved: the
 /// instrument's reading is then that of the posture before. Also the lines of those rows.
 ///
 /// One number alone may repeat by chance: rows of three and more are looked at.
 fn without_stale_rows(data: Measurements) -> (Measurements, Vec<usize>) {
-    let values = |row: usize| -> Vec<f64> {
-        data.of_row(row).flat_map(|observation| data.observed.values(observation).to_vec()).collect()
-    };
-    let repeats = |row: usize| {
-        let (before, here) = (values(row - 1), values(row));
-        let moved = data.reading(row - 1).iter().zip(data.reading(row)).any(|(a, b)| (a - b).abs() > MOVED);
-        moved && here.len() >= 3 && before == here && !data.locate[row]
-    };
-    let (stale, kept): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|&row| row > 0 && repeats(row));
+    let (stale, kept): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|&row| repeats_the_row_before(&data, row));
     // Where many repeat, that is how the file is written, and not a reading that came late.
     if stale.is_empty() || 20 * stale.len() > data.len() {
         return (data, Vec::new());
