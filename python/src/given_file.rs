@@ -3,7 +3,7 @@
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, error, load, measured};
 use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};
-use denavit_load::measured::{DataFile, sight};
+use denavit_load::measured::{DataFile, HashedFile, sight};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -61,6 +61,7 @@ impl Given {
             import::joints(&file, &text)
                 .map_err(|failure| error(Class::Argument, &failure.to_string(), Spot::file(&file)))
         });
+        let camera_file = self.camera.as_ref().map(|(file, text)| HashedFile::of(file, text.as_bytes()));
         let camera = self.camera.map(|(file, text)| sight(&file, &text, self.board.as_deref(), self.on_hand));
         let import = ImportOptions {
             map: map.transpose()?,
@@ -71,7 +72,8 @@ impl Given {
             sight: camera.transpose().map_err(|failure| measured(&failure))?,
         };
         let units = self.units.parse().map_err(|failure| option("units", &failure))?;
-        Ok(DataFile { name: self.name, bytes: self.content.into_bytes(), units, import })
+        let (name, bytes) = (self.name, self.content.into_bytes());
+        Ok(DataFile { name, bytes, units, import, camera: camera_file, ..DataFile::default() })
     }
 }
 

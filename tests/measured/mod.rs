@@ -3,6 +3,7 @@
 mod bad_input;
 mod closed_loop;
 mod exports;
+mod watch;
 
 use crate::golden::snapshot;
 use crate::support::{denavit, denavit_with_input, robot, vendor};
@@ -80,7 +81,7 @@ fn the_measurements_of_the_project_are_made_as_it_says() {
 
 #[test]
 fn helps_of_the_measuring_commands() {
-    for command in ["calibrate", "identify", "plan", "simulate", "compensate"] {
+    for command in ["calibrate", "identify", "measure", "plan", "simulate", "compensate"] {
         snapshot(&format!("help_{command}"), &denavit(&[command, "--help"]).succeeded());
     }
 }

@@ -35,6 +35,13 @@ const KINDS: &[Kind] = &[
     printed("denavit.identifiability/1", "what measurements can tell", "identify arm.urdf --json"),
     printed("denavit.plan/1", "poses to measure", "plan arm.urdf --count 10 --spread 100 --json"),
     Kind {
+        schema: "denavit.measure/1",
+        purpose: "each row while one measures, a line of JSON a row",
+        before: &["simulate arm.urdf --rows 20 -o data.csv"],
+        command: "measure arm.urdf --data data.csv --spread 100 --json",
+        file: None,
+    },
+    Kind {
         schema: "denavit.simulation/1",
         purpose: "what simulated files were made of",
         before: &[],
@@ -111,7 +118,10 @@ fn made(trial: &Trial, kind: &Kind) -> Value {
     let run = trial.run(kind.command);
     assert!(run.code < 2, "{}: {}", kind.command, run.stderr);
     let text = kind.file.map_or(run.stdout, |file| trial.text(file));
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}: {text}", kind.command))
+    // The last of several lines of JSON.
+    let mut values = serde_json::Deserializer::from_str(&text).into_iter::<Value>();
+    let last = values.by_ref().map(|value| value.unwrap_or_else(|error| panic!("{}: {error}: {text}", kind.command)));
+    last.last().unwrap_or_else(|| panic!("{}: nothing", kind.command))
 }
 
 /// Lists cut to two entries where they are longer than four, numbers to six digits.

@@ -18,7 +18,7 @@ mod tracks;
 
 pub use error::BagError;
 pub use rows::{Rows, rows};
-pub use storage::is_bag;
+pub use storage::{files, is_bag};
 
 /// What to take out of a bag.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

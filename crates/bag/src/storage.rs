@@ -51,17 +51,24 @@ fn parts(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
+/// The files that a bag's messages are kept in, in the order of the recording.
+///
+/// # Errors
+/// A folder that cannot be looked into, or holds none.
+pub fn files(name: &str) -> Result<Vec<PathBuf>, BagError> {
+    let path = Path::new(name);
+    let cannot_open = |error: std::io::Error| BagError::Open { file: name.into(), what: error.to_string() };
+    let files = if path.is_dir() { parts(path).map_err(cannot_open)? } else { vec![path.to_owned()] };
+    if files.is_empty() { Err(BagError::NoBag { folder: name.into() }) } else { Ok(files) }
+}
+
 /// Gives every message of a bag to `each`, in the order of the recording's files.
 ///
 /// # Errors
 /// Files that cannot be opened or are no bag; what `each` finds.
 pub(crate) fn messages(name: &str, each: &mut dyn FnMut(Recorded<'_>) -> Result<(), BagError>) -> Result<(), BagError> {
-    let path = Path::new(name);
     let cannot_open = |error: std::io::Error| BagError::Open { file: name.into(), what: error.to_string() };
-    let files = if path.is_dir() { parts(path).map_err(cannot_open)? } else { vec![path.to_owned()] };
-    if files.is_empty() {
-        return Err(BagError::NoBag { folder: name.into() });
-    }
+    let files = files(name)?;
     for file in files {
         let shown = file.display().to_string();
         match extension(&file) {

@@ -1,9 +1,9 @@
 //! A model of one day held against rows of a later one, tracker and target mounted anew: what calibrations promise.
 //!
-//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [SHARE]`
+//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
-//! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER a share of the rows (0.05)
-//! places instrument and target, nothing else; the others are predicted. In the environment: `TIP`, `UNITS`, `SEED`.
+//! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
+//! twenty) place instrument and target, nothing else; the others are predicted. In the environment: `TIP`, `UNITS`, `SEED`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
@@ -52,11 +52,11 @@ fn main() {
         read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
     };
     let (before, later) = (load(&arguments[2]), load(&arguments[3]));
-    let share: f64 = arguments.get(4).map_or(0.05, |word| word.parse().unwrap());
+    let placing: usize = arguments.get(4).map_or(later.len() / 20, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut order: Vec<usize> = (0..later.len()).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-    let (placing, judged) = order.split_at((later.len() as f64 * share).ceil() as usize);
+    let (placing, judged) = order.split_at(placing);
     let [placing, judged] = [placing, judged].map(|rows| {
         let mut rows = rows.to_vec();
         rows.sort_unstable();

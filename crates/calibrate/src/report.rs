@@ -7,6 +7,7 @@ pub mod findings;
 #[cfg(feature = "pages")]
 pub mod html;
 pub mod identifiability;
+pub mod monitor;
 #[cfg(feature = "pages")]
 pub mod plots;
 pub mod rows;

@@ -13,6 +13,7 @@ mod identifiability;
 mod jacobian;
 mod measured;
 mod mixes;
+mod monitor;
 mod oracle;
 mod page;
 mod placing;

@@ -14,7 +14,7 @@ pub use fleet::{
 pub use json::{JsonArguments, with_json_files_joined};
 pub use measured::{
     BagArguments, CalibrateArguments, CameraArguments, CompensateArguments, GivenArguments, IdentifyArguments,
-    ImportArguments, MeasureName, PlanArguments, SimulateArguments,
+    ImportArguments, MeasureArguments, MeasureName, PlanArguments, SimulateArguments,
 };
 pub use program::{CompletionsArguments, ManArguments};
 use std::path::PathBuf;
@@ -74,6 +74,8 @@ pub enum Command {
     Calibrate(Box<CalibrateArguments>),
     /// Say which parameters of a robot measurements can identify, and which not
     Identify(IdentifyArguments),
+    /// Hold each measured row against those before it while you measure, and say which pose would help most next
+    Measure(Box<MeasureArguments>),
     /// Choose the poses to measure that make the robot best observable
     Plan(PlanArguments),
     /// Make measurement files of a robot that differs from its drawing, for trials and teaching

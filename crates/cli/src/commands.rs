@@ -16,6 +16,7 @@ pub mod fk;
 pub mod fleet;
 pub mod identify;
 pub mod man;
+pub mod measure;
 pub mod plan;
 pub mod poe;
 pub mod simulate;

@@ -43,6 +43,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Check(arguments) => commands::check::run(&arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
         Command::Identify(arguments) => commands::identify::run(&arguments),
+        Command::Measure(arguments) => commands::measure::run(&arguments),
         Command::Plan(arguments) => commands::plan::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Compensate(arguments) => commands::compensate::run(&arguments),

@@ -11,7 +11,7 @@ use denavit_calibrate::observation::board::Sight;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
-use denavit_load::measured::{self as load, DataFile, moving};
+use denavit_load::measured::{self as load, DataFile, HashedFile, moving};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -59,7 +59,7 @@ pub fn units(written: &str) -> Result<Units, Failure> {
 /// A file of measurements.
 pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<DataFile, Failure> {
     let (name, bytes) = source::read_bytes(file)?;
-    Ok(DataFile { name, bytes, units, import })
+    Ok(DataFile { name, bytes, units, import, ..DataFile::default() })
 }
 
 /// A file whose columns nobody has to be told of.
@@ -85,7 +85,10 @@ pub fn data_file_or_bag(
     };
     let rows = denavit_bag::rows(file, &asked)?;
     mention(&rows.notes.iter().map(|note| format!("{file}: {note}")).collect::<Vec<_>>());
-    Ok(DataFile { name: file.into(), bytes: rows.csv.into_bytes(), ..DataFile::default() })
+    let unreadable = |error| denavit_bag::BagError::Open { file: file.into(), what: std::io::Error::to_string(&error) };
+    let parts = denavit_bag::files(file)?.into_iter().map(|part| HashedFile::read(&part).map_err(unreadable));
+    let bag = parts.collect::<Result<_, _>>()?;
+    Ok(DataFile { name: file.into(), bytes: rows.csv.into_bytes(), bag, ..DataFile::default() })
 }
 
 /// What the arguments say of the columns of a file of measurements.
@@ -117,9 +120,15 @@ pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Fail
 
 /// The camera that the arguments name.
 pub fn sight(arguments: &CameraArguments) -> Result<Option<Sight>, Failure> {
+    Ok(sight_and_file(arguments)?.map(|(sight, _)| sight))
+}
+
+/// The same, and its file.
+pub fn sight_and_file(arguments: &CameraArguments) -> Result<Option<(Sight, HashedFile)>, Failure> {
     let Some(file) = &arguments.camera else { return Ok(None) };
     let (name, text) = source::read_text(file)?;
-    Ok(Some(load::sight(&name, &text, arguments.board.as_deref(), arguments.on_hand)?))
+    let sight = load::sight(&name, &text, arguments.board.as_deref(), arguments.on_hand)?;
+    Ok(Some((sight, HashedFile::of(&name, text.as_bytes()))))
 }
 
 /// Says what must be known.

@@ -11,7 +11,7 @@ mod tip;
 mod within;
 
 pub use camera::sight;
-pub use origin::prior_read;
+pub use origin::{HashedFile, prior_read};
 pub use rows::{DataFile, Rows, RowsAsked, rows};
 pub use search::{SearchAsked, earlier, freedom, other_chains, search};
 pub use tip::{all_known, without_part_in_the_tip};

@@ -3,6 +3,7 @@
 //! D-optimal design: among candidate poses choose `count` that make det(Jᵀ J / noise² + P) largest, P the prior; greedily,
 //! then by exchange (Fedorov 1972; Mitchell 1974, DETMAX) until no exchange helps.
 
+pub mod next;
 mod written;
 
 use crate::identify::posterior::Earlier;

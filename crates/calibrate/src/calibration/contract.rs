@@ -95,7 +95,7 @@ impl Default for Origin {
     }
 }
 
-/// A file of measurements that was read.
+/// A file of measurements that was read; of a bag each of its files, and of a camera its intrinsics.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FileRead {
     /// Its name, as it was given.
@@ -106,7 +106,7 @@ pub struct FileRead {
     pub sha256: String,
 }
 
-/// What a file of measurements is read for.
+/// What a file is read for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FileUse {
@@ -116,6 +116,8 @@ pub enum FileUse {
     Socket,
     /// Its rows judge the fit.
     Test,
+    /// It holds the intrinsics of the camera whose pixels were read.
+    Camera,
     /// It is an earlier calibration that the fit goes on from.
     Prior,
 }

@@ -293,6 +293,11 @@ pub trait Observe: Sync {
         None
     }
 
+    /// Whether what is observed holds the target, so that postures cannot be chosen freely.
+    fn holds_the_target(&self) -> bool {
+        false
+    }
+
     /// Names of its columns in a file; none where the label of its point says it all.
     fn columns(&self, target: &str) -> Vec<String>;
 

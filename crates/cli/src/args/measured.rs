@@ -233,6 +233,61 @@ pub struct IdentifyArguments {
     pub json: JsonArguments,
 }
 
+const MEASURE_EXAMPLES: &str = "\
+After each row: how far it is from what the rows before it predict, and how far was to be expected; what would explain a row \
+that is out of line (another reflector, a moved base, a joint that stands elsewhere than it reads); which parameters are known \
+worst; which pose would help most next. On a terminal what is known stays at the foot; elsewhere each row is a line. Nothing \
+is known of obstacles: look at a pose before the robot takes it.
+
+With --watch the file may grow, be replaced, or not be there yet; Ctrl-C ends the run. Exit codes: 0 every row fits, 1 rows \
+are out of line, 2 trouble.
+
+Examples:
+  denavit measure arm.urdf --data run.csv --watch
+  denavit measure arm.urdf --data run.csv --watch --units mm,deg --candidates safe_poses.csv
+  some-tool | denavit measure arm.urdf --data - --json        a line of JSON per row
+  denavit measure arm.urdf --data run.csv                     a file that is whole";
+
+/// Arguments of `denavit measure`.
+#[derive(Debug, Args)]
+#[command(after_help = MEASURE_EXAMPLES)]
+pub struct MeasureArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Measurements, or - for standard input, which is read as it comes
+    #[arg(long = "data", value_name = "FILE")]
+    pub file: String,
+    /// Go on when the file has been read: take what is appended to it, until Ctrl-C
+    #[arg(long)]
+    pub watch: bool,
+    /// Units of the data, of the candidates and of the pose to measure next: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// What the columns of an instrument's export are.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// The camera.
+    #[command(flatten)]
+    pub camera: CameraArguments,
+    /// What is fitted beside the axes.
+    #[command(flatten)]
+    pub freedom: FreedomArguments,
+    /// CSV of joint values from which the next pose is chosen [default: spread over the joint limits]
+    #[arg(long, value_name = "FILE")]
+    pub candidates: Option<String>,
+    /// How many to spread over the joint limits
+    #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "candidates",
+        value_parser = clap::value_parser!(u16).range(1..))]
+    pub spread: u16,
+    /// Box in which the target must stay, base frame, m
+    #[arg(long, value_name = "X0,X1,Y0,Y1,Z0,Z1", value_delimiter = ',', allow_hyphen_values = true)]
+    pub r#box: Vec<f64>,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
+}
+
 const PLAN_EXAMPLES: &str = "\
 Chooses, among candidates within the joint limits, the poses that make the determinant of the information largest \
 (D-optimal), and prints the observability indices O1 to O5 beside those of random poses. Nothing is known of obstacles: \

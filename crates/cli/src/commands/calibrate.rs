@@ -222,9 +222,12 @@ fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> 
 /// The files to fit and to judge by.
 fn rows_asked(arguments: &CalibrateArguments, chain: &Chain) -> Result<RowsAsked, Failure> {
     let units = measured::units(&arguments.units)?;
-    let sight = measured::sight(&arguments.camera)?;
+    let (sight, camera) = measured::sight_and_file(&arguments.camera)?.unzip();
     let import = ImportOptions { sight, ..measured::import_options(&arguments.import)? };
-    let read = |file: &String| measured::data_file_or_bag(file, units, import.clone(), &arguments.bag, chain);
+    let read = |file: &String| {
+        let read = measured::data_file_or_bag(file, units, import.clone(), &arguments.bag, chain)?;
+        Ok::<_, Failure>(DataFile { camera: camera.clone(), ..read })
+    };
     Ok(RowsAsked {
         data: arguments.data.iter().map(read).collect::<Result<_, _>>()?,
         sockets: arguments.socket.iter().map(|word| socket(word, units)).collect::<Result<_, _>>()?,

@@ -7,7 +7,6 @@ use denavit_calibrate::calibration::contract::{CalibrationReport, EffectEntry, S
 use denavit_calibrate::calibration::{HoldOut, calibrate};
 use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::observation::measurements::Units;
-use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, rows, search};
 
 pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
@@ -31,7 +30,7 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
         .map_err(|error| TaskError::Units { written: options.units.clone(), reason: format!("{error}") })?;
     let read = |name: &String| {
         let (name, bytes) = denavit_load::read_bytes(name)?;
-        Ok::<_, TaskError>(DataFile { name, bytes, units, import: ImportOptions::default() })
+        Ok::<_, TaskError>(DataFile { name, bytes, units, ..DataFile::default() })
     };
     let asked = RowsAsked {
         data: entry.data.iter().map(read).collect::<Result<_, _>>()?,

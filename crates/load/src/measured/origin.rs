@@ -5,6 +5,11 @@ use super::search::SearchAsked;
 use denavit_calibrate::calibration::contract::{FileRead, FileUse, Origin};
 use jiff::Timestamp;
 use sha2::{Digest as _, Sha256};
+use std::io::Read as _;
+use std::path::Path;
+
+/// Bytes of a large file that are read at a time.
+const PART: usize = 1 << 20;
 
 /// Seconds since 1970 to be taken for now, so that two runs make the same bytes.
 ///
@@ -12,28 +17,71 @@ use sha2::{Digest as _, Sha256};
 /// <https://reproducible-builds.org/specs/source-date-epoch/>.
 const CLOCK: &str = "SOURCE_DATE_EPOCH";
 
+/// A file by its name and the SHA-256 of its bytes, hexadecimal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HashedFile {
+    /// What messages call it.
+    pub file: String,
+    /// Hexadecimal.
+    pub sha256: String,
+}
+
+impl HashedFile {
+    /// Of a file that was read.
+    pub fn of(file: &str, bytes: &[u8]) -> Self {
+        Self { file: file.into(), sha256: base16ct::lower::encode_string(&Sha256::digest(bytes)) }
+    }
+
+    /// Of a file that is not kept as a whole: a bag may be larger than the memory.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn read(file: &Path) -> std::io::Result<Self> {
+        let (mut input, mut hash, mut part) = (std::fs::File::open(file)?, Sha256::new(), vec![0; PART]);
+        loop {
+            match input.read(&mut part)? {
+                0 => break,
+                count => hash.update(&part[..count]),
+            }
+        }
+        let sha256 = base16ct::lower::encode_string(&hash.finalize());
+        Ok(Self { file: file.display().to_string(), sha256 })
+    }
+}
+
 /// The files with their hashes, and the day.
 pub(super) fn origin(asked: &RowsAsked) -> Origin {
     let sockets = asked.sockets.iter().map(|(_, file)| (file, FileUse::Socket));
     let fitted = asked.data.iter().map(|file| (file, FileUse::Fit)).chain(sockets);
-    let all = fitted.chain(asked.test.iter().map(|file| (file, FileUse::Test)));
-    let files = all.map(|(file, used)| FileRead { file: file.name.clone(), used, sha256: sha256(file) }).collect();
+    let all = || fitted.clone().chain(asked.test.iter().map(|file| (file, FileUse::Test)));
+    let read = |file: HashedFile, used| FileRead { file: file.file, used, sha256: file.sha256 };
+    let mut files: Vec<FileRead> = Vec::new();
+    for (file, used) in all() {
+        if file.bag.is_empty() {
+            files.push(read(HashedFile::of(&file.name, &file.bytes), used));
+        }
+        files.extend(file.bag.iter().map(|part| read(part.clone(), used)));
+    }
+    for camera in all().filter_map(|(file, _)| file.camera.clone()).map(|camera| read(camera, FileUse::Camera)) {
+        if !files.contains(&camera) {
+            files.push(camera);
+        }
+    }
     Origin { date: Some(today()), files, ..Origin::default() }
 }
 
 /// The file of an earlier calibration as the origin lists it.
 pub fn prior_read(asked: &SearchAsked) -> Option<FileRead> {
-    let read = |file: &DataFile| FileRead { file: file.name.clone(), used: FileUse::Prior, sha256: sha256(file) };
+    let read = |file: &DataFile| {
+        let HashedFile { file, sha256 } = HashedFile::of(&file.name, &file.bytes);
+        FileRead { file, used: FileUse::Prior, sha256 }
+    };
     asked.prior.as_ref().map(read)
 }
 
 fn today() -> String {
     let said = std::env::var(CLOCK).ok().and_then(|seconds| Timestamp::from_second(seconds.parse().ok()?).ok());
     said.unwrap_or_else(Timestamp::now).strftime("%Y-%m-%d").to_string()
-}
-
-fn sha256(file: &DataFile) -> String {
-    base16ct::lower::encode_string(&Sha256::digest(&file.bytes))
 }
 
 #[cfg(test)]
@@ -64,6 +112,22 @@ mod tests {
         ];
         assert_eq!(read, expected);
         let date = found.date.unwrap();
+        // A bag stands by its own files, a camera once.
+        let part = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+        let hashed = HashedFile::read(Path::new(part)).unwrap();
+        assert_eq!(hashed, HashedFile::of(part, &std::fs::read(part).unwrap()));
+        let bag = vec![HashedFile { sha256: abc.into(), ..hashed }];
+        let camera = Some(HashedFile::of("webcam.yaml", b""));
+        let first = DataFile { bag, camera: camera.clone(), ..file("run", b"rows made of it") };
+        let second = DataFile { camera, ..file("corners.csv", b"") };
+        let found = origin(&RowsAsked { data: vec![first], test: Some(second), ..RowsAsked::default() });
+        let read: Vec<_> = found.files.iter().map(|read| (&read.file[..], read.used, &read.sha256[..])).collect();
+        let expected = [
+            (part, FileUse::Fit, abc),
+            ("corners.csv", FileUse::Test, nothing),
+            ("webcam.yaml", FileUse::Camera, nothing),
+        ];
+        assert_eq!(read, expected);
         assert!(date.len() == 10 && date.starts_with("20"), "{date}");
     }
 }

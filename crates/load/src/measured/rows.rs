@@ -2,7 +2,7 @@
 
 use super::MeasuredError;
 use super::distance::known_distance;
-use super::origin::origin;
+use super::origin::{HashedFile, origin};
 use denavit_calibrate::calibration::contract::Origin;
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
@@ -20,6 +20,10 @@ pub struct DataFile {
     pub units: Units,
     /// What its columns are, where their names do not say so.
     pub import: ImportOptions,
+    /// The files of the bag that the content was made of; empty where it was read as it is.
+    pub bag: Vec<HashedFile>,
+    /// The camera's file of intrinsics, where its pixels are read.
+    pub camera: Option<HashedFile>,
 }
 
 /// The rows that a calibration is asked to take.

@@ -60,6 +60,10 @@ impl Observe for Socket {
         Ok(0.0)
     }
 
+    fn holds_the_target(&self) -> bool {
+        true
+    }
+
     fn own_target(&self) -> Option<&'static str> {
         Some("ball")
     }

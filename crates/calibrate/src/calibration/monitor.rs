@@ -1,0 +1,452 @@
+//! Measuring as it goes on: each row against what the rows before it predict, what is known by now, what to measure next.
+//!
+//! ```text
+//! a row more ─► held against the fit of the rows before ─► out of line? then what would explain it ─► fitted again
+//! ```
+//! With J the row's Jacobian, C the covariance of the fit and σ its noise, measured less predicted r has the covariance
+//! S = J C Jᵀ + σ², and rᵀ S⁻¹ r over its number of values follows F with the degrees of freedom of the noise. A row far beyond
+//! that is out of line: it is left out of the fit until later rows make it likely.
+
+mod suspects;
+
+use self::suspects::explanations;
+use super::diagnosis::{self, Diagnosis};
+use super::{needed_to_place, repeats_the_row_before};
+use crate::apply::plan::next::{Outlook, outlook, within_limits};
+use crate::apply::plan::{PlanError, PlanOptions};
+use crate::identify::initial_guess::nominal_fit;
+use crate::identify::residual::{ResidualModel, Scratch};
+use crate::identify::solve::Fit;
+use crate::identify::{IdentifyOptions, fit_stage, identify};
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{NoEffects, ParameterKind};
+use denavit_model::Chain;
+use denavit_model::nalgebra::{DMatrix, DVector};
+use serde::{Serialize, Serializer};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::collections::BTreeSet;
+
+/// Name and version of the status as JSON.
+pub const SCHEMA: &str = "denavit.measure/1";
+/// One run in a hundred may have a row that is out of line by chance.
+const FALSE_ALARMS: f64 = 0.01;
+/// Out of line means this many times further out than that: what the model lacks is no wrong row.
+const FAR: f64 = 1.5;
+/// The data know a parameter when they leave no more than this share of what was known of it before.
+const KNOWN_SHARE: f64 = 0.5;
+/// So many of the least known parameters are named.
+const WORST: usize = 3;
+/// Rows of which a mistake in how the data are written is looked for: this many, twice, four times as many and so on.
+const ROWS_TO_DIAGNOSE: usize = 20;
+/// All rows are fitted again after each row up to this many, then after every fiftieth part more.
+const FIT_EVERY_ROW: usize = 50;
+
+/// What is said of a row that repeats the one before.
+const LATE: &str =
+    "the instrument repeats the row before, digit for digit, although a joint moved: its reading came late";
+
+/// A row's residual and what was to be expected of it, by noise channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Off {
+    /// What it is of, such as `position`.
+    pub what: &'static str,
+    /// Measured less predicted by the rows before: root mean square of the norms over what the row observes.
+    pub error: f64,
+    /// Its standard deviation: noise, and what is not known yet.
+    pub expected: f64,
+    /// `m` or `rad`.
+    pub unit: &'static str,
+}
+
+/// Why a row is out of line.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutOfLine {
+    /// rᵀ S⁻¹ r over the number of values.
+    pub size: f64,
+    /// The size at which a row is out of line.
+    pub limit: f64,
+    /// The targets that are out of line, where the row sees several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub targets: Vec<String>,
+    /// How many rows one after another are out of line, this one included.
+    pub rows: usize,
+    /// What would explain them, the likeliest first; empty where nothing that is looked for does.
+    pub explanations: Vec<String>,
+    /// Whether more rows are needed to look for everything: one position cannot tell another reflector from a moved base.
+    pub undecided: bool,
+}
+
+/// A parameter that is known badly.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Uncertain {
+    /// Its name.
+    pub parameter: String,
+    /// Its standard deviation, in its unit.
+    pub std: f64,
+    /// What a machine shop holds, in its unit.
+    pub tolerance: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its standard deviation once the next pose is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std_after_next: Option<f64>,
+}
+
+/// How well the robot's parameters are known.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Known {
+    /// Parameters that measurements of this kind could tell.
+    pub identifiable: usize,
+    /// Those that the data know better than their tolerance, and twice as well as what was known before.
+    pub known: usize,
+    /// Joints that have not moved yet: nothing is known of their axes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unmoved: Vec<String>,
+    /// The least known, in units of their tolerance.
+    pub worst: Vec<Uncertain>,
+    /// How surely what is measured is predicted over the joint range, noise left out: standard deviation, m.
+    pub prediction_std_m: Option<f64>,
+}
+
+/// What is known once a row is there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RowStatus {
+    /// The row, counted from 1.
+    pub row: usize,
+    /// Its line in the file.
+    pub line: usize,
+    /// Whether the rows before it could predict it well enough to judge it.
+    pub judged: bool,
+    /// Measured less predicted; empty while nothing can be predicted.
+    pub off: Vec<Off>,
+    /// Why it is out of line, if it is.
+    pub out_of_line: Option<OutOfLine>,
+    /// Lines of all rows that are out of line by now.
+    pub lines_out_of_line: Vec<usize>,
+    /// Numbers that are missing before instrument and target can be placed; 0 from then on.
+    pub missing_numbers: usize,
+    /// Noise of one component, by channel; empty while there is no fit.
+    pub noise: Vec<Off>,
+    /// How well the parameters are known; absent while there is no fit, and where the fit was put off to a later row.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub known: Option<Known>,
+    /// The posture that would help most next, by joint: rad or m.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "by_name")]
+    pub next: Option<Vec<(String, f64)>>,
+}
+
+#[expect(clippy::ref_option, reason = "serde hands over the field as it is")]
+fn by_name<S: Serializer>(values: &Option<Vec<(String, f64)>>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(values.iter().flatten().map(|(name, value)| (name, value)))
+}
+
+/// What to watch for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MonitorOptions {
+    /// What is fitted.
+    pub identify: IdentifyOptions,
+    /// Which poses may be measured next.
+    pub plan: PlanOptions,
+}
+
+/// Watches rows as they come.
+#[derive(Debug, Clone)]
+pub struct Monitor {
+    chain: Chain,
+    options: MonitorOptions,
+    candidates: Vec<Vec<f64>>,
+    rows: usize,
+    fit: Option<Fitted>,
+    /// Rows that are out of line.
+    out: BTreeSet<usize>,
+}
+
+#[derive(Debug, Clone)]
+struct Fitted {
+    fit: Fit<NoEffects>,
+    /// The rows that it is of.
+    data: Measurements,
+    /// Whether the noise is told by the data: from then on rows are judged.
+    judges: bool,
+}
+
+impl Monitor {
+    /// Before any row.
+    ///
+    /// # Errors
+    /// Candidates that are no postures of the chain.
+    pub fn new(chain: &Chain, options: MonitorOptions) -> Result<Self, PlanError> {
+        let candidates = within_limits(chain, &options.plan)?;
+        Ok(Self { chain: chain.clone(), options, candidates, rows: 0, fit: None, out: BTreeSet::new() })
+    }
+
+    /// Lines of the rows that are out of line.
+    pub fn lines_out_of_line(&self, rows: &Measurements) -> Vec<usize> {
+        self.out.iter().map(|&row| rows.lines[row]).collect()
+    }
+
+    /// Takes the rows that are new in these, which begin with those of before, and tells the status of each; goes on while it
+    /// is told to.
+    ///
+    /// # Errors
+    /// The rows do not belong to this robot as they are written.
+    pub fn take(&mut self, rows: &Measurements, tell: &mut dyn FnMut(RowStatus) -> bool) -> Result<(), Diagnosis> {
+        while self.rows < rows.len() {
+            self.rows += 1;
+            let so_far: Vec<usize> = (0..self.rows).collect();
+            let data = rows.subset(&so_far).pruned();
+            if !tell(self.row(&data, self.rows == rows.len())?) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, data: &Measurements, is_last: bool) -> Result<RowStatus, Diagnosis> {
+        let row = data.len() - 1;
+        let mut off = Vec::new();
+        let (mut judged, mut why) = (false, None);
+        if let Some(fitted) = self.fit.as_ref().filter(|fitted| fitted.fits(data) && !data.locate[row]) {
+            let prediction = Prediction::of(&fitted.fit, data, &[row]);
+            off = prediction.off(&fitted.fit, data);
+            judged = fitted.judges;
+            if judged && let Some(mut found) = prediction.out_of_line(&fitted.fit, data) {
+                self.out.insert(row);
+                let run: Vec<usize> = (0..=row).rev().take_while(|row| self.out.contains(row)).collect();
+                found.rows = run.len();
+                (found.explanations, found.undecided) = if repeats_the_row_before(data, row) {
+                    (vec![LATE.into()], false)
+                } else {
+                    explanations(&fitted.fit, data, &run)
+                };
+                why = Some(found);
+            }
+        }
+        let needed = needed_to_place(&data.scene);
+        let missing = (needed + 1).saturating_sub(data.values());
+        let due =
+            self.fit.as_ref().is_none_or(|fitted| data.len() >= fitted.data.len() + fitted.data.len() / FIT_EVERY_ROW);
+        let fits = missing == 0 && (due || is_last);
+        if fits {
+            self.refit(data);
+            self.diagnose(data)?;
+        }
+        let fitted = self.fit.as_ref().filter(|_| missing == 0);
+        let (known, next) = match fitted.filter(|_| fits) {
+            None => (None, None),
+            Some(fitted) => self.outlook(&fitted.fit, data),
+        };
+        Ok(RowStatus {
+            row: row + 1,
+            line: data.lines[row],
+            judged,
+            off,
+            out_of_line: why,
+            lines_out_of_line: self.lines_out_of_line(data),
+            missing_numbers: missing,
+            noise: fitted.map_or_else(Vec::new, |fitted| noise(&fitted.fit, &fitted.data)),
+            known,
+            next,
+        })
+    }
+
+    /// Fits all rows but those out of line, and lets rows back in that the fit then predicts.
+    fn refit(&mut self, data: &Measurements) {
+        let options = self.options.identify.for_data(&self.chain, data);
+        let weights: Vec<f64> = (0..data.len())
+            .flat_map(|row| data.of_row(row).map(move |_| row))
+            .map(|row| f64::from(u8::from(!self.out.contains(&row))))
+            .collect();
+        let warm = self.fit.as_ref().filter(|fitted| fitted.judges && fitted.data.scene == data.scene);
+        let start = warm.map_or_else(
+            || nominal_fit(&self.chain, data, &weights, &options.fit).arm,
+            |fitted| fitted.fit.arm.clone(),
+        );
+        let fit = fit_stage(data, &start, &NoEffects, &weights, &options);
+        let judges = fit.assumed_degrees() == 0.0 && fit.settled();
+        let likely = |row: &usize| Prediction::of(&fit, data, &[*row]).out_of_line(&fit, data).is_none();
+        if judges {
+            self.out.retain(|row| !likely(row));
+            let rejected = |row: &usize| {
+                data.of_row(*row).any(|observation| weights[observation] > 0.0 && fit.weights[observation] == 0.0)
+            };
+            self.out.extend((0..data.len()).filter(rejected));
+        }
+        self.fit = Some(Fitted { fit, data: data.clone(), judges });
+    }
+
+    /// Looks for a mistake in how the data are written, now and then.
+    fn diagnose(&self, data: &Measurements) -> Result<(), Diagnosis> {
+        let parts = data.len() / ROWS_TO_DIAGNOSE;
+        if !data.len().is_multiple_of(ROWS_TO_DIAGNOSE) || !parts.is_power_of_two() {
+            return Ok(());
+        }
+        let kept: Vec<usize> = (0..data.len()).filter(|row| !self.out.contains(row)).collect();
+        let kept = data.subset(&kept).pruned();
+        diagnosis::judge(
+            &self.chain,
+            &kept,
+            &identify(&self.chain, &kept, &self.options.identify),
+            &self.options.identify,
+            &[],
+        )
+    }
+
+    fn outlook(&self, fit: &Fit<NoEffects>, data: &Measurements) -> (Option<Known>, Option<Vec<(String, f64)>>) {
+        let measured = (0..data.len()).rev().find(|&row| !data.locate[row]);
+        let series: Vec<usize> = measured
+            .map(|row| data.of_row(row).map(|observation| data.observed.series(observation)))
+            .into_iter()
+            .flatten()
+            .filter(|&series| !data.scene.series[series].kind.holds_the_target())
+            .collect();
+        let seen = (!series.is_empty()).then(|| outlook(fit, data, &series, &self.candidates, &self.options.plan));
+        let known = known(fit, data, seen.as_ref());
+        let names = self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone());
+        let next = seen.and_then(|seen| seen.next).map(|next| names.zip(next.joints).collect());
+        (Some(known), next)
+    }
+}
+
+impl Fitted {
+    /// Whether the fit knows everything that the last row speaks of.
+    fn fits(&self, data: &Measurements) -> bool {
+        self.data.scene == data.scene
+    }
+}
+
+/// Residuals of some rows and their covariance by a fit of others.
+struct Prediction {
+    /// Observations, with their first value.
+    observations: Vec<(usize, usize)>,
+    residual: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Prediction {
+    fn of(fit: &Fit<NoEffects>, data: &Measurements, rows: &[usize]) -> Self {
+        let problem = ResidualModel { data, layout: &fit.layout, effects: &NoEffects };
+        let columns = fit.layout.len();
+        let height: usize = rows.iter().map(|&row| problem.height_of(row)).sum();
+        let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
+        let mut scratch = Scratch::new(&fit.layout, &fit.arm);
+        let (mut at, mut observations, mut variances) = (0, Vec::new(), Vec::new());
+        for &row in rows {
+            let end = at + problem.height_of(row);
+            let cells = &mut jacobian[at * columns..end * columns];
+            problem.row_into(&fit.arm, row, &mut scratch, &mut residual[at..end], Some(cells));
+            for observation in data.of_row(row) {
+                observations.push((observation, at));
+                let series = data.series_of(observation);
+                let parts = [Some(series.kind.place()), series.kind.turn()];
+                for (part, channel) in parts.into_iter().zip(series.channels) {
+                    let height = part.map_or(0, |part| part.height);
+                    let level = channel.map_or(0.0, |channel| fit.noise.levels[channel]);
+                    variances.extend(std::iter::repeat_n(level * level, height));
+                    at += height;
+                }
+            }
+        }
+        let jacobian = DMatrix::from_row_slice(height, columns, &jacobian);
+        let mut covariance = &jacobian * &fit.covariance * jacobian.transpose();
+        for (i, variance) in variances.into_iter().enumerate() {
+            covariance[(i, i)] += variance;
+        }
+        Self { observations, residual: DVector::from_vec(residual), covariance }
+    }
+
+    /// rᵀ S⁻¹ r of some of the values; infinite where S has no inverse.
+    fn chi_squared(&self, from: usize, height: usize) -> f64 {
+        let own = self.covariance.view((from, from), (height, height)).into_owned();
+        let residual = self.residual.rows(from, height).into_owned();
+        own.cholesky().map_or(f64::INFINITY, |factor| residual.dot(&factor.solve(&residual)))
+    }
+
+    fn off(&self, fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Off> {
+        let of = |(index, part): (usize, &crate::observation::kinds::Part)| {
+            let (mut square, mut expected, mut count) = (0.0, 0.0, 0.0);
+            for &(observation, first) in &self.observations {
+                let series = data.series_of(observation);
+                let Some(which) = series.channels.iter().position(|own| *own == Some(index)) else { continue };
+                let first = if which == 0 { first } else { first + series.kind.place().height };
+                square += self.residual.rows(first, part.height).norm_squared();
+                expected += (first..first + part.height).map(|i| self.covariance[(i, i)]).sum::<f64>();
+                count += 1.0;
+            }
+            let root = |sum: f64| f64::sqrt(sum / count);
+            (count > 0.0).then(|| Off {
+                what: part.word,
+                error: root(square),
+                expected: root(expected),
+                unit: part.unit,
+            })
+        };
+        debug_assert_eq!(fit.noise.levels.len(), data.scene.channels.len());
+        data.scene.channels.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// Why these rows are out of line; `None` where they are not.
+    fn out_of_line(&self, fit: &Fit<NoEffects>, data: &Measurements) -> Option<OutOfLine> {
+        let degrees = fit.degrees_of_freedom();
+        // Each observation of each row so far may be out by chance.
+        let share = FALSE_ALARMS / data.observations().max(1) as f64;
+        let mut worst: Option<OutOfLine> = None;
+        let mut targets = Vec::new();
+        for &(observation, first) in &self.observations {
+            let series = data.series_of(observation);
+            let height = series.kind.height();
+            let size = self.chi_squared(first, height) / height as f64;
+            let limit = FAR * FAR * quantile(height as f64, degrees, 1.0 - share);
+            if size <= limit {
+                continue;
+            }
+            targets.push(data.scene.targets[series.target].clone());
+            if worst.as_ref().is_none_or(|worst| size / limit > worst.size / worst.limit) {
+                let (targets, explanations) = (Vec::new(), Vec::new());
+                worst = Some(OutOfLine { size, limit, targets, rows: 1, explanations, undecided: false });
+            }
+        }
+        targets.dedup();
+        let several = data.scene.targets.len() > 1;
+        worst.map(|worst| OutOfLine { targets: if several { targets } else { Vec::new() }, ..worst })
+    }
+}
+
+/// Quantile of Fisher's distribution.
+fn quantile(height: f64, degrees: f64, share: f64) -> f64 {
+    FisherSnedecor::new(height, degrees).map_or(f64::INFINITY, |fisher| fisher.inverse_cdf(share))
+}
+
+fn noise(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Off> {
+    let parts = data.scene.channels.iter().zip(&fit.noise.levels);
+    parts.map(|(part, level)| Off { what: part.word, error: *level, expected: *level, unit: part.unit }).collect()
+}
+
+fn known(fit: &Fit<NoEffects>, data: &Measurements, seen: Option<&Outlook>) -> Known {
+    let chain = &fit.arm.nominal;
+    let of_axis = |kind: ParameterKind| kind.joint().is_some();
+    let mut uncertain = Vec::new();
+    let (mut identifiable, mut known) = (0, 0);
+    for (index, parameter) in fit.layout.parameters.iter().enumerate() {
+        let Some(tolerance) = parameter.tolerance.filter(|_| of_axis(parameter.kind)) else { continue };
+        identifiable += 1;
+        let std = fit.deviation(index);
+        known += usize::from(std < tolerance && fit.held_by_prior(index) < KNOWN_SHARE);
+        let after =
+            seen.and_then(|seen| seen.next.as_ref()).map(|next| next.covariance[(index, index)].max(0.0).sqrt());
+        let parameter = parameter.clone();
+        uncertain.push(Uncertain {
+            parameter: parameter.name,
+            std,
+            tolerance,
+            unit: parameter.unit,
+            std_after_next: after,
+        });
+    }
+    uncertain.sort_by(|a, b| (b.std / b.tolerance).total_cmp(&(a.std / a.tolerance)));
+    uncertain.truncate(WORST);
+    let still = chain.joints().iter().filter(|joint| data.never_moves(joint.coordinate));
+    let unmoved: Vec<String> = still.map(|joint| joint.name.clone()).collect();
+    let prediction = seen.map(|seen| seen.prediction).filter(|prediction| prediction.is_finite());
+    Known { identifiable, known, unmoved, worst: uncertain, prediction_std_m: prediction }
+}
