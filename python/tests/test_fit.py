@@ -57,6 +57,26 @@ def test_a_fit_says_what_the_command_says(geometric: dn.Fit) -> None:
     assert "noise floor" in repr(geometric)
 
 
+def test_an_earlier_fit_is_gone_on_from(drawn: dn.Chain, geometric: dn.Fit, tmp_path: Path) -> None:
+    run = drawn.simulate(8, seed=4, test=30)
+    assert run.test is not None
+    before = dn.calibrate(drawn, drawn.simulate(60, seed=4).data, effects=None)
+    alone = dn.calibrate(drawn, run.data, test=run.test, effects=None)
+    after = dn.calibrate(drawn, run.data, test=run.test, effects=None, prior=before)
+    assert [errors.stage for errors in after.errors] == ["nominal", "earlier", "geometric"]
+    last = [fit.errors[-1].test["position_rms_m"] for fit in (alone, after)]
+    assert last[1] < 0.7 * last[0], last
+    file = tmp_path / "earlier.json"
+    file.write_text(before.to_json())
+    again = dn.calibrate(drawn, run.data, test=run.test, effects=None, prior=file)
+    assert again.parameters == after.parameters
+    assert again.to_dict()["origin"]["files"][-1]["used"] == "prior"
+    assert pickle.loads(pickle.dumps(after)) == after
+    assert not np.array_equal(drawn.plan(5, prior=before).q, drawn.plan(5).q)
+    with pytest.raises(dn.ArgumentError, match="not its calibrated URDF"):
+        dn.calibrate(before.chain, run.data, effects=None, prior=before)
+
+
 def test_the_json_is_that_of_the_command(traced: dn.Fit) -> None:
     given = os.environ.get("DENAVIT")
     places = [Path(given)] if given else [TOP / "target" / profile / "denavit" for profile in ("debug", "release")]

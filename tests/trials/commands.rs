@@ -89,3 +89,24 @@ fn residuals_of_every_row_are_a_table_of_their_own() {
     let refused = trial.run("calibrate arm.urdf --data data.csv --effects none --residuals data.csv");
     assert_eq!(refused.code, 2, "{}", refused.stderr);
 }
+
+#[test]
+fn a_few_new_poses_go_on_from_an_earlier_calibration() {
+    let trial = Trial::new().with_robot("arm.urdf", "universal_robots/ur5e.urdf");
+    trial.run("simulate arm.urdf --rows 40 --seed 5 -o first.csv --test later.csv").succeeded();
+    trial.run("calibrate arm.urdf --data first.csv --effects none --json before.json --urdf now.urdf").succeeded();
+    let again = "calibrate arm.urdf --data later.csv --effects none --hold-out 0.5 --prior before.json";
+    let said = trial.run(again).succeeded();
+    let counted =
+        "prior: what before.json says of the axes counts in full; stage \"earlier\" is that robot on these rows\n";
+    assert!(said.contains(counted) && said.contains("\nearlier "), "{said}");
+    let json: serde_json::Value = serde_json::from_str(&trial.run(&format!("{again} --json")).succeeded()).unwrap();
+    assert_eq!(json["origin"]["files"][1]["used"], "prior");
+    assert_eq!(json["earlier"]["weight"], 1.0);
+    let chosen = trial.run("plan arm.urdf --count 5 --spread 60 --prior before.json").succeeded();
+    assert_ne!(chosen, trial.run("plan arm.urdf --count 5 --spread 60").succeeded());
+    trial.refuses("calibrate now.urdf --data later.csv --prior before.json", "give the robot as it was drawn then");
+    trial.refuses("calibrate arm.urdf --data later.csv --prior first.csv", "first.csv: not a calibration");
+    trial.refuses("plan now.urdf --count 5 --prior before.json", "give the robot as it was drawn then");
+    trial.refuses(&format!("{again} --json before.json"), "before.json");
+}

@@ -1,13 +1,15 @@
 //! A model of one day held against rows of a later one, tracker and target mounted anew: what calibrations promise.
 //!
-//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [SHARE]`
+//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
-//! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER a share of the rows (0.05)
-//! places instrument and target, nothing else; the others are predicted. In the environment: `TIP`, `UNITS`, `SEED`.
+//! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
+//! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of
+//! BEFORE is brought up to date by a few rows of LATER. In the environment: `TIP`, `UNITS`, `SEED`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::effects::{EffectModel, Statics};
+use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::identify::residual_statistics::residuals;
 use denavit_calibrate::identify::solve::{FitOptions, fit};
 use denavit_calibrate::observation::arm::{Perturbation, Row, RowState};
@@ -15,7 +17,7 @@ use denavit_calibrate::observation::measurements::{Measurements, Units, read};
 use denavit_calibrate::observation::parameters::{Effects, Parameter, Sensitivity};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
-use denavit_calibrate::{Arm, Freedom, Layout, NoEffects, Tolerances, identify};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, Tolerances, identify};
 use denavit_model::tree::Reading;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
@@ -41,6 +43,13 @@ impl Effects for Held {
     }
 }
 
+/// Rows of BEFORE for the geometry that is brought up to date, and of LATER for that.
+const BEFORE: usize = 150;
+const AFTER: [usize; 4] = [5, 10, 20, 40];
+/// Rows of LATER that judge, and how often the rows are drawn.
+const JUDGED: usize = 600;
+const DRAWS: u64 = 10;
+
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let robot = denavit_model::urdf::read(&arguments[1], &std::fs::read_to_string(&arguments[1]).unwrap()).unwrap();
@@ -52,11 +61,11 @@ fn main() {
         read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
     };
     let (before, later) = (load(&arguments[2]), load(&arguments[3]));
-    let share: f64 = arguments.get(4).map_or(0.05, |word| word.parse().unwrap());
+    let placing: usize = arguments.get(4).map_or(later.len() / 20, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut order: Vec<usize> = (0..later.len()).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-    let (placing, judged) = order.split_at((later.len() as f64 * share).ceil() as usize);
+    let (placing, judged) = order.split_at(placing);
     let [placing, judged] = [placing, judged].map(|rows| {
         let mut rows = rows.to_vec();
         rows.sort_unstable();
@@ -79,6 +88,46 @@ fn main() {
             calibrate(&chain, &statics, before.clone(), None, &options).unwrap_or_else(|error| panic!("{error}"));
         let [all, inside] = predicted(&found, &statics, &placing, &judged, &within);
         println!("| {word} | {:.4} | {:.4} |", all * 1e3, inside * 1e3);
+    }
+    brought_up_to_date(&statics, &before, &later, seed);
+}
+
+/// Geometry from a few later rows alone, the earlier geometry, and that one brought up to date, on later rows that none saw.
+fn brought_up_to_date(statics: &Statics, before: &Measurements, later: &Measurements, seed: u64) {
+    let chain = &statics.chain;
+    println!("\n| later rows | alone, mm rms | earlier robot | earlier robot brought up to date | counts, mean |");
+    println!("|---|---|---|---|---|");
+    for count in AFTER {
+        let mut sums = [0.0; 4];
+        for draw in 0..DRAWS {
+            let mut random = ChaCha8Rng::seed_from_u64(seed + 1000 * draw + 1);
+            let mut drawn = |data: &Measurements| {
+                let mut order: Vec<usize> = (0..data.len()).collect();
+                order.shuffle(&mut random);
+                order
+            };
+            let (first, order) = (drawn(before), drawn(later));
+            let fitted = |train: &[usize], of: &Measurements, test: Option<&[usize]>, earlier: Option<Earlier>| {
+                let identify = IdentifyOptions { earlier, ..IdentifyOptions::axes(chain) };
+                let options = CalibrateOptions { identify, ..CalibrateOptions::geometry(chain) };
+                let test = test.map(|rows| of.subset(rows));
+                calibrate(chain, statics, of.subset(train), test, &options).unwrap_or_else(|error| panic!("{error}"))
+            };
+            let known = fitted(&first[..BEFORE], before, None, None).report.to_json();
+            let known = Earlier::read("earlier.json", &known, chain).unwrap();
+            let (train, test) = (&order[..count], &order[order.len() - JUDGED..]);
+            let alone = fitted(train, later, Some(test), None);
+            let after = fitted(train, later, Some(test), Some(known));
+            let square = |result: &Calibration, name: &str| {
+                let stage = result.report.stages.iter().find(|stage| stage.name == name).unwrap();
+                stage.test.as_ref().unwrap().of("position").unwrap().rms.powi(2)
+            };
+            let found = [square(&alone, "geometric"), square(&after, "earlier"), square(&after, "geometric")];
+            sums.iter_mut().zip(found).for_each(|(sum, found)| *sum += found);
+            sums[3] += after.report.earlier.map_or(0.0, |earlier| earlier.weight);
+        }
+        let [alone, earlier, after] = [0, 1, 2].map(|k: usize| (sums[k] / DRAWS as f64).sqrt() * 1e3);
+        println!("| {count} | {alone:.3} | {earlier:.3} | {after:.3} | {:.2} |", sums[3] / DRAWS as f64);
     }
 }
 
@@ -104,10 +153,7 @@ fn predicted(
     within: &[bool],
 ) -> [f64; 2] {
     let chain = &statics.chain;
-    let options = denavit_calibrate::IdentifyOptions {
-        freedom: Freedom::placement(chain.joints().len()),
-        ..denavit_calibrate::IdentifyOptions::axes(chain)
-    };
+    let options = IdentifyOptions { freedom: Freedom::placement(chain.joints().len()), ..IdentifyOptions::axes(chain) };
     // The drawn robot finds where they stand roughly; the model then says it exactly.
     let guess = identify(chain, placing, &options).nominal.arm;
     let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());

@@ -184,11 +184,7 @@ impl Calibration {
 
     /// The fit that was adopted, where it holds geometry alone; else the geometric one.
     pub fn without_effects(&self) -> &Fit<NoEffects> {
-        match (self.report.adopted, &self.identification.earlier) {
-            (Adopted::Nominal, _) => &self.identification.nominal,
-            (Adopted::Earlier, Some(earlier)) => &earlier.fit,
-            _ => &self.identification.geometric,
-        }
+        self.identification.at(self.report.adopted)
     }
 
     /// The fit that was adopted, if it holds more than geometry: effects or error curves.
@@ -255,17 +251,11 @@ pub fn calibrate_and_tell(
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);
-    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects).map(|trace| {
-        let mut trace = trace.clone();
-        if let (Some(known), Some(found)) = (&mut trace.identify.earlier, &identification.earlier) {
-            known.weight = found.weight;
-        }
-        trace
-    });
+    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects);
     if wanted.is_some() {
         begin(Progress::Effects)?;
     }
-    let found = wanted.map(|options| trace(statics, &train, geometric, &options));
+    let found = wanted.map(|options| trace(statics, &train, geometric, &counted(options, &identification)));
     if let (Some(test), Some(found)) = (&test, &found) {
         let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
         recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
@@ -280,32 +270,22 @@ pub fn calibrate_and_tell(
     });
     let curves = curves.or_else(|| found.as_ref().map(|found| found.curves.clone()));
     begin(Progress::Judgement)?;
-    let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
-    stages.add("nominal".into(), &identification.nominal)?;
-    if let Some(earlier) = &identification.earlier {
-        stages.add("earlier".into(), &earlier.fit)?;
-    }
-    stages.add("geometric".into(), geometric)?;
     let beyond = beyond(curves.as_ref(), found.as_ref());
-    for reached in &beyond {
-        stages.add(reached.name.clone(), reached.fit)?;
-    }
+    let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
+    stages.add_all(&identification, &beyond)?;
     let last = stages.adopt(&beyond);
     let plain = stages.done.len() - beyond.len();
     let (stages, residuals) = (stages.done, stages.residuals);
     let reached = last.checked_sub(plain).map(|index| &beyond[index]);
     let adopted = match reached {
         Some(reached) => reached.adopted,
-        None if last + 1 == plain => Adopted::Geometric,
-        None if last == 0 => Adopted::Nominal,
-        None => Adopted::Earlier,
+        None => [Adopted::Nominal, Adopted::Earlier, Adopted::Geometric][if last + 1 == plain { 2 } else { last }],
     };
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
-    let (weights, (parameters, posterior, differs)) = match (reached, adopted, &identification.earlier) {
-        (Some(reached), ..) => (&reached.fit.weights, identified(reached.fit)),
-        (None, Adopted::Nominal, _) => (&identification.nominal.weights, identified(&identification.nominal)),
-        (None, Adopted::Earlier, Some(earlier)) => (&earlier.fit.weights, identified(&earlier.fit)),
-        _ => (&geometric.weights, identified(geometric)),
+    let plain = identification.at(adopted);
+    let (weights, (parameters, posterior, differs)) = match reached {
+        Some(reached) => (&reached.fit.weights, identified(reached.fit)),
+        None => (&plain.weights, identified(plain)),
     };
     let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
@@ -357,6 +337,26 @@ pub fn calibrate_and_tell(
     result.report.placements = Some(rows::placements(&result));
     result.report.rows = rows::rows(&result);
     Ok(result)
+}
+
+impl Identification {
+    /// The fit of a stage that holds geometry alone; the geometric one for all others.
+    fn at(&self, adopted: Adopted) -> &Fit<NoEffects> {
+        match (adopted, &self.earlier) {
+            (Adopted::Nominal, _) => &self.nominal,
+            (Adopted::Earlier, Some(earlier)) => &earlier.fit,
+            _ => &self.geometric,
+        }
+    }
+}
+
+/// The search goes on from the earlier calibration as far as the geometric fit does.
+fn counted(options: &TraceOptions, identification: &Identification) -> TraceOptions {
+    let mut options = options.clone();
+    if let (Some(known), Some(found)) = (&mut options.identify.earlier, &identification.earlier) {
+        known.weight = found.weight;
+    }
+    options
 }
 
 /// The rows to fit and those to judge by.
@@ -545,6 +545,15 @@ impl Stages<'_> {
         });
         self.residuals.push(StageResiduals { name, train, test: held_out });
         Ok(())
+    }
+
+    fn add_all(&mut self, identification: &Identification, beyond: &[Beyond<'_>]) -> Result<(), TestError> {
+        self.add("nominal".into(), &identification.nominal)?;
+        if let Some(earlier) = &identification.earlier {
+            self.add("earlier".into(), &earlier.fit)?;
+        }
+        self.add("geometric".into(), &identification.geometric)?;
+        beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), reached.fit))
     }
 
     /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.

@@ -68,7 +68,7 @@ pub struct Identification {
     /// The robot as drawn, instrument and targets fitted to the rows that the geometric stage kept.
     pub nominal: Fit<NoEffects>,
     /// The robot as an earlier calibration left it, instrument and targets fitted to the same rows.
-    pub earlier: Option<EarlierFit>,
+    pub earlier: Option<Box<EarlierFit>>,
     /// The axes fitted too.
     pub geometric: Fit<NoEffects>,
 }
@@ -126,7 +126,7 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
         let tolerances = &options.tolerances;
         let free = Layout::new(chain, &data.scene, &options.freedom, tolerances, Vec::new());
         let arm = expected(&earlier.counted(1.0).in_layout(free, chain, tolerances), &first.arm);
-        EarlierFit { fit: fit(data, layout, &arm, &NoEffects, &geometric.weights, &plain), weight }
+        Box::new(EarlierFit { fit: fit(data, layout, &arm, &NoEffects, &geometric.weights, &plain), weight })
     });
     Identification { nominal, earlier, geometric }
 }
@@ -138,7 +138,7 @@ const STEPS_TO_EXPECTED: usize = 4;
 fn expected(layout: &Layout, arm: &Arm) -> Arm {
     let mut expected = arm.clone();
     for _ in 0..STEPS_TO_EXPECTED {
-        let departure = layout.prior.departure(&layout.difference(&expected, arm));
+        let departure = layout.departure(&expected, arm);
         let mut step = vec![0.0; layout.len()];
         step.iter_mut().zip(departure.iter()).for_each(|(step, departure)| *step = -departure);
         expected = layout.stepped(&expected, &step);

@@ -72,7 +72,7 @@ fn log_evidence(data: &Measurements, fit: &Fit<NoEffects>) -> f64 {
     let unit = DVector::from_fn(count, |k, _| fit.layout.parameters[k].tolerance.unwrap_or(1.0));
     let free = free_directions(fit, &unit);
     let prior = &fit.layout.prior;
-    let departure = prior.departure(&fit.layout.difference(&fit.arm, &fit.arm));
+    let departure = fit.layout.departure(&fit.arm, &fit.arm);
     let charge = departure.dot(&(&prior.precision * &departure));
     let precision = DMatrix::from_fn(count, count, |i, k| prior.precision[(i, k)] * unit[i] * unit[k]);
     let covariance = DMatrix::from_fn(count, count, |i, k| fit.covariance[(i, k)] / (unit[i] * unit[k]));

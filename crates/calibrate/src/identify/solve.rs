@@ -277,7 +277,7 @@ impl Solver<'_> {
 
     fn system<E: Effects>(&self, state: &State<E>, noise: &Noise) -> System {
         let n = self.layout.len();
-        let departure = self.layout.prior.departure(&self.layout.difference(&state.arm, &self.reference));
+        let departure = self.layout.departure(&state.arm, &self.reference);
         let mut matrix = DMatrix::<f64>::zeros(n, n);
         let mut gradient = DVector::<f64>::zeros(n);
         for (channel, sigma) in state.sums.channels.iter().zip(&noise.levels) {

@@ -3,7 +3,7 @@
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
 use crate::observation::measurements::{KnownLength, Scene};
 use crate::observation::prior::{KnownBefore, Prior};
-use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
+use denavit_model::nalgebra::{DVector, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
 use std::ops::Range;
 
@@ -410,8 +410,14 @@ impl Layout {
 
     /// What the prior charges for an arm: δᵀ P δ of the axes' departure from what is expected; see [`Layout::difference`].
     pub fn prior_cost(&self, arm: &Arm, reference: &Arm) -> f64 {
-        let departure = self.prior.departure(&self.difference(arm, reference));
+        let departure = self.departure(arm, reference);
         departure.dot(&(&self.prior.precision * &departure))
+    }
+
+    /// How far the joints' parameters are from what is expected of them; see [`Layout::difference`].
+    pub fn departure(&self, arm: &Arm, reference: &Arm) -> DVector<f64> {
+        let difference = self.difference(arm, reference);
+        DVector::from_row_slice(&difference[self.joints.clone()]) - &self.prior.mean
     }
 
     /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the

@@ -148,11 +148,6 @@ impl Prior {
     pub fn is_of_drawing(&self) -> bool {
         self.precision == self.of_drawing
     }
-
-    /// The departure of the joints' parameters, given first in `difference`, less its mean.
-    pub fn departure(&self, difference: &[f64]) -> DVector<f64> {
-        DVector::from_fn(self.mean.len(), |k, _| difference[k] - self.mean[k])
-    }
 }
 
 /// Turns about the base's axes and moves along them, by 1 rad and 1 m.

@@ -170,8 +170,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         }
     }
     if priors > 0 {
-        let departure = layout.prior.departure(&layout.difference(&fit.arm, reference));
-        result.residual.rows_mut(values, priors).copy_from(&(&prior * departure / RELAXED));
+        result.residual.rows_mut(values, priors).copy_from(&(&prior * layout.departure(&fit.arm, reference) / RELAXED));
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
     for (k, known) in lengths.iter().enumerate() {

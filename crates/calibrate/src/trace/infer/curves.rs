@@ -576,7 +576,7 @@ fn prior(
     let joints = fit.layout.joints.len();
     let firm = &fit.layout.prior.precision;
     precision.view_mut((0, 0), (joints, joints)).copy_from(firm);
-    let departure = fit.layout.prior.departure(&fit.layout.difference(&fit.arm, reference));
+    let departure = fit.layout.departure(&fit.arm, reference);
     let mut pull = vec![0.0; plain.len()];
     let mut charge = 0.0;
     for i in 0..joints {
