@@ -103,3 +103,20 @@ fn what_cannot_be_watched_is_refused() {
     refused(&bad, &["--watch"], "bad.csv:3: ");
     refused(&folder.path("none.csv"), &[], "none.csv");
 }
+
+#[test]
+fn a_robot_that_was_calibrated_before_is_judged_from_the_first_rows() {
+    let (folder, lines) = simulated("40");
+    let [first, later] = [("first.csv", 1..29), ("later.csv", 29..41)]
+        .map(|(name, rows)| folder.file(name, &format!("{}{}", lines[0], lines[rows].concat())));
+    let known = folder.path("known.json");
+    denavit(&["calibrate", &ur5e(), "--data", &first, "--effects", "none", "--json", &known]).succeeded();
+    let judged = |more: &[&str]| {
+        let run = denavit(&[&["measure", &ur5e(), "--data", &later, "--spread", "50", "--json"], more].concat());
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        let rows = run.stdout.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        rows.filter(|row| row["judged"] == true).count()
+    };
+    let (alone, with) = (judged(&[]), judged(&["--prior", &known]));
+    assert!(with >= alone + 3, "{with} of 12 rows judged with what was known, {alone} without");
+}

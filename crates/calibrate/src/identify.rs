@@ -107,25 +107,21 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     let some = few.as_ref().unwrap_or(data);
     let all = vec![1.0; some.observations()];
     let first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });
-    let (geometric, weight) = match &options.earlier {
-        Some(_) => continued::continued(data, &first.arm, &weights, options),
-        None => {
-            let staged = |arm: &Arm| fit_stage(data, arm, &NoEffects, &weights, options);
-            (initial_guess::with_plates_turned(data, staged(&first.arm), &staged), 0.0)
-        }
+    let (geometric, weight) = if options.earlier.is_some() {
+        continued::continued(data, &first.arm, &weights, options)
+    } else {
+        let staged = |arm: &Arm| fit_stage(data, arm, &NoEffects, &weights, options);
+        (initial_guess::with_plates_turned(data, staged(&first.arm), &staged), 0.0)
     };
     let layout = &first.layout;
     let plain = FitOptions { robust: false, ..options.fit };
     // Its plates lie as those of the geometry: these are told from the ones that are turned over.
-    let mut start = first.arm.clone();
-    for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_plane(setup)) {
-        start.instruments[setup] = geometric.arm.instruments[setup];
-    }
+    let start = initial_guess::with_plates_of(data, &first.arm, &geometric.arm);
     let nominal = fit(data, layout, &start, &NoEffects, &geometric.weights, &plain);
     let earlier = options.earlier.as_ref().map(|earlier| {
         let tolerances = &options.tolerances;
         let free = Layout::new(chain, &data.scene, &options.freedom, tolerances, Vec::new());
-        let arm = expected(&earlier.counted(1.0).in_layout(free, chain, tolerances), &first.arm);
+        let arm = expected(&earlier.counted(1.0).in_layout(free, chain, tolerances), &start);
         Box::new(EarlierFit { fit: fit(data, layout, &arm, &NoEffects, &geometric.weights, &plain), weight })
     });
     Identification { nominal, earlier, geometric }

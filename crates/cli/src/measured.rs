@@ -7,6 +7,7 @@ use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
 use denavit_calibrate::effects::EffectModel;
 use denavit_calibrate::effects::driver::Statics;
+use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::observation::board::Sight;
 use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, PLANE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
@@ -65,6 +66,11 @@ pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<Data
 /// A file whose columns nobody has to be told of.
 pub fn bare_file(file: &str) -> Result<DataFile, Failure> {
     data_file(file, Units::default(), ImportOptions::default())
+}
+
+/// What an earlier calibration knows of the axes, where one is named.
+pub fn known_before(prior: Option<&str>, chain: &Chain) -> Result<Option<Earlier>, Failure> {
+    prior.map(|file| Ok(load::earlier(&bare_file(file)?, chain)?)).transpose()
 }
 
 /// A file of measurements, or a bag as the rows that it makes.

@@ -10,6 +10,7 @@
 //! with P_w the prior's precision, C_w the joints' covariance after the fit and δ their departure from the prior's mean, on
 //! the directions that the common frame leaves (MacKay 1992, Neural Computation 4, 415: Laplace's approximation).
 
+use crate::identify::initial_guess::{with_plates_of, with_plates_turned};
 use crate::identify::solve::{Fit, FitOptions};
 use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
@@ -40,7 +41,9 @@ pub(super) fn continued(
         fit: FitOptions { robust, ..options.fit },
         ..options.clone()
     };
-    let alone = fit_stage(data, start, &NoEffects, weights, &counted(0.0, options.fit.robust));
+    let by_itself = counted(0.0, options.fit.robust);
+    let staged = |arm: &Arm| fit_stage(data, arm, &NoEffects, weights, &by_itself);
+    let alone = with_plates_turned(data, staged(start), &staged);
     let tried = WEIGHTS.map(|weight| {
         let fit = fit_stage(data, &alone.arm, &NoEffects, &alone.weights, &counted(weight, false));
         (weight, if fit.settled() { log_evidence(data, &fit) } else { f64::NEG_INFINITY })
@@ -48,7 +51,8 @@ pub(super) fn continued(
     let best = tried.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
     let enough = tried.iter().find(|(_, evidence)| *evidence >= best - CONTRADICTED);
     let weight = enough.map_or(0.0, |(weight, _)| *weight);
-    (fit_stage(data, start, &NoEffects, weights, &counted(weight, options.fit.robust)), weight)
+    let start = with_plates_of(data, start, &alone.arm);
+    (fit_stage(data, &start, &NoEffects, weights, &counted(weight, options.fit.robust)), weight)
 }
 
 /// Logarithm of the rows' probability under the layout's prior, up to what no weight changes.

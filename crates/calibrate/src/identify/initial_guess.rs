@@ -85,6 +85,15 @@ pub(crate) fn with_plates_turned(
     found
 }
 
+/// The arm, its plates lying as those of another.
+pub(crate) fn with_plates_of(data: &Measurements, arm: &Arm, other: &Arm) -> Arm {
+    let mut arm = arm.clone();
+    for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_plane(setup)) {
+        arm.instruments[setup] = other.instruments[setup];
+    }
+    arm
+}
+
 /// Rows spread over the run that do for placing the robot as drawn; `None` where that takes all of them.
 pub(crate) fn some_rows(data: &Measurements) -> Option<Measurements> {
     let rows = data.len();

@@ -249,6 +249,7 @@ are out of line, 2 trouble.
 Examples:
   denavit measure arm.urdf --data run.csv --watch
   denavit measure arm.urdf --data run.csv --watch --units mm,deg --candidates safe_poses.csv
+  denavit measure arm.urdf --data run.csv --watch --prior march.json   a robot that was calibrated before
   some-tool | denavit measure arm.urdf --data - --json        a line of JSON per row
   denavit measure arm.urdf --data run.csv                     a file that is whole";
 
@@ -277,6 +278,9 @@ pub struct MeasureArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
+    /// What an earlier calibration knows of the axes, as denavit calibrate --json wrote it: rows are judged from the first few on
+    #[arg(long, value_name = "FILE")]
+    pub prior: Option<String>,
     /// CSV of joint values from which the next pose is chosen [default: spread over the joint limits]
     #[arg(long, value_name = "FILE")]
     pub candidates: Option<String>,

@@ -31,9 +31,10 @@ const TICK: Duration = Duration::from_millis(100);
 /// Runs the command.
 pub fn run(arguments: &MeasureArguments) -> Result<Status, Failure> {
     let file = arguments.file.as_str();
-    measured::one_standard_input(&[Some(&arguments.robot.robot), Some(file), arguments.candidates.as_deref()])?;
+    let (candidates, prior) = (arguments.candidates.as_deref(), arguments.prior.as_deref());
+    measured::one_standard_input(&[Some(&arguments.robot.robot), Some(file), candidates, prior])?;
     refused(arguments)?;
-    let inputs = arguments.robot.files().chain([file]).chain(arguments.candidates.as_deref());
+    let inputs = arguments.robot.files().chain([file]).chain(candidates).chain(prior);
     let inputs = inputs.chain(arguments.import.files()).chain(arguments.camera.camera.as_deref());
     let mut outputs = Outputs::beside(inputs);
     let json = outputs.add_if("--json", arguments.json.place())?;
@@ -81,12 +82,14 @@ fn refused(arguments: &MeasureArguments) -> Result<(), Failure> {
 
 fn options(arguments: &MeasureArguments, chain: &Chain) -> Result<MonitorOptions, Failure> {
     let free = freedom(chain, &arguments.freedom.scales, &arguments.freedom.pitches)?;
-    let identify = IdentifyOptions { freedom: free, ..IdentifyOptions::axes(chain) };
+    let earlier = measured::known_before(arguments.prior.as_deref(), chain)?;
+    let identify = IdentifyOptions { freedom: free, earlier: earlier.clone(), ..IdentifyOptions::axes(chain) };
     let read = |file: &String| measured::joint_values(file, chain, &arguments.units);
     let plan = PlanOptions {
         candidates: arguments.candidates.as_ref().map(read).transpose()?,
         spread: arguments.spread.into(),
         allowed: corners(&arguments.r#box)?,
+        earlier,
         ..PlanOptions::new(chain, 1, POSITION)
     };
     Ok(MonitorOptions { identify, plan })

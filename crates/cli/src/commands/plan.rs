@@ -7,7 +7,7 @@ use crate::measured;
 use crate::output::Status;
 use crate::progress::Spinner;
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_load::measured::{corners, earlier};
+use denavit_load::measured::corners;
 use denavit_model::nalgebra::Vector3;
 
 /// Runs the command.
@@ -20,9 +20,8 @@ pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     let chain = measured::robot(&arguments.robot)?.chain;
     let usual = PlanOptions::new(&chain, arguments.count.into(), measured::kind(arguments.measure));
     let read = |file: &String| measured::joint_values(file, &chain, &arguments.units);
-    let known = |file: &str| Ok::<_, Failure>(earlier(&measured::bare_file(file)?, &chain)?);
     let options = PlanOptions {
-        earlier: prior.map(known).transpose()?,
+        earlier: measured::known_before(prior, &chain)?,
         candidates: arguments.candidates.as_ref().map(read).transpose()?,
         spread: arguments.spread.into(),
         allowed: corners(&arguments.r#box)?,

@@ -6,7 +6,7 @@
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
 use crate::observation::measurements::Problem;
 use crate::observation::parameters::{Layout, Sensitivity};
-use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use denavit_model::nalgebra::{Matrix2, Matrix3, Point3, Rotation3, Vector2, Vector3};
 use denavit_model::{Pose, se3};
 
 #[derive(Debug)]
@@ -29,8 +29,11 @@ pub(super) fn plane_columns(seen: &Seen<'_>, layout: &Layout, stretched: f64, ro
     rows.put(0, column, &[-there.y * stretched, there.x * stretched, -stretched]);
 }
 
-/// The plane that these places (m, base frame) are nearest to, their heights above it being as read, m: the direction in which
-/// they spread least, either way round.
+/// Steps of Gauss and Newton from where places spread least to where their heights are as read.
+const STEPS: usize = 20;
+
+/// The plane above which these places (m, base frame) are as high as read, m, by least squares: from the direction in which they
+/// spread least, either way round.
 pub(super) fn through(places: &[Vector3<f64>], heights: &[f64]) -> Option<Pose> {
     let count = places.len() as f64;
     if places.is_empty() {
@@ -45,7 +48,19 @@ pub(super) fn through(places: &[Vector3<f64>], heights: &[f64]) -> Option<Pose> 
         let pairs = places.iter().zip(heights);
         pairs.map(|(place, read)| (read - height - normal.dot(&(place - middle))).powi(2)).sum()
     };
-    let normal = if left(&-normal) < left(&normal) { -normal } else { normal };
+    let mut normal = if left(&-normal) < left(&normal) { -normal } else { normal };
+    for _ in 0..STEPS {
+        let across = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+        let (mut square, mut pull) = (Matrix2::zeros(), Vector2::zeros());
+        for (place, read) in places.iter().zip(heights) {
+            let from_middle = place - middle;
+            let column = Vector2::new(across.dot(&from_middle), normal.cross(&across).dot(&from_middle));
+            square += column * column.transpose();
+            pull += column * (read - height - normal.dot(&from_middle));
+        }
+        let Some(step) = square.try_inverse().map(|inverse| inverse * pull) else { break };
+        normal = (normal + across * step.x + normal.cross(&across) * step.y).normalize();
+    }
     let rotation = se3::least_rotation(&normal, &Vector3::z());
     let rotation = Rotation3::from_matrix_unchecked(*rotation.matrix());
     Some(se3::pose(rotation, Vector3::new(0.0, 0.0, height) - rotation * middle))
