@@ -50,6 +50,7 @@ def test_every_call_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytes
     frame.drop(columns=["qx", "qy", "qz", "qw"]).assign(A=angles[:, 0], B=angles[:, 1], C=angles[:, 2]).to_csv("kuka.csv")
     Path("webcam.yaml").write_text("camera_matrix: [600, 0, 320, 0, 600, 240, 0, 0, 1]\n")
     chain.simulate(3, camera="webcam.yaml", board="7x5:30mm").data.save("corners.csv")
+    Path("plant.csv").write_text("serial,robot\nSN-1,ur5e.urdf\n")
     np.savetxt("front_0.csv", chain.sample(5), delimiter=",")
     some = {"robot": chain.robot, "chain": chain, "Q": chain.sample(10), "N": 5, "seed": 1, "q": np.zeros(2), "data": run.data}
     some |= {"table": chain.table(), "source": "ur5e.urdf", "base": "base", "tip": "tool0", "convention": "distal"}

@@ -97,7 +97,7 @@ def test_a_worker_is_killed_and_a_node_is_lost(connected, embedded, folder):
 
 
 def test_the_driver_is_killed_and_started_again(cluster, embedded, folder):
-    command = [sys.executable, HERE / "driver.py", cluster.address, "of_drivers"]
+    command = [sys.executable, HERE / "driver.py", cluster.address, "of_drivers", "driver.json"]
     random.seed(16)
     kills, finished, store = 0, set(), folder / "of_drivers"
     for _ in range(2):
@@ -114,7 +114,8 @@ def test_the_driver_is_killed_and_started_again(cluster, embedded, folder):
         assert finished <= now, "a run that was finished is gone"
         finished = now
     assert kills >= 1, "the run was over before its driver could be killed"
-    last = json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
+    subprocess.run(command, check=True)
+    last = json.loads((folder / "driver.json").read_text(encoding="utf-8"))
     assert last["known"] >= len(finished) and last["known"] + last["done"] == plant.ROBOTS
     assert plant.everything(store) == embedded
     assert not list(store.rglob(".denavit-*"))
