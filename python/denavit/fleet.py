@@ -132,24 +132,39 @@ _Deal = Callable[[list[str]], _Results]
 
 
 def _dealt(ledger: _denavit.FleetLedger, deal: _Deal, tell: Callable[[int, int, str], object] | None) -> Run:
-    jobs = ledger.jobs()
-    lost = []
-    ended = ledger.entries - len(jobs)
-    found_by = deal([job for *_, job in jobs])
-    try:
-        for index, found in found_by:
-            serial, date, task, _ = jobs[index]
-            if isinstance(found, DenavitError):
-                raise found
-            if isinstance(found, str):
-                lost.append(Failed(serial, date, task, found))
-            else:
-                ledger.keep(index, *found)
-            ended += 1
-            if tell is not None:
-                tell(ended, ledger.entries, serial)
-    finally:
-        found_by.close()
+    lost: list[Failed] = []
+    ended = 0
+
+    def through(jobs: list[tuple[str, str | None, str, str]]) -> None:
+        nonlocal ended
+        found_by = deal([job for *_, job in jobs])
+        try:
+            for index, found in found_by:
+                serial, date, task, _ = jobs[index]
+                if isinstance(found, DenavitError):
+                    raise found
+                if isinstance(found, str):
+                    lost.append(Failed(serial, date, task, found))
+                else:
+                    ledger.keep(index, *found)
+                ended += 1
+                if tell is not None:
+                    tell(ended, ledger.entries, serial)
+        finally:
+            found_by.close()
+
+    # What goes on from siblings waits until every robot that is calibrated by itself has been.
+    jobs, later = ledger.jobs(), ledger.later()
+    ended = ledger.entries - len(jobs) - len(later)
+    through(jobs)
+    if later and lost:
+        why = "calibrations of its siblings were lost; run it again"
+        lost.extend(Failed(serial, date, task, why) for serial, date, task in later)
+    elif later:
+        ledger.go_on()
+        jobs = ledger.jobs()
+        ended = ledger.entries - len(jobs)
+        through(jobs)
     return _run(ledger.close(), lost)
 
 

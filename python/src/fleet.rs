@@ -3,19 +3,15 @@
 #![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
 
 use crate::errors::{Class, Spot, argument, broken, error, load};
+use crate::interruptible::{Tell, interruptible};
 use denavit_fleet::manifest::{self, Entry};
 use denavit_fleet::store::{Held, Store};
 use denavit_fleet::{Computed, FleetError, Job, Ledger, Outcome, RunOptions, RunReport};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
-use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::{Mutex, mpsc};
-use std::time::Duration;
-
-/// How long the interpreter is left alone before it is asked whether somebody wants to stop.
-const PATIENCE: Duration = Duration::from_millis(20);
+use std::sync::Mutex;
 
 fn fleet(failure: &FleetError) -> PyErr {
     let message = failure.to_string();
@@ -63,41 +59,15 @@ pub fn fleet_run(
     if threads > 0 {
         options.threads = threads;
     }
-    let (stop, count) = (options.stop.clone(), entries.len());
-    let (tell, told) = mpsc::channel();
-    // Behind a lock, as only then may another thread wait for it while the interpreter goes on.
-    let told = Mutex::new(told);
-    let run = std::thread::spawn(move || {
-        let tell = |entry: &Entry, _: &Outcome| match tell.send(entry.serial.clone()) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(mpsc::SendError(_)) => ControlFlow::Break(()),
-        };
+    let (stop, count, mut ended) = (options.stop.clone(), entries.len(), 0);
+    let run = move |tell: &Tell<String>| {
+        let tell = |entry: &Entry, _: &Outcome| tell(entry.serial.clone());
         denavit_fleet::run(&entries, &held, &options, &tell)
-    });
-    let wait = || {
-        let mut ended = 0;
-        loop {
-            let next = py.detach(|| told.lock().expect("receiving does not panic").recv_timeout(PATIENCE));
-            py.check_signals()?;
-            match next {
-                Ok(serial) => {
-                    ended += 1;
-                    if let Some(progress) = progress {
-                        progress.call1((ended, count, serial))?;
-                    }
-                }
-                Err(mpsc::RecvTimeoutError::Disconnected) => return Ok(()),
-                Err(mpsc::RecvTimeoutError::Timeout) => {}
-            }
-        }
     };
-    if let Err(interrupted) = wait() {
-        stop.ask();
-        // What it ended with is of no interest any more; what it finished is in the store.
-        let _ = py.detach(|| run.join());
-        return Err(interrupted);
-    }
-    let report = py.detach(|| run.join()).unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    let report = interruptible(py, &stop, run, |serial| {
+        ended += 1;
+        progress.map_or(Ok(()), |progress| progress.call1((ended, count, serial)).map(drop))
+    })?;
     json(&report.map_err(|failure| fleet(&failure))?)
 }
 
@@ -111,7 +81,8 @@ type Found<'py> = (Vec<(String, Bound<'py, PyBytes>)>, Option<String>);
 #[pyclass(frozen, module = "denavit._denavit")]
 pub struct FleetLedger {
     ledger: Mutex<Option<Ledger>>,
-    jobs: Vec<Job>,
+    /// Those that are dealt out now.
+    jobs: Mutex<Vec<Job>>,
     #[pyo3(get)]
     entries: usize,
 }
@@ -127,7 +98,7 @@ impl FleetLedger {
             Ok((entries.len(), Ledger::open(entries, held)?))
         };
         let (entries, (ledger, jobs)) = py.detach(open).map_err(|failure| fleet(&failure))?;
-        Ok(Self { ledger: Mutex::new(Some(ledger)), jobs, entries })
+        Ok(Self { ledger: Mutex::new(Some(ledger)), jobs: Mutex::new(jobs), entries })
     }
 
     /// Serial, date and task of each job that is to be done, and the job as JSON for `fleet_compute`.
@@ -137,7 +108,23 @@ impl FleetLedger {
             let Entry { serial, date, task, .. } = &job.entry;
             Ok((serial.clone(), date.map(|day| day.to_string()), task.name(), text))
         };
-        self.jobs.iter().map(of).collect()
+        self.jobs.lock().expect("reading does not panic").iter().map(of).collect()
+    }
+
+    /// Serial, date and task of each entry that goes on from its siblings and is not dealt out yet.
+    fn later(&self) -> PyResult<Vec<(String, Option<String>, &'static str)>> {
+        let ledger = self.ledger.lock().expect("writing does not panic");
+        let of = |entry: &Entry| (entry.serial.clone(), entry.date.map(|day| day.to_string()), entry.task.name());
+        Ok(ledger.as_ref().ok_or_else(closed)?.later().iter().map(of).collect())
+    }
+
+    /// Learns what siblings share, once all jobs are kept; `jobs` then has those that go on from it.
+    fn go_on(&self, py: Python<'_>) -> PyResult<()> {
+        let mut ledger = self.ledger.lock().expect("writing does not panic");
+        let ledger = ledger.as_mut().ok_or_else(closed)?;
+        let next = py.detach(|| ledger.go_on()).map_err(|failure| fleet(&failure))?;
+        *self.jobs.lock().expect("reading does not panic") = next;
+        Ok(())
     }
 
     /// Writes what the job at this place of `jobs` found.
@@ -148,7 +135,8 @@ impl FleetLedger {
         tables: Vec<(String, PyBackedBytes)>,
         error: Option<String>,
     ) -> PyResult<()> {
-        let job = self.jobs.get(index).ok_or_else(|| argument(format!("there is no job {index}")))?;
+        let jobs = self.jobs.lock().expect("reading does not panic");
+        let job = jobs.get(index).ok_or_else(|| argument(format!("there is no job {index}")))?;
         let mut ledger = self.ledger.lock().expect("writing does not panic");
         let ledger = ledger.as_mut().ok_or_else(closed)?;
         let tables = tables.into_iter().map(|(name, parquet)| (name, parquet.to_vec())).collect();

@@ -46,6 +46,7 @@ def embedded(folder):
     assert (run.entries, run.done, run.failed) == (plant.ROBOTS, plant.ROBOTS, 1) and not run.ok
     found = plant.everything(folder / "embedded")
     assert len(found["runs"]) == plant.ROBOTS and len(found["parameters"]) == 24 * (plant.ROBOTS - 1)
+    assert sum(row[-2] == "siblings" and row[-1] > 0 for row in found["runs"]) == plant.LEARNING
     return found
 
 
@@ -129,10 +130,13 @@ def test_a_job_whose_workers_die_each_time_is_lost_and_done_by_the_next_run(conn
         patch.setattr(fleet, "_compute", names["dies"])
         patch.setattr(fleet, "_TRIES", 1)
         run = dn.fleet.run("plant.csv", "with_a_loss", engine="ray")
-    assert [entry.serial for entry in run.lost] == ["SN-07"] and "Ray: " in run.lost[0].error
-    assert run.done == plant.ROBOTS - 1 and not run.ok
+    # What siblings know waits for all of them.
+    waiting = [f"SN-{robot:02}" for robot in range(plant.LEARNING)]
+    assert [entry.serial for entry in run.lost] == ["SN-07", *waiting] and "Ray: " in run.lost[0].error
+    assert "its siblings were lost" in run.lost[1].error
+    assert run.done == plant.ROBOTS - 1 - plant.LEARNING and not run.ok
     again = dn.fleet.run("plant.csv", "with_a_loss", engine="ray")
-    assert (again.done, again.known) == (1, plant.ROBOTS - 1)
+    assert (again.done, again.known) == (1 + plant.LEARNING, plant.ROBOTS - 1 - plant.LEARNING)
     assert plant.everything(folder / "with_a_loss") == embedded
 
 

@@ -7,6 +7,7 @@ use crate::error::FleetError;
 use crate::key::{Robots, key};
 use crate::manifest::Entry;
 use crate::run::{MERGED_AT, Outcome, RunReport, replaced};
+use crate::siblings::Priors;
 use crate::store::table::Rows;
 use crate::store::{Held, Slot};
 use crate::tasks;
@@ -62,30 +63,63 @@ pub struct Ledger {
     keys: HashSet<String>,
     finished: HashMap<String, Slot>,
     kept: HashSet<String>,
+    /// Go on from their siblings: they are not dealt out yet.
+    later: Vec<Entry>,
     report: RunReport,
 }
 
 impl Ledger {
-    /// The run, and the jobs that are to be done: each once, in the manifest's order.
+    /// The run, and the jobs that are to be done first: each once, in the manifest's order. [`Ledger::next`] has those that go on
+    /// from their siblings.
     ///
     /// # Errors
     /// A file of the store cannot be read.
     pub fn open(entries: Vec<Entry>, held: Held) -> Result<(Self, Vec<Job>), FleetError> {
         let finished = held.store.finished()?;
+        let report = RunReport::of(&held.store, entries.len());
+        let (later, first): (Vec<Entry>, Vec<Entry>) = entries.iter().cloned().partition(Entry::learns);
+        let mut ledger = Self { held, entries, keys: HashSet::new(), finished, kept: HashSet::new(), later, report };
+        let jobs = ledger.undone(first);
+        Ok((ledger, jobs))
+    }
+
+    /// Those of some entries that are to be done; the others are counted as known.
+    fn undone(&mut self, entries: Vec<Entry>) -> Vec<Job> {
         let robots = Robots::default();
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let of_entries = dealt(entries.iter(), threads, || (), |(), entry| key(entry, &robots));
-        let mut report = RunReport::of(&held.store, entries.len());
-        let mut keys = HashSet::new();
+        let of_entries = dealt(entries.iter(), threads(), || (), |(), entry| key(entry, &robots));
         let mut jobs = Vec::new();
-        for (entry, key) in entries.iter().zip(of_entries) {
-            if keys.insert(key.clone()) && !finished.contains_key(&key) {
-                jobs.push(Job { key, entry: entry.clone() });
+        for (entry, key) in entries.into_iter().zip(of_entries) {
+            if self.keys.insert(key.clone()) && !self.finished.contains_key(&key) {
+                jobs.push(Job { key, entry });
             } else {
-                report.count(entry, &Outcome::Known);
+                self.report.count(&entry, &Outcome::Known);
             }
         }
-        Ok((Self { held, entries, keys, finished, kept: HashSet::new(), report }, jobs))
+        jobs
+    }
+
+    /// Entries that go on from their siblings and are not dealt out yet.
+    pub fn later(&self) -> &[Entry] {
+        &self.later
+    }
+
+    /// The jobs that go on from their siblings, once all others are kept. None while one of those is missing: what siblings know
+    /// would depend on which.
+    ///
+    /// # Errors
+    /// A file of the store cannot be read.
+    pub fn go_on(&mut self) -> Result<Vec<Job>, FleetError> {
+        if self.later.is_empty() || self.is_missing() {
+            return Ok(Vec::new());
+        }
+        let priors = Priors::learned(&self.held.store, &self.entries, &self.keys, threads())?;
+        let later = std::mem::take(&mut self.later).iter().map(|entry| priors.given(entry)).collect();
+        Ok(self.undone(later))
+    }
+
+    /// Whether the result of a job that was dealt out did not come.
+    fn is_missing(&self) -> bool {
+        self.keys.iter().any(|key| !self.kept.contains(key) && !self.finished.contains_key(key))
     }
 
     /// Writes what a job found. The same job a second time changes nothing.
@@ -109,10 +143,14 @@ impl Ledger {
     /// # Errors
     /// The store cannot be written; what was kept before stays in it.
     pub fn close(self) -> Result<RunReport, FleetError> {
-        let Self { held, entries, keys, finished, kept, report } = self;
-        let missing = |key: &String| !kept.contains(key) && !finished.contains_key(key);
-        let gone = if keys.iter().any(missing) { HashSet::new() } else { replaced(&entries, &finished, &keys) };
+        let unfinished = self.is_missing() || !self.later.is_empty();
+        let Self { held, entries, keys, finished, report, .. } = self;
+        let gone = if unfinished { HashSet::new() } else { replaced(&entries, &finished, &keys) };
         held.store.merge(&gone)?;
         Ok(report.in_order(gone.len()))
     }
+}
+
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }

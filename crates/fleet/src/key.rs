@@ -1,13 +1,13 @@
 //! What a run's result depends on, as one hash: the bytes of its inputs, its options, the version.
 
-use crate::manifest::Entry;
+use crate::manifest::{Entry, PriorSource};
 use crate::tasks::source_options;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::sync::Mutex;
 
 /// Counts up when the tables of a result change.
-const TABLES_VERSION: &str = "fleet tables 1";
+const TABLES_VERSION: &str = "fleet tables 2";
 
 /// Hashes of robots' files, which many entries share.
 #[derive(Debug, Default)]
@@ -27,7 +27,12 @@ pub(crate) fn key(entry: &Entry, robots: &Robots) -> String {
     for robot in [Some(entry.robot.as_str()), entry.against.as_deref()].into_iter().flatten() {
         hash.update(robots.of(robot, entry));
     }
-    for file in entry.data.iter().chain(&entry.test) {
+    // What was learned from siblings stands in the entry itself.
+    let prior = entry.prior.iter().filter_map(|prior| match prior {
+        PriorSource::File(file) => Some(file),
+        PriorSource::Siblings { .. } => None,
+    });
+    for file in entry.data.iter().chain(&entry.test).chain(prior) {
         hash.update(of_bytes(file));
     }
     base16ct::lower::encode_string(&hash.finalize())

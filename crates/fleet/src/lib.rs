@@ -16,6 +16,7 @@ pub mod manifest;
 pub mod nights;
 pub mod report;
 mod run;
+pub mod siblings;
 pub mod statistics;
 pub mod store;
 mod tasks;

@@ -43,6 +43,32 @@ impl Task {
     }
 }
 
+/// What a fit goes on from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PriorSource {
+    /// A file that `denavit calibrate --json` or `denavit fleet siblings --prior-out` wrote.
+    File(String),
+    /// The robot's siblings in the store.
+    Siblings {
+        /// The prior as JSON, once it was learned.
+        learned: Option<String>,
+    },
+}
+
+impl PriorSource {
+    /// As manifests write it.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::File(file) => file,
+            Self::Siblings { .. } => SIBLINGS,
+        }
+    }
+}
+
+/// The word for what a robot's siblings know.
+pub(crate) const SIBLINGS: &str = "siblings";
+
 /// One robot, one night, one task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
@@ -60,10 +86,19 @@ pub struct Entry {
     pub data: Vec<String>,
     /// Measurements to judge by.
     pub test: Option<String>,
+    /// What the fit goes on from.
+    pub prior: Option<PriorSource>,
     /// For [`Task::Diff`]: what the robot is compared with.
     pub against: Option<String>,
     /// How.
     pub options: TaskOptions,
+}
+
+impl Entry {
+    /// Whether it goes on from its siblings, whose calibrations by themselves must be there before.
+    pub(crate) fn learns(&self) -> bool {
+        matches!(self.prior, Some(PriorSource::Siblings { .. }))
+    }
 }
 
 /// How a task is done; the words are those of the command line's options.
@@ -102,6 +137,7 @@ pub const WORDS: &[&str] = &[
     "event",
     "task",
     "test",
+    "prior",
     "against",
     "base",
     "tip",
@@ -256,6 +292,13 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
     if task == Task::Diff && against.is_none() {
         return Err(wrong("there is nothing to compare with; name a robot in the column against".into()));
     }
+    let prior = word("prior").map(|name| match name {
+        SIBLINGS => PriorSource::Siblings { learned: None },
+        file => PriorSource::File(path(file)),
+    });
+    if prior.is_some() && task != Task::Calibrate {
+        return Err(wrong(format!("prior is of the task calibrate, and this is {}; leave it out", task.name())));
+    }
     let pair = |text: String| {
         let split = text.split_once(":=").map(|(name, value)| (name.to_owned(), value.to_owned()));
         split.ok_or_else(|| wrong(format!("\"{text}\" is no argument of a xacro file; write NAME:=VALUE")))
@@ -272,6 +315,7 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
         robot: path(needed("robot", "name its URDF in the column robot, or for all by --set robot=FILE")?),
         data,
         test: word("test").map(path),
+        prior,
         against,
         options: TaskOptions {
             base: word("base").map(str::to_owned),

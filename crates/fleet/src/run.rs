@@ -4,6 +4,7 @@ use crate::error::FleetError;
 use crate::job::{Computed, Job};
 use crate::key::{Robots, key};
 use crate::manifest::Entry;
+use crate::siblings::Priors;
 use crate::store::{Held, Slot, Store};
 use denavit_calibrate::identify::stop::Stop;
 use serde::Serialize;
@@ -114,11 +115,9 @@ pub fn run(
     let store = &held.store;
     let finished = store.finished()?;
     let work = Work {
-        entries,
         store,
         finished: &finished,
         robots: Robots::default(),
-        next: AtomicUsize::new(0),
         broken_off: AtomicBool::new(false),
         stop: &options.stop,
         report: Mutex::new((RunReport::of(store, entries.len()), HashSet::new())),
@@ -126,17 +125,26 @@ pub fn run(
         merging: Mutex::new(()),
         tell,
     };
-    let ended = std::thread::scope(|scope| {
-        let threads: Vec<_> =
-            (0..options.threads.clamp(1, entries.len().max(1))).map(|_| scope.spawn(|| work.go())).collect();
-        threads.into_iter().map(|thread| thread.join().expect("a robot's panic is caught")).collect::<Vec<_>>()
-    });
-    ended.into_iter().collect::<Result<Vec<()>, FleetError>>()?;
+    let (later, first): (Vec<&Entry>, Vec<&Entry>) = entries.iter().partition(|entry| entry.learns());
+    work.all(&first, options.threads)?;
+    if !later.is_empty() && !work.broken_off.load(Ordering::Relaxed) {
+        // What siblings share is learned when every robot that is calibrated by itself has been, so that it does not depend on
+        // the order of work.
+        let keys = work.report.lock().expect("counting does not panic").1.clone();
+        let priors = Priors::learned(store, entries, &keys, options.threads)?;
+        let later: Vec<Entry> = later.into_iter().map(|entry| priors.given(entry)).collect();
+        work.all(&later.iter().collect::<Vec<_>>(), options.threads)?;
+    }
     let broken_off = work.broken_off.load(Ordering::Relaxed);
     let (report, keys) = work.report.into_inner().expect("counting does not panic");
     let gone = if broken_off { HashSet::new() } else { replaced(entries, &finished, &keys) };
     store.merge(&gone)?;
     Ok(report.in_order(gone.len()))
+}
+
+/// What an entry is of.
+pub(crate) fn slot(entry: &Entry) -> Slot {
+    Slot { serial: entry.serial.clone(), date: entry.date, task: entry.task.name().into() }
 }
 
 /// Keys of the store whose robot, night and task stand in the manifest with other inputs or options.
@@ -145,18 +153,15 @@ pub(crate) fn replaced<'a>(
     finished: &HashMap<String, Slot>,
     keys: &HashSet<String>,
 ) -> HashSet<String> {
-    let slot = |entry: &Entry| Slot { serial: entry.serial.clone(), date: entry.date, task: entry.task.name().into() };
     let slots: HashSet<Slot> = entries.into_iter().map(slot).collect();
     let old = finished.iter().filter(|(key, slot)| !keys.contains(*key) && slots.contains(*slot));
     old.map(|(key, _)| key.clone()).collect()
 }
 
 struct Work<'a> {
-    entries: &'a [Entry],
     store: &'a Store,
     finished: &'a HashMap<String, Slot>,
     robots: Robots,
-    next: AtomicUsize,
     broken_off: AtomicBool,
     stop: &'a Stop,
     report: Mutex<(RunReport, HashSet<String>)>,
@@ -166,10 +171,21 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    /// Some entries, on so many threads.
+    fn all(&self, entries: &[&Entry], threads: usize) -> Result<(), FleetError> {
+        let next = AtomicUsize::new(0);
+        let ended = std::thread::scope(|scope| {
+            let threads: Vec<_> =
+                (0..threads.clamp(1, entries.len().max(1))).map(|_| scope.spawn(|| self.go(entries, &next))).collect();
+            threads.into_iter().map(|thread| thread.join().expect("a robot's panic is caught")).collect::<Vec<_>>()
+        });
+        ended.into_iter().collect()
+    }
+
     /// One thread's work: entry after entry until none is left.
-    fn go(&self) -> Result<(), FleetError> {
+    fn go(&self, entries: &[&Entry], next: &AtomicUsize) -> Result<(), FleetError> {
         while !self.broken_off.load(Ordering::Relaxed) {
-            let Some(entry) = self.entries.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
+            let Some(&entry) = entries.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
             let key = key(entry, &self.robots);
             let fresh = self.report.lock().expect("counting does not panic").1.insert(key.clone());
             let known = !fresh || self.finished.contains_key(&key);

@@ -1,6 +1,8 @@
 //! Statistics of fleets: plain numbers in, plain numbers out, no store.
 
 pub mod false_discovery;
+pub mod hierarchy;
+mod lasting;
 pub mod population;
 pub mod scatter;
 pub mod trend;

@@ -8,6 +8,7 @@
 //! A run's row is written after its other tables: a key in `runs` says that everything of it is there. Files are filled under
 //! a hidden name and renamed; a merge first writes down what it replaces, so that it is finished by whoever comes next.
 
+mod cells;
 mod merge;
 pub mod schema;
 pub mod table;
@@ -165,7 +166,12 @@ impl Store {
     fn entries(&self, table: &TableKind) -> Result<Vec<PathBuf>, FleetError> {
         let folder = self.folder.join(table.name);
         let failed = || FleetError::store(&folder);
-        let entries = std::fs::read_dir(&folder).map_err(failed())?;
+        let entries = match std::fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            // Stores of older versions lack the tables that came later.
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) => return Err(failed()(error)),
+        };
         let mut paths = Vec::new();
         for entry in entries {
             paths.push(entry.map_err(failed())?.path());

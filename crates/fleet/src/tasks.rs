@@ -6,7 +6,7 @@ mod compare;
 mod table;
 
 use crate::manifest::{Entry, Task};
-use crate::store::schema::{COMMON, CURVES, EFFECTS, NOTES, PARAMETERS, RESIDUALS, RUNS, TableKind};
+use crate::store::schema::{AXES, COMMON, CURVES, EFFECTS, INFORMATION, NOTES, PARAMETERS, RESIDUALS, RUNS, TableKind};
 use crate::store::table::{Cell, Rows};
 use denavit_calibrate::identify::stop::Stop;
 use denavit_calibrate::identify::threads::on_this_thread;
@@ -29,6 +29,12 @@ pub(crate) enum TaskError {
     Check(#[from] denavit_load::CheckError),
     #[error(transparent)]
     Tree(#[from] denavit_model::TreeError),
+    #[error(
+        "prior siblings: in the store are fewer than {} other robots of this drawing that were calibrated by themselves; calibrate \
+        some with more poses and without prior first",
+        crate::statistics::hierarchy::LEAST_ROBOTS
+    )]
+    NoSiblings,
     #[error("units \"{written}\": {reason}")]
     Units { written: String, reason: String },
 }
@@ -41,6 +47,8 @@ pub(crate) struct Found {
     pub curves: Vec<Vec<Cell>>,
     pub residuals: Vec<Vec<Cell>>,
     pub notes: Vec<Vec<Cell>>,
+    pub axes: Vec<Vec<Cell>>,
+    pub information: Vec<Vec<Cell>>,
     pub summary: Summary,
 }
 
@@ -56,6 +64,9 @@ pub(crate) struct Summary {
     pub geometric_rms: Option<f64>,
     pub rms: Option<f64>,
     pub structured: Option<bool>,
+    pub base: String,
+    pub tip: String,
+    pub prior_weight: Option<f64>,
 }
 
 /// A remark: kind, code, level, place, message.
@@ -103,6 +114,10 @@ pub(crate) fn rows(entry: &Entry, key: &str, stop: &Stop) -> Option<(Vec<Rows>, 
         summary.geometric_rms.into(),
         summary.rms.into(),
         summary.structured.into(),
+        summary.base.into(),
+        summary.tip.into(),
+        entry.prior.as_ref().map(|prior| prior.name().to_owned()).into(),
+        summary.prior_weight.into(),
         seconds.into(),
     ];
     let common = || -> Vec<Cell> {
@@ -118,6 +133,8 @@ pub(crate) fn rows(entry: &Entry, key: &str, stop: &Stop) -> Option<(Vec<Rows>, 
         Rows { table, rows: rows.collect() }
     };
     let tables = vec![
+        table(&INFORMATION, found.information),
+        table(&AXES, found.axes),
         table(&PARAMETERS, found.parameters),
         table(&EFFECTS, found.effects),
         table(&CURVES, found.curves),
@@ -133,6 +150,12 @@ fn load(entry: &Entry, name: &str, notes: &mut Vec<Vec<Cell>>) -> Result<Loaded,
     let opened = denavit_load::load(name, &source_options(entry))?;
     notes.extend(opened.notes.into_iter().map(|text| note("reading", "", "note", name, text)));
     Ok(opened.robot)
+}
+
+/// The chain of an entry's robot; `None` where it has none, which the entry itself will say.
+pub(crate) fn chain(entry: &Entry) -> Option<denavit_model::Chain> {
+    let loaded = load(entry, &entry.robot, &mut Vec::new()).ok()?;
+    Some(loaded.chain(&selection(entry)).ok()?.value)
 }
 
 /// How an entry's robots are read.

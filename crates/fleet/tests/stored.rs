@@ -1,7 +1,7 @@
 //! What is put into a store comes out of it.
 
 use denavit_fleet::store::Store;
-use denavit_fleet::store::schema::{NOTES, RUNS, TableKind};
+use denavit_fleet::store::schema::{Column, NOTES, RUNS, TableKind};
 use denavit_fleet::store::table::{Cell, Rows};
 use denavit_fleet::{Day, FleetError};
 
@@ -56,4 +56,28 @@ fn tables_without_their_run_are_taken_away_and_foreign_files_are_named() {
     std::fs::write(folder.path().join("runs/mine.parquet"), "no parquet").unwrap();
     let error = held.store.finished().unwrap_err().to_string();
     assert!(error.contains("mine.parquet: this is no file of a fleet's store"), "{error}");
+}
+
+#[test]
+fn a_store_of_an_older_version_has_empty_cells_where_columns_came_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let held = Store::hold(folder.path()).unwrap();
+    let own: Vec<Column> = RUNS.own.iter().filter(|column| !column.added).copied().collect();
+    assert!(own.len() < RUNS.own.len());
+    let old: &TableKind = Box::leak(Box::new(TableKind { name: RUNS.name, row: RUNS.row, own: own.leak() }));
+    let key = "c".repeat(64);
+    let mut written = row(old, &key, "A");
+    written[old.index("ok")] = true.into();
+    held.store.add(&key, &[parquet(&Rows { table: old, rows: vec![written] })]).unwrap();
+    std::fs::remove_dir(folder.path().join("information")).unwrap();
+    let mut expected = row(&RUNS, &key, "A");
+    expected[RUNS.index("ok")] = true.into();
+    let mut read = Vec::new();
+    let mut take = |rows: &[Vec<Cell>]| {
+        read.extend_from_slice(rows);
+        Ok(())
+    };
+    held.store.each_group(&RUNS, &[], &mut take).unwrap();
+    held.store.each_group(&denavit_fleet::store::schema::INFORMATION, &[], &mut |_| Ok(())).unwrap();
+    assert_eq!(read, [expected]);
 }

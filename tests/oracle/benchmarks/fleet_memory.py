@@ -38,8 +38,8 @@ def main():
         folder = Path(made)
         for seed in range(NIGHTS):
             denavit("simulate", ROBOT, "--rows", 20, "--seed", seed, "-o", folder / f"{seed}.csv")
-        print(f"| runs (of {NIGHTS} nights) | store, MB | run, MB | watch, MB | siblings, MB | report, MB | watch, s |")
-        print("|---:|---:|---:|---:|---:|---:|---:|")
+        print(f"| runs ({NIGHTS} nights a robot) | store, MB | run, MB | watch, MB | siblings, MB | with --prior-out, MB | report, MB | watch, s |")
+        print("|---:|---:|---:|---:|---:|---:|---:|---:|")
         for runs in RUNS:
             store = folder / f"store{runs}"
             nights = [(run // NIGHTS, run % NIGHTS) for run in range(runs)]
@@ -48,8 +48,9 @@ def main():
             run, _ = peak("fleet", "run", folder / "plant.csv", "-o", store)
             size = sum(path.stat().st_size for path in store.rglob("*.parquet")) / 1e6
             (watch, seconds), (siblings, _) = peak("fleet", "watch", store), peak("fleet", "siblings", store)
+            prior, _ = peak("fleet", "siblings", store, "--prior-out", folder / f"prior{runs}.json")
             report, _ = peak("fleet", "report", store, "-o", folder / f"pages{runs}")
-            print(f"| {runs} | {size:.0f} | {run:.0f} | {watch:.0f} | {siblings:.0f} | {report:.0f} | {seconds:.1f} |", flush=True)
+            print(f"| {runs} | {size:.0f} | {run:.0f} | {watch:.0f} | {siblings:.0f} | {prior:.0f} | {report:.0f} | {seconds:.1f} |", flush=True)
 
 
 if __name__ == "__main__":

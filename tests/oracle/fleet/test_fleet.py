@@ -20,7 +20,7 @@ import built  # noqa: E402
 duckdb = pytest.importorskip("duckdb", reason="skipped, because DuckDB is not installed (tests/oracle/environment)")
 
 ROBOT = built.WORKSPACE / "robots/universal_robots/ur5e.urdf"
-TABLES = ["runs", "parameters", "effects", "curves", "residuals", "notes"]
+TABLES = ["runs", "parameters", "effects", "curves", "residuals", "notes", "axes", "information"]
 ROBOTS = 40
 
 
@@ -250,3 +250,72 @@ def test_the_page_shows_the_tables_of_the_store(uninterrupted):
         for name, kind, *_ in described:
             kind = {"VARCHAR": "text", "BIGINT": "int64"}.get(kind, kind.lower())
             assert re.search(rf"^\| `{name}` \| {kind} \|", page, re.M), f"{table}.{name} {kind}"
+
+
+WRITTEN = {
+    "as it likes": ("*", ""),
+    "small groups": ("*", ", row_group_size 2048, compression zstd"),
+    "version 2": ("*", ", parquet_version v2"),
+    "as pandas keeps them": ("* replace ({})", ", compression uncompressed"),
+}
+# Days as moments, and whole numbers as floating point where some are missing; small integers elsewhere.
+OF_PANDAS = {"date": "date::timestamp", "rows_fitted": "rows_fitted::double", "line": "line::integer"}
+
+
+@pytest.mark.parametrize("how", WRITTEN)
+def test_a_store_that_duckdb_wrote_anew_is_the_same_store(uninterrupted, tmp_path, how):
+    """All files of a table in one, in whatever form: every command says the same of it, and finds the work done."""
+    store = tmp_path / "store"
+    columns, options = WRITTEN[how]
+    encodings = set()
+    for table in TABLES:
+        (store / table).mkdir(parents=True)
+        if not rows(uninterrupted, table):
+            continue
+        source, target = f"'{uninterrupted}/{table}/*.parquet'", f"'{store}/{table}/all.parquet'"
+        here = [name for name, *_ in duckdb.sql(f"describe select * from {source}").fetchall()]
+        chosen = columns.format(", ".join(f"{form} as {name}" for name, form in OF_PANDAS.items() if name in here))
+        duckdb.sql(f"copy (select {chosen} from {source}) to {target} (format parquet{options})")
+        encodings |= set(duckdb.sql(f"select encodings, compression from parquet_metadata({target})").fetchall())
+        required = duckdb.sql(f"select count(*) from parquet_schema({target}) where repetition_type = 'REQUIRED'")
+        assert required.fetchall()[0][0] > 4, "no column without empty cells"
+    print(encodings)
+    for words in (["watch"], ["siblings", "--json"], ["history", "SN-002"]):
+        command, *more = words
+        told = [denavit("fleet", command, folder, *more, codes=(0, 1)) for folder in (uninterrupted, store)]
+        assert told[0] == told[1] and told[0]
+    pages = [tmp_path / "before", tmp_path / "after"]
+    for folder, page in zip((uninterrupted, store), pages, strict=True):
+        denavit("fleet", "report", folder, "-o", page)
+    assert [p.read_text() for p in sorted(pages[0].rglob("*.html"))] == [p.read_text() for p in sorted(pages[1].rglob("*.html"))]
+    before = everything(store)
+    assert how == "as pandas keeps them" or before == everything(uninterrupted)
+
+
+def test_work_that_stands_in_a_store_written_anew_is_not_done_again(plant, uninterrupted, tmp_path):
+    store = tmp_path / "store"
+    shutil.copytree(uninterrupted, store)
+    for table in ("runs", "parameters"):
+        source = f"'{store}/{table}/*.parquet'"
+        duckdb.sql(f"copy (select * from {source}) to '{tmp_path}/{table}.parquet' (format parquet)")
+        for old in (store / table).glob("*.parquet"):
+            old.unlink()
+        shutil.move(tmp_path / f"{table}.parquet", store / table / "mine.parquet")
+    # One more robot: its rows are merged with those of DuckDB.
+    more = (plant / "plant.csv").read_text() + f"SN-more,{ROBOT},0.csv,2026-11-02,\n"
+    (plant / "more.csv").write_text(more)
+    again = denavit("fleet", "run", plant / "more.csv", "--set", "effects=none", "-o", store)
+    assert "1 done now, 41 were there" in again
+    kept = [row for row in rows(store, "parameters") if row[1] != "SN-more"]
+    assert kept == rows(uninterrupted, "parameters")
+
+
+def test_a_column_of_another_kind_is_named(uninterrupted, tmp_path):
+    store = tmp_path / "store"
+    shutil.copytree(uninterrupted, store)
+    (old,) = (store / "parameters").glob("*.parquet")
+    duckdb.sql(f"copy (select * replace (unit as value) from '{old}') to '{store}/parameters/other.parquet' (format parquet)")
+    run = subprocess.run([built.denavit(), "fleet", "watch", store], capture_output=True, text=True)
+    assert run.returncode == 2
+    assert 'other.parquet: this is no file of a fleet\'s store: column "value": ' in run.stderr, run.stderr
+    assert "holds something else than double" in run.stderr

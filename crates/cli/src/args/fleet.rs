@@ -42,7 +42,7 @@ pub enum FleetCommand {
 
 const RUN_EXAMPLES: &str = "\
 The manifest is CSV with a row per robot and night (serial,robot,data,date, and task, event, test, against, base, tip, units, \
-effects, max_effects, hold_out, seed, tolerance, tolerance_m, tolerance_rad, arguments), TOML with the same words in [defaults] \
+effects, max_effects, hold_out, seed, tolerance, tolerance_m, tolerance_rad, prior, arguments), TOML with the same words in [defaults] \
 and [[robots]], or a pattern of folders with {serial} and {date}. Paths are taken from the manifest's folder; several files of \
 data are joined by ;. Without a task, rows with data are calibrated and rows without get their table.
 
@@ -108,7 +108,7 @@ pub struct FleetCorpusArguments {
 const WATCH_EXAMPLES: &str = "\
 A robot's first nights are its reference, anew after each night with an event on record. Over the robots of a night the false \
 discovery rate is held (Benjamini and Hochberg); an alarm takes two marks in three nights, by the same parameter in the same \
-direction. Exit code 1: there is an alarm.
+direction, or the medians of the last five nights and of the five before them off to one side. Exit code 1: there is an alarm.
 
 Examples:
   denavit fleet watch store
@@ -171,11 +171,33 @@ pub struct FleetReportArguments {
     pub output: PathBuf,
 }
 
+const SIBLINGS_EXAMPLES: &str = "\
+Exit code 1: some robots stand out from their siblings.
+
+Examples:
+  denavit fleet siblings store
+  denavit fleet siblings store --prior-out siblings.json
+  denavit calibrate arm.urdf --data eight_poses.csv --prior siblings.json
+  denavit fleet siblings store --without SN-017 --prior-out others.json";
+
 /// Arguments of `denavit fleet siblings`.
 #[derive(Debug, Args)]
+#[command(after_help = SIBLINGS_EXAMPLES)]
 pub struct FleetSiblingsArguments {
     /// Folder of the store
     pub store: PathBuf,
+    /// Write what the robots share as a prior, for `calibrate --prior` of one more of them
+    #[arg(long, value_name = "FILE")]
+    pub prior_out: Option<PathBuf>,
+    /// Leave this robot out of the prior
+    #[arg(long, value_name = "SERIAL", requires = "prior_out")]
+    pub without: Option<String>,
+    /// The robot as drawn whose siblings are meant [default: that of the robot left out, else the one that most robots are made to]
+    #[arg(long, value_name = "FILE", requires = "prior_out")]
+    pub robot: Option<String>,
+    /// Link that the siblings meant were calibrated to, where those of the store were calibrated to several
+    #[arg(long, value_name = "LINK", requires = "prior_out")]
+    pub tip: Option<String>,
     /// False discovery rate over robots and parameters
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = numbers::part)]
     pub rate: f64,

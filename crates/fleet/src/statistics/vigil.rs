@@ -7,10 +7,13 @@
 //! 3. Over the robots of a night Benjamini and Hochberg's rule marks discoveries.
 //! 4. An alarm is a robot that is marked again: in two of its last three nights, tonight's among them, by the same number in
 //!    the same direction.
+//! 5. Where tails are heavy a single night must be far off before it stands out. So a lasting change is an alarm, too: the median of
+//!    the last nights and the median of as many before them ([`super::lasting`]).
 
 use super::false_discovery::discoveries;
+use super::lasting::{self, Limit, both_beyond};
 use super::scatter::Scatter;
-use statrs::distribution::{Continuous as _, ContinuousCDF as _, Normal};
+use statrs::distribution::{ContinuousCDF as _, Normal};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A night is held against the mean of at least this many before it, where the scatter is learned.
@@ -45,11 +48,15 @@ pub struct Watch {
     pub marked: usize,
     /// … of its last nights.
     pub of_last: usize,
+    /// Nights of a median, of two one after the other, that tell a lasting change.
+    pub lasting: usize,
+    /// False alarms a night of a healthy fleet that lasting changes may raise.
+    pub lasting_rate: f64,
 }
 
 impl Default for Watch {
     fn default() -> Self {
-        Self { rate: 0.05, reference: 8, marked: 2, of_last: 3 }
+        Self { rate: 0.05, reference: 8, marked: 2, of_last: 3, lasting: 5, lasting_rate: 1e-4 }
     }
 }
 
@@ -86,9 +93,18 @@ pub struct Said {
 }
 
 /// Scatter of each number over the fleet; `None` where a number does not scatter or is too rare.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scatters {
+    /// Of a night, about the mean of those before it.
+    pub nights: Vec<Option<Scatter>>,
+    /// Of the median of some nights, about the median of a reference before them.
+    pub medians: Vec<Option<Scatter>>,
+}
+
+/// Learns how each number scatters.
 ///
 /// Every night is held against the mean of the nights just before it, so that a slow change hardly widens what it is judged by.
-pub fn scatters(robots: &[Nights], numbers: usize, how: &Watch) -> Vec<Option<Scatter>> {
+pub fn scatters(robots: &[Nights], numbers: usize, how: &Watch) -> Scatters {
     let of = |number: usize| {
         let mut deviations = Vec::new();
         for robot in robots {
@@ -108,7 +124,8 @@ pub fn scatters(robots: &[Nights], numbers: usize, how: &Watch) -> Vec<Option<Sc
         }
         Scatter::of(&deviations)
     };
-    (0..numbers).map(of).collect()
+    let medians = |number: usize| Scatter::of(&lasting::deviations(robots, number, how));
+    Scatters { nights: (0..numbers).map(of).collect(), medians: (0..numbers).map(medians).collect() }
 }
 
 /// One robot's test of one night.
@@ -129,10 +146,10 @@ pub fn watch(robots: &[Nights], numbers: usize, how: &Watch) -> Said {
 }
 
 /// The watch of one night, with what is known of the scatter.
-pub fn watch_of(robots: &[Nights], scatters: &[Option<Scatter>], tonight: i32, how: &Watch) -> Said {
+pub fn watch_of(robots: &[Nights], scatters: &Scatters, tonight: i32, how: &Watch) -> Said {
     // The last nights of each robot that is there tonight: what is marked in any of them.
     let mut by_day: BTreeMap<i32, Vec<(usize, Test)>> = BTreeMap::new();
-    let mut waiting = 0;
+    let (mut waiting, mut changed) = (0, Vec::new());
     for (index, robot) in robots.iter().enumerate() {
         let until = robot.nights.partition_point(|night| night.day <= tonight);
         let nights = &robot.nights[..until];
@@ -146,8 +163,9 @@ pub fn watch_of(robots: &[Nights], scatters: &[Option<Scatter>], tonight: i32, h
             continue;
         }
         let (reference, others) = nights.split_at(how.reference);
+        changed.extend(lasting::test(reference, others, scatters, how).map(|test| (index, test)));
         for night in &others[others.len().saturating_sub(how.of_last)..] {
-            if let Some(test) = test(reference, night, scatters) {
+            if let Some(test) = test(reference, night, &scatters.nights) {
                 by_day.entry(night.day).or_default().push((index, test));
             }
         }
@@ -176,9 +194,17 @@ pub fn watch_of(robots: &[Nights], scatters: &[Option<Scatter>], tonight: i32, h
             said.alarms.push(Alarm { robot, number, change, sigmas, p_value, since: again[0] });
         }
     }
+    let numbers = scatters.nights.iter().flatten().count();
+    let limit = Limit::of(said.watched, numbers, how);
+    for (robot, test) in changed {
+        if limit.is_passed_by(test.p_value) && !said.alarms.iter().any(|alarm| alarm.robot == robot) {
+            let lasting::Test { number, change, sigmas, since, .. } = test;
+            let p_value = limit.p_value(test.p_value, numbers);
+            said.alarms.push(Alarm { robot, number, change, sigmas, p_value, since });
+        }
+    }
     said.alarms.sort_by(|a, b| a.p_value.total_cmp(&b.p_value).then(b.sigmas.total_cmp(&a.sigmas)));
-    let numbers = scatters.iter().flatten().count();
-    said.expected_false = expected_false(said.watched, numbers, how);
+    said.expected_false = expected_false(said.watched, numbers, how) + limit.expected_false;
     said
 }
 
@@ -203,7 +229,7 @@ fn test(reference: &[Night], night: &Night, scatters: &[Option<Scatter>]) -> Opt
     best.map(|best| Test { p_value: (best.p_value * f64::from(count)).min(1.0), ..best })
 }
 
-/// False alarms a night of a healthy fleet.
+/// False alarms a night of a healthy fleet by single nights that are marked.
 ///
 /// Where all are healthy, the rule marks as if each number were tested at rate / (robots · numbers). An alarm takes the same
 /// number on the same side again; two nights share the mean of the reference, which makes them depend: correlation
@@ -216,17 +242,10 @@ pub fn expected_false(robots: usize, numbers: usize, how: &Watch) -> f64 {
     if how.marked <= 1 {
         return how.rate;
     }
-    let normal = Normal::new(0.0, 1.0).expect("a standard deviation of 1");
-    let limit = normal.inverse_cdf(1.0 - each / 2.0);
+    let limit = Normal::new(0.0, 1.0).expect("a standard deviation of 1").inverse_cdf(1.0 - each / 2.0);
     let shared = 1.0 / (how.reference as f64 + 1.0);
-    let step = 0.01;
-    let at = |index: i32| {
-        let common = f64::from(index) * step;
-        let beyond = normal.sf((limit - shared.sqrt() * common) / (1.0 - shared).sqrt());
-        let tries = how.of_last.saturating_sub(1) as f64;
-        // Tonight, and at least `marked` - 1 of the nights before.
-        normal.pdf(common) * beyond * (tries * beyond).powi(i32::try_from(how.marked - 1).unwrap_or(1)) * step
-    };
-    let of_one_side: f64 = (-800..=800).map(at).sum();
-    2.0 * of_one_side * (robots * numbers) as f64
+    // Tonight, and at least `marked` - 1 of the nights before.
+    let again = i32::try_from(how.marked - 1).unwrap_or(1);
+    let tries = (how.of_last.saturating_sub(1) as f64).powi(again);
+    2.0 * tries * both_beyond(limit, shared, 1 + again) * (robots * numbers) as f64
 }

@@ -39,6 +39,8 @@ pub struct Column {
     pub unit: &'static str,
     /// What it says; empty cells where that does not apply.
     pub meaning: &'static str,
+    /// Stores of older versions do not have it: its cells are then empty.
+    pub added: bool,
 }
 
 /// A table.
@@ -68,7 +70,12 @@ impl TableKind {
 }
 
 const fn column(name: &'static str, kind: Kind, unit: &'static str, meaning: &'static str) -> Column {
-    Column { name, kind, unit, meaning }
+    Column { name, kind, unit, meaning, added: false }
+}
+
+/// A column that was not there at first.
+const fn added(name: &'static str, kind: Kind, unit: &'static str, meaning: &'static str) -> Column {
+    Column { name, kind, unit, meaning, added: true }
 }
 
 use Kind::{Count, Day, Flag, Real, Text};
@@ -106,6 +113,10 @@ pub const RUNS: TableKind = TableKind {
         column("geometric_rms", Real, "m", "the same with the geometry fitted"),
         column("rms", Real, "m", "the same at the stage adopted"),
         column("structured", Flag, "", "whether what is left has structure that no effect explains"),
+        added("base", Text, "", "link that the calibrated chain starts at"),
+        added("tip", Text, "", "link that it ends at"),
+        added("prior", Text, "", "what the fit went on from: siblings, or a file as the manifest names it"),
+        added("prior_weight", Real, "1", "how much of that counted, as the rows bear it out"),
         column(
             "seconds",
             Real,
@@ -127,6 +138,37 @@ pub const PARAMETERS: TableKind = TableKind {
         column("half_interval_95", Real, "unit", "half the interval that holds the true value with 95 %"),
         column("unit", Text, "", "rad, m, m/rad or 1"),
         column("held_by_prior", Real, "1", "how much of the spread is the prior's: 1 where the data say nothing"),
+    ],
+};
+
+/// One row an axis.
+pub const AXES: TableKind = TableKind {
+    name: "axes",
+    row: "the screw axis of a joint as drawn, which parameters are counted from, in the base frame",
+    own: &[
+        column("joint", Text, "", "the joint"),
+        column("omega_x", Real, "1", "direction; 0 of a slide"),
+        column("omega_y", Real, "1", "the same"),
+        column("omega_z", Real, "1", "the same"),
+        column("v_x", Real, "m", "speed of the point at the origin, for 1 rad/s; direction of a slide"),
+        column("v_y", Real, "m", "the same"),
+        column("v_z", Real, "m", "the same"),
+    ],
+};
+
+/// One row two parameters.
+pub const INFORMATION: TableKind = TableKind {
+    name: "information",
+    row: "what the rows alone, no prior, say of two parameters together; instrument, target and effects are left free",
+    own: &[
+        column("parameter", Text, "", "such as elbow_joint.turn_x"),
+        column("other", Text, "", "such as this one itself; each two stand together once; empty: the pull"),
+        column(
+            "value",
+            Real,
+            "1/unit²",
+            "inverse covariance Λ of the two; with nothing (1/unit): the pull η, so that the rows' likelihood is exp(-½ θᵀΛθ + ηᵀθ)",
+        ),
     ],
 };
 
@@ -201,7 +243,7 @@ pub const NOTES: TableKind = TableKind {
 };
 
 /// Every table; runs last, as its row says that the others are whole.
-pub const TABLES: [&TableKind; 6] = [&PARAMETERS, &EFFECTS, &CURVES, &RESIDUALS, &NOTES, &RUNS];
+pub const TABLES: [&TableKind; 8] = [&INFORMATION, &AXES, &PARAMETERS, &EFFECTS, &CURVES, &RESIDUALS, &NOTES, &RUNS];
 
 /// The tables as the document shows them.
 pub fn markdown() -> String {

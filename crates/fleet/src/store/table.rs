@@ -1,9 +1,9 @@
 //! Rows in memory, column by column, and their Parquet.
 
+use super::cells::cells;
 use super::schema::{Kind, TableKind};
 use crate::error::FleetError;
 use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
-use parquet::column::reader::ColumnReader;
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
@@ -195,10 +195,7 @@ impl Rows {
         let not_ours = |reason: String| FleetError::NotOurs { file: path.to_owned(), reason };
         let file = File::open(path).map_err(FleetError::store(path))?;
         let reader = SerializedFileReader::new(file).map_err(|error| not_ours(error.to_string()))?;
-        let present: Vec<String> = {
-            let schema = reader.metadata().file_metadata().schema_descr();
-            schema.columns().iter().map(|column| column.name().to_owned()).collect()
-        };
+        let present = reader.metadata().file_metadata().schema_descr().columns().to_vec();
         let columns: Vec<_> = table.columns().collect();
         for group in 0..reader.num_row_groups() {
             let group = reader.get_row_group(group).map_err(|error| not_ours(error.to_string()))?;
@@ -208,10 +205,14 @@ impl Rows {
                 if !wanted.is_empty() && !wanted.contains(&column.name) {
                     continue;
                 }
-                let at = present.iter().position(|name| name == column.name);
+                let at = present.iter().position(|found| found.name() == column.name);
+                if at.is_none() && column.added {
+                    continue;
+                }
                 let at = at.ok_or_else(|| not_ours(format!("it has no column \"{}\"", column.name)))?;
-                let cells = group.get_column_reader(at).and_then(|reader| cells(reader, count));
-                let cells = cells.map_err(|error| not_ours(error.to_string()))?;
+                let cells =
+                    group.get_column_reader(at).and_then(|reader| cells(reader, &present[at], column.kind, count));
+                let cells = cells.map_err(|error| not_ours(format!("column \"{}\": {error}", column.name)))?;
                 for (row, cell) in rows.iter_mut().zip(cells) {
                     row[index] = cell;
                 }
@@ -261,33 +262,4 @@ impl<W: Write + Send> Groups<W> {
 fn unwritten(table: &TableKind) -> impl FnOnce(ParquetError) -> FleetError {
     let file = Path::new(table.name).to_owned();
     move |error| FleetError::Store { file, reason: error.to_string() }
-}
-
-/// The cells of a column of `count` rows.
-fn cells(reader: ColumnReader, count: usize) -> Result<Vec<Cell>, ParquetError> {
-    macro_rules! column {
-        ($typed:expr, $cell:expr) => {{
-            let (mut levels, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
-            let mut typed = $typed;
-            while levels.len() < count {
-                let (rows, _, _) = typed.read_records(count - levels.len(), Some(&mut levels), None, &mut values)?;
-                if rows == 0 {
-                    return Err(ParquetError::EOF("a column ends before its rows".into()));
-                }
-            }
-            let mut values = values.into_iter();
-            levels.iter().map(|level| if *level == 0 { None } else { values.next() }).map($cell).collect()
-        }};
-    }
-    let text = |value: Option<ByteArray>| {
-        value.map_or(Cell::Empty, |bytes| Cell::Text(String::from_utf8_lossy(bytes.data()).into_owned()))
-    };
-    Ok(match reader {
-        ColumnReader::ByteArrayColumnReader(typed) => column!(typed, text),
-        ColumnReader::DoubleColumnReader(typed) => column!(typed, Cell::from),
-        ColumnReader::Int64ColumnReader(typed) => column!(typed, |value| value.map_or(Cell::Empty, Cell::Count)),
-        ColumnReader::BoolColumnReader(typed) => column!(typed, Cell::from),
-        ColumnReader::Int32ColumnReader(typed) => column!(typed, |value| value.map_or(Cell::Empty, Cell::Day)),
-        _ => return Err(ParquetError::General("a column of no known kind".into())),
-    })
 }

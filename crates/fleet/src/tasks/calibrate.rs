@@ -1,13 +1,15 @@
 //! `calibrate`: measurements to parameters, effects, curves and residuals.
 
 use super::{Found, Summary, TaskError, load, note, selection};
-use crate::manifest::Entry;
+use crate::manifest::{Entry, PriorSource};
 use crate::store::table::Cell;
 use denavit_calibrate::calibration::contract::{CalibrationReport, EffectEntry, Stage};
 use denavit_calibrate::calibration::{HoldOut, calibrate};
+use denavit_calibrate::identify::information::Information;
 use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::observation::measurements::Units;
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, rows, search};
+use denavit_model::ChainJoint;
 
 pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     let mut found = Found::default();
@@ -17,7 +19,19 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     can_be_identified(&chain)?;
     let statics = loaded.statics(&chain, selection(entry).reading);
     let options = &entry.options;
+    let prior = match &entry.prior {
+        None => None,
+        Some(PriorSource::Siblings { learned: None }) => return Err(TaskError::NoSiblings),
+        Some(PriorSource::Siblings { learned: Some(text) }) => {
+            Some(DataFile { name: "siblings".into(), bytes: text.clone().into(), ..DataFile::default() })
+        }
+        Some(PriorSource::File(name)) => {
+            let (name, bytes) = denavit_load::read_bytes(name)?;
+            Some(DataFile { name, bytes, ..DataFile::default() })
+        }
+    };
     let asked = SearchAsked {
+        prior,
         effects: options.effects.clone(),
         max_effects: options.max_effects,
         hold_out: options.hold_out.filter(|_| entry.test.is_none()).map(|share| HoldOut { share, seed: options.seed }),
@@ -40,7 +54,17 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     let Rows { data, test, notes, .. } = rows(&asked, &chain)?;
     found.notes.extend(notes.into_iter().map(|text| note("reading", "", "note", "", text)));
     how.other_chains = other_chains(&loaded, &chain, &data);
-    let report = calibrate(&chain, &statics, data, test, &how)?.report;
+    let result = calibrate(&chain, &statics, data, test, &how)?;
+    let report = result.report;
+    if let Some(information) = &result.information {
+        found.information = information_rows(information);
+        let axis = |joint: &ChainJoint| {
+            let mut row: Vec<Cell> = vec![joint.name.as_str().into()];
+            row.extend(joint.screw.twist().iter().map(|number| Cell::from(*number)));
+            row
+        };
+        found.axes = chain.joints().iter().map(axis).collect();
+    }
     found.parameters = report
         .parameters
         .iter()
@@ -68,6 +92,17 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     remarks(&report, &mut found.notes);
     found.summary = summary(&report);
     Ok(found)
+}
+
+fn information_rows(told: &Information) -> Vec<Vec<Cell>> {
+    let mut rows = Vec::new();
+    for (i, parameter) in told.parameters.iter().enumerate() {
+        rows.push(vec![parameter.as_str().into(), Cell::Empty, told.pull[i].into()]);
+        for (k, other) in told.parameters[..=i].iter().enumerate() {
+            rows.push(vec![parameter.as_str().into(), other.as_str().into(), told.matrix[(i, k)].into()]);
+        }
+    }
+    rows
 }
 
 fn effect_rows(effect: &EffectEntry, named: bool) -> Vec<Vec<Cell>> {
@@ -146,6 +181,9 @@ fn summary(report: &CalibrationReport) -> Summary {
         geometric_rms: report.stages.iter().find(|stage| stage.name == "geometric").and_then(rms),
         rms: adopted.and_then(rms),
         structured: Some(report.unexplained.structured),
+        base: report.base.clone(),
+        tip: report.tip.clone(),
+        prior_weight: report.earlier.map(|earlier| earlier.weight),
         ..Summary::default()
     }
 }

@@ -3,11 +3,15 @@
 use crate::args::FleetSiblingsArguments;
 use crate::delivery::Delivery;
 use crate::failure::Failure;
-use crate::output::Status;
+use crate::output::{self, Outputs, Status};
 use denavit_fleet::nights::{Fleet, Shared};
+use denavit_fleet::siblings::{Learned, Sibling, siblings};
 use denavit_fleet::statistics::false_discovery::discoveries;
 use denavit_fleet::store::Store;
+use denavit_load::{Options, Selection};
+use denavit_model::Reading;
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 #[derive(Serialize)]
@@ -40,10 +44,79 @@ struct OutlierEntry {
 
 pub fn run(arguments: &FleetSiblingsArguments) -> Result<Status, Failure> {
     let delivery = Delivery::of(None, &arguments.json, [])?;
-    let fleet = Fleet::read(&Store::open(&arguments.store)?)?;
+    let mut files = Outputs::beside(arguments.robot.as_deref());
+    let prior_out = files.add_if("--prior-out", arguments.prior_out.as_deref())?;
+    let store = Store::open(&arguments.store)?;
+    if let Some(slot) = prior_out {
+        let (prior, said) = prior(&store, arguments)?;
+        files.write(&[(slot, prior)])?;
+        output::mention(said);
+    }
+    let fleet = Fleet::read(&store)?;
     let answer = answer(&fleet, &fleet.shared(), arguments.rate);
     delivery.deliver(|| Ok(text(&answer)), || Ok(super::super::stamped("denavit.fleet.siblings/1", &answer)))?;
     Ok(if answer.outliers.is_empty() { Status::Same } else { Status::Different })
+}
+
+/// The prior as JSON, and what it was learned from.
+fn prior(store: &Store, arguments: &FleetSiblingsArguments) -> Result<(String, String), Failure> {
+    let folder = arguments.store.display();
+    let all = siblings(store, &|_, _| true)?;
+    let refused = |why: String| Failure::Argument(format!("--prior-out: {folder}: {why}"));
+    let all: Vec<Sibling> = match &arguments.tip {
+        Some(tip) if !all.iter().any(|sibling| sibling.tip == *tip) => {
+            return Err(refused(format!(
+                "no robot was calibrated by itself to {tip}; there are {}",
+                tips(all.iter()).join(", ")
+            )));
+        }
+        Some(tip) => all.into_iter().filter(|sibling| sibling.tip == *tip).collect(),
+        None => all,
+    };
+    let without = arguments.without.as_deref();
+    if let Some(serial) = without.filter(|serial| !all.iter().any(|sibling| sibling.serial == **serial)) {
+        return Err(refused(format!("no robot \"{serial}\" was calibrated by itself; leave --without out")));
+    }
+    let Some(one) = representative(&all, without) else {
+        return Err(refused("no robot was calibrated by itself since this version; run the manifest again".into()));
+    };
+    // Arms of one robot are different chains: which is meant must be said.
+    if let [first, second, ..] = &tips(all.iter().filter(|sibling| sibling.robot == one.robot))[..] {
+        return Err(refused(format!("{} was calibrated to {first} and to {second}; choose one by --tip", one.robot)));
+    }
+    let file = arguments.robot.as_deref().unwrap_or(&one.robot);
+    let options = Options { arguments_for_another: true, ..Options::default() };
+    let loaded = denavit_load::load(file, &options)?.robot;
+    let selection = Selection { file, base: Some(&one.base), tip: Some(&one.tip), reading: Reading::Intended };
+    let chain = loaded.chain(&selection)?.value;
+    let learned = Learned::of(&chain, &all);
+    let learned = learned.as_ref().and_then(|learned| Some((learned, learned.prior(without)?)));
+    let (learned, prior) = learned.ok_or_else(|| {
+        let least = denavit_fleet::statistics::hierarchy::LEAST_ROBOTS;
+        refused(format!(
+            "fewer than {least} robots that are drawn as {file} were calibrated by themselves; calibrate more of them, or name \
+             their drawing by --robot"
+        ))
+    })?;
+    let count = learned.serials.iter().filter(|serial| Some(&serial[..]) != without).count();
+    Ok((prior.to_json(), format!("{count} robots that are drawn as {file} to {} are in the prior", one.tip)))
+}
+
+/// The links that robots were calibrated to.
+fn tips<'a>(of: impl Iterator<Item = &'a Sibling>) -> Vec<&'a str> {
+    of.map(|sibling| &sibling.tip[..]).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// A robot of the drawing that is meant.
+fn representative<'a>(all: &'a [Sibling], without: Option<&str>) -> Option<&'a Sibling> {
+    if without.is_some() {
+        return all.iter().find(|sibling| Some(&sibling.serial[..]) == without);
+    }
+    let mut counts: BTreeMap<[&str; 3], (usize, &Sibling)> = BTreeMap::new();
+    for sibling in all {
+        counts.entry([&sibling.robot, &sibling.base, &sibling.tip]).or_insert((0, sibling)).0 += 1;
+    }
+    counts.into_values().reduce(|most, next| if next.0 > most.0 { next } else { most }).map(|(_, sibling)| sibling)
 }
 
 fn answer(fleet: &Fleet, shared: &[Shared], rate: f64) -> Answer {

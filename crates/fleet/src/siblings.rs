@@ -1,0 +1,244 @@
+//! What the robots of a store share, learned from them and written as the prior of another's fit.
+//!
+//! It is learned from the last calibration that each robot had by itself: what went on from siblings is not learned from again, so
+//! that no robot's rows come back to it through the others, and the order of work changes nothing.
+
+use crate::Day;
+use crate::error::FleetError;
+use crate::manifest::{Entry, PriorSource, SIBLINGS};
+use crate::run::slot;
+use crate::statistics::hierarchy::{Hierarchy, Told};
+use crate::store::schema::{AXES, INFORMATION, RUNS};
+use crate::store::{Slot, Store};
+use crate::tasks;
+use denavit_calibrate::identify::information::Information;
+use denavit_calibrate::identify::posterior::{Earlier, same_drawing};
+use denavit_calibrate::identify::siblings::Drawing;
+use denavit_calibrate::identify::threads::dealt;
+use denavit_model::nalgebra::{DMatrix, DVector};
+use denavit_model::{Chain, ChainJoint};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// A robot that was calibrated by itself.
+#[derive(Debug, Clone)]
+pub struct Sibling {
+    /// The robot.
+    pub serial: String,
+    /// Its file as the manifest named it.
+    pub robot: String,
+    /// Link that its chain starts at.
+    pub base: String,
+    /// Link that it ends at.
+    pub tip: String,
+    /// The night.
+    date: Option<Day>,
+    /// Twist `[omega; v]` of each joint's axis as drawn.
+    axes: BTreeMap<String, [f64; 6]>,
+    told: Information,
+}
+
+impl Sibling {
+    /// A robot by what its rows say.
+    pub fn of(serial: &str, chain: &Chain, told: Information) -> Self {
+        let axis = |joint: &ChainJoint| (joint.name.clone(), joint.screw.twist().into());
+        Self {
+            serial: serial.into(),
+            robot: chain.name().into(),
+            base: chain.base().into(),
+            tip: chain.tip().into(),
+            date: None,
+            axes: chain.joints().iter().map(axis).collect(),
+            told,
+        }
+    }
+}
+
+/// Reads the last calibration of each robot that it had by itself, to each of its tips, in the order of their names and nights;
+/// `counts` may leave runs out, by what they are of and their key.
+///
+/// In memory are some hundred numbers for each robot.
+///
+/// # Errors
+/// A file of the store cannot be read.
+pub fn siblings(store: &Store, counts: &dyn Fn(&Slot, &str) -> bool) -> Result<Vec<Sibling>, FleetError> {
+    let mut last: BTreeMap<[String; 3], Last> = BTreeMap::new();
+    let wanted = ["key", "serial", "date", "task", "ok", "robot", "base", "tip", "prior"];
+    let [key, serial, date, task, ok, robot, base, tip, prior] = wanted.map(|name| RUNS.index(name));
+    store.each_group(&RUNS, &wanted, &mut |rows| {
+        for row in rows {
+            let by_itself = row[ok].is_true() && row[task].text() == "calibrate" && row[prior].text() != SIBLINGS;
+            let (serial, key, day) = (row[serial].text(), row[key].text(), row[date].day());
+            let slot = Slot { serial: serial.into(), date: day.map(Day), task: row[task].text().into() };
+            if !by_itself || !counts(&slot, key) {
+                continue;
+            }
+            let of = [serial, row[base].text(), row[tip].text()].map(str::to_owned);
+            let own = Last { date: day, key: key.to_owned(), robot: row[robot].text().to_owned() };
+            if last.get(&of).is_none_or(|then| (then.date, &then.key) < (own.date, &own.key)) {
+                last.insert(of, own);
+            }
+        }
+        Ok(())
+    })?;
+    let keys: HashSet<&str> = last.values().map(|run| &run.key[..]).collect();
+    let (mut axes, mut told) = (read_axes(store, &keys)?, read_information(store, &keys)?);
+    let sibling = |([serial, base, tip], Last { date, key, robot }): ([String; 3], Last)| {
+        let (axes, told) = (axes.remove(&key)?, told.remove(&key)?);
+        Some(Sibling { serial, robot, base, tip, date: date.map(Day), axes, told })
+    };
+    let mut siblings: Vec<Sibling> = last.into_iter().filter_map(sibling).collect();
+    siblings.sort_by(|a, b| (&a.serial, a.date).cmp(&(&b.serial, b.date)));
+    Ok(siblings)
+}
+
+/// By key.
+fn read_axes(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<String, BTreeMap<String, [f64; 6]>>, FleetError> {
+    let [key, joint, first] = ["key", "joint", "omega_x"].map(|name| AXES.index(name));
+    let mut axes: HashMap<String, BTreeMap<String, [f64; 6]>> = HashMap::new();
+    store.each_group(&AXES, &[], &mut |rows| {
+        for row in rows {
+            let Some(run) = keys.get(row[key].text()) else { continue };
+            let twist = std::array::from_fn(|k| row[first + k].real().unwrap_or(f64::NAN));
+            axes.entry((*run).to_owned()).or_default().insert(row[joint].text().to_owned(), twist);
+        }
+        Ok(())
+    })?;
+    Ok(axes)
+}
+
+/// By key. Names of parameters are kept once for all robots.
+fn read_information(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<String, Information>, FleetError> {
+    let wanted = ["key", "parameter", "other", "value"];
+    let [key, parameter, other, value] = wanted.map(|name| INFORMATION.index(name));
+    let mut names: BTreeMap<String, u32> = BTreeMap::new();
+    let mut read: HashMap<String, Vec<(u32, Option<u32>, f64)>> = HashMap::new();
+    store.each_group(&INFORMATION, &wanted, &mut |rows| {
+        for row in rows {
+            let Some(run) = keys.get(row[key].text()) else { continue };
+            let mut number = |name: &str| {
+                let next = u32::try_from(names.len()).expect("fewer names than rows of a store");
+                *names.entry(name.to_owned()).or_insert(next)
+            };
+            let (of, beside) = (number(row[parameter].text()), row[other].text());
+            let beside = (!beside.is_empty()).then(|| number(beside));
+            let entry = (of, beside, row[value].real().unwrap_or(f64::NAN));
+            read.entry((*run).to_owned()).or_default().push(entry);
+        }
+        Ok(())
+    })?;
+    let mut by_number: Vec<(&String, &u32)> = names.iter().collect();
+    by_number.sort_unstable_by_key(|(_, number)| **number);
+    let by_number: Vec<&str> = by_number.into_iter().map(|(name, _)| name.as_str()).collect();
+    let information = |rows: Vec<(u32, Option<u32>, f64)>| {
+        let mut parameters: Vec<u32> = rows.iter().map(|(parameter, ..)| *parameter).collect();
+        parameters.sort_unstable_by_key(|number| by_number[*number as usize]);
+        parameters.dedup();
+        let count = parameters.len();
+        let (mut matrix, mut pull) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        let places: HashMap<u32, usize> =
+            parameters.iter().enumerate().map(|(place, number)| (*number, place)).collect();
+        for (parameter, other, value) in &rows {
+            let i = places[parameter];
+            match other.map(|other| places.get(&other)) {
+                Some(Some(&k)) => (matrix[(i, k)], matrix[(k, i)]) = (*value, *value),
+                // A parameter beside one that has no row of its own.
+                Some(None) => {}
+                None => pull[i] = *value,
+            }
+        }
+        let parameters = parameters.iter().map(|number| by_number[*number as usize].to_owned()).collect();
+        Information { parameters, matrix, pull }
+    };
+    Ok(read.into_iter().map(|(run, rows)| (run, information(rows))).collect())
+}
+
+/// A run that is the last so far.
+struct Last {
+    date: Option<i32>,
+    key: String,
+    robot: String,
+}
+
+/// What robots of one drawing share.
+#[derive(Debug)]
+pub struct Learned {
+    drawing: Drawing,
+    /// Robots that it was learned from, in the order of their names.
+    pub serials: Vec<String>,
+    told: Vec<Told>,
+    /// The population.
+    pub population: Hierarchy,
+}
+
+impl Learned {
+    /// Learned from those that are made to the drawing of this chain, from the last run of each robot: one that was calibrated to two
+    /// links behind the same joints counts once. `None`: they are too few.
+    pub fn of(chain: &Chain, siblings: &[Sibling]) -> Option<Self> {
+        let drawing = Drawing::of(chain);
+        let told = |sibling: &Sibling| {
+            if !same_drawing(chain, &sibling.axes) {
+                return None;
+            }
+            let (information, pull) = drawing.told(&sibling.told)?;
+            let finite = information.iter().chain(&pull).all(|number| number.is_finite());
+            finite.then(|| (sibling.serial.clone(), Told { information, pull }))
+        };
+        let last: BTreeMap<String, Told> = siblings.iter().filter_map(told).collect();
+        let (serials, told): (Vec<String>, Vec<Told>) = last.into_iter().unzip();
+        let population = Hierarchy::of(&told.iter().collect::<Vec<_>>(), &drawing.moved())?;
+        Some(Self { drawing, serials, told, population })
+    }
+
+    /// The prior of a robot: what all others share. `None`: there are too few others.
+    pub fn prior(&self, of: Option<&str>) -> Option<Earlier> {
+        let told: Vec<&Told> = self.told.iter().collect();
+        let own = of.and_then(|of| self.serials.iter().position(|serial| serial == of));
+        let others = own.map(|own| self.population.without(&told, own, &self.drawing.moved()));
+        let (mean, covariance) = others.unwrap_or_else(|| Some(self.population.clone()))?.next();
+        Some(self.drawing.prior(&mean, &covariance))
+    }
+}
+
+/// The priors of a run's robots.
+#[derive(Debug, Default)]
+pub(crate) struct Priors(HashMap<Kind, HashMap<String, String>>);
+
+/// What makes two entries robots of one drawing, as far as the manifest says.
+type Kind = (String, Option<String>, Option<String>, Vec<(String, String)>);
+
+fn kind(entry: &Entry) -> Kind {
+    let options = &entry.options;
+    (entry.robot.clone(), options.base.clone(), options.tip.clone(), options.arguments.clone())
+}
+
+impl Priors {
+    /// Learned for the entries of a run that go on from their siblings, when those that do not are done; `keys` are theirs. Runs
+    /// of the store that this run takes the place of are not learned from: another run over the same finds the same priors.
+    pub(crate) fn learned(
+        store: &Store,
+        entries: &[Entry],
+        keys: &HashSet<String>,
+        threads: usize,
+    ) -> Result<Self, FleetError> {
+        let slots: HashSet<Slot> = entries.iter().map(slot).collect();
+        let siblings = siblings(store, &|slot, key| keys.contains(key) || !slots.contains(slot))?;
+        let mut robots: BTreeMap<Kind, BTreeMap<&str, &Entry>> = BTreeMap::new();
+        for entry in entries.iter().filter(|entry| entry.learns()) {
+            robots.entry(kind(entry)).or_default().insert(&entry.serial, entry);
+        }
+        let mut priors = HashMap::new();
+        for (kind, robots) in robots {
+            let chain = robots.values().next().and_then(|entry| tasks::chain(entry));
+            let Some(learned) = chain.and_then(|chain| Learned::of(&chain, &siblings)) else { continue };
+            let of = |(): &mut (), serial: &str| Some((serial.to_owned(), learned.prior(Some(serial))?.to_json()));
+            priors.insert(kind, dealt(robots.into_keys(), threads, || (), of).into_iter().flatten().collect());
+        }
+        Ok(Self(priors))
+    }
+
+    /// The entry with what its siblings know.
+    pub(crate) fn given(&self, entry: &Entry) -> Entry {
+        let learned = self.0.get(&kind(entry)).and_then(|of| of.get(&entry.serial)).cloned();
+        Entry { prior: Some(PriorSource::Siblings { learned }), ..entry.clone() }
+    }
+}
