@@ -7,18 +7,20 @@
 //! BEFORE is brought up to date by a few rows of LATER. In the environment: `TIP`, `UNITS`, `SEED`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
+mod real;
+
+use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::effects::{EffectModel, Statics};
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::identify::residual_statistics::residuals;
 use denavit_calibrate::identify::solve::{FitOptions, fit};
 use denavit_calibrate::observation::arm::{Perturbation, Row, RowState};
-use denavit_calibrate::observation::measurements::{Measurements, Units, read};
+use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::observation::parameters::{Effects, Parameter, Sensitivity};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, Tolerances, identify};
-use denavit_model::tree::Reading;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
@@ -52,15 +54,9 @@ const DRAWS: u64 = 10;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let robot = denavit_model::urdf::read(&arguments[1], &std::fs::read_to_string(&arguments[1]).unwrap()).unwrap();
-    let tip = std::env::var("TIP").ok();
-    let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
-    let statics = Statics::of(&robot, &chain);
-    let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
-    let load = |path: &str| {
-        read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
-    };
-    let (before, later) = (load(&arguments[2]), load(&arguments[3]));
+    let real = Real::robot(&arguments[1]);
+    let (chain, statics) = (&real.chain, &real.statics);
+    let (before, later) = (real.rows(&arguments[2]), real.rows(&arguments[3]));
     let placing: usize = arguments.get(4).map_or(later.len() / 20, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut order: Vec<usize> = (0..later.len()).collect();
@@ -81,15 +77,14 @@ fn main() {
     );
     println!("| model of {} | all later rows, mm rms | within its range |\n|---|---|---|", arguments[2]);
     for word in ["geometry", "curves", "effects and curves"] {
-        let mut options = CalibrateOptions::geometry(&chain);
+        let mut options = CalibrateOptions::geometry(chain);
         options.curves = (word == "curves").then(CurveOptions::default);
         options.trace = (word == "effects and curves").then(|| TraceOptions::new(options.identify.clone()));
-        let found =
-            calibrate(&chain, &statics, before.clone(), None, &options).unwrap_or_else(|error| panic!("{error}"));
-        let [all, inside] = predicted(&found, &statics, &placing, &judged, &within);
+        let found = calibrate(chain, statics, before.clone(), None, &options).unwrap_or_else(|error| panic!("{error}"));
+        let [all, inside] = predicted(&found, statics, &placing, &judged, &within);
         println!("| {word} | {:.4} | {:.4} |", all * 1e3, inside * 1e3);
     }
-    brought_up_to_date(&statics, &before, &later, seed);
+    brought_up_to_date(statics, &before, &later, seed);
 }
 
 /// Geometry from a few later rows alone, the earlier geometry, and that one brought up to date, on later rows that none saw.

@@ -4,11 +4,11 @@
 //! In the environment: `TIP` (link), `UNITS` (such as mm,deg). Last come the names that recur in fewer than eight of ten draws.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
+mod real;
+
+use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::trace::TraceOptions;
-use denavit_model::tree::Reading;
 use std::collections::BTreeMap;
 
 /// Share of the draws in which a name must recur.
@@ -16,20 +16,16 @@ const RECURS: f64 = 0.8;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let robot = denavit_model::urdf::read(&arguments[1], &std::fs::read_to_string(&arguments[1]).unwrap()).unwrap();
-    let tip = std::env::var("TIP").ok();
-    let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
-    let statics = Statics::of(&robot, &chain);
-    let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
+    let real = Real::robot(&arguments[1]);
+    let (chain, statics) = (&real.chain, &real.statics);
     let draws: u64 = arguments.get(3).map_or(10, |word| word.parse().unwrap());
     let mut times: BTreeMap<String, u64> = BTreeMap::new();
     for seed in 0..draws {
-        let file = std::fs::File::open(&arguments[2]).unwrap();
-        let data = read(&arguments[2], file, &chain, units).unwrap_or_else(|error| panic!("{error}")).data;
-        let mut options = CalibrateOptions::geometry(&chain);
+        let data = real.rows(&arguments[2]);
+        let mut options = CalibrateOptions::geometry(chain);
         options.trace = Some(TraceOptions::new(options.identify.clone()));
         options.hold_out = Some(HoldOut { share: 0.2, seed });
-        let found = calibrate(&chain, &statics, data, None, &options).unwrap_or_else(|error| panic!("{error}"));
+        let found = calibrate(chain, statics, data, None, &options).unwrap_or_else(|error| panic!("{error}"));
         let place = |effect: &denavit_calibrate::calibration::contract::EffectEntry| {
             effect.joint.clone().or(effect.place.clone()).unwrap_or_default()
         };

@@ -3,26 +3,20 @@
 //! In the environment: `TIP` (link), `UNITS` (such as mm,deg), `EFFECTS` (auto, curves, none), `SEED` of the share.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
+mod real;
+
+use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
-use denavit_model::tree::Reading;
 use std::time::Instant;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let robot = denavit_model::urdf::read(&arguments[1], &std::fs::read_to_string(&arguments[1]).unwrap()).unwrap();
-    let tip = std::env::var("TIP").ok();
-    let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
-    let statics = Statics::of(&robot, &chain);
-    let units: Units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
-    let load = |path: &str| {
-        read(path, std::fs::File::open(path).unwrap(), &chain, units).unwrap_or_else(|error| panic!("{error}")).data
-    };
-    let mut options = CalibrateOptions::geometry(&chain);
+    let real = Real::robot(&arguments[1]);
+    let (chain, statics) = (&real.chain, &real.statics);
+    let mut options = CalibrateOptions::geometry(chain);
     let word = std::env::var("EFFECTS").unwrap_or_else(|_| "auto".into());
     options.trace = (word == "auto").then(|| TraceOptions::new(options.identify.clone()));
     options.curves = (word == "curves").then(CurveOptions::default);
@@ -30,12 +24,12 @@ fn main() {
     let mut test = None;
     match arguments.get(3).map(|word| (word, word.parse::<f64>())) {
         Some((_, Ok(share))) => options.hold_out = Some(HoldOut { share, seed }),
-        Some((path, _)) => test = Some(load(path)),
+        Some((path, _)) => test = Some(real.rows(path)),
         None => {}
     }
     let started = Instant::now();
     let found =
-        calibrate(&chain, &statics, load(&arguments[2]), test, &options).unwrap_or_else(|error| panic!("{error}"));
+        calibrate(chain, statics, real.rows(&arguments[2]), test, &options).unwrap_or_else(|error| panic!("{error}"));
     println!("{:.2} s", started.elapsed().as_secs_f64());
     println!("{}", text::calibration(&found));
     if let Some(trace) = &found.trace {

@@ -128,6 +128,8 @@ pub struct Trace {
     pub fit: Fit<EffectModel>,
     /// For each of its curves by how much it raises the logarithm of the marginal likelihood.
     pub curve_gains: Vec<f64>,
+    /// The same for what joints give under gravity beside them: the last effects of the fit, of which no finding speaks.
+    pub deflections: Vec<f64>,
     /// Geometry and effects without curves.
     pub plain: Fit<EffectModel>,
     /// Geometry and curves without effects.

@@ -81,6 +81,66 @@ fn a_gear_of_many_orders_is_a_curve_of_its_joint() {
     assert!(inside > 75, "{inside} of 90 places lie within two standard deviations");
 }
 
+/// A joint's torque is mostly a function of its own reading: a curve alone would take it over, and be wrong where the next joint
+/// stands otherwise than in the rows.
+#[test]
+fn what_gravity_does_is_no_curve_and_holds_in_other_postures() {
+    let chain = puma_like();
+    let mut model = gear();
+    model.effects.extend([1, 2].map(|joint| Effect {
+        term: Term {
+            kind: Kind::JointCompliance,
+            carrier: Carrier::Joint(joint),
+            driver: Driver::Torque(joint),
+            coupling: Coupling::Each,
+        },
+        coefficients: vec![1e-5],
+    }));
+    let options = SimulationOptions { kind: POSITION, rows: 1500, seed: 4, ..Default::default() };
+    let all = simulate(&chain, &options, &model).data;
+    let (folded, stretched): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|&row| all.reading(row)[2] > 0.3);
+    let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(&chain) };
+    let (train, test) = (all.subset(&folded), all.subset(&stretched));
+    let result = calibrate(&chain, &model.statics, train, Some(test), &options).unwrap();
+    let joints: Vec<&str> = result.report.fields.iter().map(|field| field.joint.as_str()).collect();
+    assert!(joints.contains(&"joint_2"), "{joints:?}");
+    let said = text::calibration(&result);
+    assert!(said.contains("joint joint_2 gives under gravity, rms 0."), "{said}");
+    let rms = |stage: usize| result.report.stages[stage].test.as_ref().unwrap().of("position").unwrap().rms;
+    println!("other postures: geometry {:.4} mm, with curves {:.4} mm; {joints:?}", rms(1) * 1e3, rms(2) * 1e3);
+    assert!(rms(2) < 0.6 * rms(1), "{} {}", rms(1), rms(2));
+}
+
+/// Rows on both sides of a gap whose errors have another cause must not swing the curve within it.
+#[test]
+fn a_curve_is_no_larger_in_a_gap_than_at_the_rows() {
+    let chain = puma_like();
+    let mut model = gear();
+    let moment = Term {
+        kind: Kind::LinkCompliance,
+        carrier: Carrier::LinkEnd(1),
+        driver: Driver::Cantilever(1),
+        coupling: Coupling::Paired,
+    };
+    model.effects.push(Effect { term: moment, coefficients: vec![3e-5] });
+    let options = SimulationOptions { kind: POSITION, rows: 1200, seed: 6, ..Default::default() };
+    let all = simulate(&chain, &options, &model).data;
+    let readings: Vec<f64> = (0..all.len()).map(|row| all.reading(row)[1]).collect();
+    let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(*q), high.max(*q)));
+    let gap = (low + 0.4 * (high - low))..(low + 0.6 * (high - low));
+    let rows: Vec<usize> = (0..all.len()).filter(|&row| !gap.contains(&readings[row])).collect();
+    let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(&chain) };
+    let result = calibrate(&chain, &model.statics, all.subset(&rows), None, &options).unwrap();
+    let curves = &result.beyond_geometry().unwrap().effects.curves;
+    let curve = curves.iter().find(|curve| curve.joint == 1).unwrap();
+    let square: f64 = rows.iter().map(|&row| curve.value(readings[row]).powi(2)).sum();
+    let rms = (square / rows.len() as f64).sqrt();
+    let within = (0..200).map(|k| curve.value(gap.start + (gap.end - gap.start) * f64::from(k) / 200.0).abs());
+    let largest = within.fold(0.0, f64::max);
+    println!("largest in the gap {:.3} mrad, root mean square at the rows {:.3} mrad", largest * 1e3, rms * 1e3);
+    assert!(largest < 3.0 * rms, "{largest} {rms}");
+}
+
 #[test]
 fn clean_data_show_no_curve() {
     for seed in 0..6 {

@@ -285,8 +285,8 @@ mod tests {
                         action.add_to(1e-4, &mut perturbation);
                     }
                     let (mut still, mut moved) = (RowState::default(), RowState::default());
-                    arm.state_into(&q, None, &mut still);
-                    arm.state_into(&q, Some(&perturbation), &mut moved);
+                    arm.state_into(&q, 0, None, &mut still);
+                    arm.state_into(&q, 0, Some(&perturbation), &mut moved);
                     let tip = (moved.tip.translation.vector - still.tip.translation.vector).norm();
                     let turned = denavit_model::se3::difference(&moved.tip, &still.tip).0;
                     let bound = 1e-4 * (1.0 + 3.0 * chain.size()) * n as f64;
@@ -311,8 +311,8 @@ mod tests {
             action.add_to(0.01, &mut perturbation);
         }
         let (mut still, mut stretched) = (RowState::default(), RowState::default());
-        arm.state_into(&[0.4, 0.9], None, &mut still);
-        arm.state_into(&[0.4, 0.9], Some(&perturbation), &mut stretched);
+        arm.state_into(&[0.4, 0.9], 0, None, &mut still);
+        arm.state_into(&[0.4, 0.9], 0, Some(&perturbation), &mut stretched);
         let expected = still.tip.translation.vector * 1.01;
         assert!((stretched.tip.translation.vector - expected).norm() < 1e-12);
     }

@@ -256,6 +256,7 @@ fn joint_compliance(survey: &Survey) -> Vec<Candidate> {
     let joints = survey.statics.chain.joints().len();
     survey
         .moving()
+        .filter(|&i| survey.statics.feels_gravity(i))
         .flat_map(|i| {
             let mut terms = vec![each(Kind::JointCompliance, Carrier::Joint(i), Driver::Torque(i))];
             if !survey.statics.masses.from_inertials {
@@ -424,7 +425,11 @@ mod tests {
             let survey = Survey::of(&statics, &rich(&chain), Vec::new());
             for entry in KINDS {
                 let terms = (entry.terms)(&survey);
-                assert!(!terms.is_empty() || survey.turning().next().is_none(), "{} on {}", entry.name, chain.name());
+                let none = match entry.kind {
+                    Kind::JointCompliance => !survey.moving().any(|joint| statics.feels_gravity(joint)),
+                    _ => survey.turning().next().is_none(),
+                };
+                assert!(!terms.is_empty() || none, "{} on {}", entry.name, chain.name());
                 for candidate in terms {
                     assert_eq!(candidate.term.kind, entry.kind);
                     let q = vec![0.2; chain.coordinates().len()];

@@ -8,7 +8,7 @@ use crate::effects::carrier::{axis_points, link_points};
 use crate::effects::gravity::{Load, Masses};
 use crate::observation::arm::{AxisBasis, Perturbation, RowState};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
-use denavit_model::{Chain, PlacedRobot, Reading, Robot, Screw, se3};
+use denavit_model::{Chain, ChainJoint, PlacedRobot, Reading, Robot, Screw, se3};
 use serde::{Deserialize, Serialize};
 
 /// Name of the covariate that counts rows in run order.
@@ -24,6 +24,9 @@ pub const PAYLOAD: &str = "payload";
 
 /// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
 const TWIST_TO_BEND: f64 = 1.3;
+
+/// An axis whose direction times that of gravity is more than this stands upright: within 2.6°.
+const UPRIGHT: f64 = 0.999;
 
 /// What drives an effect. Joints are counted from 0, base to tip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -198,6 +201,17 @@ impl Statics {
         let payload = (conditions.covariate)(PAYLOAD).unwrap_or(0.0);
         let loads = self.masses.loads(&self.points, &state, payload);
         Posture { state, loads }
+    }
+
+    /// Whether gravity may load a joint: not one that turns about an upright axis wherever the joints before it stand. What
+    /// little torque the tilt of a mounted base makes there tells nothing that geometry does not.
+    pub fn feels_gravity(&self, joint: usize) -> bool {
+        let down = self.masses.gravity.normalize();
+        let upright = |joint: &ChainJoint| joint.screw.direction().dot(&down).abs() > UPRIGHT;
+        let turns = |joint: &ChainJoint| !matches!(joint.screw, Screw::Prismatic(_));
+        let joints = self.chain.joints();
+        let stays = joints[..joint].iter().filter(|before| turns(before)).all(upright);
+        !(stays && turns(&joints[joint]) && upright(&joints[joint]))
     }
 
     /// Gravity's torque (N·m) or force (N) on a joint along its own motion.

@@ -132,7 +132,7 @@ mod tests {
         let mut masses = Masses::stand_in(&chain);
         masses.gravity = Vector3::new(0.0, -STANDARD_GRAVITY, 0.0);
         let mut state = RowState::default();
-        Arm::new(&chain, &crate::Scene::default()).state_into(&[0.0, 0.0], None, &mut state);
+        Arm::new(&chain, &crate::Scene::default()).state_into(&[0.0, 0.0], 0, None, &mut state);
         let points = axis_points(&chain);
         let loads = masses.loads(&axis_points(&chain), &state, 2.0);
         let length = (points[2] - points[1]).norm();

@@ -10,16 +10,38 @@ pub(crate) fn products(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
     if rows == 0 {
         return Vec::new();
     }
-    let mut result = vec![0.0; (left.len() / rows) * (right.len() / rows)];
-    dispatch!(Level::new(), simd => products_into(simd, left, right, rows, &mut result));
+    let counts = (left.len() / rows, right.len() / rows);
+    let mut result = vec![0.0; counts.0 * counts.1];
+    add_products(left, right, (rows, rows), rows, counts, &mut result);
     result
 }
 
+/// Adds to `result` the products of so many columns of `left` with so many of `right`.
+///
+/// # Shape and units
+/// Columns of as many cells as the strides say, of which the first `rows` count; the last may end there. `result`: the product
+/// of columns l and r at `r * counts.0 + l`.
+pub(crate) fn add_products(
+    left: &[f64],
+    right: &[f64],
+    strides: (usize, usize),
+    rows: usize,
+    counts: (usize, usize),
+    result: &mut [f64],
+) {
+    let sides = (Columns { cells: left, stride: strides.0 }, Columns { cells: right, stride: strides.1 });
+    dispatch!(Level::new(), simd => add_products_in(simd, sides, rows, counts, result));
+}
+
 #[inline(always)]
-fn products_into<S: Simd>(simd: S, left: &[f64], right: &[f64], rows: usize, result: &mut [f64]) {
-    let (count, others) = (left.len() / rows, right.len() / rows);
+fn add_products_in<S: Simd>(
+    simd: S,
+    sides: (Columns, Columns),
+    rows: usize,
+    (count, others): (usize, usize),
+    result: &mut [f64],
+) {
     let (whole, whole_others) = (count - count % TILE.0, others - others % TILE.1);
-    let sides = (Columns { cells: left, stride: rows }, Columns { cells: right, stride: rows });
     for r in (0..whole_others).step_by(TILE.1) {
         for l in (0..whole).step_by(TILE.0) {
             add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, result);

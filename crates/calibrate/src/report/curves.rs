@@ -1,9 +1,11 @@
 //! Error curves of joints as the report has them: entries of the JSON, lines of the text.
 
-use crate::calibration::contract::{CurveEntry, CurvePoint};
+use crate::calibration::contract::{CurveEntry, CurvePoint, FieldEntry};
 use crate::effects::curve::Curve;
-use crate::effects::model::EffectModel;
+use crate::effects::model::{Effect, EffectModel};
 use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::trace::infer::deflection::turned;
 use crate::trace::infer::lines::{course, lines};
 use denavit_model::Screw;
 use std::fmt::Write;
@@ -33,6 +35,30 @@ impl CurveEntry {
         };
         fit.effects.curves.iter().zip(gains).map(entry).collect()
     }
+}
+
+impl FieldEntry {
+    /// An entry for each joint that gives under gravity: the last effects of a fit.
+    pub fn of_fit(data: &Measurements, fit: &Fit<EffectModel>, gains: &[f64]) -> Vec<Self> {
+        let effects = &fit.effects.effects;
+        let entry = |(effect, gain): (&Effect, &f64)| Self {
+            kind: "gravity",
+            joint: effect.term.carrier.place(&fit.effects.statics.chain),
+            rms: turned(data, fit, effect),
+            unit: "rad",
+            log_evidence: *gain,
+        };
+        effects[effects.len() - gains.len()..].iter().zip(gains).map(entry).collect()
+    }
+}
+
+/// What depends on several joints, one line each.
+pub fn fields(fields: &[FieldEntry]) -> String {
+    let line = |field: &FieldEntry| {
+        let (joint, rms) = (&field.joint, field.rms * 1e3);
+        format!("joint {joint} gives under gravity, rms {rms:.3} mrad: fitted beside the curves, no cause claimed\n")
+    };
+    fields.iter().map(line).collect()
 }
 
 /// The error curves, one line each.

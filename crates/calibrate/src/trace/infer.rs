@@ -10,7 +10,9 @@
 
 pub mod contest;
 pub mod curves;
+pub(crate) mod deflection;
 pub mod evidence;
+mod gaps;
 pub mod gram;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of orders to try")]
 pub mod lines;

@@ -11,7 +11,7 @@ use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
-use crate::trace::infer::curves::fit_curves;
+use crate::trace::infer::curves::{fit_curves, fit_curves_near};
 use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Question, judge};
 use crate::trace::leftover::{self, Leftover};
@@ -45,11 +45,12 @@ pub(crate) fn trace(
     let thin = on_rows(geometric, data, &rows);
     let tracer = Tracer::new(statics, &part, &thin, options);
     let found = tracer.run();
+    let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(statics, &terms);
         let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
-        let mut beside = fit_curves(survey, data, &plain, &geometric.arm, &options.curves);
+        let mut beside = fit_curves_near(survey, data, &plain, &geometric.arm, options.curves, known);
         if beside.fit.effects.curves.is_empty() {
             // Nothing to be fitted together: the fit without curves is as good, and holds without any noise, too.
             beside.fit = plain.clone();
@@ -61,7 +62,7 @@ pub(crate) fn trace(
         curves.clone()
     } else {
         let plain = on_rows(&geometric.with_model(statics), data, &rows);
-        fit_curves(&tracer.survey, &part, &plain, &geometric.arm, &options.curves)
+        fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
     };
     let mut near = vec![first];
     for (index, state) in found.states.iter().enumerate() {
@@ -127,6 +128,7 @@ pub(crate) fn trace(
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
+        deflections: last.deflections,
         plain,
         curves,
         findings,

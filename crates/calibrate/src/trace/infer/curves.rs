@@ -12,16 +12,16 @@ use crate::identify::solve::{Fit, Noise, gross};
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
-use crate::observation::parameters::Tolerances;
+use crate::trace::infer::deflection;
 use crate::trace::infer::evidence::{Model, Posterior};
+use crate::trace::infer::gaps;
 use crate::trace::infer::gram::{Columns, Gram};
 use crate::trace::infer::maximum;
-use crate::trace::infer::model::Hyperparameters;
+use crate::trace::infer::model::{Hyperparameters, Kernel, LARGEST};
 use crate::trace::infer::replicates;
 use crate::trace::leftover::Block;
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::search::Field;
-use denavit_model::Screw;
 use denavit_model::nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -71,9 +71,12 @@ pub struct CurveFit {
     pub score: f64,
     /// For each curve by how much it raises that.
     pub gains: Vec<f64>,
+    /// The same for what joints give under gravity beside the curves: the last effects of the model.
+    pub deflections: Vec<f64>,
 }
 
-/// Fits a curve for each moving joint beside `fit`; those that the data do not ask for are left out.
+/// Fits a curve for each moving joint beside `fit`, and what joints give under gravity ([`deflection`]); what the data do not
+/// ask for is left out.
 ///
 /// # Shape and units
 /// `reference`: the arm that the geometric fit started from, see [`crate::identify::solve::fit`].
@@ -84,17 +87,31 @@ pub fn fit_curves(
     reference: &Arm,
     options: &CurveOptions,
 ) -> CurveFit {
-    let mut state = State::new(survey, data, fit);
+    fit_curves_near(survey, data, fit, reference, *options, &[])
+}
+
+/// As [`fit_curves`], where curves of a similar model are known: the search begins with them, too.
+pub(crate) fn fit_curves_near(
+    survey: &Survey,
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+    reference: &Arm,
+    options: CurveOptions,
+    near: &[Curve],
+) -> CurveFit {
+    let given = fit;
+    let (fit, begun) = with_deflections(survey, data, fit, reference, options, near);
+    let mut state = State::new(survey, data, &fit);
     let mut found: Option<(f64, Hyperparameters)> = None;
     for _ in 0..ROUNDS {
         let round = Round::new(data, &state, reference);
         let model = round.model();
-        let reached = match &found {
-            None => maximum::from_afar(&model),
-            Some((_, last)) => maximum::from_near(&model, last),
+        let reached = match found.as_ref().map(|(_, last)| last).or(begun.as_ref()) {
+            None => maximum::from_afar(&model, round.known(&state, near).as_ref()),
+            Some(last) => maximum::from_near(&model, last),
         };
         let Some((score, hyper)) = reached else { break };
-        let (hyper, kept) = asked_for(&model, score, hyper, *options);
+        let (hyper, kept) = asked_for(&model, score, hyper, options);
         if kept.contains(&false) {
             state.keep(&kept);
             if state.joints.is_empty() {
@@ -114,7 +131,28 @@ pub fn fit_curves(
             break;
         }
     }
-    state.finish(data, reference, found)
+    state.finish(data, reference, found, given)
+}
+
+/// The fit with the deflections that the data ask for beside curves, as yet all 0, and the hyperparameters beside them.
+fn with_deflections(
+    survey: &Survey,
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+    reference: &Arm,
+    options: CurveOptions,
+    near: &[Curve],
+) -> (Fit<EffectModel>, Option<Hyperparameters>) {
+    let Some(all) = deflection::all(survey, fit) else { return (fit.clone(), None) };
+    let first = fit.effects.effects.len();
+    let state = State::new(survey, data, &all);
+    let round = Round::new(data, &state, reference);
+    let blocks = deflection::columns(round.always, &all.effects, first);
+    let least = (blocks.len() as f64 / options.false_curves).ln();
+    let known = round.known(&state, near);
+    let (kept, hyper) = deflection::asked_for(&round.model(), &blocks, least, known.as_ref());
+    let terms = all.effects.effects[first..].iter().zip(kept).filter(|(_, kept)| *kept);
+    (deflection::with_terms(fit, terms.map(|(effect, _)| effect.term.clone())), hyper)
 }
 
 /// The model at one point of the iteration.
@@ -170,20 +208,27 @@ impl State {
     }
 
     /// The fit with the covariance and noise of the whole model.
-    fn finish(mut self, data: &Measurements, reference: &Arm, found: Option<(f64, Hyperparameters)>) -> CurveFit {
-        let none = |fit| CurveFit { fit, score: f64::NEG_INFINITY, gains: Vec::new() };
+    fn finish(
+        mut self,
+        data: &Measurements,
+        reference: &Arm,
+        found: Option<(f64, Hyperparameters)>,
+        given: &Fit<EffectModel>,
+    ) -> CurveFit {
         // Without a curve the fit is as it was given.
-        let Some((_, hyper)) = found.filter(|_| !self.joints.is_empty()) else { return none(self.fit) };
+        let none =
+            || CurveFit { fit: given.clone(), score: f64::NEG_INFINITY, gains: Vec::new(), deflections: Vec::new() };
+        let Some((_, hyper)) = found.filter(|_| !self.joints.is_empty()) else { return none() };
         let round = Round::new(data, &self, reference);
         let model = round.model();
-        let (Some(score), Some(posterior)) = (model.score(&hyper), model.posterior(&hyper)) else {
-            return none(self.fit);
-        };
+        let (Some(score), Some(posterior)) = (model.score(&hyper), model.posterior(&hyper)) else { return none() };
         let order = round.layout_order(&self);
         let count = order.len();
         self.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
         let gains = (0..self.waves.len()).map(|curve| score - without(&model, &hyper, curve)).collect();
-        CurveFit { fit: self.fit, score, gains }
+        let deflections = deflection::columns(round.always, &self.fit.effects, given.effects.effects.len());
+        let deflections = deflections.iter().map(|block| deflection::gain(&model, &hyper, score, block)).collect();
+        CurveFit { fit: self.fit, score, gains, deflections }
     }
 }
 
@@ -243,6 +288,8 @@ pub(super) struct Round {
     largest: Vec<f64>,
     /// For each curve the variance, rad² or m², at which it is as large as the noise.
     visible: Vec<f64>,
+    /// For each curve what is expected of it where no rows are.
+    gaps: Vec<Vec<f64>>,
 }
 
 impl Round {
@@ -312,20 +359,20 @@ impl Round {
                 *y += x * at[*row];
             }
         }
-        let (precision, pull, charge, log_precision) = prior(&linear, &fit, reference, &plain);
+        let least = if candidates.is_none() { deflection::precisions(&fit.effects) } else { Vec::new() };
+        let (precision, pull, charge, log_precision) = prior(&linear, &fit, reference, &plain, &least);
         let visible: Vec<f64> = joints
             .iter()
             .map(|column| values as f64 / column.iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE))
             .collect();
-        // No gear errs by more than the zero of a joint may be off.
-        let tolerances = Tolerances::default();
-        let most = |&joint: &usize| {
-            let slides = matches!(fit.arm.nominal.joints()[joint].screw, Screw::Prismatic(_));
-            if slides { tolerances.zero_slide } else { tolerances.zero_turn }.powi(2)
-        };
-        let largest = state.joints.iter().map(most).collect();
+        let largest = vec![LARGEST.powi(2); state.joints.len()];
         let means = state.waves.iter().zip(&state.readings).map(|(waves, readings)| mean_of(waves, readings)).collect();
         let firm = visible.iter().map(|visible| FIRM / visible).collect();
+        let gap = |(joint, readings): (&usize, &Vec<f64>)| {
+            let before = fit.effects.curves.iter().find(|curve| curve.joint == *joint);
+            before.map_or_else(Vec::new, |curve| gaps::precision(curve, readings))
+        };
+        let gaps = state.joints.iter().zip(&state.readings).map(gap).collect();
         let columns = Columns {
             explained: &explained,
             plain: &borrowed(&plain),
@@ -354,6 +401,7 @@ impl Round {
             firm,
             largest,
             visible,
+            gaps,
         }
     }
 
@@ -374,6 +422,7 @@ impl Round {
             firm: &self.firm,
             largest: &self.largest,
             visible: &self.visible,
+            gaps: &self.gaps,
         }
     }
 
@@ -415,41 +464,68 @@ impl Round {
         curves
     }
 
+    /// The hyperparameters of known curves, where there are any; a joint that has none among them has none.
+    fn known(&self, state: &State, near: &[Curve]) -> Option<Hyperparameters> {
+        let kernel = |(index, joint): (usize, &usize)| {
+            let own = near.iter().find(|curve| curve.joint == *joint);
+            let nothing = Kernel { log_variance: f64::MIN, log_length: -self.waves[index].frequency(0).ln() };
+            own.map_or(nothing, |curve| Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() })
+        };
+        let kernels = state.joints.iter().enumerate().map(kernel).collect();
+        (!near.is_empty()).then_some(Hyperparameters { log_noise: 0.0, kernels })
+    }
+
+    /// What the columns' numbers are at the present state: no step of geometry and frames, the effects' and the curves' own.
+    fn numbers(&self, state: &State) -> Vec<f64> {
+        let mut numbers = vec![0.0; self.always];
+        numbers.extend(state.fit.effects.effects.iter().flat_map(|effect| &effect.coefficients));
+        for (joint, waves) in state.joints.iter().zip(&self.waves) {
+            let had = state.fit.effects.curves.iter().find(|curve| curve.joint == *joint);
+            let same = had.map(|curve| &curve.weights).filter(|weights| weights.len() == waves.len());
+            numbers.extend(same.map_or_else(|| vec![0.0; waves.len()], Vec::clone));
+        }
+        numbers
+    }
+
     /// The state after the step to the posterior's mean, with its noise and its outliers.
     fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters) {
-        let Some(posterior) = self.model().posterior(hyper) else { return };
+        let model = self.model();
+        let Some(posterior) = model.posterior(hyper) else { return };
         let curves = self.curves(state, &posterior, hyper);
         let order = self.layout_order(state);
-        let step: Vec<f64> = order.iter().map(|&index| posterior.mean[index]).collect();
+        let had = self.numbers(state);
         let fit = &mut state.fit;
-        let had = fit.effects.curves.clone();
-        let chi = |squares: &[[f64; 2]]| {
+        // Beside the misfit the prior counts: what is expected in gaps is new where there was no curve before.
+        let cost = |squares: &[[f64; 2]], numbers: &[f64]| {
             let kept = squares.iter().zip(&fit.weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0);
-            kept.map(|(at, (square, weight))| weight * fit.noise.chi_squared(data.series_of(at), *square)).sum::<f64>()
+            let chi: f64 =
+                kept.map(|(at, (square, weight))| weight * fit.noise.chi_squared(data.series_of(at), *square)).sum();
+            chi * (-hyper.log_noise).exp() + model.cost(hyper, numbers)
         };
-        let before = chi(&ResidualModel { data, layout: &fit.layout, effects: &fit.effects }.squares(&fit.arm));
+        let before = cost(&ResidualModel { data, layout: &fit.layout, effects: &fit.effects }.squares(&fit.arm), &had);
         // What is linear here need not be so at the end of a long step: half of it, then.
         let mut share = 1.0;
         let (arm, effects, squares) = loop {
-            let part: Vec<f64> = step.iter().map(|step| step * share).collect();
+            let numbers: Vec<f64> =
+                had.iter().zip(&posterior.mean).map(|(old, new)| old + (new - old) * share).collect();
+            let part: Vec<f64> = order.iter().map(|&index| numbers[index]).collect();
             let arm = gauge::centred(&fit.layout, &fit.layout.stepped(&fit.arm, &part), &fit.arm);
             let mut effects = fit.effects.clone();
-            let mut values = step[fit.layout.effects.clone()].iter();
+            let mut values = part[fit.layout.effects.clone()].iter();
             for effect in &mut effects.effects {
                 for (coefficient, value) in effect.coefficients.iter_mut().zip(&mut values) {
-                    *coefficient += (value - *coefficient) * share;
+                    *coefficient = *value;
                 }
             }
             effects.curves.clone_from(&curves);
+            let mut weights = numbers[self.gram.plain..].iter();
             for curve in &mut effects.curves {
-                let old = had.iter().find(|old| old.joint == curve.joint && old.weights.len() == curve.weights.len());
-                for (index, weight) in curve.weights.iter_mut().enumerate() {
-                    let old = old.map_or(0.0, |old| old.weights[index]);
-                    *weight = old + (*weight - old) * share;
+                for (weight, value) in curve.weights.iter_mut().zip(&mut weights) {
+                    *weight = *value;
                 }
             }
             let squares = ResidualModel { data, layout: &fit.layout, effects: &effects }.squares(&arm);
-            if chi(&squares) <= before || share < LEAST_SHARE {
+            if cost(&squares, &numbers) <= before || share < LEAST_SHARE {
                 break (arm, effects, squares);
             }
             share *= 0.5;
@@ -570,6 +646,7 @@ fn prior(
     fit: &Fit<EffectModel>,
     reference: &Arm,
     plain: &[Vec<f64>],
+    least: &[f64],
 ) -> (DMatrix<f64>, Vec<f64>, f64, f64) {
     let geometry = linear.geometry.ncols();
     let mut precision = DMatrix::zeros(plain.len(), plain.len());
@@ -589,11 +666,12 @@ fn prior(
     let holding = frame.transpose() * frame;
     let mut block = precision.view_mut((0, 0), (geometry, geometry));
     block += holding;
-    // Unit information: an effect is expected as large as one measured value in the mean tells it.
+    // Unit information: an effect is expected as large as one measured value in the mean tells it, if that is less than machines give.
     let mut log_precision = 0.0;
     let values = linear.values() as f64;
     for (offset, column) in plain[geometry..].iter().enumerate() {
-        let information = (column.iter().map(|x| x * x).sum::<f64>() / values).max(f64::MIN_POSITIVE);
+        let least = least.get(offset).copied().unwrap_or_default().max(f64::MIN_POSITIVE);
+        let information = (column.iter().map(|x| x * x).sum::<f64>() / values).max(least);
         precision[(geometry + offset, geometry + offset)] = information;
         log_precision += information.ln();
     }

@@ -33,6 +33,8 @@ pub struct Model<'a> {
     pub means: &'a [Vec<f64>],
     /// How firmly that holds for each curve, 1/rad² or 1/m².
     pub firm: &'a [f64],
+    /// For each curve what is expected of it where no rows are: precision of its waves, row by row ([`super::gaps`]).
+    pub gaps: &'a [Vec<f64>],
     /// For each curve the largest variance that it may have, rad² or m².
     pub largest: &'a [f64],
     /// For each curve the variance at which it is as large as the noise, rad² or m².
@@ -94,6 +96,11 @@ impl Model<'_> {
             let charge = self.charge_of_mean(curve, &variances);
             // Held to nothing, the mean is one number less that the data pay for.
             used -= 1.0;
+            for (row, cells) in self.gaps[curve].chunks_exact(waves.len()).enumerate() {
+                used -= cells[row] * posterior.covariance(first + row, first + row);
+                let before = cells[..row].iter().enumerate();
+                used -= 2.0 * before.map(|(k, cell)| cell * posterior.covariance(first + row, first + k)).sum::<f64>();
+            }
             for (offset, (variance, slope)) in variances.into_iter().enumerate() {
                 let index = first + offset;
                 let own = posterior.covariance(index, index) / variance;
@@ -119,6 +126,25 @@ impl Model<'_> {
     /// What the data say of every number.
     pub fn posterior(&self, hyper: &Hyperparameters) -> Option<Posterior> {
         Some(self.factored(hyper)?.posterior())
+    }
+
+    /// What the prior takes of these numbers: twice the negative logarithm of its density, but for a constant.
+    pub fn cost(&self, hyper: &Hyperparameters, numbers: &[f64]) -> f64 {
+        let (plain, mut rest) = numbers.split_at(self.gram.plain);
+        let mut sum = self.charge;
+        for (i, own) in plain.iter().enumerate() {
+            let row: f64 = plain.iter().enumerate().map(|(k, other)| self.precision[(i, k)] * other).sum();
+            sum += own * (row - 2.0 * self.pull[i]);
+        }
+        for (curve, (kernel, waves)) in hyper.kernels.iter().zip(self.waves).enumerate() {
+            let (own, others) = rest.split_at(waves.len());
+            rest = others;
+            sum += own.iter().zip(kernel.variances(waves)).map(|(w, (variance, _))| w * w / variance).sum::<f64>();
+            sum += self.firm[curve] * dot(own, &self.means[curve]).powi(2);
+            let rows = self.gaps[curve].chunks_exact(waves.len());
+            sum += own.iter().zip(rows).map(|(w, row)| w * dot(row, own)).sum::<f64>();
+        }
+        sum
     }
 
     /// By how much holding the mean raises the prior's determinant: 1 + κ cᵀVc.
@@ -161,6 +187,13 @@ impl Model<'_> {
                     matrix[index * size + first..=index * size + index].iter_mut().zip(&self.means[curve])
                 {
                     *cell += held * mean;
+                }
+                let own = index - first;
+                let gap = self.gaps[curve].chunks_exact(self.waves[curve].len()).nth(own);
+                for (cell, gap) in
+                    matrix[index * size + first..=index * size + index].iter_mut().zip(gap.unwrap_or_default())
+                {
+                    *cell += gap;
                 }
                 index += 1;
             }

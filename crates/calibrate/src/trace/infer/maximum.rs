@@ -46,8 +46,8 @@ impl Bounds {
     }
 }
 
-/// The maximum from the best of a few starts.
-pub fn from_afar(model: &Model<'_>) -> Option<(f64, Hyperparameters)> {
+/// The maximum from the best of a few starts, of which one may be known.
+pub fn from_afar(model: &Model<'_>, known: Option<&Hyperparameters>) -> Option<(f64, Hyperparameters)> {
     let bounds = Bounds::new(model);
     let curves = model.waves.len().max(1) as f64;
     let start = |share: f64, length: f64| {
@@ -55,13 +55,13 @@ pub fn from_afar(model: &Model<'_>) -> Option<(f64, Hyperparameters)> {
             log_variance: (visible * share / curves).ln(),
             log_length: (length * std::f64::consts::PI / waves.frequency(0)).ln(),
         });
-        let at = Hyperparameters { log_noise: (1.0 - share).ln(), kernels: kernels.collect() };
-        Hyperparameters::from_slice(&bounds.clamped(at.to_vec()))
+        Hyperparameters { log_noise: (1.0 - share).ln(), kernels: kernels.collect() }
     };
-    let starts = SHARES.iter().flat_map(|&share| LENGTHS.iter().map(move |&length| (share, length)));
+    let starts = SHARES.iter().flat_map(|&share| LENGTHS.iter().map(move |&length| start(share, length)));
     let best = starts
-        .filter_map(|(share, length)| {
-            let at = start(share, length);
+        .chain(known.cloned())
+        .filter_map(|at| {
+            let at = Hyperparameters::from_slice(&bounds.clamped(at.to_vec()));
             Some((model.score(&at)?, at))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -10,6 +10,10 @@
 
 use crate::effects::curve::Waves;
 
+/// Periodic errors, bumps, play and error curves of joints are of this size at most, rad or m, as machines are made; more is
+/// geometry or damage that one sees.
+pub const LARGEST: f64 = 3e-3;
+
 /// The free numbers of the prior of one curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernel {

@@ -13,7 +13,7 @@ use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Products, Seen, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
-use crate::trace::infer::model::Kernel;
+use crate::trace::infer::model::{Kernel, LARGEST};
 use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
 use rand::{RngExt, SeedableRng};
@@ -32,9 +32,6 @@ const RIVAL: f64 = 0.02;
 const MORE: f64 = 0.4;
 /// What a scanned number costs beside the grid of the catalogue: it was refined between the grid's places.
 const REFINED: f64 = 1.0;
-/// Periodic errors, bumps and play are of this size at most, rad or m, as machines are made; more is geometry or damage that
-/// one sees.
-const LARGEST: f64 = 3e-3;
 /// What slips or is set up anew moves by so much at most, rad or m: a joint that turned by a radian where nobody sees it is none.
 const FARTHEST: f64 = 0.05;
 

@@ -1,8 +1,15 @@
-//! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory.
+//! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory, and in blocks so that what is read
+//! once is used for several sums.
 
+use crate::identify::gram::add_products;
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
+
+/// Rows and columns that are worked on together.
+const BLOCK: usize = 32;
+/// Fewer multiplications than this are done sooner than a second thread is there.
+const WORTH_A_THREAD: usize = 500_000;
 
 /// The lower triangle L of A = L Lᵀ, or its inverse, row by row.
 #[derive(Debug, Clone)]
@@ -14,8 +21,28 @@ pub struct Triangle {
 impl Triangle {
     /// Factors a symmetric matrix given row by row, of which the lower triangle is read; `None` unless it is positive.
     pub fn factor(mut cells: Vec<f64>, size: usize) -> Option<Self> {
-        look();
-        dispatch!(Level::new(), simd => factor_in(simd, &mut cells, size)).then_some(Self { cells, size })
+        for from in (0..size).step_by(BLOCK) {
+            look();
+            let to = (from + BLOCK).min(size);
+            let (above, below) = cells.split_at_mut(to * size);
+            let (_, own) = above.split_at_mut(from * size);
+            let square = against(own, own, (from, to), size);
+            if !factor_block(own, &square, (from, to), size) {
+                return None;
+            }
+            // The rows below each for itself: no sum depends on how many threads there are.
+            let threads = if below.len() / size * from * BLOCK < WORTH_A_THREAD { 1 } else { available() };
+            dealt(
+                below.chunks_mut(BLOCK * size),
+                threads,
+                || (),
+                |(), rows| {
+                    let known = against(rows, own, (from, to), size);
+                    solve_rows(rows, own, &known, (from, to), size);
+                },
+            );
+        }
+        Some(Self { cells, size })
     }
 
     /// log |A|.
@@ -26,7 +53,7 @@ impl Triangle {
     /// L⁻¹ b.
     pub fn forward(&self, b: &[f64]) -> Vec<f64> {
         let mut x = b.to_vec();
-        dispatch!(Level::new(), simd => forward_in(simd, &self.cells, self.size, &mut x, 0));
+        dispatch!(Level::new(), simd => forward_in(simd, &self.cells, self.size, &mut x));
         x
     }
 
@@ -36,17 +63,73 @@ impl Triangle {
         let mut columns = vec![0.0; size * size];
         let threads = available().min(1 + size / 200);
         // Columns get shorter to the right: neighbours are dealt in turn.
-        let each = columns.chunks_exact_mut(size).enumerate();
-        dealt(
-            each,
-            threads,
-            || (),
-            |(), (index, column)| {
-                column[index] = 1.0;
-                dispatch!(Level::new(), simd => forward_in(simd, &self.cells, size, column, index));
-            },
-        );
+        let each = columns.chunks_mut(BLOCK * size).enumerate();
+        dealt(each, threads, || (), |(), (block, columns)| self.invert(block * BLOCK, columns));
         columns
+    }
+
+    /// The columns of the inverse from number `first` on.
+    fn invert(&self, first: usize, columns: &mut [f64]) {
+        let size = self.size;
+        let count = columns.len() / size;
+        for from in (first..size).step_by(BLOCK) {
+            let to = (from + BLOCK).min(size);
+            let rows = &self.cells[from * size..to * size];
+            let many = to - from;
+            let mut known = vec![0.0; many * count];
+            if from > first {
+                add_products(&rows[first..], &columns[first..], (size, size), from - first, (many, count), &mut known);
+            }
+            for (index, column) in columns.chunks_exact_mut(size).enumerate() {
+                for row in 0..many {
+                    let line = &rows[row * size + from..=row * size + from + row];
+                    let one = if from + row == first + index { 1.0 } else { 0.0 };
+                    let sum = dot(&line[..row], &column[from..from + row]);
+                    column[from + row] = (one - known[index * many + row] - sum) / line[row];
+                }
+            }
+        }
+    }
+}
+
+/// Products of some rows' first cells with those of the rows of a block, row by row of the former.
+fn against(rows: &[f64], block: &[f64], (from, to): (usize, usize), size: usize) -> Vec<f64> {
+    let (many, count) = (to - from, rows.len() / size);
+    let mut known = vec![0.0; many * count];
+    if from > 0 {
+        add_products(block, rows, (size, size), from, (many, count), &mut known);
+    }
+    known
+}
+
+/// Factors a block on the diagonal; `known` is what the columns before it make of it.
+fn factor_block(rows: &mut [f64], known: &[f64], (from, to): (usize, usize), size: usize) -> bool {
+    let many = to - from;
+    for i in 0..many {
+        let (before, rest) = rows.split_at_mut(i * size);
+        let row = &mut rest[from..to];
+        for j in 0..i {
+            let other = &before[j * size + from..=j * size + from + j];
+            row[j] = (row[j] - known[i * many + j] - dot(&row[..j], &other[..j])) / other[j];
+        }
+        let left = row[i] - known[i * many + i] - dot(&row[..i], &row[..i]);
+        if !(left > 0.0 && left.is_finite()) {
+            return false;
+        }
+        row[i] = left.sqrt();
+    }
+    true
+}
+
+/// The block's columns of the rows below it.
+fn solve_rows(rows: &mut [f64], block: &[f64], known: &[f64], (from, to): (usize, usize), size: usize) {
+    let many = to - from;
+    for (row, known) in rows.chunks_exact_mut(size).zip(known.chunks_exact(many)) {
+        let row = &mut row[from..to];
+        for j in 0..many {
+            let other = &block[j * size + from..=j * size + from + j];
+            row[j] = (row[j] - known[j] - dot(&row[..j], &other[..j])) / other[j];
+        }
     }
 }
 
@@ -75,39 +158,27 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[inline(always)]
-fn factor_in<S: Simd>(simd: S, cells: &mut [f64], size: usize) -> bool {
+fn forward_in<S: Simd>(simd: S, cells: &[f64], size: usize, x: &mut [f64]) {
     for i in 0..size {
-        let (before, rest) = cells.split_at_mut(i * size);
-        let row = &mut rest[..size];
-        for j in 0..i {
-            let other = &before[j * size..=j * size + j];
-            row[j] = (row[j] - dot_in(simd, &row[..j], &other[..j])) / other[j];
-        }
-        let left = row[i] - dot_in(simd, &row[..i], &row[..i]);
-        if !(left > 0.0 && left.is_finite()) {
-            return false;
-        }
-        row[i] = left.sqrt();
-    }
-    true
-}
-
-#[inline(always)]
-fn forward_in<S: Simd>(simd: S, cells: &[f64], size: usize, x: &mut [f64], first: usize) {
-    for i in first..size {
         let row = &cells[i * size..=i * size + i];
-        x[i] = (x[i] - dot_in(simd, &row[first..i], &x[first..i])) / row[i];
+        x[i] = (x[i] - dot_in(simd, &row[..i], &x[..i])) / row[i];
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use denavit_model::nalgebra::{Cholesky, DMatrix};
+    use denavit_model::nalgebra::{Cholesky, DMatrix, DVector};
 
     #[test]
     fn factor_and_inverse_are_those_of_a_library() {
-        let size = 37;
+        for size in [1, 5, 37, 64, 150] {
+            known_of(size);
+        }
+        assert!(Triangle::factor(vec![1.0, 2.0, 2.0, 1.0], 2).is_none());
+    }
+
+    fn known_of(size: usize) {
         let raw = DMatrix::from_fn(size, size, |i, k| ((i * 31 + k * 17) as f64 * 0.37).sin());
         let matrix = &raw * raw.transpose() + DMatrix::identity(size, size);
         let factor = Triangle::factor(matrix.transpose().as_slice().to_vec(), size).unwrap();
@@ -116,6 +187,8 @@ mod tests {
         let columns = DMatrix::from_vec(size, size, factor.inverse_columns());
         let inverse = columns.transpose() * &columns;
         assert!((inverse - known.inverse()).amax() < 1e-10);
-        assert!(Triangle::factor(vec![1.0, 2.0, 2.0, 1.0], 2).is_none());
+        let right: Vec<f64> = (0..size).map(|i| i as f64 + 1.0).collect();
+        let solved = known.l().solve_lower_triangular(&DVector::from_vec(right.clone())).unwrap();
+        assert!((DVector::from_vec(factor.forward(&right)) - solved).amax() < 1e-9);
     }
 }

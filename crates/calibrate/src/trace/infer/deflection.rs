@@ -1,0 +1,169 @@
+//! What joints give under gravity, beside their error curves.
+//!
+//! A joint's torque is a smooth function of all readings, and most of it one of the joint's own: curves that stand alone take it
+//! over, and are wrong wherever the other joints stand otherwise than in the rows. So every joint may give under gravity where
+//! curves are fitted, with masses that nobody knows; the marginal likelihood says which joints do.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::catalogue::Kind;
+use crate::effects::driver::{Conditions, Driver};
+use crate::effects::model::{Coupling, Effect, EffectModel, Term};
+use crate::effects::survey::Survey;
+use crate::identify::solve::Fit;
+use crate::observation::arm::Row;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::Effects as _;
+use crate::trace::infer::evidence::Model;
+use crate::trace::infer::maximum;
+use crate::trace::infer::model::Hyperparameters;
+use crate::trace::search::postures;
+use denavit_model::nalgebra::DMatrix;
+use std::ops::Range;
+
+/// Measured values for each number of the model with all joints giving, at least.
+const VALUES_PER_NUMBER: usize = 8;
+/// What each part of a joint's torque is expected to turn it by where gravity acts fully across its axis, rad. Parts that the rows
+/// hardly tell apart then do not grow against each other, nor those of a joint whose axis stands nearly upright in all rows.
+const EXPECTED: f64 = 1e-3;
+/// So many of the weakest joints are looked at closely when one is to be taken out.
+const WEAKEST: usize = 2;
+/// A prior this many times as firm makes a number nothing.
+const NOTHING: f64 = 1e12;
+
+/// The fit with every joint giving under gravity, as yet by nothing, that has no compliance in the model; none where the values
+/// are too few.
+pub(super) fn all(survey: &Survey, fit: &Fit<EffectModel>) -> Option<Fit<EffectModel>> {
+    let compliant = |joint: usize| {
+        fit.effects
+            .effects
+            .iter()
+            .any(|effect| effect.term.kind == Kind::JointCompliance && effect.term.carrier == Carrier::Joint(joint))
+    };
+    let count = survey.statics.chain.joints().len();
+    let term = |joint: usize| Term {
+        kind: Kind::JointCompliance,
+        carrier: Carrier::Joint(joint),
+        driver: Driver::TorqueTerms { joint, links: count - joint },
+        coupling: Coupling::Each,
+    };
+    let joints = survey.turning().filter(|&joint| survey.statics.feels_gravity(joint) && !compliant(joint));
+    let with = with_terms(fit, joints.map(term));
+    let values: f64 = fit.values.iter().sum();
+    let enough = values >= (VALUES_PER_NUMBER * with.layout.len()) as f64;
+    (enough && with.effects.effects.len() > fit.effects.effects.len()).then_some(with)
+}
+
+/// The same fit with more terms, all their numbers 0.
+pub(super) fn with_terms(fit: &Fit<EffectModel>, terms: impl Iterator<Item = Term>) -> Fit<EffectModel> {
+    let mut with = fit.clone();
+    for term in terms {
+        let coefficients = vec![0.0; term.coefficients(&fit.effects.statics)];
+        with.effects.effects.push(Effect { term, coefficients });
+    }
+    with.layout = fit.layout.with_effects(with.effects.parameters());
+    with
+}
+
+/// The least prior precision of the numbers of all effects.
+pub(super) fn precisions(model: &EffectModel) -> Vec<f64> {
+    let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
+    let of = |effect: &Effect| {
+        let by_parts = matches!(effect.term.driver, Driver::TorqueTerms { .. });
+        std::iter::repeat_n(if by_parts { of_gravity } else { 0.0 }, effect.coefficients.len())
+    };
+    model.effects.iter().flat_map(of).collect()
+}
+
+/// Columns of each effect from number `first` of the model on, where so many of geometry and frames come first.
+pub(super) fn columns(always: usize, effects: &EffectModel, first: usize) -> Vec<Range<usize>> {
+    let mut end = always;
+    let mut ranges = Vec::new();
+    for effect in &effects.effects {
+        ranges.push(end..end + effect.coefficients.len());
+        end += effect.coefficients.len();
+    }
+    ranges.split_off(first)
+}
+
+/// Which of these blocks of columns raise the score by more than `least` each, the hyperparameters chosen anew without them.
+///
+/// Those that do not are taken out one by one. The hyperparameters are chosen anew for the [`WEAKEST`] alone, by what a block
+/// raises the score by where they are: what makes more of a difference there is not the next to go. The last ones come back, too.
+pub(super) fn asked_for(
+    model: &Model<'_>,
+    blocks: &[Range<usize>],
+    least: f64,
+    known: Option<&Hyperparameters>,
+) -> (Vec<bool>, Option<Hyperparameters>) {
+    let mut kept = vec![true; blocks.len()];
+    let Some((mut score, mut hyper)) = maximum::from_afar(model, known) else {
+        return (vec![false; blocks.len()], None);
+    };
+    loop {
+        let without = |block: usize| {
+            let left_out = |index: usize| index == block || !kept[index];
+            let columns = (0..blocks.len()).filter(|&index| left_out(index)).flat_map(|index| blocks[index].clone());
+            nothing(model, columns)
+        };
+        let here = |block: usize| {
+            let (precision, log_precision) = without(block);
+            let model = Model { precision: &precision, log_precision, ..model.clone() };
+            (model.score(&hyper).unwrap_or(f64::NEG_INFINITY), block)
+        };
+        let mut order: Vec<(f64, usize)> = (0..blocks.len()).filter(|&block| kept[block]).map(here).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let best = order
+            .into_iter()
+            .take(WEAKEST)
+            .filter_map(|(_, block)| {
+                let (precision, log_precision) = without(block);
+                let model = Model { precision: &precision, log_precision, ..model.clone() };
+                maximum::from_near(&model, &hyper).map(|(reached, hyper)| (reached, block, hyper))
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((reached, block, next)) = best.filter(|(reached, ..)| score - reached < least) else { break };
+        kept[block] = false;
+        (score, hyper) = (reached, next);
+    }
+    (kept, Some(hyper))
+}
+
+/// By how much a block raises the score, the hyperparameters as they are.
+pub(super) fn gain(model: &Model<'_>, hyper: &Hyperparameters, score: f64, block: &Range<usize>) -> f64 {
+    let (precision, log_precision) = nothing(model, block.clone());
+    let without = Model { precision: &precision, log_precision, ..model.clone() };
+    score - without.score(hyper).unwrap_or(f64::NEG_INFINITY)
+}
+
+/// The prior under which these columns have no part in the model.
+fn nothing(model: &Model<'_>, columns: impl Iterator<Item = usize>) -> (DMatrix<f64>, f64) {
+    let (mut precision, mut log_precision) = (model.precision.clone(), model.log_precision);
+    for column in columns {
+        precision[(column, column)] *= NOTHING;
+        log_precision += NOTHING.ln();
+    }
+    (precision, log_precision)
+}
+
+/// How far a joint turns by this effect over the rows, root mean square about the mean, rad.
+pub(crate) fn turned(data: &Measurements, fit: &Fit<EffectModel>, effect: &Effect) -> f64 {
+    let numbers = effect.coefficients.len();
+    let values = torques(data, fit, &effect.term);
+    let amounts =
+        values.chunks_exact(numbers).map(|row| row.iter().zip(&effect.coefficients).map(|(v, c)| v * c).sum());
+    let amounts: Vec<f64> = amounts.collect();
+    let mean = amounts.iter().sum::<f64>() / amounts.len().max(1) as f64;
+    (amounts.iter().map(|amount| (amount - mean).powi(2)).sum::<f64>() / amounts.len().max(1) as f64).sqrt()
+}
+
+/// Row by row what drives the term.
+fn torques(data: &Measurements, fit: &Fit<EffectModel>, term: &Term) -> Vec<f64> {
+    let mut values = Vec::new();
+    for (index, posture) in postures(&fit.effects, &fit.arm, data).iter().enumerate() {
+        let row = Row::new(data, index);
+        let recorded = |name: &str| row.covariate_named(name);
+        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        term.driver.values_into(&fit.effects.statics, &conditions, posture, &mut values);
+    }
+    values
+}
