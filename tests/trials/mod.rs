@@ -10,6 +10,7 @@ mod numbers;
 mod outputs;
 mod program;
 mod sources;
+mod tips;
 
 use crate::support::{self, Run, robot};
 use std::path::{Path, PathBuf};

@@ -7,12 +7,13 @@ pub mod drawing_differences;
 pub mod monitor;
 pub mod prediction;
 pub mod rows;
+mod tips;
 
 use self::diagnosis::Diagnosis;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::{
-    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, Held, Identified, Origin, Rival, SCHEMA, Samples,
-    Stage, Unexplained, Unidentifiable,
+    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, FieldEntry, Held, Identified, Origin, Rival, SCHEMA,
+    Samples, Stage, Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::effects::driver::Statics;
@@ -20,6 +21,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
+use crate::identify::information::Information;
 use crate::identify::lack_of_fit::lack_of_fit;
 use crate::identify::posterior::Posterior;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
@@ -127,6 +129,20 @@ pub enum CalibrateError {
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
+    /// Effects act in one chain.
+    #[error(
+        "{0}: effects and error curves are looked for in one chain, and these rows are of several tips; fit the geometry of all \
+         (--effects none), or calibrate one tip at a time"
+    )]
+    EffectsOfSeveralTips(String),
+    /// A tip that nothing is known of.
+    #[error("{file}: no row is of tip \"{tip}\"; measure some, or name the other tips alone")]
+    NoRowsOfTip {
+        /// The file.
+        file: String,
+        /// The tip.
+        tip: String,
+    },
     /// Whoever was told what it is at said to stop.
     #[error("stopped before it was done")]
     Stopped,
@@ -156,6 +172,8 @@ pub struct StageResiduals {
 pub struct Calibration {
     /// The contract.
     pub report: CalibrationReport,
+    /// What the rows say of the parameters in the report, no prior in it; `None` where no axis was identified.
+    pub information: Option<Information>,
     /// Nominal and geometric fit.
     pub identification: Identification,
     /// The fit that was adopted, if it holds more than geometry.
@@ -274,19 +292,15 @@ pub fn calibrate_and_tell(
     let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
     stages.add_all(&identification, &beyond)?;
     let last = stages.adopt(&beyond);
-    let plain = stages.done.len() - beyond.len();
-    let (stages, residuals) = (stages.done, stages.residuals);
-    let reached = last.checked_sub(plain).map(|index| &beyond[index]);
-    let adopted = match reached {
-        Some(reached) => reached.adopted,
-        None => [Adopted::Nominal, Adopted::Earlier, Adopted::Geometric][if last + 1 == plain { 2 } else { last }],
+    let Stages { done: stages, residuals, .. } = stages;
+    let of_geometry = identification.stages();
+    let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
+    let geometry = of_geometry[last.min(of_geometry.len() - 1)];
+    let (adopted, weights, information, (parameters, posterior, differs)) = match reached {
+        Some(Beyond { adopted, fit, .. }) => (*adopted, &fit.weights, Information::of(fit), identified(fit)),
+        None => (geometry.1, &geometry.2.weights, Information::of(geometry.2), identified(geometry.2)),
     };
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
-    let plain = identification.at(adopted);
-    let (weights, (parameters, posterior, differs)) = match reached {
-        Some(reached) => (&reached.fit.weights, identified(reached.fit)),
-        None => (&plain.weights, identified(plain)),
-    };
     let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
     let report = CalibrationReport {
@@ -295,6 +309,7 @@ pub fn calibrate_and_tell(
         robot: chain.name().into(),
         base: chain.base().into(),
         tip: chain.tip().into(),
+        tips: tips::entries(chain, (&train, test.as_ref()), &residuals[last]),
         measurement: train.scene.measured(),
         columns: Vec::new(),
         samples: Samples {
@@ -319,11 +334,13 @@ pub fn calibrate_and_tell(
         effects: entries(true),
         one_of: entries(false),
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(reached.fit, reached.gains)),
+        fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, reached.fit, reached.deflections)),
         unexplained: unexplained(found.as_ref()),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
     let mut result = Calibration {
         report,
+        information,
         identification,
         beyond: reached.map(|reached| Box::new(reached.fit.clone())),
         trace: found,
@@ -340,13 +357,18 @@ pub fn calibrate_and_tell(
 }
 
 impl Identification {
+    /// The stages that hold geometry alone, in the order in which they are listed, each with its name.
+    fn stages(&self) -> Vec<(&'static str, Adopted, &Fit<NoEffects>)> {
+        let mut stages = vec![("nominal", Adopted::Nominal, &self.nominal)];
+        stages.extend(self.earlier.as_ref().map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
+        stages.push(("geometric", Adopted::Geometric, &self.geometric));
+        stages
+    }
+
     /// The fit of a stage that holds geometry alone; the geometric one for all others.
     fn at(&self, adopted: Adopted) -> &Fit<NoEffects> {
-        match (adopted, &self.earlier) {
-            (Adopted::Nominal, _) => &self.nominal,
-            (Adopted::Earlier, Some(earlier)) => &earlier.fit,
-            _ => &self.geometric,
-        }
+        let own = self.stages().into_iter().find(|(_, stage, _)| *stage == adopted);
+        own.map_or(&self.geometric, |(.., fit)| fit)
     }
 }
 
@@ -374,6 +396,7 @@ fn rows_of(
         (None, Some(hold_out)) => split(&data, hold_out)?,
         (None, None) => (data, None),
     };
+    tips::check(&train, options)?;
     enough(&train)?;
     if let Some(test) = &test {
         not_the_same(&train, test)?;
@@ -548,11 +571,9 @@ impl Stages<'_> {
     }
 
     fn add_all(&mut self, identification: &Identification, beyond: &[Beyond<'_>]) -> Result<(), TestError> {
-        self.add("nominal".into(), &identification.nominal)?;
-        if let Some(earlier) = &identification.earlier {
-            self.add("earlier".into(), &earlier.fit)?;
+        for (name, _, fit) in identification.stages() {
+            self.add(name.into(), fit)?;
         }
-        self.add("geometric".into(), &identification.geometric)?;
         beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), reached.fit))
     }
 
@@ -581,22 +602,42 @@ struct Beyond<'a> {
     fit: &'a Fit<EffectModel>,
     /// Of its curves.
     gains: &'a [f64],
+    /// Of what joints give under gravity beside them: its last effects.
+    deflections: &'a [f64],
 }
 
 /// Curves alone; effects alone, where there are curves beside them; both.
 fn beyond<'a>(curves: Option<&'a CurveFit>, found: Option<&'a Trace>) -> Vec<Beyond<'a>> {
     let mut stages = Vec::new();
     if let Some(curves) = curves.filter(|curves| !curves.fit.effects.curves.is_empty()) {
-        stages.push(Beyond { name: CURVES.into(), adopted: Adopted::Curves, fit: &curves.fit, gains: &curves.gains });
+        stages.push(Beyond {
+            name: CURVES.into(),
+            adopted: Adopted::Curves,
+            fit: &curves.fit,
+            gains: &curves.gains,
+            deflections: &curves.deflections,
+        });
     }
     if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
         let name = stage_name(found);
         if !found.fit.effects.curves.is_empty() {
-            stages.push(Beyond { name: name.clone(), adopted: Adopted::Effects, fit: &found.plain, gains: &[] });
+            stages.push(Beyond {
+                name: name.clone(),
+                adopted: Adopted::Effects,
+                fit: &found.plain,
+                gains: &[],
+                deflections: &[],
+            });
         }
         let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
         let name = format!("{name}{beside}");
-        stages.push(Beyond { name, adopted: Adopted::Effects, fit: &found.fit, gains: &found.curve_gains });
+        stages.push(Beyond {
+            name,
+            adopted: Adopted::Effects,
+            fit: &found.fit,
+            gains: &found.curve_gains,
+            deflections: &found.deflections,
+        });
     }
     stages
 }

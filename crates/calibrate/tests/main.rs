@@ -27,5 +27,6 @@ mod repeats;
 mod rows;
 mod runs;
 mod statistics;
+mod tips;
 mod tracing;
 mod webcam;

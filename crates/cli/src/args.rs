@@ -7,6 +7,7 @@ mod numbers;
 mod program;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use denavit_model::Reading;
 pub use fleet::{
     FleetArguments, FleetCommand, FleetCorpusArguments, FleetHistoryArguments, FleetReportArguments, FleetRunArguments,
     FleetSiblingsArguments, FleetWatchArguments,
@@ -90,18 +91,35 @@ pub enum Command {
     Man(ManArguments),
 }
 
+/// Where the chain ends.
+#[derive(Debug, Clone, Default, Args)]
+pub struct OneTip {
+    /// Link that the chain ends at [default: the end of the longest actuated chain]
+    #[arg(long, value_name = "LINK")]
+    pub tip: Option<String>,
+}
+
+/// Where the chain ends, or the chains that are measured together.
+#[derive(Debug, Clone, Default, Args)]
+pub struct SeveralTips {
+    /// Link that the chain ends at [default: the end of the longest actuated chain]; several times for several tips of one
+    /// robot, such as both hands: a column tip then says which of them a row is of
+    #[arg(long = "tip", value_name = "LINK")]
+    pub tips: Vec<String>,
+}
+
 /// Which robot, and which chain of it.
 #[derive(Debug, Clone, Args)]
-pub struct RobotArguments {
+pub struct RobotArguments<T: Args = OneTip> {
     /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka
     /// arm (yaml), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
     #[arg(long, value_name = "LINK")]
     pub base: Option<String>,
-    /// Link that the chain ends at [default: the end of the longest actuated chain]
-    #[arg(long, value_name = "LINK")]
-    pub tip: Option<String>,
+    /// Where it ends.
+    #[command(flatten)]
+    pub tip: T,
     /// Take every number as it is written: no angle read as the multiple of π it was meant for, no near-parallel axes
     /// made parallel
     #[arg(long)]
@@ -142,7 +160,12 @@ pub struct SourceArguments {
     pub table_units: Option<String>,
 }
 
-impl RobotArguments {
+impl<T: Args> RobotArguments<T> {
+    /// How the literals of angles are read.
+    pub fn reading(&self) -> Reading {
+        if self.exact { Reading::AsWritten } else { Reading::Intended }
+    }
+
     /// The files that the run reads for it, as named.
     pub fn files(&self) -> impl Iterator<Item = &str> {
         std::iter::once(self.robot.as_str()).chain(self.source.files())

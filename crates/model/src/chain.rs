@@ -1,11 +1,14 @@
 //! A serial chain: screw axes in the base frame and the home pose of the tip (product of exponentials).
 
+mod tips;
+
 use crate::screw::Screw;
 use crate::se3::{self, Pose};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use thiserror::Error;
+pub use tips::{Tip, Tips, TipsError};
 
 /// What a coordinate counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -25,7 +25,7 @@ pub mod urdf_rs_robot;
 mod well_formed;
 pub mod write;
 
-pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity};
+pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity, Tip, Tips, TipsError};
 pub use compiled::{CompiledChain, JacobianFrame};
 pub use element::Element;
 pub use nalgebra;

@@ -12,7 +12,7 @@ use crate::trace::infer::lines::Line;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats` and `curves` to the first, and changes
+/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats`, `curves` and `fields` to the first, and changes
 /// nothing of it.
 pub const SCHEMA: &str = crate::identify::posterior::CALIBRATION_SCHEMA;
 
@@ -27,8 +27,11 @@ pub struct CalibrationReport {
     pub robot: String,
     /// Name of the base link.
     pub base: String,
-    /// Name of the tip link.
+    /// Name of the tip link; of several, all of them with commas between.
     pub tip: String,
+    /// The tips, where several were calibrated; left out where there is one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tips: Vec<TipEntry>,
     /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
     pub measurement: String,
     /// What every column of the data was taken for; empty where the rows came from no file.
@@ -70,10 +73,31 @@ pub struct CalibrationReport {
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,
+    /// What depends on several joints and is no named cause; left out where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fields: Vec<FieldEntry>,
     /// What no effect explains.
     pub unexplained: Unexplained,
     /// What the adopted stage leaves of every observation, fitted rows first.
     pub rows: Vec<RowEntry>,
+}
+
+/// A tip of several, and what is of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TipEntry {
+    /// Name of its link.
+    pub tip: String,
+    /// The joints from the base to it.
+    pub joints: Vec<String>,
+    /// Its rows that were fitted, rejected ones included.
+    pub fitted: usize,
+    /// Its rows that were held out.
+    pub held_out: usize,
+    /// Error of the adopted stage on its fitted rows, rejected ones left out.
+    pub train: Errors,
+    /// On its held-out rows; absent without any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub test: Option<Errors>,
 }
 
 /// By what a result was made, when, and of which files: who reads it later can tell whether it is of the data at hand.
@@ -281,6 +305,21 @@ pub struct CurveEntry {
     pub lines: Vec<Line>,
     /// The curve over the range of the data: add it to the reading to have the joint's true value.
     pub table: Vec<CurvePoint>,
+}
+
+/// What a joint gives under gravity, fitted beside the curves with masses that nobody knows. Without it curves would stand in for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FieldEntry {
+    /// `gravity`.
+    pub kind: &'static str,
+    /// The joint.
+    pub joint: String,
+    /// How far the joint turns by it over the rows, root mean square about the mean.
+    pub rms: f64,
+    /// Of that: `rad`.
+    pub unit: &'static str,
+    /// By how much it raises the logarithm of the marginal likelihood.
+    pub log_evidence: f64,
 }
 
 /// A curve at one reading.

@@ -5,7 +5,7 @@
 //! ```
 //! With J the row's Jacobian, C the covariance of the fit and σ its noise, measured less predicted r has the covariance
 //! S = J C Jᵀ + σ², and rᵀ S⁻¹ r over its number of values follows F with the degrees of freedom of the noise. A row far beyond
-//! that is out of line: it is left out of the fit until later rows make it likely.
+//! that, as far as a fit's gross outliers are, is out of line: it is left out of the fit until later rows make it likely.
 
 mod suspects;
 
@@ -16,7 +16,7 @@ use crate::apply::plan::next::{Outlook, outlook, within_limits};
 use crate::apply::plan::{PlanError, PlanOptions};
 use crate::identify::initial_guess::nominal_fit;
 use crate::identify::residual::{ResidualModel, Scratch};
-use crate::identify::solve::Fit;
+use crate::identify::solve::{FALSE_REJECTIONS, Fit, GROSS};
 use crate::identify::{IdentifyOptions, fit_stage, identify};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{NoEffects, ParameterKind};
@@ -28,10 +28,6 @@ use std::collections::BTreeSet;
 
 /// Name and version of the status as JSON.
 pub const SCHEMA: &str = "denavit.measure/1";
-/// One run in a hundred may have a row that is out of line by chance.
-const FALSE_ALARMS: f64 = 0.01;
-/// Out of line means this many times further out than that: what the model lacks is no wrong row.
-const FAR: f64 = 1.5;
 /// The data know a parameter when they leave no more than this share of what was known of it before.
 const KNOWN_SHARE: f64 = 0.5;
 /// So many of the least known parameters are named.
@@ -389,14 +385,14 @@ impl Prediction {
     fn out_of_line(&self, fit: &Fit<NoEffects>, data: &Measurements) -> Option<OutOfLine> {
         let degrees = fit.degrees_of_freedom();
         // Each observation of each row so far may be out by chance.
-        let share = FALSE_ALARMS / data.observations().max(1) as f64;
+        let share = FALSE_REJECTIONS / data.observations().max(1) as f64;
         let mut worst: Option<OutOfLine> = None;
         let mut targets = Vec::new();
         for &(observation, first) in &self.observations {
             let series = data.series_of(observation);
             let height = series.kind.height();
             let size = self.chi_squared(first, height) / height as f64;
-            let limit = FAR * FAR * quantile(height as f64, degrees, 1.0 - share);
+            let limit = GROSS * GROSS * quantile(height as f64, degrees, 1.0 - share);
             if size <= limit {
                 continue;
             }

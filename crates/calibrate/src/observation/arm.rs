@@ -3,7 +3,7 @@
 use crate::observation::measurements::{Measurements, Scene};
 use denavit_model::compiled::sines_and_cosines;
 use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
-use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, se3};
+use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, Tips, se3};
 
 /// Chain, instrument and targets: everything that a measured value is predicted from, effects aside.
 ///
@@ -13,8 +13,10 @@ use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, se3};
 /// target's orientation).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
-    /// As drawn.
+    /// As drawn; where there are several tips the joints of all of them, see [`Chain::joined`].
     pub nominal: Chain,
+    /// The links that targets sit on.
+    pub tips: Tips,
     /// Moving joints with their actual axes and scales; coordinates and order as in `nominal`.
     pub joints: Vec<ChainJoint>,
     /// instrument_from_base for each setup; identity where no instrument's frame is seen.
@@ -23,6 +25,8 @@ pub struct Arm {
     pub points: Vec<Vector3<f64>>,
     /// tip_from_target for each target; the rotation is used where it is seen.
     pub targets: Vec<Pose>,
+    /// Index of the tip that each target sits on.
+    pub sits_on: Vec<usize>,
 }
 
 /// Directions in which a joint's axis can change: two across it, and the point on it that they are taken about.
@@ -78,14 +82,26 @@ impl Arm {
     pub fn new(nominal: &Chain, scene: &Scene) -> Self {
         Self {
             nominal: nominal.clone(),
+            tips: scene.tips_of(nominal),
             joints: nominal.joints().to_vec(),
             instruments: vec![Pose::identity(); scene.setups.len()],
             points: vec![Vector3::zeros(); scene.points.len()],
             targets: vec![Pose::identity(); scene.targets.len()],
+            sits_on: (0..scene.targets.len()).map(|target| scene.tip_of(target)).collect(),
         }
     }
 
-    /// The calibrated chain: actual axes and scales, nominal home pose.
+    /// The calibrated chain to one tip: actual axes and scales, nominal home pose.
+    pub fn chain_to(&self, tip: usize) -> Chain {
+        self.tips[tip].chain(&self.chain()).expect("a small finite change of a chain is a chain")
+    }
+
+    /// The chain to one tip as drawn.
+    pub fn nominal_to(&self, tip: usize) -> Chain {
+        self.tips[tip].chain(&self.nominal).expect("a part of a chain is a chain")
+    }
+
+    /// The calibrated joints: actual axes and scales, nominal home pose. Where there are several tips, those of all.
     pub fn chain(&self) -> Chain {
         let names = (self.nominal.name(), self.nominal.base(), self.nominal.tip());
         Chain::new(names, self.nominal.coordinates().to_vec(), self.joints.clone(), *self.nominal.home())
@@ -121,8 +137,11 @@ impl Arm {
         self.joints[index].screw = with_pitch(&screw.about(&basis.centre), pitch);
     }
 
-    /// Where everything stands at the coordinates `q`, with or without deviations, into `state`.
-    pub fn state_into(&self, q: &[f64], perturbation: Option<&Perturbation>, state: &mut RowState) {
+    /// Where everything on the way to a tip stands at the coordinates `q`, with or without deviations, into `state`.
+    ///
+    /// Joints that are not on the way stand still where the one before them is.
+    pub fn state_into(&self, q: &[f64], tip: usize, perturbation: Option<&Perturbation>, state: &mut RowState) {
+        let tip = &self.tips[tip];
         let mut reached = Pose::identity();
         let RowState { before, after, turns: [values, sines, cosines], .. } = state;
         let count = self.joints.len();
@@ -139,6 +158,10 @@ impl Arm {
         let places = before.iter_mut().zip(after.iter_mut());
         for (index, ((joint, (value, turn)), (before, after))) in self.joints.iter().zip(turns).zip(places).enumerate()
         {
+            if !tip.joints[index] {
+                (*before, *after) = (reached, reached);
+                continue;
+            }
             if let Some(perturbation) = perturbation {
                 reached *= se3::exp(&perturbation.twists[index]);
             }
@@ -149,7 +172,7 @@ impl Arm {
         if let Some(perturbation) = perturbation {
             reached *= se3::exp(&perturbation.twists[count]);
         }
-        state.tip = reached * self.nominal.home();
+        state.tip = reached * tip.home;
     }
 }
 

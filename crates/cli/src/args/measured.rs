@@ -1,6 +1,6 @@
 //! Arguments of the commands about measuring, calibrating and compensating.
 
-use super::{JsonArguments, RobotArguments, numbers};
+use super::{JsonArguments, RobotArguments, SeveralTips, numbers};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -38,6 +38,7 @@ Examples:
   denavit calibrate arm.urdf --data train.csv --test test.csv
   denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
   denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
+  denavit calibrate two.urdf --tip left --tip right --data d.csv both hands of a robot in one fit
   denavit calibrate arm.urdf --data corners.csv --camera webcam.yaml --board 7x5:30mm
   denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
   denavit calibrate arm.urdf --data ten_poses.csv --prior earlier.json   ten poses bring a calibrated robot up to date
@@ -51,7 +52,7 @@ See docs/calibration.md and docs/effects.md.";
 pub struct CalibrateArguments {
     /// Which robot.
     #[command(flatten)]
-    pub robot: RobotArguments,
+    pub robot: RobotArguments<SeveralTips>,
     /// Measurements to fit, or - for standard input; a ROS 2 bag (.mcap, .db3, or its folder), too; several files are several setups: each has its own instrument frame
     /// and targets
     #[arg(long, value_name = "FILE", required_unless_present = "socket")]
@@ -121,7 +122,7 @@ pub struct CalibrateArguments {
     /// file of a UR arm; -: text)
     #[arg(long, value_name = "FILE")]
     pub dh: Option<PathBuf>,
-    /// Write what a maker's controller or ROS package takes: ur, xarm, franka, robot-calibration; see docs/makers.md
+    /// Write what a maker's controller or ROS package takes: ur, xarm, franka, pal, robot-calibration; see docs/makers.md
     #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
     pub out_for: Vec<String>,
     /// Write what the calibrated model leaves of every row, as CSV: fitted, rejected and held-out rows
@@ -369,7 +370,7 @@ Examples:
 pub struct SimulateArguments {
     /// Which robot.
     #[command(flatten)]
-    pub robot: RobotArguments,
+    pub robot: RobotArguments<SeveralTips>,
     /// Write the measurements, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

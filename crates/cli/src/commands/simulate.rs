@@ -2,7 +2,7 @@
 
 use crate::args::SimulateArguments;
 use crate::failure::Failure;
-use crate::measured;
+use crate::measured::{self, MeasuredRobot};
 use crate::output::{Outputs, Slot, Status};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
 use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
@@ -19,11 +19,11 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
     let main = outputs.add("--output", arguments.output.as_deref().unwrap_or(Path::new("-")))?;
     let test = outputs.add_if("--test", arguments.test.as_deref())?;
     let truth = outputs.add_if("--truth", arguments.truth.as_deref())?;
-    let robot = measured::robot(&arguments.robot)?;
+    let MeasuredRobot { robot, tips } = measured::robot_with_tips(&arguments.robot)?;
     let specifications =
         arguments.effect.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();
     let asked = FilesAsked {
-        options: options(arguments, &robot.chain)?,
+        options: SimulationOptions { tips: tips.several().then_some(tips), ..options(arguments, &robot.chain)? },
         specifications: specifications.map_err(|error| Failure::Argument(format!("--effect {error}")))?,
         columns: arguments.columns.clone(),
         test_rows: arguments.test.as_ref().map(|_| arguments.test_rows as usize),
@@ -34,9 +34,10 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         Failure::Argument(match error {
             FilesError::Effect(error) => format!("--effect {error}"),
             FilesError::Column(error) => format!("--columns: {error}"),
-            FilesError::EffectsInContact => format!("--effect: {error}"),
+            FilesError::EffectsInContact | FilesError::EffectsOfSeveralTips => format!("--effect: {error}"),
             FilesError::OutOfReach { .. } => format!("--rows: {error}"),
             FilesError::OutOfSight { .. } => format!("--camera: {error}"),
+            FilesError::KindOfSeveralTips(_) => format!("--tip: {error}"),
             FilesError::Targets(count) => format!("--targets {count}: {error}"),
             other => format!("{}: {other}", arguments.effects.as_deref().unwrap_or("--effects")),
         })
@@ -83,6 +84,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         outliers: share,
         covariates: Vec::new(),
         readings: Some(readings),
+        tips: None,
         before: None,
     })
 }
