@@ -4,6 +4,7 @@ mod bad_input;
 mod closed_loop;
 mod contact;
 mod exports;
+mod sockets;
 mod watch;
 
 use crate::golden::snapshot;

@@ -2,6 +2,7 @@
 
 pub mod arm;
 pub mod board;
+pub mod frames;
 pub mod gauge;
 pub mod kinds;
 pub(crate) mod least_squares;

@@ -125,6 +125,103 @@ fn qualisys_markers() {
     same(&imported(&text, &data, &chain, map).data, &expected);
 }
 
+/// SpatialAnalyzer, its User's Manual, "Exporting ASCII Formatted Points": what is named of a point (collection, group and target,
+/// group and target, target, nothing) before x y z, separated by blanks or commas, comments after `//`; with uncertainties
+/// and time stamps behind them.
+#[test]
+fn points_of_spatial_analyzer() {
+    let chain = ur5e();
+    let data = simulated(&chain, POSITION);
+    let comments =
+        "// SpatialAnalyzer 2024.1\n// Working Frame: A::WORLD\n// Cartesian coordinates: X Y Z, Millimeters\n";
+    let mut own = format!("{},x,y,z\n", data.joints.join(","));
+    for (row, cells) in cells(&data).iter().enumerate() {
+        let joints: Vec<String> = data.reading(row).iter().map(f64::to_string).collect();
+        let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
+        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
+    }
+    let expected = read("own.csv", own.as_bytes(), &chain, "mm,rad".parse().unwrap()).unwrap().data;
+    for (named, behind) in [("A{s}ball run{s}p{n}", ""), ("ball_run{s}p{n}", ""), ("p{n}", "{s}0.012{s}0.011{s}0.02")] {
+        for (separator, above) in [(", ", comments), (",", ""), (" ", comments), ("  ", "")] {
+            // Names with blanks stand between commas alone.
+            let named =
+                if separator.trim().is_empty() { named.replace("ball run", "ball_run") } else { named.to_owned() };
+            let words = |text: &str, row: usize| text.replace("{s}", separator).replace("{n}", &row.to_string());
+            let mut text = above.to_owned();
+            for (row, cells) in cells(&data).iter().enumerate() {
+                let place = [0, 1, 2].map(|k| (cells[k] * 1e3).to_string()).join(separator);
+                let _ = writeln!(text, "{}{separator}{place}{}", words(&named, row), words(behind, row));
+            }
+            let first = named.matches("{s}").count() + 2;
+            let [x, y, z] = [first, first + 1, first + 2].map(|column| format!("\"column {column}\""));
+            let map = format!("units = \"mm,deg\"\nx = {x}\ny = {y}\nz = {z}\n");
+            println!("{text}");
+            same(&imported(&text, &data, &chain, &map).data, &expected);
+        }
+    }
+}
+
+/// DELMIA, Auto ID (3DEXPERIENCE help, "Auto ID Input File"): a name, x, y, z in mm, roll, pitch, yaw in degrees, then the joint
+/// values in degrees; tabs between columns, a header or none.
+#[test]
+fn measurements_of_delmia() {
+    let chain = ur5e();
+    let data = simulated(&chain, POSE);
+    let mut rows = String::new();
+    let mut own = format!("{},x,y,z,roll,pitch,yaw\n", data.joints.join(","));
+    for (row, cells) in cells(&data).iter().enumerate() {
+        let [x, y, z, qx, qy, qz, qw] = cells[..] else { panic!("{cells:?}") };
+        let quaternion = denavit_model::nalgebra::Quaternion::new(qw, qx, qy, qz);
+        let (roll, pitch, yaw) = denavit_model::nalgebra::UnitQuaternion::new_normalize(quaternion).euler_angles();
+        let place = [x, y, z].map(|value| (value * 1e3).to_string());
+        let turned = [roll, pitch, yaw].map(|angle| angle.to_degrees().to_string());
+        let joints: Vec<String> = data.reading(row).iter().map(|angle| angle.to_degrees().to_string()).collect();
+        let _ = writeln!(rows, "Tag.{row}\t{}\t{}\t{}", place.join("\t"), turned.join("\t"), joints.join("\t"));
+        let _ = writeln!(own, "{},{},{}", joints.join(","), place.join(","), turned.join(","));
+    }
+    let units: Units = "mm,deg".parse().unwrap();
+    let euler = ImportOptions { euler: Some("xyz".parse().unwrap()), ..ImportOptions::default() };
+    let expected = read_export("own.csv", own.as_bytes(), &chain, units, &euler).unwrap().data;
+    let named = "Tag\tX\tY\tZ\tRoll\tPitch\tYaw\tJ1\tJ2\tJ3\tJ4\tJ5\tJ6\n";
+    let numbered = |from: usize, to: usize| (from..=to).map(|column| format!("column {column}")).collect::<Vec<_>>();
+    for header in ["", named] {
+        let map = format!(
+            "units = \"mm,deg\"\njoints = {:?}\nx = \"column 2\"\ny = \"column 3\"\nz = \"column 4\"\n\
+             euler = {{ order = \"xyz\", columns = {:?} }}\n",
+            numbered(8, 13),
+            numbered(5, 7)
+        );
+        let options = ImportOptions { map: Some(Map::read("map.toml", &map).unwrap()), ..ImportOptions::default() };
+        let text = format!("{header}{rows}");
+        let found = read_export("auto.txt", text.as_bytes(), &chain, Units::default(), &options);
+        same(&found.unwrap_or_else(|error| panic!("{error}")).data, &expected);
+    }
+}
+
+/// RoboDK: the file of a calibration project, as `Python/Examples/Macros/CalculateErrorsDistances.py` of RoboDK-API reads it: a row
+/// above, then six joints in degrees, the measured place and the target's place on the flange in mm. What the row above says
+/// is not documented: columns are named by their place.
+#[test]
+fn measurements_of_robodk() {
+    let chain = ur5e();
+    let data = simulated(&chain, POSITION);
+    let mut text = String::from("a,row,that,nobody,documents,at,all,but,skips,without,reading,it\n");
+    let mut own = format!("{},x,y,z\n", data.joints.join(","));
+    for (row, cells) in cells(&data).iter().enumerate() {
+        let joints: Vec<String> = data.reading(row).iter().map(|angle| angle.to_degrees().to_string()).collect();
+        let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
+        let _ = writeln!(text, "{},{x},{y},{z},12.5,-30,104.25", joints.join(","));
+        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
+    }
+    let expected = read("own.csv", own.as_bytes(), &chain, "mm,deg".parse().unwrap()).unwrap().data;
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/measurements.md")).unwrap();
+    let mut map = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    let map = map.find(|map| map.contains("column 7")).unwrap();
+    let options = ImportOptions { map: Some(Map::read("map.toml", map).unwrap()), ..ImportOptions::default() };
+    let found = read_export("robodk.csv", text.as_bytes(), &chain, Units::default(), &options);
+    same(&found.unwrap_or_else(|error| panic!("{error}")).data, &expected);
+}
+
 /// A list of points without a header, as a point list of a tracker's program may be: name, x, y, z.
 #[test]
 fn a_bare_list_of_points() {
@@ -236,7 +333,7 @@ fn maps_of_the_documentation_are_maps() {
     let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/measurements.md");
     let page = std::fs::read_to_string(page).unwrap();
     let blocks: Vec<&str> = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-    assert_eq!(blocks.len(), 3);
+    assert_eq!(blocks.len(), 4);
     for block in &blocks {
         Map::read("measurements.md", block).unwrap_or_else(|error| panic!("{error}"));
     }

@@ -6,6 +6,7 @@
 
 mod franka;
 mod origins;
+mod pal;
 mod robot_calibration;
 mod ur;
 mod xarm;
@@ -33,12 +34,11 @@ pub struct Maker {
 }
 
 /// Every form that can be written.
-pub const MAKERS: &[Maker] = &[ur::MAKER, xarm::MAKER, franka::MAKER, robot_calibration::MAKER];
+pub const MAKERS: &[Maker] = &[ur::MAKER, xarm::MAKER, franka::MAKER, pal::MAKER, robot_calibration::MAKER];
 
 /// Forms that people ask for and that are not public, with what is to be done instead.
-const NOT_PUBLIC: [(&str, &str); 3] = [
-    ("pal", "what PAL's master_calibration.yaml means by <joint>_offset is not published"),
-    ("kinova", "Kinova's arms keep their calibration inside and publish no file of it"),
+const NOT_PUBLIC: [(&str, &str); 2] = [
+    ("kinova", "Kinova's arms keep their calibration inside, and no ROS package of theirs reads a file of it"),
     ("ros-industrial", "the drivers of ROS-Industrial read no file of offsets (industrial_core, issue 218)"),
 ];
 

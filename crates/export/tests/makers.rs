@@ -36,7 +36,11 @@ fn apart(a: &Chain, b: impl Fn(&[f64]) -> Pose) -> (f64, f64) {
 }
 
 fn written(maker: &str, tree: &Robot, chain: &Chain) -> Written {
-    let drawn = Some((tree, Reading::Intended));
+    written_as(maker, tree, chain, Reading::Intended)
+}
+
+fn written_as(maker: &str, tree: &Robot, chain: &Chain, reading: Reading) -> Written {
+    let drawn = Some((tree, reading));
     (named(maker).unwrap().render)(&Calibrated { chain, drawn, effects: &[] }).unwrap()
 }
 
@@ -144,6 +148,46 @@ fn offsets_applied_as_robot_calibration_does_give_the_calibrated_arm() {
     }
 }
 
+/// As FIGAROH's own check does it: each number is added to the one that the URDF writes, be it beyond a quarter turn or not.
+#[test]
+fn numbers_added_to_the_origins_give_the_calibrated_arm() {
+    for (path, tip) in [("universal_robots/ur5e.urdf", "tool0"), ("franka/panda.urdf", "panda_link8")] {
+        let tree = robot(path);
+        let chain = as_built(&tree.chain(None, Some(tip), Reading::AsWritten).unwrap().value);
+        let file = written_as("pal", &tree, &chain, Reading::AsWritten);
+        assert_eq!(file.left_out, Vec::<String>::new());
+        let mut lines = file.text.lines();
+        assert_eq!(lines.next(), Some("robot_state_publisher:"));
+        assert_eq!(lines.next(), Some("  geometric_calibration:"));
+        let mut changed = tree.clone();
+        let mut count = 0;
+        for line in lines {
+            let (key, number) = line.strip_prefix("    ").unwrap().split_once(": ").unwrap();
+            let (name, axis) = key.rsplit_once("_d").unwrap();
+            let full = format!("{name}_joint");
+            let joint = changed.joints.iter_mut().find(|joint| joint.name == full || joint.name == name).unwrap();
+            let at = ["x", "y", "z", "roll", "pitch", "yaw"].iter().position(|known| *known == axis).unwrap();
+            let number: f64 = number.parse().unwrap();
+            assert!(number.abs() < 0.02, "{line}");
+            if at < 3 {
+                joint.origin.xyz[at] += number;
+            } else {
+                joint.origin.rpy[at - 3] += number;
+            }
+            joint.origin.rpy_written = None;
+            count += 1;
+        }
+        assert!(count > 20, "{count}");
+        let again = changed.chain(Some(chain.base()), Some(tip), Reading::AsWritten).unwrap().value;
+        let (moved, turned) = apart(&chain, |q| again.fk(q));
+        assert!(moved < 1e-10 && turned < 1e-10, "{path}: {moved:e} {turned:e}");
+        // Nothing is added to an arm as drawn.
+        let drawn = tree.chain(None, Some(tip), Reading::AsWritten).unwrap().value;
+        let none = written_as("pal", &tree, &drawn, Reading::AsWritten).text;
+        assert_eq!(none, "robot_state_publisher:\n  geometric_calibration: {}\n");
+    }
+}
+
 #[test]
 fn what_a_form_cannot_hold_is_said() {
     let tree = robot("kuka/iiwa14.urdf");
@@ -162,8 +206,10 @@ fn what_a_form_cannot_hold_is_said() {
     assert!(seven.unwrap_err().to_string().contains("7 joints, 6 of them revolute"));
     assert!(matches!(of("robot-calibration", None), Err(MakerError::NeedsTree { .. })));
     assert!(of("ur", drawn).unwrap_err().to_string().contains("six revolute joints"));
-    let pal = named("pal").unwrap_err().to_string();
-    assert!(pal.contains("is not published") && pal.contains("ur, xarm, franka, robot-calibration"), "{pal}");
+    assert!(matches!(of("pal", None), Err(MakerError::NeedsTree { .. })));
+    let kinova = named("kinova").unwrap_err().to_string();
+    assert!(kinova.contains("no ROS package of theirs reads a file of it"), "{kinova}");
+    assert!(kinova.contains("ur, xarm, franka, pal, robot-calibration"), "{kinova}");
     for (text, expected) in [
         ("kinematics:\n  joint1: {x: 0, y: 0}\n", "arm.yaml: kinematics.joint1.z is missing"),
         ("joint1:\n  kinematic: {x: 0, y: 0, z: a}\n", "arm.yaml:2: joint1.kinematic.z is \"a\", not a finite number"),

@@ -56,6 +56,14 @@ pub enum LoadError {
         /// Why.
         source: denavit_model::ChainError,
     },
+    /// Tips that make no tree.
+    #[error("{file}: {source}")]
+    Tips {
+        /// As given.
+        file: String,
+        /// Why.
+        source: denavit_model::TipsError,
+    },
     /// A robot that cannot be exported.
     #[error(transparent)]
     Export(#[from] denavit_export::urdf::ExportError),

@@ -6,7 +6,7 @@ use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::tree::ChainListing;
-use denavit_model::{Chain, PlacedRobot, Reading, Robot};
+use denavit_model::{Chain, PlacedRobot, Reading, Robot, Tips};
 
 /// A robot as its source gives it.
 #[derive(Debug, Clone)]
@@ -75,6 +75,25 @@ impl Loaded {
             }
         }
         Ok(Noted { value: chain.clone(), notes: Vec::new() })
+    }
+
+    /// The chain to one tip (to the selection's where `tips` is empty), or the joints on the ways to several: see [`Chain::joined`].
+    ///
+    /// # Errors
+    /// As [`Loaded::chain`]; the tips make no tree.
+    pub fn chain_to(&self, selection: &Selection, tips: &[String]) -> Result<Noted<(Chain, Tips)>, LoadError> {
+        let first = self.chain(&Selection { tip: tips.first().map(String::as_str).or(selection.tip), ..*selection })?;
+        let (mut notes, mut others) = (first.notes, Vec::new());
+        for tip in tips.iter().skip(1) {
+            // From the same link, where nobody says from which.
+            let (base, tip) = (Some(first.value.base()), Some(tip.as_str()));
+            let chain = self.chain(&Selection { base, tip, ..*selection })?;
+            notes.extend(chain.notes.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
+            others.push(chain.value);
+        }
+        let joined = Chain::joined(&first.value, &others);
+        let value = joined.map_err(|source| LoadError::Tips { file: selection.file.to_owned(), source })?;
+        Ok(Noted { value, notes })
     }
 
     /// Every chain that it has.

@@ -5,7 +5,7 @@
 use crate::observation::arm::Arm;
 use crate::observation::parameters::{Layout, ParameterKind};
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Vector3, Vector6};
-use denavit_model::se3;
+use denavit_model::{Pose, se3};
 
 /// Weight of the targets' places beside the axes' tolerances: only what moves no axis is left to them.
 const WEIGHT_OF_TARGETS: f64 = 1e-8;
@@ -17,17 +17,25 @@ const SMALL_MOVE: f64 = 1e-10;
 /// A motion that resists less than this, beside the others, moves nothing that the conditions look at.
 const MOVES_NOTHING: f64 = 1e-11;
 
-/// Change of each parameter by a common motion of axes and targets: 6 columns, twists `[omega; v]` in the base frame.
+/// Change of each parameter by a common motion of axes and targets: for each of the layout's frames 6 columns, twists `[omega; v]`
+/// in the base frame.
 ///
 /// Columns of the instruments are their own countermove; points move along.
 pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
-    let mut motions = DMatrix::zeros(layout.len(), 6);
-    let home = arm.nominal.home();
+    let frames = &layout.frames;
+    let mut motions = DMatrix::zeros(layout.len(), 6 * frames.count);
     for (row, parameter) in layout.parameters.iter().enumerate() {
+        let first = 6 * match parameter.kind {
+            ParameterKind::Turn { joint, .. } | ParameterKind::Move { joint, .. } => frames.joints[joint],
+            ParameterKind::Instrument { setup, .. } | ParameterKind::Plane { setup, .. } => frames.setups[setup],
+            ParameterKind::Point { point, .. } => frames.points[point],
+            ParameterKind::Target { target, .. } | ParameterKind::TargetTurn { target, .. } => frames.targets[target],
+            ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Effect { .. } => 0,
+        };
         for column in 0..6 {
             let e = Vector3::ith(column % 3, 1.0);
             let (omega, v) = if column < 3 { (e, Vector3::zeros()) } else { (Vector3::zeros(), e) };
-            motions[(row, column)] = match parameter.kind {
+            motions[(row, first + column)] = match parameter.kind {
                 ParameterKind::Turn { joint, direction } => {
                     let basis =
                         layout.bases[joint].carried(&arm.nominal.joints()[joint].screw, &arm.joints[joint].screw);
@@ -46,11 +54,14 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
                 }
                 ParameterKind::Point { point, component } => (v + omega.cross(&arm.points[point]))[component],
                 ParameterKind::Target { target, component } => {
+                    let home = home_of(arm, target);
                     let point = home.rotation * arm.targets[target].translation.vector + home.translation.vector;
                     let moved = v + omega.cross(&point);
                     (home.rotation.inverse() * moved)[component]
                 }
-                ParameterKind::TargetTurn { component, .. } => (home.rotation.inverse() * omega)[component],
+                ParameterKind::TargetTurn { target, component } => {
+                    (home_of(arm, target).rotation.inverse() * omega)[component]
+                }
                 ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Effect { .. } => 0.0,
             };
         }
@@ -58,7 +69,12 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     motions
 }
 
-/// The conditions that hold the frame: their product with the departure from nominal is to be 0. Up to 6 columns.
+/// Where the tip that a target sits on is with every joint value 0.
+fn home_of(arm: &Arm, target: usize) -> &Pose {
+    &arm.tips[arm.sits_on[target]].home
+}
+
+/// The conditions that hold the frame: their product with the departure from nominal is to be 0. Up to 6 columns for each frame.
 ///
 /// They say that no common motion brings the axes nearer to nominal, each departure taken in its tolerance. Motions
 /// are those of the robot as drawn. What moves none of its axes (along the parallel axes of a SCARA) is settled by
@@ -68,7 +84,7 @@ pub fn conditions(layout: &Layout, reference: &Arm) -> DMatrix<f64> {
     held(layout, reference).0
 }
 
-/// The conditions, and the common motions (6 rows) that they hold.
+/// The conditions, and the common motions (6 rows for each frame) that they hold.
 fn held(layout: &Layout, reference: &Arm) -> (DMatrix<f64>, DMatrix<f64>) {
     let drawn = Arm { joints: reference.nominal.joints().to_vec(), ..reference.clone() };
     let motions = common_motions(layout, &drawn);
@@ -86,8 +102,9 @@ fn held(layout: &Layout, reference: &Arm) -> (DMatrix<f64>, DMatrix<f64>) {
     // Brought to size 1: rotations and translations weigh differently.
     let largest = resistance.diagonal().max().max(f64::MIN_POSITIVE);
     let size = resistance.diagonal().map(|own| 1.0 / own.max(MOVES_NOTHING * MOVES_NOTHING * largest).sqrt());
-    let scaled = DMatrix::from_fn(6, 6, |i, k| resistance[(i, k)] * size[i] * size[k]).symmetric_eigen();
-    let kept: Vec<usize> = (0..6).filter(|&k| scaled.eigenvalues[k] > MOVES_NOTHING).collect();
+    let all = resistance.nrows();
+    let scaled = DMatrix::from_fn(all, all, |i, k| resistance[(i, k)] * size[i] * size[k]).symmetric_eigen();
+    let kept: Vec<usize> = (0..all).filter(|&k| scaled.eigenvalues[k] > MOVES_NOTHING).collect();
     let held = DMatrix::from_diagonal(&size) * scaled.eigenvectors.select_columns(&kept);
     (conditions * &held, held)
 }
@@ -115,40 +132,42 @@ pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
     moved
 }
 
-/// The common motion, of those that are held, that makes the conditions hold to first order.
+/// The common motion of each frame, of those that are held, that makes the conditions hold to first order.
 fn missing(
     layout: &Layout,
     conditions: &DMatrix<f64>,
     held: &DMatrix<f64>,
     arm: &Arm,
     reference: &Arm,
-) -> Option<Vector6<f64>> {
+) -> Option<DVector<f64>> {
     if layout.joints.is_empty() {
         return None;
     }
     let difference = DVector::from_vec(layout.difference(arm, reference));
     let matrix = conditions.transpose() * common_motions(layout, arm) * held;
     let solution = matrix.svd(true, true).solve(&(conditions.transpose() * difference), 1e-13).ok()?;
-    let twist = Vector6::from_iterator((held * solution).iter().map(|x| -x));
-    (twist != Vector6::zeros() && twist.iter().all(|x| x.is_finite())).then_some(twist)
+    let twists = -(held * solution);
+    (twists.iter().any(|x| *x != 0.0) && twists.iter().all(|x| x.is_finite())).then_some(twists)
 }
 
-/// Move axes, points and targets, and the instruments' frames against them.
-fn move_all(layout: &Layout, arm: &mut Arm, twist: &Vector6<f64>) {
-    let motion = se3::exp(twist);
+/// Move axes, points and targets, and the instruments' frames against them; six numbers for each frame.
+fn move_all(layout: &Layout, arm: &mut Arm, twists: &DVector<f64>) {
+    let frames = &layout.frames;
+    let motions: Vec<Pose> =
+        (0..frames.count).map(|frame| se3::exp(&twists.fixed_rows::<6>(6 * frame).into_owned())).collect();
     for (index, joint) in arm.joints.iter_mut().enumerate() {
-        joint.screw = joint.screw.moved(&motion).about(&layout.bases[index].centre);
+        joint.screw = joint.screw.moved(&motions[frames.joints[index]]).about(&layout.bases[index].centre);
     }
-    for instrument in &mut arm.instruments {
-        let moved = *instrument * motion.inverse();
+    for (setup, instrument) in arm.instruments.iter_mut().enumerate() {
+        let moved = *instrument * motions[frames.setups[setup]].inverse();
         *instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
     }
-    for point in &mut arm.points {
-        *point = (motion * Point3::from(*point)).coords;
+    for (index, point) in arm.points.iter_mut().enumerate() {
+        *point = (motions[frames.points[index]] * Point3::from(*point)).coords;
     }
-    let home = arm.nominal.home();
-    for target in &mut arm.targets {
-        *target = home.inverse() * motion * home * *target;
+    for (index, target) in arm.targets.iter_mut().enumerate() {
+        let home = arm.tips[arm.sits_on[index]].home;
+        *target = home.inverse() * motions[frames.targets[index]] * home * *target;
         target.rotation = se3::orthonormalised(&target.rotation);
     }
 }

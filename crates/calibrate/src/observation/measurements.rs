@@ -20,7 +20,7 @@ pub use join::read_socket;
 pub use observations::Observations;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read, read_export};
-pub use scene::{KnownLength, Scene, Series, label_of};
+pub use scene::{KnownLength, Scene, Series, Target, label_of, target_on};
 pub use units::{Units, UnitsError};
 pub use write::write;
 
@@ -106,9 +106,22 @@ impl Measurements {
         self.lines.push(line);
     }
 
-    /// Whether a coordinate has one reading in all rows.
+    /// Index of the tip that a row is of.
+    #[inline]
+    pub fn tip_of(&self, row: usize) -> usize {
+        let first = self.of_row(row).next();
+        first.map_or(0, |observation| self.scene.tip_of(self.series_of(observation).target))
+    }
+
+    /// Whether a coordinate moves the tip that a row is of.
+    pub fn moves_its_tip(&self, row: usize, coordinate: usize) -> bool {
+        self.scene.tips().is_none_or(|tips| tips[self.tip_of(row)].coordinates[coordinate])
+    }
+
+    /// Whether a coordinate has one reading in all rows whose tip it moves.
     pub fn never_moves(&self, coordinate: usize) -> bool {
-        let values = || (0..self.len()).map(|row| self.reading(row)[coordinate]);
+        let rows = || (0..self.len()).filter(|&row| self.moves_its_tip(row, coordinate));
+        let values = || rows().map(|row| self.reading(row)[coordinate]);
         let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         high - low < SAME_READING
     }
@@ -225,7 +238,8 @@ impl Measurements {
 
     /// Leaves out series, and what only they speak of.
     fn keep_series(&mut self, keep: impl Fn(usize) -> bool) {
-        let old = std::mem::take(&mut self.scene);
+        let none = self.scene.of_same_robot();
+        let old = std::mem::replace(&mut self.scene, none);
         let series = old.series.iter().enumerate();
         let kept: Vec<Option<usize>> =
             series.map(|(index, series)| keep(index).then(|| self.scene.adopt(&old, series))).collect();

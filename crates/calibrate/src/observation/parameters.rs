@@ -1,6 +1,7 @@
 //! The numbers that a fit may change, and their order.
 
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
+use crate::observation::frames::Frames;
 use crate::observation::measurements::{KnownLength, Scene};
 use crate::observation::prior::{KnownBefore, Prior};
 use denavit_model::nalgebra::{DVector, Rotation3, Vector3, Vector6};
@@ -180,6 +181,8 @@ pub struct Layout {
     pub turns: Vec<Option<usize>>,
     /// Per joint.
     pub bases: Vec<AxisBasis>,
+    /// What moves together without being seen.
+    pub frames: Frames,
     /// What is expected of the joints' parameters.
     pub prior: Prior,
 }
@@ -215,7 +218,8 @@ impl Layout {
             joint_parameters(&mut parameters, index, &joint.name, &joint.screw, &bases[index], freedom, tolerances);
         }
         let joints = 0..parameters.len();
-        let prior = Prior::of_drawing(chain, &parameters, &bases, tolerances);
+        let frames = Frames::of(chain, scene);
+        let prior = Prior::of_drawing(chain, &parameters, &bases, &frames, tolerances);
         let mut layout = Self {
             parameters,
             effects: joints.end..joints.end,
@@ -227,6 +231,7 @@ impl Layout {
             places: Vec::new(),
             turns: Vec::new(),
             bases,
+            frames,
             prior,
         };
         layout.surroundings(scene);
@@ -332,6 +337,7 @@ impl Layout {
             places: self.places.iter().copied().map(shift).collect(),
             turns: self.turns.iter().map(|column| column.map(shift)).collect(),
             bases: self.bases.clone(),
+            frames: self.frames.clone(),
             prior: self.prior.clone(),
         }
     }
@@ -402,9 +408,9 @@ impl Layout {
 
     /// The same layout where some of the joints' parameters were identified before.
     #[must_use]
-    pub fn knowing(mut self, chain: &Chain, tolerances: &Tolerances, before: &KnownBefore) -> Self {
+    pub fn knowing(mut self, before: &KnownBefore) -> Self {
         let joints = &self.parameters[self.joints.clone()];
-        self.prior = self.prior.knowing(chain, joints, &self.bases, tolerances, before);
+        self.prior = self.prior.knowing(joints, &self.bases, &self.frames, before);
         self
     }
 

@@ -6,6 +6,7 @@
 //! ```text
 //! departure of axis i = across_i( base + Σ_{k ≤ i} δk + Σ_{k < i} ok Sk )
 //! ```
+//! with the sums over the joints that carry axis i: in a tree those on the way to it.
 //! δk turns by `turn` about three axes through axis k's centre and shifts by `shift`; nothing is expected of the base.
 //! The prior is normal with the covariance that follows. It weighs against the data by their noise: where the data
 //! tell a direction well it changes nothing, where they tell it badly it keeps to the drawing, without noise it
@@ -16,6 +17,7 @@
 //! identified then their mean and covariance are taken, of all others what the drawing says of them given those.
 
 use crate::observation::arm::AxisBasis;
+use crate::observation::frames::Frames;
 use crate::observation::parameters::{Parameter, ParameterKind, Tolerances};
 use denavit_model::nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use denavit_model::{Chain, Quantity};
@@ -43,9 +45,11 @@ fn about(point: &Vector3<f64>, omega: Vector3<f64>, shift: Vector3<f64>) -> Vect
     Vector6::new(omega.x, omega.y, omega.z, v.x, v.y, v.z)
 }
 
-/// A common motion of all axes is held by the frame, not by what was measured before: this many tolerances of it are
-/// allowed for. The number changes no result.
-const COMMON: f64 = 30.0;
+/// A common motion of all axes is held by the frame, not by what was measured before: so much of it is allowed for, rad and m
+/// alike. The number changes no result.
+const COMMON: f64 = 0.03;
+/// A direction that resists a common motion less than this is not moved by it.
+const MOVES_NOTHING: f64 = 1e-9;
 /// Share of a tolerance that nobody knows a parameter better than: it keeps the covariance invertible.
 const BEST_KNOWN: f64 = 1e-6;
 
@@ -58,6 +62,8 @@ pub struct Prior {
     pub precision: DMatrix<f64>,
     /// Inverse covariance by the drawing's tolerances alone.
     pub of_drawing: DMatrix<f64>,
+    /// Covariance by the drawing's tolerances alone, in tolerances.
+    drawn: DMatrix<f64>,
 }
 
 /// What is known of some parameters from elsewhere, in their order: index among the layout's parameters, mean, covariance.
@@ -75,9 +81,16 @@ pub struct KnownBefore {
 
 impl Prior {
     /// By the drawing's tolerances.
-    pub fn of_drawing(chain: &Chain, parameters: &[Parameter], bases: &[AxisBasis], tolerances: &Tolerances) -> Self {
-        let precision = precise(&covariance_of_drawing(chain, parameters, bases, tolerances), parameters);
-        Self { mean: DVector::zeros(parameters.len()), of_drawing: precision.clone(), precision }
+    pub fn of_drawing(
+        chain: &Chain,
+        parameters: &[Parameter],
+        bases: &[AxisBasis],
+        frames: &Frames,
+        tolerances: &Tolerances,
+    ) -> Self {
+        let drawn = covariance_of_drawing(chain, parameters, bases, frames, tolerances);
+        let precision = precise(&drawn, parameters);
+        Self { mean: DVector::zeros(parameters.len()), of_drawing: precision.clone(), precision, drawn }
     }
 
     /// The same where some of the parameters were identified before.
@@ -86,16 +99,9 @@ impl Prior {
     /// U = A K + e, A = D_UK D_KK⁻¹, e with the covariance D_UU - A D_KU. What was measured then counts as if its rows had the
     /// power `weight` in the likelihood: precision w P + (1 - w) P_drawing (Ibrahim and Chen 2000, Statistical Science 15, 46).
     #[must_use]
-    pub fn knowing(
-        self,
-        chain: &Chain,
-        parameters: &[Parameter],
-        bases: &[AxisBasis],
-        tolerances: &Tolerances,
-        before: &KnownBefore,
-    ) -> Self {
+    pub fn knowing(self, parameters: &[Parameter], bases: &[AxisBasis], frames: &Frames, before: &KnownBefore) -> Self {
         let count = parameters.len();
-        let drawn = covariance_of_drawing(chain, parameters, bases, tolerances);
+        let drawn = &self.drawn;
         let known = &before.indices;
         let others: Vec<usize> = (0..count).filter(|index| !known.contains(index)).collect();
         let block = |rows: &[usize], columns: &[usize]| drawn.select_rows(rows).select_columns(columns);
@@ -103,10 +109,10 @@ impl Prior {
         let mut covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
             before.covariance[(i, k)] / (unit(known[i]) * unit(known[k]))
         });
-        for twist in common_motions() {
-            let moved = moved_by(&twist, parameters, bases, 0);
+        for (frame, twist) in common_motions(frames) {
+            let moved = moved_by(&twist, parameters, bases, |joint| frames.joints[joint] == frame);
             let own = DVector::from_iterator(known.len(), known.iter().map(|&index| moved[index] * COMMON));
-            covariance += &own * own.transpose() * tolerances.turn.powi(2);
+            covariance += &own * own.transpose();
         }
         for i in 0..known.len() {
             covariance[(i, i)] += BEST_KNOWN.powi(2);
@@ -141,7 +147,7 @@ impl Prior {
         let precision = &full * before.weight + &self.of_drawing * (1.0 - before.weight);
         let pull = &full * mean * before.weight;
         let mean = precision.clone().cholesky().map_or_else(|| DVector::zeros(count), |factor| factor.solve(&pull));
-        Self { mean, precision, of_drawing: self.of_drawing }
+        Self { mean, precision, ..self }
     }
 
     /// Whether the drawing alone says what is expected.
@@ -150,16 +156,21 @@ impl Prior {
     }
 }
 
-/// Turns about the base's axes and moves along them, by 1 rad and 1 m.
-fn common_motions() -> [Vector6<f64>; 6] {
-    std::array::from_fn(|k| Vector6::ith(k, 1.0))
+/// Of each frame, turns about the base's axes and moves along them, by 1 rad and 1 m.
+fn common_motions(frames: &Frames) -> impl Iterator<Item = (usize, Vector6<f64>)> {
+    (0..frames.count).flat_map(|frame| (0..6).map(move |k| (frame, Vector6::ith(k, 1.0))))
 }
 
-/// What a twist of all axes from `first` on does to each parameter, in tolerances.
-fn moved_by(twist: &Vector6<f64>, parameters: &[Parameter], bases: &[AxisBasis], first: usize) -> Vec<f64> {
+/// What a twist of the axes of some joints does to each parameter, in tolerances.
+fn moved_by(
+    twist: &Vector6<f64>,
+    parameters: &[Parameter],
+    bases: &[AxisBasis],
+    carried: impl Fn(usize) -> bool,
+) -> Vec<f64> {
     let of = |parameter: &Parameter| {
-        let after = parameter.kind.joint().is_some_and(|joint| joint >= first);
-        if after { change_in_basis(parameter, bases, twist) / parameter.tolerance.unwrap_or(1.0) } else { 0.0 }
+        let along = parameter.kind.joint().is_some_and(&carried);
+        if along { change_in_basis(parameter, bases, twist) / parameter.tolerance.unwrap_or(1.0) } else { 0.0 }
     };
     parameters.iter().map(of).collect()
 }
@@ -178,38 +189,94 @@ fn precise(covariance: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> 
     precision
 }
 
-/// Covariance of the joints' parameters by the drawing, in tolerances.
-fn covariance_of_drawing(
+/// Directions of the joints' parameters, in tolerances, that no common motion of a frame's axes moves along: orthonormal columns.
+pub fn free_of_common_motions(parameters: &[Parameter], bases: &[AxisBasis], frames: &Frames) -> DMatrix<f64> {
+    let count = parameters.len();
+    let mut moved = DMatrix::<f64>::zeros(count, 6 * frames.count);
+    for (mut column, (frame, twist)) in moved.column_iter_mut().zip(common_motions(frames)) {
+        column.copy_from_slice(&moved_by(&twist, parameters, bases, |joint| frames.joints[joint] == frame));
+    }
+    let largest = moved.column_iter().map(|column| column.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    for mut column in moved.column_iter_mut() {
+        let size = column.norm();
+        column.scale_mut(if size > MOVES_NOTHING * largest { size.recip() } else { 0.0 });
+    }
+    let eigen = (&moved * moved.transpose()).symmetric_eigen();
+    let free: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] < MOVES_NOTHING).collect();
+    eigen.eigenvectors.select_columns(&free)
+}
+
+/// What may be off about a robot, and what it does to the joints' parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// What is off.
+    pub of: SourceKind,
+    /// Change of each parameter by a standard deviation of it, in tolerances.
+    pub moved: DVector<f64>,
+}
+
+/// What may be off about a robot: the errors of one kind are equally large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SourceKind {
+    /// The direction of an axis on the link that carries it.
+    Turn,
+    /// Its place.
+    Shift,
+    /// The zero of a joint.
+    Zero,
+    /// Pitches and scales.
+    Ratio,
+}
+
+/// All that may be off about a robot beside where it stands, by the drawing's tolerances.
+pub fn sources(
     chain: &Chain,
     parameters: &[Parameter],
     bases: &[AxisBasis],
+    frames: &Frames,
     tolerances: &Tolerances,
-) -> DMatrix<f64> {
-    let count = parameters.len();
-    // Everything in units of the tolerances, so that rad and m mix well.
-    let mut covariance = DMatrix::<f64>::zeros(count, count);
+) -> Vec<Source> {
+    let mut sources = Vec::new();
     for (i, parameter) in parameters.iter().enumerate() {
         if matches!(parameter.kind, ParameterKind::Pitch { .. } | ParameterKind::Scale { .. }) {
-            covariance[(i, i)] = 1.0;
+            let moved = DVector::from_fn(parameters.len(), |k, _| if k == i { 1.0 } else { 0.0 });
+            sources.push(Source { of: SourceKind::Ratio, moved });
         }
     }
-    let mut add = |twist: &Vector6<f64>, deviation: f64, from: usize| {
-        let moved = DVector::from_vec(moved_by(twist, parameters, bases, from)) * deviation;
-        covariance += &moved * moved.transpose();
+    let mut add = |of: SourceKind, twist: &Vector6<f64>, deviation: f64, carried: &dyn Fn(usize) -> bool| {
+        let moved = DVector::from_vec(moved_by(twist, parameters, bases, carried)) * deviation;
+        sources.push(Source { of, moved });
     };
-    for twist in common_motions() {
-        add(&twist, BASE, 0);
-    }
     for (index, joint) in chain.joints().iter().enumerate() {
         let centre = bases[index].centre.coords;
         for k in 0..3 {
             let e = Vector3::ith(k, 1.0);
-            add(&about(&centre, e, Vector3::zeros()), tolerances.turn, index);
-            add(&about(&centre, Vector3::zeros(), e), tolerances.shift, index);
+            let on_it = |joint| frames.carries(index, joint);
+            add(SourceKind::Turn, &about(&centre, e, Vector3::zeros()), tolerances.turn, &on_it);
+            add(SourceKind::Shift, &about(&centre, Vector3::zeros(), e), tolerances.shift, &on_it);
         }
         let slides = chain.coordinates()[joint.coordinate].quantity == Quantity::Length;
         let zero = if slides { tolerances.zero_slide } else { tolerances.zero_turn };
-        add(&joint.screw.twist(), zero, index + 1);
+        add(SourceKind::Zero, &joint.screw.twist(), zero, &|other| other > index && frames.carries(index, other));
+    }
+    sources
+}
+
+/// Covariance of the joints' parameters by the drawing, in tolerances, so that rad and m mix well.
+fn covariance_of_drawing(
+    chain: &Chain,
+    parameters: &[Parameter],
+    bases: &[AxisBasis],
+    frames: &Frames,
+    tolerances: &Tolerances,
+) -> DMatrix<f64> {
+    let base = common_motions(frames).map(|(frame, twist)| {
+        DVector::from_vec(moved_by(&twist, parameters, bases, |joint| frames.joints[joint] == frame)) * BASE
+    });
+    let sources = sources(chain, parameters, bases, frames, tolerances).into_iter().map(|source| source.moved);
+    let mut covariance = DMatrix::<f64>::zeros(parameters.len(), parameters.len());
+    for moved in base.chain(sources) {
+        covariance += &moved * moved.transpose();
     }
     covariance
 }
@@ -234,7 +301,7 @@ mod tests {
                 covariance: covariance.select_rows(&indices).select_columns(&indices),
                 indices,
             };
-            let known = layout.clone().knowing(&chain, &tolerances, &before).prior;
+            let known = layout.clone().knowing(&before).prior;
             // Scaled to the tolerances; the common motion that is allowed for beside the drawing's own is what differs.
             let unit = DVector::from_iterator(layout.len(), layout.parameters.iter().map(|p| p.tolerance.unwrap()));
             let scaled = |matrix: &DMatrix<f64>| {
@@ -264,7 +331,7 @@ mod tests {
             covariance: DMatrix::identity(known_axes.len(), known_axes.len()) * 1e-12,
             mean,
         };
-        let prior = layout.clone().knowing(&chain, &tolerances, &before).prior;
+        let prior = layout.clone().knowing(&before).prior;
         let last = at("joint_6.turn_x");
         assert!((prior.mean[turned] - 5e-3).abs() < 1e-7);
         assert!(prior.mean[last] > 2e-3, "{}", prior.mean[last]);

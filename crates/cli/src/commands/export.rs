@@ -80,6 +80,6 @@ fn options(arguments: &ExportArguments) -> Options {
         reading: if robot.exact { Reading::AsWritten } else { Reading::Intended },
         gauge: Gauge::default(),
         parallelism: if robot.exact { Parallelism::Exact } else { Parallelism::Within { angle: robot.tolerance } },
-        tip: robot.tip.clone(),
+        tip: robot.tip.tip.clone(),
     }
 }

@@ -88,6 +88,29 @@ pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result
     Ok(Noted { value, notes })
 }
 
+/// The URDF of `robot` in which each of these chains, which share what they have in common, moves as it was calibrated.
+///
+/// # Errors
+/// As [`with_chain`].
+pub fn with_chains(robot: &Robot, calibrated: &[Chain], reading: Reading) -> Result<Noted<String>, ExportError> {
+    let mut made = Noted { value: robot.source.text.clone(), notes: Vec::new() };
+    for (index, chain) in calibrated.iter().enumerate() {
+        // Joints of the chains before have their places already, and keep them.
+        let again = if index == 0 { None } else { Some(urdf::read(&robot.source.file, &made.value)?) };
+        let Noted { value, notes } = with_chain(again.as_ref().unwrap_or(robot), chain, reading)?;
+        made.value = value;
+        let new: Vec<Note> = notes.into_iter().filter(|note| !made.notes.contains(note)).collect();
+        made.notes.extend(new);
+    }
+    let written = urdf::read(&robot.source.file, &made.value)?;
+    for chain in calibrated {
+        let moved = format!("{}_calibrated", chain.tip());
+        let is_new = written.link_index(&moved).is_some() && robot.link_index(&moved).is_none();
+        check(robot, chain, if is_new { &moved } else { chain.tip() }, reading, &made.value)?;
+    }
+    Ok(made)
+}
+
 fn ends(robot: &Robot, chain: &Chain) -> Result<(usize, usize), ExportError> {
     let find = |name: &str| {
         let missing = || ExportError::NoSuchLink { file: robot.source.file.clone(), name: name.to_owned() };

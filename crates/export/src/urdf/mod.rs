@@ -33,7 +33,7 @@ mod shape;
 mod verify;
 mod written;
 
-pub use calibrated::with_chain;
+pub use calibrated::{with_chain, with_chains};
 pub use from_table::from_table;
 pub use read_off::read_off;
 

@@ -51,15 +51,16 @@ pub(super) fn through(places: &[Vector3<f64>], heights: &[f64]) -> Option<Pose> 
     let mut normal = if left(&-normal) < left(&normal) { -normal } else { normal };
     for _ in 0..STEPS {
         let across = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+        let beside = normal.cross(&across);
         let (mut square, mut pull) = (Matrix2::zeros(), Vector2::zeros());
         for (place, read) in places.iter().zip(heights) {
             let from_middle = place - middle;
-            let column = Vector2::new(across.dot(&from_middle), normal.cross(&across).dot(&from_middle));
+            let column = Vector2::new(across.dot(&from_middle), beside.dot(&from_middle));
             square += column * column.transpose();
             pull += column * (read - height - normal.dot(&from_middle));
         }
         let Some(step) = square.try_inverse().map(|inverse| inverse * pull) else { break };
-        normal = (normal + across * step.x + normal.cross(&across) * step.y).normalize();
+        normal = (normal + across * step.x + beside * step.y).normalize();
     }
     let rotation = se3::least_rotation(&normal, &Vector3::z());
     let rotation = Rotation3::from_matrix_unchecked(*rotation.matrix());

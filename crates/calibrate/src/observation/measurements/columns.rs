@@ -20,7 +20,7 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
         let of_joint = name
             .rsplit_once('.')
             .filter(|(joint, word)| OF_JOINTS.contains(word) && data.joints.iter().any(|known| known == joint));
-        if KNOWN_COVARIATES.contains(&name) {
+        if KNOWN_COVARIATES.contains(&name) || (name == "tip" && data.scene.tips().is_some()) {
             return name.to_owned();
         }
         if let Some((joint, word)) = of_joint {

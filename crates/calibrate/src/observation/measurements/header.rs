@@ -4,7 +4,7 @@ use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use super::problem::Problem;
 use crate::observation::board::Sight;
 use crate::observation::kinds::{KINDS, ObservationKind, PIXEL};
-use denavit_model::{Coordinate, Quantity};
+use denavit_model::{Coordinate, Quantity, Tips};
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,6 +31,8 @@ pub(super) struct Header {
     pub groups: Vec<Group>,
     /// The column that says which setup a row belongs to.
     pub setup: Option<usize>,
+    /// The column that says which tip a row is of, where there are several.
+    pub tip: Option<usize>,
 }
 
 /// Columns that make up one observation.
@@ -64,7 +66,12 @@ const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 
 impl Header {
     /// Reads the header row.
-    pub fn read(names: Vec<String>, coordinates: &[Coordinate], sight: Option<&Sight>) -> Result<Self, Vec<Problem>> {
+    pub fn read(
+        names: Vec<String>,
+        coordinates: &[Coordinate],
+        sight: Option<&Sight>,
+        tips: Option<&Tips>,
+    ) -> Result<Self, Vec<Problem>> {
         let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
         let mut groups = groups(&names, &targets);
@@ -92,12 +99,21 @@ impl Header {
             }
         }
         problems.extend(orientation_left_out(&names, &roles));
+        let tip = tips.and_then(|_| names.iter().position(|name| name == "tip"));
+        if let (Some(tips), None) = (tips, tip) {
+            problems.push(Problem::NoTipColumn { tips: tip_names(tips) });
+        }
         if !problems.is_empty() {
             return Err(problems);
         }
         let setup = names.iter().position(|name| name == "setup");
-        Ok(Self { names, roles, groups, setup })
+        Ok(Self { names, roles, groups, setup, tip })
     }
+}
+
+/// The tips for a message: `left_hand or right_hand`.
+pub(super) fn tip_names(tips: &Tips) -> String {
+    tips.all().iter().map(|tip| tip.name.as_str()).collect::<Vec<_>>().join(" or ")
 }
 
 /// What is wrong with the names as such.

@@ -120,10 +120,7 @@ impl Measurements {
         if !self.scene.series.iter().any(|series| series.corner.is_some()) {
             return None;
         }
-        let mut posed = Self::empty(&self.source, self.joints.clone(), super::Scene::default());
-        posed.scene.setups.clone_from(&self.scene.setups);
-        posed.scene.targets.clone_from(&self.scene.targets);
-        posed.scene.points.clone_from(&self.scene.points);
+        let mut posed = Self::empty(&self.source, self.joints.clone(), self.scene.unobserved());
         posed.covariates.clone_from(&self.covariates);
         for row in 0..self.len() {
             for observation in self.of_row(row) {
@@ -134,7 +131,7 @@ impl Measurements {
                 }
             }
             for (series, kind, values) in together(self, row) {
-                let (setup, target) = (&self.scene.setups[series.setup], &self.scene.targets[series.target]);
+                let (setup, target) = (&self.scene.setups[series.setup], self.scene.target(series.target));
                 let own = posed.scene.add(kind, setup, target, None);
                 posed.observed.push(own, &values);
             }

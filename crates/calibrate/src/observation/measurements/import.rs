@@ -23,9 +23,10 @@ use super::near_miss::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::units::Units;
 use crate::observation::board::Sight;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
-use denavit_model::{Chain, Quantity};
+use denavit_model::{Chain, Quantity, Tips};
 use grid::Grid;
 use std::f64::consts::PI;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why an export cannot be read: what a message says behind file and line.
@@ -115,6 +116,8 @@ pub struct ImportOptions {
     pub joints: Option<JointList>,
     /// The camera whose pixels are read.
     pub sight: Option<Sight>,
+    /// The tips of which a column `tip` says which a row is of, where the robot is measured at several.
+    pub tips: Option<Arc<Tips>>,
 }
 
 /// A file in the contract's form.

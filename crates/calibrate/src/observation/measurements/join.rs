@@ -1,6 +1,6 @@
 //! Several files in one fit, and the rows of some setups apart from the others.
 
-use super::{Covariate, DataError, DataProblem, Label, Measurements, Problem, Scene, label_of};
+use super::{Covariate, DataError, DataProblem, Label, Measurements, Problem, Scene, Target, label_of};
 use crate::observation::kinds::{ObservationKind, SOCKET};
 use denavit_model::{Chain, Quantity};
 use std::io::Read;
@@ -54,18 +54,20 @@ impl Measurements {
     /// The same with this name before the name of every setup, so that each file has setups of its own.
     #[must_use]
     pub fn of_setup(mut self, name: &str) -> Self {
-        let old = std::mem::take(&mut self.scene);
+        let none = self.scene.of_same_robot();
+        let old = std::mem::replace(&mut self.scene, none);
         for series in &old.series {
-            let (setup, target) = (&old.setups[series.setup], &old.targets[series.target]);
+            let (setup, of) = (&old.setups[series.setup], old.target(series.target));
             let point = series.point.map(|point| label_of(&old.points[point]).to_owned());
             let (setup, target, point) = if setup == series.kind.own_setup() {
-                in_setup(series.kind, name, target, point.as_deref().unwrap_or(""))
+                in_setup(series.kind, name, of.name, point.as_deref().unwrap_or(""))
             } else {
-                (setup.clone(), target.clone(), point.unwrap_or_default())
+                (setup.clone(), of.name.to_owned(), point.unwrap_or_default())
             };
+            let target = Target { name: &target, tip: of.tip };
             match &series.corner {
-                Some(corner) => self.scene.add_corner(series.kind, &setup, &target, corner.clone()),
-                None => self.scene.add(series.kind, &setup, &target, Some(&point)),
+                Some(corner) => self.scene.add_corner(series.kind, &setup, target, corner.clone()),
+                None => self.scene.add(series.kind, &setup, target, Some(&point)),
             };
         }
         self
@@ -165,7 +167,7 @@ pub fn read_socket(
     let mut problems = Problems::new(source);
     let mut reader = rows_of(input);
     let mut scene = Scene::default();
-    let series = scene.add(SOCKET, "", SOCKET.own_target().unwrap_or(""), Some(label));
+    let series = scene.add(SOCKET, "", Target::alone(SOCKET.own_target().unwrap_or("")), Some(label));
     let joints = coordinates.iter().map(|coordinate| coordinate.name.clone()).collect();
     let mut data = Measurements::empty(source, joints, scene);
     let mut record = csv::StringRecord::new();

@@ -101,7 +101,8 @@ fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<Problem>
 pub(super) fn notes(data: &Measurements, chain: &Chain) -> Vec<DataNote> {
     let mut notes = Vec::new();
     for (index, coordinate) in chain.coordinates().iter().enumerate() {
-        let values = || (0..data.len()).map(|row| data.reading(row)[index]);
+        let rows = || (0..data.len()).filter(|&row| data.moves_its_tip(row, index));
+        let values = || rows().map(|row| data.reading(row)[index]);
         let low = values().fold(f64::INFINITY, f64::min);
         if data.never_moves(index) {
             notes.push(DataNote::NeverMoves { joint: coordinate.name.clone(), at: low });

@@ -20,6 +20,14 @@ fn place(file: &str, line: u64) -> String {
     if line == 0 { format!("{file}: ") } else { format!("{file}:{line}: ") }
 }
 
+fn said(tip: &str) -> String {
+    if tip.is_empty() {
+        "the cell is empty".into()
+    } else {
+        format!("\"{tip}\" is none of the tips that are calibrated")
+    }
+}
+
 /// All problems found in a file, in its order.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub struct DataError {
@@ -258,6 +266,33 @@ pub enum Problem {
         corner: String,
         /// Their names.
         columns: String,
+    },
+    /// Several tips, and no word on which a row is of.
+    #[error(
+        "there is no column \"tip\", but several tips are calibrated; add one that names the tip of each row: {tips}"
+    )]
+    NoTipColumn {
+        /// The tips.
+        tips: String,
+    },
+    /// A row that names no tip, or another one.
+    #[error("column \"tip\": {}; write the tip that the row was measured at: {tips}", said(found))]
+    NotATip {
+        /// As written.
+        found: String,
+        /// The tips.
+        tips: String,
+    },
+    /// A row of another tip than the one that is calibrated.
+    #[error(
+        "column \"tip\": the row is of \"{found}\", but the chain ends at \"{tip}\"; name every tip that is calibrated \
+         (--tip {tip} --tip {found}), or give the column another name where it means something else"
+    )]
+    AnotherTip {
+        /// As written.
+        found: String,
+        /// The chain's.
+        tip: String,
     },
     /// A pixel that is not in the image.
     #[error(

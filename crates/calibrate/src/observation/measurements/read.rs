@@ -1,7 +1,7 @@
 //! Reading a measurement file, row by row.
 
 use super::columns::{self, ColumnUse};
-use super::header::{CornerOf, Header, Role, quantity_of};
+use super::header::{CornerOf, Header, Role, quantity_of, tip_names};
 use super::images::{self, Images};
 use super::import::{ImportOptions, Imported, import};
 use super::join::in_setup;
@@ -9,12 +9,12 @@ use super::near_miss::KNOWN_COVARIATES;
 use super::plausible;
 use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
-use super::{Covariate, Label, Measurements, Scene};
-use crate::observation::board::Sight;
+use super::{Covariate, Label, Measurements, Scene, Target, target_on};
 use denavit_model::nalgebra::{Matrix3, Vector3};
-use denavit_model::{Chain, Quantity};
+use denavit_model::{Chain, Quantity, Tips};
 use std::fmt;
 use std::io::{BufRead as _, Read};
+use std::sync::Arc;
 
 /// No more problems than this are listed.
 const MOST_PROBLEMS: usize = 10;
@@ -118,7 +118,7 @@ pub fn read_export(
 ) -> Result<Loaded, DataError> {
     let Imported { text, converted, taken, sources } = in_our_form(source, input, chain, units, options)?;
     let units = if converted { Units::default() } else { units };
-    let mut loaded = read_contract(source, text.as_bytes(), chain, units, options.sight.as_ref())?;
+    let mut loaded = read_contract(source, text.as_bytes(), chain, units, options)?;
     loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
     for column in &mut loaded.columns {
         if let Some((_, own)) = sources.iter().find(|(name, _)| *name == column.column) {
@@ -149,13 +149,15 @@ fn read_contract(
     input: impl Read,
     chain: &Chain,
     units: Units,
-    sight: Option<&Sight>,
+    options: &ImportOptions,
 ) -> Result<Loaded, DataError> {
+    let sight = options.sight.as_ref();
+    let tips = options.tips.as_ref().filter(|tips| tips.several());
     let mut reader = rows_of(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
     let (names, header_line) = header_row(&mut reader, source)?;
-    let header = match Header::read(names, chain.coordinates(), sight) {
+    let header = match Header::read(names, chain.coordinates(), sight, tips.map(|tips| &**tips)) {
         Ok(header) => header,
         Err(found) => {
             for problem in found {
@@ -164,7 +166,7 @@ fn read_contract(
             return Err(problems.error());
         }
     };
-    let mut table = Table::new(&header, chain, units, source);
+    let mut table = Table::new(&header, chain, units, source, tips);
     table.images = sight.map(Images::new);
     loop {
         match reader.read_record(&mut record) {
@@ -324,8 +326,11 @@ struct Table<'a> {
     data: Measurements,
     others: Vec<OtherColumn>,
     normalised_by: f64,
-    /// Which series a group's observations in a setup, with a label, belong to.
-    series: Vec<(usize, String, String, usize)>,
+    /// Which series a group's observations in a setup, with a label, at a tip, belong to.
+    series: Vec<(usize, String, String, usize, usize)>,
+    /// The tips, where there are several, and that of the row that is read.
+    tips: Option<Arc<Tips>>,
+    tip: usize,
     /// Standard deviations of the lengths of each observation, m.
     spreads: Vec<[f64; 3]>,
     /// The camera, where there is one.
@@ -333,7 +338,7 @@ struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    fn new(header: &'a Header, chain: &Chain, units: Units, source: &str) -> Self {
+    fn new(header: &'a Header, chain: &Chain, units: Units, source: &str, tips: Option<&Arc<Tips>>) -> Self {
         let coordinates = chain.coordinates();
         let of = |quantity: Quantity| if quantity == Quantity::Angle { units.angle } else { units.length };
         let factor = |(name, role): (&String, &Role)| match role {
@@ -345,7 +350,7 @@ impl<'a> Table<'a> {
         };
         let factors: Vec<f64> = header.names.iter().zip(&header.roles).map(factor).collect();
         let tells_apart = |name: &String| {
-            let columns = header.groups.iter().filter_map(|group| group.label).chain(header.setup);
+            let columns = header.groups.iter().filter_map(|group| group.label).chain(header.setup).chain(header.tip);
             columns.into_iter().any(|column| header.names[column] == *name)
         };
         let other = |((name, role), factor): ((&String, &Role), &f64)| {
@@ -361,22 +366,28 @@ impl<'a> Table<'a> {
         };
         let others = header.names.iter().zip(&header.roles).zip(&factors).filter_map(other).collect();
         let joints = coordinates.iter().map(|coordinate| coordinate.name.clone()).collect();
-        let mut data = Measurements::empty(source, joints, Scene::default());
+        let mut data = Measurements::empty(source, joints, Scene::of_tips(tips.cloned()));
         let mut series = Vec::new();
         // What no label tells apart is there although no row may see it.
         for (group, of) in header.groups.iter().enumerate() {
-            if header.setup.is_none() && of.label.is_none() && of.corner.is_none() {
+            if header.setup.is_none() && header.tip.is_none() && of.label.is_none() && of.corner.is_none() {
                 let (setup, target, _) = in_setup(of.kind, "", &of.target, "");
-                series.push((group, String::new(), String::new(), data.scene.add(of.kind, &setup, &target, None)));
+                let own = data.scene.add(of.kind, &setup, Target::alone(&target), None);
+                series.push((group, String::new(), String::new(), 0, own));
             }
         }
-        Self { header, factors, data, others, normalised_by: 0.0, series, spreads: Vec::new(), images: None }
+        let tips = tips.cloned();
+        let (spreads, images) = (Vec::new(), None);
+        Self { header, factors, data, others, normalised_by: 0.0, series, tips, tip: 0, spreads, images }
     }
 
     fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
         let expected = self.header.names.len();
         if record.len() != expected {
             problems.add(line, Problem::Ragged { found: record.len(), expected });
+            return;
+        }
+        if !self.at_tip(record, line, problems) {
             return;
         }
         let row = self.data.lines.len();
@@ -406,6 +417,13 @@ impl<'a> Table<'a> {
                 && (self.header.groups.len() > 1 || self.header.groups[group].kind.of_several())
                 && !matches!(self.header.groups[group].corner, Some(CornerOf::Numbered(_) | CornerOf::Placed(_)))
             {
+                continue;
+            }
+            if let Role::Joint(index) = role
+                && cell.is_empty()
+                && self.tips.as_ref().is_some_and(|tips| !tips[self.tip].coordinates[index])
+            {
+                // It has no part in where this tip is.
                 continue;
             }
             let value = match number(name, cell) {
@@ -457,6 +475,23 @@ impl<'a> Table<'a> {
             return;
         }
         self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
+    }
+
+    /// Takes down which tip a row is of; `false` where it names none.
+    fn at_tip(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) -> bool {
+        let (Some(tips), Some(column)) = (&self.tips, self.header.tip) else { return true };
+        let found = record.get(column).unwrap_or("");
+        let known = tips.position(found);
+        if known.is_none() {
+            problems.add(line, Problem::NotATip { found: found.into(), tips: tip_names(tips) });
+        }
+        self.tip = known.unwrap_or(0);
+        known.is_some()
+    }
+
+    /// What a target of the row that is read is called, and the tip that it sits on.
+    fn target(&self, name: &str) -> String {
+        self.tips.as_ref().map_or_else(|| name.to_owned(), |tips| target_on(&tips[self.tip].name, name))
     }
 
     /// What the cells of a group say; all of them empty: not seen.
@@ -521,14 +556,17 @@ impl<'a> Table<'a> {
             problems.add(line, problem);
             return;
         }
-        let (setup, target, _) = in_setup(of.kind, setup, &of.target, "");
+        let (setup, target, _) = in_setup(of.kind, setup, &self.target(&of.target), "");
         let label = corner.label.clone();
-        let known = self.series.iter().find(|known| known.0 == group && known.1 == setup && known.2 == label);
-        let series = if let Some(known) = known {
-            known.3
+        let tip = self.tip;
+        let same = |known: &&(usize, String, String, usize, usize)| {
+            known.0 == group && known.1 == setup && known.2 == label && known.3 == tip
+        };
+        let series = if let Some(known) = self.series.iter().find(same) {
+            known.4
         } else {
-            let series = self.data.scene.add_corner(of.kind, &setup, &target, corner);
-            self.series.push((group, setup, label.clone(), series));
+            let series = self.data.scene.add_corner(of.kind, &setup, Target { name: &target, tip }, corner);
+            self.series.push((group, setup, label.clone(), tip, series));
             series
         };
         if self.data.observed.since_row_began().any(|observation| self.data.observed.series(observation) == series) {
@@ -540,14 +578,17 @@ impl<'a> Table<'a> {
     }
 
     fn series_of(&mut self, group: usize, setup: &str, label: &str) -> usize {
-        let same = |known: &&(usize, String, String, usize)| known.0 == group && known.1 == setup && known.2 == label;
+        let tip = self.tip;
+        let same = |known: &&(usize, String, String, usize, usize)| {
+            known.0 == group && known.1 == setup && known.2 == label && known.3 == tip
+        };
         if let Some(known) = self.series.iter().find(same) {
-            return known.3;
+            return known.4;
         }
         let of = &self.header.groups[group];
-        let (own, target, point) = in_setup(of.kind, setup, &of.target, label);
-        let series = self.data.scene.add(of.kind, &own, &target, Some(&point));
-        self.series.push((group, setup.into(), label.into(), series));
+        let (own, target, point) = in_setup(of.kind, setup, &self.target(&of.target), label);
+        let series = self.data.scene.add(of.kind, &own, Target { name: &target, tip }, Some(&point));
+        self.series.push((group, setup.into(), label.into(), tip, series));
         series
     }
 
@@ -584,6 +625,12 @@ impl<'a> Table<'a> {
         if !problems.found.is_empty() {
             return Err(problems.error());
         }
+        if self.tips.is_none()
+            && let Some((line, problem)) = another_tip(&self.data, chain)
+        {
+            problems.add(line, problem);
+            return Err(problems.error());
+        }
         let mut notes = Vec::new();
         // Rounding to six digits is not worth a word.
         if self.normalised_by > 1e-5 {
@@ -607,6 +654,14 @@ impl<'a> Table<'a> {
         let columns = columns::used(self.header, &self.data);
         Ok(Loaded { data: self.data, notes, columns })
     }
+}
+
+/// The first row that is said to be of another tip than the chain's.
+fn another_tip(data: &Measurements, chain: &Chain) -> Option<(u64, Problem)> {
+    let named = data.labels.iter().find(|label| label.name == "tip")?;
+    let row = named.values.iter().position(|tip| !tip.is_empty() && tip != chain.tip())?;
+    let problem = Problem::AnotherTip { found: named.values[row].clone(), tip: chain.tip().into() };
+    Some((data.lines[row] as u64, problem))
 }
 
 impl OtherColumn {

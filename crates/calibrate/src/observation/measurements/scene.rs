@@ -2,6 +2,7 @@
 
 use crate::observation::board::{Camera, Corner, Sight};
 use crate::observation::kinds::{ObservationKind, Part};
+use denavit_model::{Chain, Tips};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -37,8 +38,12 @@ impl Series {
 pub struct Scene {
     /// Names of the setups; one empty name where there is one alone.
     pub setups: Vec<String>,
-    /// Names of the targets: `""` for `x,y,z`, `"1"` for `x1,y1,z1`.
+    /// The tips that targets sit on, where the robot has several; none: all sit on the chain's own.
+    tips: Option<Arc<Tips>>,
+    /// Names of the targets: `""` for `x,y,z`, `"1"` for `x1,y1,z1`; where there are several tips, after the tip's name.
     pub targets: Vec<String>,
+    /// Index of the tip of each target.
+    sits_on: Vec<usize>,
     /// Names of the points, such as `anchor`.
     pub points: Vec<String>,
     /// What is observed.
@@ -60,6 +65,22 @@ pub struct KnownLength {
     pub std: f64,
 }
 
+/// A target's name, and the index of the tip that it sits on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Target<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// 0 where there is one tip.
+    pub tip: usize,
+}
+
+impl<'a> Target<'a> {
+    /// A target of a robot with one tip.
+    pub fn alone(name: &'a str) -> Self {
+        Self { name, tip: 0 }
+    }
+}
+
 fn index_of(names: &mut Vec<String>, name: &str) -> usize {
     names.iter().position(|known| known == name).unwrap_or_else(|| {
         names.push(name.into());
@@ -73,9 +94,67 @@ impl Scene {
         let mut scene = Self::default();
         for target in 1..=targets.max(1) {
             let name = if targets > 1 { target.to_string() } else { String::new() };
-            scene.add(kind, "", &name, None);
+            scene.add(kind, "", Target::alone(&name), None);
         }
         scene
+    }
+
+    /// Nothing yet, of a robot with these tips.
+    pub fn of_tips(tips: Option<Arc<Tips>>) -> Self {
+        Self { tips: tips.filter(|tips| tips.several()), ..Self::default() }
+    }
+
+    /// Nothing yet, of the same robot.
+    #[must_use]
+    pub fn of_same_robot(&self) -> Self {
+        Self::of_tips(self.tips.clone())
+    }
+
+    /// As many targets on each tip, each observed in this kind.
+    pub fn on_tips(kind: ObservationKind, tips: &Arc<Tips>, targets: usize) -> Self {
+        let mut scene = Self::of_tips(Some(tips.clone()));
+        for (tip, of) in tips.all().iter().enumerate() {
+            for target in 1..=targets.max(1) {
+                let number = if targets > 1 { target.to_string() } else { String::new() };
+                let name = if tips.several() { target_on(&of.name, &number) } else { number };
+                scene.add(kind, "", Target { name: &name, tip }, None);
+            }
+        }
+        scene
+    }
+
+    /// The tips that targets sit on, where there are several.
+    pub fn tips(&self) -> Option<&Arc<Tips>> {
+        self.tips.as_ref()
+    }
+
+    /// The tips that targets sit on; `chain` has the joints of all.
+    pub fn tips_of(&self, chain: &Chain) -> Tips {
+        self.tips.as_ref().map_or_else(|| Tips::only(chain), |tips| (**tips).clone())
+    }
+
+    /// Index of the tip that a target sits on.
+    #[inline]
+    pub fn tip_of(&self, target: usize) -> usize {
+        self.sits_on[target]
+    }
+
+    /// A target by its index.
+    pub fn target(&self, index: usize) -> Target<'_> {
+        Target { name: &self.targets[index], tip: self.sits_on[index] }
+    }
+
+    /// What a target is called on its tip: its number, and its setup where there are several.
+    pub fn number_of(&self, target: usize) -> &str {
+        let name = &self.targets[target];
+        let tip = self.tips.as_ref().map(|tips| &tips[self.sits_on[target]].name);
+        tip.and_then(|tip| name.strip_prefix(tip.as_str())).unwrap_or(name).trim_start()
+    }
+
+    /// The same setups, targets and points, nothing observed of them yet.
+    pub(crate) fn unobserved(&self) -> Self {
+        let (setups, targets, points) = (self.setups.clone(), self.targets.clone(), self.points.clone());
+        Self { setups, targets, points, sits_on: self.sits_on.clone(), ..self.of_same_robot() }
     }
 
     /// As many targets as the kind can observe at once.
@@ -86,24 +165,29 @@ impl Scene {
     /// The series of this kind, setup, target and point, made where there is none; its index.
     ///
     /// `point` tells several points of one sort apart.
-    pub fn add(&mut self, kind: ObservationKind, setup: &str, target: &str, point: Option<&str>) -> usize {
-        self.add_seen(kind, [setup, target], point, None)
+    pub fn add(&mut self, kind: ObservationKind, setup: &str, target: Target<'_>, point: Option<&str>) -> usize {
+        self.add_seen(kind, setup, target, point, None)
     }
 
     /// The series of a board's corner, the board or its camera being the target; made where there is none.
-    pub fn add_corner(&mut self, kind: ObservationKind, setup: &str, target: &str, corner: Corner) -> usize {
-        self.add_seen(kind, [setup, target], None, Some(corner))
+    pub fn add_corner(&mut self, kind: ObservationKind, setup: &str, target: Target<'_>, corner: Corner) -> usize {
+        self.add_seen(kind, setup, target, None, Some(corner))
     }
 
     fn add_seen(
         &mut self,
         kind: ObservationKind,
-        [setup, target]: [&str; 2],
+        setup: &str,
+        target: Target<'_>,
         point: Option<&str>,
         corner: Option<Corner>,
     ) -> usize {
         let setup = index_of(&mut self.setups, setup);
-        let target = index_of(&mut self.targets, target);
+        let tip = target.tip;
+        let target = index_of(&mut self.targets, target.name);
+        if target == self.sits_on.len() {
+            self.sits_on.push(tip);
+        }
         let point = kind.unknowns().point.map(|word| {
             let name =
                 point.filter(|name| !name.is_empty()).map_or_else(|| word.into(), |name| format!("{word} {name}"));
@@ -131,8 +215,8 @@ impl Scene {
     /// Adds a series of another scene; its index here.
     pub fn adopt(&mut self, other: &Self, series: &Series) -> usize {
         let point = series.point.map(|point| label_of(&other.points[point]).to_owned());
-        let (setup, target) = (&other.setups[series.setup], &other.targets[series.target]);
-        self.add_seen(series.kind, [setup, target], point.as_deref(), series.corner.clone())
+        let (setup, target) = (&other.setups[series.setup], other.target(series.target));
+        self.add_seen(series.kind, setup, target, point.as_deref(), series.corner.clone())
     }
 
     /// The corners of a board, seen by a camera at so many metres.
@@ -145,7 +229,7 @@ impl Scene {
         let board = sight.board?;
         for (number, at) in (0..board.corners()).filter_map(|number| Some((number, board.corner(number)?))) {
             let corner = Corner { label: number.to_string(), at, camera: camera.clone() };
-            scene.add_corner(kind, kind.own_setup(), sight.on_tip(), corner);
+            scene.add_corner(kind, kind.own_setup(), Target::alone(sight.on_tip()), corner);
         }
         Some(scene)
     }
@@ -238,6 +322,11 @@ impl Scene {
             self.series.iter().filter(|series| series.setup == setup).map(|series| series.target).collect();
         seen.into_iter().collect()
     }
+}
+
+/// What a target of this name (number, or nothing) is called on one of several tips.
+pub fn target_on(tip: &str, target: &str) -> String {
+    if target.is_empty() { tip.into() } else { format!("{tip} {target}") }
 }
 
 /// What tells a point from others of its sort.

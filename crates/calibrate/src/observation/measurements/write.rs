@@ -12,11 +12,10 @@ pub fn write(data: &Measurements, comments: &[String]) -> String {
     }
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = data.joints.clone();
-    let targets = &data.scene.targets;
     // The same columns serve all setups.
     let mut groups: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
     for (index, series) in data.scene.series.iter().enumerate() {
-        let target = targets[series.target].split('@').next().unwrap_or("");
+        let target = data.scene.number_of(series.target).split('@').next().unwrap_or("");
         let columns = series.kind.columns(series.corner.as_ref().map_or(target, |corner| &corner.label));
         match groups.iter_mut().find(|group| group.0 == columns) {
             Some(group) => group.1.push(index),

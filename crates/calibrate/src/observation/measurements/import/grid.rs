@@ -101,7 +101,6 @@ pub(super) fn read(bytes: &[u8], is_joint: &dyn Fn(&str) -> bool) -> Result<Grid
             Some(separator) => cells(line, separator),
         }
     };
-    let is_comment = |line: &str| line.starts_with('#') && !line.starts_with("#N/A");
     let lines = text
         .lines()
         .enumerate()
@@ -144,9 +143,15 @@ fn cells(line: &str, separator: char) -> Vec<String> {
     first.and_then(Result::ok).map_or_else(Vec::new, |record| record.iter().map(str::to_owned).collect())
 }
 
+/// Lines that only people read: behind `#`, or `//` as SpatialAnalyzer has them.
+fn is_comment(line: &str) -> bool {
+    line.starts_with("//") || line.starts_with('#') && !line.starts_with("#N/A")
+}
+
 /// What separates columns: `None` for blanks.
 fn separator(text: &str) -> Option<char> {
-    let lines = || text.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')).take(MOST_LINES_ABOVE);
+    let read = |line: &&str| !line.trim().is_empty() && !is_comment(line.trim_start());
+    let lines = || text.lines().filter(read).take(MOST_LINES_ABOVE);
     let most = |separator: char| lines().map(|line| line.matches(separator).count()).max().unwrap_or(0);
     [';', '\t', ','].into_iter().find(|separator| most(*separator) >= 2)
 }
@@ -169,7 +174,7 @@ fn laid_out(mut lines: Vec<(usize, Vec<String>)>, is_joint: &dyn Fn(&str) -> boo
     let is_data = |cells: &Vec<String>| {
         let filled = cells.iter().filter(|cell| !cell.is_empty()).count();
         let numbers = cells.iter().filter(|cell| looks_numeric(cell)).count();
-        numbers >= 3 && 2 * numbers > filled
+        numbers >= 3 && 2 * numbers >= filled
     };
     let first = lines.iter().take(MOST_LINES_ABOVE).position(|(_, cells)| is_data(cells)).ok_or_else(no_rows)?;
     let rows = lines.split_off(first);
@@ -257,9 +262,14 @@ impl Grid {
         }
     }
 
-    /// Index of a column by its exact name, else by its name without case.
+    /// Index of a column by its exact name, else by its name without case, else by its place: `column 7`.
     pub fn column(&self, name: &str) -> Option<usize> {
         let exact = self.names.iter().position(|known| known == name);
-        exact.or_else(|| self.names.iter().position(|known| known.trim().eq_ignore_ascii_case(name.trim())))
+        let placed = || {
+            let place = name.trim().strip_prefix("column ")?.parse::<usize>().ok()?.checked_sub(1)?;
+            (place < self.names.len()).then_some(place)
+        };
+        let named = || self.names.iter().position(|known| known.trim().eq_ignore_ascii_case(name.trim()));
+        exact.or_else(named).or_else(placed)
     }
 }

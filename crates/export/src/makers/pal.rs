@@ -1,0 +1,69 @@
+//! PAL: `master_calibration.yaml`, what is added to the joint origins of a URDF.
+//!
+//! ```text
+//! robot_state_publisher:
+//!   geometric_calibration:
+//!     arm_right_3_dx: 0.0004         # added to x, y, z of the origin of arm_right_3_joint, m
+//!     arm_right_3_droll: 0.0051      # added to its roll, pitch, yaw as the URDF writes them, rad
+//! ```
+//! **Source.** github.com/thanhndv212/figaroh-plus, `src/figaroh/tools/geometric_calibration_export.py`, which writes the file, and
+//! figaroh-examples, `examples/tiago_pro/data/master_calibration_20260805.yaml`, written for a robot of PAL. PAL publishes nothing of
+//! its own: that the numbers are added to the origins is that project's word.
+
+use super::origins::calibrated_tree;
+use super::{Calibrated, KEYS, Maker, MakerError, Written, without_effects};
+use denavit_model::robot::Joint;
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write as _;
+
+pub(super) const MAKER: Maker = Maker {
+    name: "pal",
+    purpose: "PAL (TIAGo, TALOS): /etc/calibration/master_calibration.yaml, as FIGAROH writes it",
+    render,
+};
+
+/// Changes below this, m and rad, are rounding.
+const NOTHING: f64 = 1e-13;
+/// What the keys leave out of a joint's name.
+const END: &str = "_joint";
+
+fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
+    let Some((drawn, reading)) = calibrated.drawn else {
+        return Err(MakerError::NeedsTree { maker: MAKER.name });
+    };
+    let tree = calibrated_tree(drawn, calibrated.chain, reading)?;
+    let mut lines = String::new();
+    let mut left_out = without_effects(calibrated);
+    for joint in &tree.joints {
+        let Some(old) = drawn.joints.iter().find(|old| old.name == joint.name) else {
+            left_out.push(format!("joint \"{}\" is new: the form has no place for it", joint.name));
+            continue;
+        };
+        let short = joint.name.strip_suffix(END).filter(|short| drawn.joints.iter().all(|other| other.name != *short));
+        for (key, change) in KEYS.iter().zip(added(old, joint)) {
+            if change.abs() > NOTHING {
+                let _ = writeln!(lines, "    {}_d{key}: {change:?}", short.unwrap_or(&joint.name));
+            }
+        }
+    }
+    // A map without entries is written as one.
+    let empty = if lines.is_empty() { " {}" } else { "" };
+    let text = format!("robot_state_publisher:\n  geometric_calibration:{empty}\n{lines}");
+    Ok(Written { text, left_out })
+}
+
+/// What makes the one origin the other, number by number; of the angles that mean the same those nearest to what is written.
+fn added(old: &Joint, new: &Joint) -> [f64; 6] {
+    let [roll, pitch, yaw] = new.origin.rpy;
+    let nearest = |angles: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|k| {
+            let change = angles[k] - old.origin.rpy[k];
+            change - TAU * (change / TAU).round()
+        })
+    };
+    let ways = [nearest([roll, pitch, yaw]), nearest([roll + PI, PI - pitch, yaw + PI])];
+    let size = |way: &[f64; 3]| way.iter().map(|change| change.abs()).fold(0.0, f64::max);
+    let turned = if size(&ways[1]) < size(&ways[0]) { ways[1] } else { ways[0] };
+    let moved: [f64; 3] = std::array::from_fn(|k| new.origin.xyz[k] - old.origin.xyz[k]);
+    [moved[0], moved[1], moved[2], turned[0], turned[1], turned[2]]
+}
