@@ -355,10 +355,15 @@ fn a_calibration_goes_to_its_makers_form_and_comes_back() {
     let xarm = robot("ufactory/xarm7.urdf");
     let data = folder.file("data.csv", &denavit(&["simulate", &xarm, "--rows", "60"]).succeeded());
     let (yaml, urdf, offsets) = (path("xarm7_kinematics_lab.yaml"), path("as_it_is.urdf"), path("offsets.yaml"));
+    let added = path("master_calibration.yaml");
     let base = ["calibrate", &xarm, "--data", &data, "--effects", "none"];
     let run = denavit(
-        &[&base[..], &["--urdf", &urdf, "--out-for", "xarm", &yaml, "--out-for", "robot-calibration", &offsets]]
-            .concat(),
+        &[
+            &base[..],
+            &["--urdf", &urdf, "--out-for", "xarm", &yaml, "--out-for", "robot-calibration", &offsets],
+            &["--out-for", "pal", &added],
+        ]
+        .concat(),
     );
     assert_eq!(run.code, 0, "{}", run.stderr);
     let compared = denavit(&["diff", &urdf, &yaml, "--only", "kinematics", "--q-range=-2,2"]);
@@ -367,9 +372,11 @@ fn a_calibration_goes_to_its_makers_form_and_comes_back() {
     let shift = |text: &str| text.lines().filter(|line| line.contains("joint")).count();
     assert!(shift(&compared.stdout) < shift(&drawn.stdout), "{}\n{}", compared.stdout, drawn.stdout);
     assert!(std::fs::read_to_string(&offsets).unwrap().contains("joint2_x: "));
-    let refused = denavit(&[&base[..], &["--out-for", "pal", &path("pal.yaml")]].concat()).failed();
-    assert!(refused.contains("is not published"), "{refused}");
+    let added = std::fs::read_to_string(&added).unwrap();
+    assert!(added.contains("geometric_calibration:\n") && added.contains("_dx: "), "{added}");
+    let refused = denavit(&[&base[..], &["--out-for", "kinova", &path("kinova.yaml")]].concat()).failed();
+    assert!(refused.contains("keep their calibration inside"), "{refused}");
     let other = denavit(&[&base[..], &["--out-for", "ur", &path("ur.yaml")]].concat()).failed();
     assert!(other.contains("six revolute joints"), "{other}");
-    assert!(!folder.0.path().join("pal.yaml").exists() && !folder.0.path().join("ur.yaml").exists());
+    assert!(!folder.0.path().join("kinova.yaml").exists() && !folder.0.path().join("ur.yaml").exists());
 }

@@ -228,6 +228,7 @@ def calibrate(
     test: Measurements | None = None,
     hold_out: float | None = None,
     hold_out_setups: Sequence[str] = (),
+    tips: Sequence[str] = (),
     seed: int = 0,
     socket: Mapping[str, Measurements] | None = None,
     distance: Sequence[str] = (),
@@ -248,6 +249,9 @@ def calibrate(
         test: Measurements to judge by, never fitted; sockets in it are new places.
         hold_out: Without `test`: share of the rows to keep for judging.
         hold_out_setups: Setups, or placements of sockets, to keep for judging.
+        tips: Several tips of the robot that are measured, the chain's among them, such as both hands: they are one fit, and
+            joints that they share are fitted once. A column ``tip`` of the data names the tip of each row. Of several tips
+            the geometry alone is fitted. ``fit.robot`` is calibrated as a whole, ``fit.chain`` ends at the chain's tip.
         seed: Of the choice of rows held out.
         socket: Bare joint readings (no header, a column per joint) taken with a ball on the tip in a socket, by label; or read
             them with ``Measurements.read(file, socket=label)`` and give them as `data`.
@@ -291,6 +295,7 @@ def calibrate(
         "distances": _words(distance),
         "test": None if test is None else test._given(),
         "hold_out_setups": _words(hold_out_setups),
+        "tips": _words(tips),
     }
     search: _denavit.SearchGiven = {
         "scales": _words(scales),

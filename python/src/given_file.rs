@@ -70,6 +70,7 @@ impl Given {
             quaternion: self.quaternion,
             joints: program.transpose()?,
             sight: camera.transpose().map_err(|failure| measured(&failure))?,
+            tips: None,
         };
         let units = self.units.parse().map_err(|failure| option("units", &failure))?;
         let (name, bytes) = (self.name, self.content.into_bytes());

@@ -10,6 +10,7 @@ mod errors;
 mod fleet;
 mod given;
 mod given_file;
+mod interruptible;
 mod measured;
 mod robot;
 mod run;

@@ -1,8 +1,9 @@
 //! Calibration, and what its result is asked for.
 
 use crate::chain::Chain;
-use crate::errors::{Class, Spot, broken, calibration, error, measured};
+use crate::errors::{Class, Spot, broken, calibration, error, load, measured};
 use crate::given_file::Given;
+use crate::interruptible::{Tell, interruptible};
 use crate::robot::reading;
 use denavit_calibrate::ObservationKind;
 use denavit_calibrate::calibration::{
@@ -15,14 +16,13 @@ use denavit_calibrate::observation::kinds::KINDS;
 use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
-use denavit_load::Loaded;
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, prior_read, rows, search};
+use denavit_load::{Loaded, Selection};
+use denavit_model::Tips;
 use denavit_model::nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
-use std::ops::ControlFlow;
-use std::sync::{Arc, mpsc};
-use std::time::Duration;
+use std::sync::Arc;
 
 /// What is fitted and what it is judged by.
 #[derive(FromPyObject)]
@@ -33,6 +33,7 @@ pub struct RowsGiven {
     distances: Vec<String>,
     test: Option<Given>,
     hold_out_setups: Vec<String>,
+    tips: Vec<String>,
 }
 
 /// What is looked for.
@@ -75,6 +76,8 @@ fn arrays<'py>(py: Python<'py>, residuals: &[Residual]) -> PyResult<Residuals<'p
 pub struct Fit {
     result: Calibration,
     chain: denavit_model::Chain,
+    tips: Arc<Tips>,
+    tip: String,
     statics: Statics,
     loaded: Arc<Loaded>,
     exact: bool,
@@ -103,20 +106,22 @@ impl Fit {
     /// The calibrated URDF, the name of its tip and what must be said of it; `None` where the source is no tree.
     fn urdf(&self) -> PyResult<Option<(String, String, Vec<String>)>> {
         let Loaded::Robot(tree) = &*self.loaded else { return Ok(None) };
-        let calibrated = self.result.arm().chain();
-        let written = urdf::with_chain(tree, &calibrated, reading(self.exact));
+        let arm = self.result.arm();
+        let calibrated: Vec<_> = (0..arm.tips.all().len()).map(|tip| arm.chain_to(tip)).collect();
+        let written = urdf::with_chains(tree, &calibrated, reading(self.exact));
         let written = written.map_err(|failure| error(Class::Export, &failure.to_string(), Spot::default()))?;
         let again = denavit_model::urdf::read("the calibrated URDF", &written.value);
         let again = again.map_err(|failure| broken(&failure.to_string()))?;
-        let old = |name: &String| tree.links.iter().any(|link| link.name == *name);
-        let tip = again.links.iter().map(|link| &link.name).find(|name| !old(name)).cloned();
+        let moved = format!("{}_calibrated", self.tip);
+        let has = |robot: &denavit_model::Robot| robot.links.iter().any(|link| link.name == moved);
+        let tip = (has(&again) && !has(tree)).then_some(moved);
         let notes = written.notes.iter().map(ToString::to_string).collect();
-        Ok(Some((written.value, tip.unwrap_or_else(|| self.chain.tip().to_owned()), notes)))
+        Ok(Some((written.value, tip.unwrap_or_else(|| self.tip.clone()), notes)))
     }
 
     /// The calibrated screw axes as JSON.
     fn poe(&self) -> String {
-        poe::json(&self.result.arm().chain(), &[])
+        poe::json(&self.result.arm().chain_to(0), &[])
     }
 
     /// The effects as JSON, as `denavit calibrate --effects-out` writes them.
@@ -135,7 +140,7 @@ impl Fit {
     /// Errors of the adopted model on rows measured later, as JSON, and their residuals.
     fn predict<'py>(&self, py: Python<'py>, later: Given) -> PyResult<(String, Residuals<'py>)> {
         let name = later.name.clone();
-        let asked = RowsAsked { data: vec![later.file()?], ..RowsAsked::default() };
+        let asked = RowsAsked { data: vec![of_tips(later.file()?, &self.tips)], ..RowsAsked::default() };
         let found = rows(&asked, &self.chain).map_err(|failure| measured(&failure))?;
         let found = py.detach(|| self.result.predict(found.data));
         let found = found.map_err(|failure| calibration(&failure.to_string(), &name))?;
@@ -154,39 +159,71 @@ pub fn calibrate(
     search: SearchGiven,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Fit> {
-    let nominal = &chain.chain;
+    let tips = rows.tips.clone();
+    let (nominal, tips) = tree(chain, &tips)?;
+    let nominal = &nominal;
     moving(&chain.file, nominal).map_err(|failure| measured(&failure))?;
     let hold_out = search.hold_out.map(|share| HoldOut { share, seed: search.seed });
     let asked = SearchAsked {
         scales: search.scales,
         pitches: search.pitches,
-        effects: search.effects,
+        // What can be looked for: of several tips the geometry alone.
+        effects: if tips.several() && search.effects == ["auto"] { vec!["none".into()] } else { search.effects },
         max_effects: search.max_effects,
         gear_ratios: search.gear_ratios,
         prior: search.prior.map(prior_file),
         hold_out,
     };
     let prior = prior_read(&asked);
+    if tips.several() && !rows.sockets.is_empty() {
+        let message = "socket: its rows do not say which tip they are of; calibrate one tip at a time";
+        return Err(error(Class::Argument, message, Spot::default()));
+    }
     let mut options = self::search(&asked, nominal).map_err(|failure| measured(&failure))?;
     let file = rows.data.first().map_or_else(String::new, |given| given.name.clone());
     let asked = RowsAsked {
-        data: rows.data.into_iter().map(Given::file).collect::<PyResult<_>>()?,
+        data: rows.data.into_iter().map(|given| Ok(of_tips(given.file()?, &tips))).collect::<PyResult<_>>()?,
         sockets: rows.sockets.into_iter().map(|(label, given)| Ok((label, given.file()?))).collect::<PyResult<_>>()?,
         distances: rows.distances,
-        test: rows.test.map(Given::file).transpose()?,
+        test: rows.test.map(|given| Ok::<_, PyErr>(of_tips(given.file()?, &tips))).transpose()?,
         hold_out_setups: rows.hold_out_setups,
     };
     let read = py.detach(|| self::rows(&asked, nominal));
     let Rows { data, test, columns, notes, origin } = read.map_err(|failure| measured(&failure))?;
-    options.other_chains = other_chains(&chain.loaded, nominal, &data);
-    let statics = chain.loaded.statics(nominal, reading(chain.exact));
+    let statics = if tips.several() {
+        Statics::of_chain(nominal)
+    } else {
+        options.other_chains = other_chains(&chain.loaded, nominal, &data);
+        chain.loaded.statics(nominal, reading(chain.exact))
+    };
     let result = fitted(py, Work { chain: nominal.clone(), statics: statics.clone(), data, test, options }, progress)?;
     let mut result = result.map_err(|failure| calibration(&failure.to_string(), &file))?;
     result.report.columns = columns;
     result.report.origin = origin;
     result.report.origin.files.extend(prior);
-    let (chain, loaded, exact) = (nominal.clone(), Arc::clone(&chain.loaded), chain.exact);
-    Ok(Fit { result, chain, statics, loaded, exact, notes })
+    let (tip, loaded, exact) = (chain.chain.tip().to_owned(), Arc::clone(&chain.loaded), chain.exact);
+    Ok(Fit { result, chain: nominal.clone(), tips, tip, statics, loaded, exact, notes })
+}
+
+/// The joints on the ways from the chain's base to these tips; to its own where none is named.
+fn tree(chain: &Chain, tips: &[String]) -> PyResult<(denavit_model::Chain, Arc<Tips>)> {
+    if tips.is_empty() {
+        return Ok((chain.chain.clone(), Arc::new(Tips::only(&chain.chain))));
+    }
+    if !tips.iter().any(|tip| tip == chain.chain.tip()) {
+        let message = format!("tips: the chain ends at \"{}\"; name it among them", chain.chain.tip());
+        return Err(error(Class::Argument, &message, Spot::default()));
+    }
+    let base = Some(chain.chain.base());
+    let selection = Selection { file: &chain.file, base, tip: None, reading: reading(chain.exact) };
+    let joined = chain.loaded.chain_to(&selection, tips).map_err(|failure| load(&failure))?;
+    Ok((joined.value.0, Arc::new(joined.value.1)))
+}
+
+/// The file, its column `tip` read where there are several.
+fn of_tips(mut file: DataFile, tips: &Arc<Tips>) -> DataFile {
+    file.import.tips = tips.several().then(|| tips.clone());
+    file
 }
 
 /// An earlier calibration: what to call it, and its JSON.
@@ -203,50 +240,20 @@ struct Work {
     options: CalibrateOptions,
 }
 
-/// How long the interpreter is left alone before it is asked whether somebody wants to stop.
-const PATIENCE: Duration = Duration::from_millis(20);
-
-/// Fits in a thread of its own, so that the interpreter hears of Ctrl-C while it lasts. A fit that nobody waits for any more is
-/// asked to stop, which it does within some hundredths of a second; only then does Ctrl-C return.
+/// Fits; a fit that nobody waits for any more is asked to stop, which it does within some hundredths of a second.
 fn fitted(
     py: Python<'_>,
     work: Work,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Result<Calibration, CalibrateError>> {
-    let (tell, mut told) = mpsc::channel();
     let stop = Stop::default();
     let asked = stop.clone();
-    let fit = std::thread::spawn(move || {
+    let fit = move |tell: &Tell<Progress>| {
         let Work { chain, statics, data, test, options } = work;
-        let mut tell = |stage| match tell.send(stage) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(mpsc::SendError(_)) => ControlFlow::Break(()),
-        };
-        let fit = || calibrate_and_tell(&chain, &statics, data, test, &options, &mut tell);
+        let fit = || calibrate_and_tell(&chain, &statics, data, test, &options, &mut |stage| tell(stage));
         asked.unless_asked(fit).unwrap_or(Err(CalibrateError::Stopped))
-    });
-    let mut wait = || {
-        loop {
-            let told = &mut told;
-            let stage = py.detach(move || told.recv_timeout(PATIENCE));
-            py.check_signals()?;
-            match (stage, progress) {
-                (Ok(stage), Some(progress)) => {
-                    progress.call1((words(stage),))?;
-                }
-                (Err(mpsc::RecvTimeoutError::Disconnected), _) => return Ok(()),
-                _ => {}
-            }
-        }
     };
-    if let Err(interrupted) = wait() {
-        stop.ask();
-        // What it ended with, even a panic, is of no interest any more.
-        let _ = py.detach(|| fit.join());
-        return Err(interrupted);
-    }
-    // A panic of the fit is one of the caller's, which becomes an exception.
-    Ok(py.detach(|| fit.join()).unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    interruptible(py, &stop, fit, |stage| progress.map_or(Ok(()), |progress| progress.call1((words(stage),)).map(drop)))
 }
 
 fn words(stage: Progress) -> &'static str {

@@ -162,6 +162,7 @@ pub fn simulate(
         outliers,
         covariates: Vec::new(),
         readings: Some(readings),
+        tips: None,
         before: None,
     };
     let specifications = effects.iter().map(|text| text.parse::<EffectSpecification>()).collect::<Result<Vec<_>, _>>();

@@ -4,6 +4,7 @@ mod continued;
 pub mod dh_form;
 pub(crate) mod gram;
 pub mod identifiability;
+pub mod information;
 pub mod initial_guess;
 pub mod intervals;
 mod jacobian_block;
@@ -15,13 +16,14 @@ pub mod quantization;
 pub mod redundancy;
 pub mod residual;
 pub mod residual_statistics;
+pub mod siblings;
 mod simd_residuals;
 pub mod solve;
 pub mod stop;
 pub mod threads;
 
 use self::initial_guess::nominal_fit;
-use self::posterior::Earlier;
+use self::posterior::{Earlier, expecting};
 use crate::identify::solve::{Fit, FitOptions, fit};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
@@ -119,9 +121,8 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     let start = initial_guess::with_plates_of(data, &first.arm, &geometric.arm);
     let nominal = fit(data, layout, &start, &NoEffects, &geometric.weights, &plain);
     let earlier = options.earlier.as_ref().map(|earlier| {
-        let tolerances = &options.tolerances;
-        let free = Layout::new(chain, &data.scene, &options.freedom, tolerances, Vec::new());
-        let arm = expected(&earlier.counted(1.0).in_layout(free, chain, tolerances), &start);
+        let free = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
+        let arm = expected(&expecting(free, Some(&earlier.counted(1.0))), &start);
         Box::new(EarlierFit { fit: fit(data, layout, &arm, &NoEffects, &geometric.weights, &plain), weight })
     });
     Identification { nominal, earlier, geometric }
@@ -155,9 +156,6 @@ pub fn fit_stage<E: Effects>(
 ) -> Fit<E> {
     let chain = &start.nominal;
     let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, effects.parameters());
-    let layout = match &options.earlier {
-        Some(earlier) => earlier.in_layout(layout, chain, &options.tolerances),
-        None => layout,
-    };
+    let layout = expecting(layout, options.earlier.as_ref());
     fit(data, &layout, start, effects, weights, &options.fit)
 }

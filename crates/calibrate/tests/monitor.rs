@@ -76,7 +76,7 @@ fn another_reflector_is_seen_at_once_and_named_with_the_second_row() {
     let Simulation { arm, mut data, .. } = run(&chain, POSITION, 30, 5);
     let mut state = RowState::default();
     for row in [20, 21] {
-        arm.state_into(data.reading(row), None, &mut state);
+        arm.state_into(data.reading(row), 0, None, &mut state);
         let shift = arm.instruments[0].rotation * state.tip.rotation * Vector3::new(0.0, 0.0, 12.7e-3);
         shifted(&mut data, row, shift);
     }

@@ -1,6 +1,8 @@
 //! What the commands about measurements share: files of measurements, poses and effects, and pairs of numbers.
 
-use crate::args::{BagArguments, CameraArguments, GivenArguments, ImportArguments, MeasureName, RobotArguments};
+use crate::args::{
+    BagArguments, CameraArguments, GivenArguments, ImportArguments, MeasureName, RobotArguments, SeveralTips,
+};
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
@@ -13,14 +15,32 @@ use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, PLANE, POSE, POSITIO
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
 use denavit_load::measured::{self as load, DataFile, HashedFile, moving};
-use denavit_model::Chain;
+use denavit_model::{Chain, Tips};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A robot, its chain and what gravity acts on; notes are said.
 pub struct Robot {
     pub loaded: Loaded,
     pub chain: Chain,
     pub statics: Statics,
+}
+
+/// A robot and the chain, or the tree of several tips, that is measured.
+pub struct MeasuredRobot {
+    pub robot: Robot,
+    pub tips: Arc<Tips>,
+}
+
+/// Reads the robot that the arguments choose, and all tips of it.
+pub fn robot_with_tips(arguments: &RobotArguments<SeveralTips>) -> Result<MeasuredRobot, Failure> {
+    let loaded = source::load(&arguments.robot, &arguments.source)?;
+    let noted = loaded.chain_to(&arguments.selection(), &arguments.tip.tips)?;
+    output::remark(&noted.notes);
+    let (chain, tips) = noted.value;
+    moving(&arguments.robot, &chain)?;
+    let statics = if tips.several() { Statics::of_chain(&chain) } else { loaded.statics(&chain, arguments.reading()) };
+    Ok(MeasuredRobot { robot: Robot { loaded, chain, statics }, tips: Arc::new(tips) })
 }
 
 /// Reads the robot that the arguments choose.
@@ -121,6 +141,7 @@ pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Fail
         quaternion: arguments.quaternion.clone(),
         joints: arguments.joints.as_ref().map(program).transpose()?,
         sight: None,
+        tips: None,
     })
 }
 

@@ -2,12 +2,11 @@
 
 mod folder;
 
-use crate::args::{ConventionName, RobotArguments, SourceArguments};
+use crate::args::{ConventionName, RobotArguments, SeveralTips, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
 use denavit_export::sources::Stated;
 use denavit_load::{Options, Selection, UrdfText};
-use denavit_model::Reading;
 
 pub use denavit_load::Loaded;
 pub use folder::sources;
@@ -114,8 +113,15 @@ impl RobotArguments {
         Selection {
             file: &self.robot,
             base: self.base.as_deref(),
-            tip: self.tip.as_deref(),
-            reading: if self.exact { Reading::AsWritten } else { Reading::Intended },
+            tip: self.tip.tip.as_deref(),
+            reading: self.reading(),
         }
+    }
+}
+
+impl RobotArguments<SeveralTips> {
+    /// Which tree is chosen, its tips aside, and how it is read.
+    pub fn selection(&self) -> Selection<'_> {
+        Selection { file: &self.robot, base: self.base.as_deref(), tip: None, reading: self.reading() }
     }
 }

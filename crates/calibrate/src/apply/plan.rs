@@ -6,7 +6,7 @@
 pub mod next;
 mod written;
 
-use crate::identify::posterior::Earlier;
+use crate::identify::posterior::{Earlier, expecting};
 use crate::identify::proportion::{OutOfProportion, TooManyJoints, can_be_identified, within_proportion};
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::observation::arm::{Arm, Perturbation, RowState};
@@ -183,7 +183,7 @@ pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
     if usable.len() < options.count || options.count == 0 {
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: usable.len(), candidates: total });
     }
-    let design = Design::new(chain, &arm, usable, options);
+    let design = Design::new(chain, &arm, &usable, options);
     let (chosen, exchanges) = design.choose(options.count).ok_or(PlanError::Degenerate)?;
     Ok(Plan {
         joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
@@ -246,13 +246,13 @@ struct Design {
 }
 
 impl Design {
-    fn new(chain: &Chain, arm: &Arm, candidates: Vec<Vec<f64>>, options: &PlanOptions) -> Self {
-        let data = read_as_predicted(arm, &candidates, options);
+    fn new(chain: &Chain, arm: &Arm, candidates: &[Vec<f64>], options: &PlanOptions) -> Self {
+        let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+        let rows = Measurements::empty("plan", joints, Scene::of(options.kind, 1));
+        let data = as_predicted(arm, rows, &[0], candidates);
+        let candidates: Vec<Vec<f64>> = (0..data.len()).map(|row| data.reading(row).to_vec()).collect();
         let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
-        let layout = match &options.earlier {
-            Some(earlier) => earlier.in_layout(layout, chain, &options.tolerances),
-            None => layout,
-        };
+        let layout = expecting(layout, options.earlier.as_ref());
         let n = layout.len();
         // A millimetre and a milliradian for what has no tolerance of its own.
         let unit: Vec<f64> = layout.parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1e-3)).collect();
@@ -401,18 +401,32 @@ impl Design {
     }
 }
 
-/// What is predicted, in place of what is to be measured: only the derivatives are used.
-fn read_as_predicted(arm: &Arm, poses: &[Vec<f64>], options: &PlanOptions) -> Measurements {
-    let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
-    let mut data = Measurements::empty("plan", joints, Scene::of(options.kind, 1));
-    let (mut state, deviation) = (RowState::default(), Perturbation::none(arm.joints.len()));
-    let (series, mut values) = (data.scene.series[0].clone(), Vec::new());
-    for (row, reading) in poses.iter().enumerate() {
-        arm.state_into(reading, None, &mut state);
-        values.clear();
-        options.kind.predict(&Seen::new(arm, &state.tip, &deviation, &series, &[], false), &mut values);
-        data.observed.push(0, &values);
-        data.end_row(reading, row + 1, false);
+/// Rows at these poses with what the arm predicts of the `series` of `rows` as measured: only the derivatives are used. A series
+/// that cannot be seen from a pose is left out of its row, a pose from which nothing can be seen out of the rows.
+fn as_predicted<'a>(
+    arm: &Arm,
+    mut rows: Measurements,
+    series: &[usize],
+    poses: impl IntoIterator<Item = &'a Vec<f64>>,
+) -> Measurements {
+    let (mut state, still, mut values) = (RowState::default(), Perturbation::none(arm.joints.len()), Vec::new());
+    for pose in poses {
+        arm.state_into(pose, 0, None, &mut state);
+        let mut any = false;
+        for &index in series {
+            let of = &rows.scene.series[index];
+            let nothing = vec![0.0; of.kind.numbers()];
+            let seen = Seen::new(arm, &state.tip, &still, of, &nothing, false);
+            if of.kind.in_view(&seen) {
+                values.clear();
+                of.kind.predict(&seen, &mut values);
+                rows.observed.push(index, &values);
+                any = true;
+            }
+        }
+        if any {
+            rows.end_row(pose, rows.len() + 1, false);
+        }
     }
-    data
+    rows
 }

@@ -14,11 +14,12 @@ use crate::observation::kinds::{Disturbance, ObservationKind, POSITION, Seen};
 use crate::observation::measurements::{Covariate, Label, Measurements, Scene};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
-use denavit_model::{Chain, Coordinate, Pose, se3};
+use denavit_model::{Chain, Coordinate, Pose, Tips, se3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 pub use sight::TRIES;
+use std::sync::Arc;
 
 /// What to simulate.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,8 @@ pub struct SimulationOptions {
     pub covariates: Vec<Covariate>,
     /// Joint readings, one value per coordinate and row (rad, m), instead of random ones within the limits.
     pub readings: Option<Vec<Vec<f64>>>,
+    /// The tips that are measured in turn, a row each, where the robot has several: see [`Chain::joined`].
+    pub tips: Option<Arc<Tips>>,
     /// Rows of the same run that were measured before, with run order: it goes on from there.
     pub before: Option<Measurements>,
 }
@@ -69,6 +72,7 @@ impl Default for SimulationOptions {
             outliers: 0.0,
             covariates: Vec::new(),
             readings: None,
+            tips: None,
             before: None,
         }
     }
@@ -168,6 +172,9 @@ fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
 
 /// What is seen: the corners of the board, or so many targets.
 fn scene(options: &SimulationOptions, targets: usize) -> Scene {
+    if let Some(tips) = options.tips.as_ref().filter(|tips| tips.several()) {
+        return Scene::on_tips(options.kind, tips, if options.kind.of_several() { targets } else { 1 });
+    }
     let board = || Scene::of_board(options.kind, options.sight.as_ref()?, 1.0);
     if options.kind.holds_the_target() {
         return contact::scene(options);
@@ -177,9 +184,9 @@ fn scene(options: &SimulationOptions, targets: usize) -> Scene {
 }
 
 fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng) -> Arm {
-    let size = chain.size();
     let scene = scene(options, options.targets);
     let mut arm = Arm::new(chain, &scene);
+    let size = (0..arm.tips.all().len()).map(|tip| arm.nominal_to(tip).size()).fold(0.0, f64::max);
     for (index, joint) in chain.joints().iter().enumerate() {
         let turned = [normal(random, options.turn), normal(random, options.turn)];
         let moved = [normal(random, options.shift), normal(random, options.shift)];
@@ -233,7 +240,7 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     for row in 0..data.len() {
         perturbation.clear();
         effects.perturb(Row::new(&seen, row), arm, &mut perturbation);
-        arm.state_into(data.reading(row), Some(&perturbation), &mut state);
+        arm.state_into(data.reading(row), data.tip_of(row), Some(&perturbation), &mut state);
         let gross = random.random::<f64>() < options.outliers;
         let direction = normal_vector(random, 1.0).normalize();
         let error = direction * (5e-3 + 45e-3 * random.random::<f64>());
@@ -279,7 +286,7 @@ fn observe(
 /// The rows, nothing measured yet.
 fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> Measurements {
     let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
-    let scene = scene(options, arm.targets.len());
+    let scene = scene(options, arm.targets.len() / arm.tips.all().len());
     let mut data = Measurements::empty("simulation", joints, scene);
     data.covariates.clone_from(&options.covariates);
     let nothing = vec![0.0; options.kind.numbers()];
@@ -290,10 +297,19 @@ fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> 
         let planes = data.scene.setups.iter().map(|setup| setup.split(' ').next().unwrap_or("").to_owned());
         data.labels.push(Label { name, values: planes.cycle().take(readings.len()).collect() });
     }
+    let tips = arm.tips.all().len();
+    if tips > 1 {
+        let name = |row: usize| arm.tips[row % tips].name.clone();
+        data.labels.push(Label { name: "tip".into(), values: (0..readings.len()).map(name).collect() });
+    }
     let (mut state, still) = (RowState::default(), Perturbation::none(arm.joints.len()));
     for (row, reading) in readings.iter().enumerate() {
-        arm.state_into(reading, None, &mut state);
+        let of_tip = row % tips;
+        arm.state_into(reading, of_tip, None, &mut state);
         for (index, series) in data.scene.series.iter().enumerate() {
+            if data.scene.tip_of(series.target) != of_tip {
+                continue;
+            }
             if touches && index != row % data.scene.series.len() {
                 continue;
             }
@@ -310,6 +326,6 @@ fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> 
 /// base_from_target without instrument and noise, for a target of the arm.
 pub fn true_target(arm: &Arm, q: &[f64], target: usize) -> Pose {
     let mut state = RowState::default();
-    arm.state_into(q, None, &mut state);
+    arm.state_into(q, arm.sits_on[target], None, &mut state);
     state.tip * arm.targets[target]
 }

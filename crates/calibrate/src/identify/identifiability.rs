@@ -23,7 +23,7 @@ const CHUNK: usize = 1024;
 pub struct Identifiability {
     /// What is measured.
     pub scene: Scene,
-    /// The count for enough poses in general position: 5h + 4r + 2t + n and what is unknown beside the arm, less 6 for the
+    /// The count for enough poses in general position: 5h + 4r + 2t + n and what is unknown beside the arm, less 6 for each
     /// frame that nobody sees: 6 for poses, 3 per target for positions, none for distances from one anchor.
     pub expected: usize,
     /// The count as a sum, such as `4·6 + 6`.
@@ -71,7 +71,7 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
         &crate::observation::parameters::Tolerances::default(),
         Vec::new(),
     );
-    let rest = placed.len().saturating_sub(6);
+    let rest = placed.len().saturating_sub(6 * placed.frames.count);
     let targets = scene.targets.len();
     let word = if rest == 3 * targets && !(0..targets).any(|target| scene.turns(target)) {
         format!("3·{targets}")
@@ -129,7 +129,7 @@ fn predicted<E: Effects>(data: &Measurements, arm: &Arm, effects: &E) -> Measure
     for row in 0..data.len() {
         perturbation.clear();
         effects.perturb(Row::new(data, row), arm, &mut perturbation);
-        arm.state_into(data.reading(row), Some(&perturbation), &mut state);
+        arm.state_into(data.reading(row), data.tip_of(row), Some(&perturbation), &mut state);
         for observation in data.of_row(row) {
             let (series, measured) = (data.series_of(observation), data.observed.values(observation));
             values.clear();

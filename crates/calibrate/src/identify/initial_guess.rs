@@ -116,7 +116,7 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
     let few = data.subset(&rows);
     let weights: Vec<f64> =
         rows.iter().flat_map(|&row| data.of_row(row)).map(|observation| weights[observation]).collect();
-    let tips: Vec<Pose> = (0..few.len()).map(|row| chain.fk(few.reading(row))).collect();
+    let tips = tips_as_drawn(chain, &few);
     let good = GOOD_ENOUGH * chain.size();
     let mut best: Option<(f64, Arm)> = None;
     let options = FitOptions { robust: true, most_iterations: ITERATIONS_FROM_START };
@@ -131,6 +131,12 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
         }
     }
     best.map_or_else(|| Arm::new(chain, &data.scene), |(_, arm)| arm)
+}
+
+/// Where the tip of each row is by the drawing.
+fn tips_as_drawn(chain: &Chain, data: &Measurements) -> Vec<Pose> {
+    let tips = data.scene.tips_of(chain);
+    (0..data.len()).map(|row| tips[data.tip_of(row)].fk(chain, data.reading(row))).collect()
 }
 
 /// A start for each setup by itself, put together.

@@ -173,9 +173,9 @@ impl Earlier {
         Ok(earlier)
     }
 
-    /// What is known of a robot's axes from its siblings: means and standard deviations, each parameter by itself.
-    pub fn of_siblings(chain: &Chain, parameters: Vec<KnownParameter>) -> Self {
-        let correlations = (0..parameters.len()).map(|k| vec![0.0; k]).collect();
+    /// What is known of a robot's axes from its siblings: means, standard deviations, and for each parameter its correlations
+    /// with those before it.
+    pub fn of_siblings(chain: &Chain, parameters: Vec<KnownParameter>, correlations: Vec<Vec<f64>>) -> Self {
         Self {
             schema: SCHEMA.into(),
             robot: chain.name().into(),
@@ -187,9 +187,9 @@ impl Earlier {
         }
     }
 
-    /// As JSON text, indented.
+    /// As JSON text.
     pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("names are texts and numbers are numbers") + "\n"
+        serde_json::to_string(self).expect("names are texts and numbers are numbers") + "\n"
     }
 
     fn check(&self, file: &str, chain: &Chain) -> Result<(), EarlierError> {
@@ -217,19 +217,13 @@ impl Earlier {
             let why = format!("{} rows where {} belong", posterior.correlations.len(), self.parameters.len());
             return Err(number("posterior.correlations", &why));
         }
-        let joint = |name: &str| chain.joints().iter().find(|joint| joint.name == name);
-        if let Some(name) = posterior.drawn.keys().find(|name| joint(name).is_none()) {
+        if let Some(name) = posterior.drawn.keys().find(|name| axis_of(chain, name).is_none()) {
             return Err(other_chain(name));
         }
-        for (joint, then) in posterior.drawn.iter().filter_map(|(name, then)| Some((joint(name)?, then))) {
-            let now = joint.screw.twist();
-            let apart = now.iter().zip(then).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        for (name, then) in &posterior.drawn {
+            let apart = drawn_apart(chain, name, then).unwrap_or(f64::NAN);
             if !apart.is_finite() || apart > SAME_DRAWING {
-                return Err(EarlierError::OtherDrawing {
-                    file: file.into(),
-                    joint: joint.name.clone(),
-                    apart: apart * 1e3,
-                });
+                return Err(EarlierError::OtherDrawing { file: file.into(), joint: name.clone(), apart: apart * 1e3 });
             }
         }
         let own = every_parameter(chain);
@@ -278,12 +272,6 @@ impl Earlier {
         }
     }
 
-    /// The layout with its joints expected where the earlier calibration left them.
-    pub fn in_layout(&self, layout: Layout, chain: &Chain, tolerances: &Tolerances) -> Layout {
-        let known = self.known(&layout);
-        layout.knowing(chain, tolerances, &known)
-    }
-
     /// The same, counted with another weight.
     #[must_use]
     pub fn counted(&self, weight: f64) -> Self {
@@ -307,6 +295,34 @@ impl Earlier {
         }
         freed
     }
+}
+
+/// Twist of a joint's axis as drawn.
+fn axis_of(chain: &Chain, joint: &str) -> Option<[f64; 6]> {
+    chain.joints().iter().find(|own| own.name == joint).map(|own| own.screw.twist().into())
+}
+
+/// How far a joint of the chain is drawn from an axis, m and rad; `None` where there is no such joint.
+fn drawn_apart(chain: &Chain, joint: &str, axis: &[f64; 6]) -> Option<f64> {
+    let now = axis_of(chain, joint)?;
+    let apart = now.iter().zip(axis).map(|(a, b)| (a - b).abs());
+    // A number that is none stays one.
+    Some(apart.fold(0.0, |most, apart| if apart <= most { most } else { apart }))
+}
+
+/// Whether a chain has these axes and no others: twist `[omega; v]` of each joint.
+pub fn same_drawing(chain: &Chain, axes: &BTreeMap<String, [f64; 6]>) -> bool {
+    let near = |(joint, axis): (&String, &[f64; 6])| {
+        drawn_apart(chain, joint, axis).is_some_and(|apart| apart <= SAME_DRAWING)
+    };
+    axes.len() == chain.joints().len() && axes.iter().all(near)
+}
+
+/// The layout with its joints expected where an earlier calibration left them, if there is one.
+pub fn expecting(layout: Layout, earlier: Option<&Earlier>) -> Layout {
+    let Some(earlier) = earlier else { return layout };
+    let known = earlier.known(&layout);
+    layout.knowing(&known)
 }
 
 /// All that a fit could free of a chain's joints.

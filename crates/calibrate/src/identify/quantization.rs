@@ -1,6 +1,6 @@
 //! Joint readings that were rounded: to tenths of a degree, to encoder counts. The rounding is an error of its own.
 
-use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::arm::{Arm, Perturbation, RowState};
 use crate::observation::kinds::{Follows, Seen};
 use crate::observation::measurements::Measurements;
 use denavit_model::nalgebra::Vector3;
@@ -107,7 +107,8 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
     let (mut state, perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     let (mut sum, mut count) = (0.0, 0.0);
     for row in 0..data.len() {
-        arm.state_into(Row::new(data, row).reading(), None, &mut state);
+        arm.state_into(data.reading(row), data.tip_of(row), None, &mut state);
+        let on_the_way = &arm.tips[data.tip_of(row)].joints;
         for observation in data.of_row(row) {
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
@@ -116,9 +117,9 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
             count += 1.0;
             for grid in &grids {
                 let mut rate = Vector3::zeros();
-                for (joint, before) in
-                    arm.joints.iter().zip(&state.before).filter(|(j, _)| j.coordinate == grid.coordinate)
-                {
+                let moving = arm.joints.iter().zip(&state.before).zip(on_the_way);
+                let moving = moving.filter(|((joint, _), on)| **on && joint.coordinate == grid.coordinate);
+                for ((joint, before), _) in moving {
                     let twist = se3::adjoint_times(before, &joint.screw.twist()) * joint.scale;
                     rate += Vector3::new(twist[0], twist[1], twist[2]).cross(&point)
                         + Vector3::new(twist[3], twist[4], twist[5]);

@@ -213,7 +213,12 @@ impl<E: Effects> ResidualModel<'_, E> {
         let at = Row::new(self.data, row);
         scratch.perturbation.clear();
         let perturbed = self.effects.perturb(at, arm, &mut scratch.perturbation);
-        arm.state_into(at.reading(), perturbed.then_some(&scratch.perturbation), &mut scratch.state);
+        arm.state_into(
+            at.reading(),
+            self.data.tip_of(row),
+            perturbed.then_some(&scratch.perturbation),
+            &mut scratch.state,
+        );
     }
 
     /// An observation of the row that the scratch stands in.
@@ -226,6 +231,7 @@ impl<E: Effects> ResidualModel<'_, E> {
     /// Twist of the tip per unit of each joint and effect parameter.
     fn twists(&self, arm: &Arm, at: Row<'_>, scratch: &mut Scratch) {
         let Scratch { state, sensitivities, twists, bases, axes, .. } = scratch;
+        let on_the_way = &arm.tips[self.data.tip_of(at.index())].joints;
         if !self.layout.joints.is_empty() {
             for (axis, ((before, after), basis)) in
                 axes.iter_mut().zip(state.before.iter().zip(&state.after).zip(bases.iter()))
@@ -235,6 +241,10 @@ impl<E: Effects> ResidualModel<'_, E> {
         }
         for (column, parameter) in self.layout.parameters[self.layout.joints.clone()].iter().enumerate() {
             let Some(joint) = parameter.kind.joint() else { continue };
+            if !on_the_way[joint] {
+                twists.set(column, &Vector3::zeros(), &Vector3::zeros());
+                continue;
+            }
             let (before, axis) = (&state.before[joint], &axes[joint]);
             let (w, v) = match parameter.kind {
                 ParameterKind::Turn { direction, .. } => axis.turned(direction),

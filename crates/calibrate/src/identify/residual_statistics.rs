@@ -175,7 +175,7 @@ fn stand<E: Effects>(
 ) {
     perturbation.clear();
     let perturbed = effects.perturb(Row::new(data, row), arm, perturbation);
-    arm.state_into(data.reading(row), perturbed.then_some(perturbation), state);
+    arm.state_into(data.reading(row), data.tip_of(row), perturbed.then_some(perturbation), state);
 }
 
 /// The arm with the targets of other data: fitted ones by name, others where the `locate` rows put them.
@@ -192,7 +192,8 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
     if !here.kinds().iter().all(|kind| known.kinds().contains(kind)) {
         return Err(TestError::OtherKind { file: data.source.clone(), found: here.words(), expected: known.words() });
     }
-    let mut placed = Arm { targets: Vec::new(), instruments: Vec::new(), points: Vec::new(), ..arm.clone() };
+    let sits_on = (0..here.targets.len()).map(|target| here.tip_of(target)).collect();
+    let mut placed = Arm { targets: Vec::new(), sits_on, instruments: Vec::new(), points: Vec::new(), ..arm.clone() };
     let fitted_place = |names: &[String], name: &String| names.iter().position(|other| other == name);
     for name in &here.setups {
         let setup = fitted_place(&known.setups, name).map(|setup| arm.instruments[setup]);
@@ -321,7 +322,8 @@ fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, 
             let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
             let in_base =
                 instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);
-            let on_tip = state.tip.inverse() * Point3::from(in_base - leftover(fit, fitted, data.reading(row)));
+            let on_tip = state.tip.inverse()
+                * Point3::from(in_base - leftover(fit, fitted, (data.reading(row), data.tip_of(row))));
             sum += on_tip.coords - perturbation.target;
             count += 1.0;
         }
@@ -330,9 +332,14 @@ fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, 
 }
 
 /// Mean residual (measured minus predicted) of the fitted rows with these readings, base frame, m; 0 without such rows.
-fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, reading: &[f64]) -> Vector3<f64> {
+fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, (reading, tip): (&[f64], usize)) -> Vector3<f64> {
     let alike = |row: &usize| {
-        fitted.reading(*row).iter().zip(reading).all(|(fitted, reading)| (fitted - reading).abs() <= SAME_READING)
+        fitted.tip_of(*row) == tip
+            && fitted
+                .reading(*row)
+                .iter()
+                .zip(reading)
+                .all(|(fitted, reading)| (fitted - reading).abs() <= SAME_READING)
     };
     let rows: Vec<usize> = (0..fitted.len()).filter(alike).collect();
     let weights: Vec<f64> =

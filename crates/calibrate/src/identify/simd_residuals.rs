@@ -11,11 +11,11 @@
 
 use crate::identify::jacobian_block::{Panel, Triple};
 use crate::observation::arm::{Arm, AxisBasis};
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Measurements, Series};
 use crate::observation::parameters::{Layout, ParameterKind};
 use denavit_model::compiled::sine_and_cosine;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
-use denavit_model::{ChainJoint, Pose, Screw, se3};
+use denavit_model::{ChainJoint, Pose, Screw, Tip, se3};
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _, SimdMask as _};
 use std::ops::Range;
 
@@ -35,11 +35,20 @@ struct Link {
     turns: bool,
 }
 
+/// The joints on the way to a tip, by their index among all, and the tip seen from the frame of the last.
+#[derive(Debug, Clone)]
+struct Way {
+    links: Vec<(usize, Link)>,
+    tip: Pose,
+}
+
 /// The arm's numbers as the lanes need them.
 #[derive(Debug, Clone)]
 pub(crate) struct Geometry {
-    links: Vec<Link>,
-    tip: Pose,
+    /// To each tip.
+    ways: Vec<Way>,
+    /// Whether each joint turns, and its pitch, m/rad; 0 for prismatic joints, too.
+    joints: Vec<(bool, f64)>,
 }
 
 impl Geometry {
@@ -49,14 +58,13 @@ impl Geometry {
         if arm.joints.is_empty() || unknown || data.observed.has_levels() {
             return None;
         }
-        let mut before = Pose::identity();
         let nominal = arm.nominal.joints();
-        let link = |((joint, nominal), basis): ((&ChainJoint, &ChainJoint), &AxisBasis)| {
+        let link = |before: &mut Pose, joint: &ChainJoint, nominal: &ChainJoint, basis: &AxisBasis| {
             let axis: Unit<_> = joint.screw.direction();
             let rotation = Matrix3::from_columns(&[basis.a, basis.b, axis.into_inner()]);
             let home = se3::pose(Rotation3::from_matrix_unchecked(rotation), basis.centre.coords);
             let here = before.inverse() * home;
-            before = home;
+            *before = home;
             Link {
                 here,
                 coordinate: joint.coordinate,
@@ -67,8 +75,17 @@ impl Geometry {
                 turns: !matches!(joint.screw, Screw::Prismatic(_)),
             }
         };
-        let links = arm.joints.iter().zip(nominal).zip(bases).map(link).collect();
-        Some(Self { links, tip: before.inverse() * arm.nominal.home() })
+        let way = |tip: &Tip| {
+            let mut before = Pose::identity();
+            let joints = arm.joints.iter().zip(nominal).zip(bases).enumerate();
+            let on_the_way = joints.filter(|(index, _)| tip.joints[*index]);
+            let of = |(index, ((joint, nominal), basis))| (index, link(&mut before, joint, nominal, basis));
+            let links = on_the_way.map(of).collect();
+            Way { links, tip: before.inverse() * tip.home }
+        };
+        let shape =
+            |joint: &ChainJoint| (!matches!(joint.screw, Screw::Prismatic(_)), joint.screw.pitch().unwrap_or(0.0));
+        Some(Self { ways: arm.tips.all().iter().map(way).collect(), joints: arm.joints.iter().map(shape).collect() })
     }
 }
 
@@ -183,106 +200,138 @@ pub(crate) fn rows<S: Simd>(
         value: zero,
         reading: zero,
     };
-    let mut joints = vec![none; geometry.links.len()];
+    let mut joints = vec![none; geometry.joints.len()];
     let instruments: Vec<Pose> = arm.instruments.iter().map(Pose::inverse).collect();
     let first = observed.of_row(rows.start).start;
     for start in rows.clone().step_by(lanes) {
         let count = lanes.min(rows.end - start);
         let row = |lane: usize| start + lane.min(count - 1);
-        let tip = walk(simd, geometry, data, row, &mut joints);
-        for (index, series) in data.scene.series.iter().enumerate() {
-            // The observation of this series in each lane.
-            let mut at = [None::<usize>; 8];
-            for (lane, at) in at.iter_mut().enumerate().take(count) {
-                *at = observed.of_row(start + lane).find(|&observation| observed.series(observation) == index);
-            }
-            if at.iter().all(Option::is_none) {
-                continue;
-            }
-            let weight = S::f64s::from_fn(simd, |lane| at[lane].map_or(0.0, |observation| weights[observation]));
-            let number = |k: usize| {
-                S::f64s::from_fn(simd, |lane| at[lane].map_or(0.0, |observation| observed.values(observation)[k]))
-            };
-            let measured = each::<S>(number);
-            let in_base = Frame::<S>::of(simd, &instruments[series.setup]);
-            let measured = each::<S>(|k| {
-                let turned = in_base.y[k].mul_add(measured[1], in_base.x[k].mul_add(measured[0], in_base.origin[k]));
-                in_base.z[k].mul_add(measured[2], turned)
-            });
-            let target = &arm.targets[series.target];
-            let predicted = tip.point(target.translation.vector.into());
-            let residual = less::<S>(measured, predicted);
-            let factor = weight.sqrt();
-            let Some(place_panel) = series.channels[0].and_then(|channel| panels.get_mut(channel)) else { continue };
-            place_panel.take_lanes::<S>(residual, factor, |parameter| {
-                let rate = place_rate(simd, geometry, layout.parameters[parameter].kind, &joints, predicted);
-                match (rate, layout.parameters[parameter].kind) {
-                    (Some(rate), _) => each::<S>(|k| -rate[k]),
-                    (None, ParameterKind::Instrument { setup, component })
-                        if setup == series.setup && component < 3 =>
-                    {
-                        let mut e = [zero; 3];
-                        e[component] = S::f64s::splat(simd, 1.0);
-                        cross::<S>(measured, e)
-                    }
-                    (None, ParameterKind::Instrument { setup, component }) if setup == series.setup => {
-                        let mut e = [zero; 3];
-                        e[component - 3] = S::f64s::splat(simd, -1.0);
-                        e
-                    }
-                    (None, ParameterKind::Target { target: of, component }) if of == series.target => {
-                        each::<S>(|k| -[tip.x, tip.y, tip.z][component][k])
-                    }
-                    (None, _) => [zero; 3],
+        for (of_tip, way) in geometry.ways.iter().enumerate() {
+            if geometry.ways.len() > 1 {
+                if !(0..count).any(|lane| data.tip_of(start + lane) == of_tip) {
+                    continue;
                 }
-            });
-            let place = dot::<S>(residual, residual);
-            let mut turn = zero;
-            if let Some(panel) = series.channels[1].and_then(|channel| panels.get_mut(channel)) {
-                let attitude = tip.behind(&se3::pose(target.rotation, Vector3::zeros()));
-                let measured: [Triple<S>; 3] = std::array::from_fn(|column| {
-                    let axis = each::<S>(|k| number(3 + 3 * column + k));
-                    each::<S>(|k| in_base.z[k].mul_add(axis[2], in_base.y[k].mul_add(axis[1], in_base.x[k] * axis[0])))
-                });
-                let (residual, right) = turned(simd, measured, &attitude);
-                turn = dot::<S>(residual, residual);
-                panel.take_lanes::<S>(residual, factor, |parameter| {
-                    let rate = match layout.parameters[parameter].kind {
-                        ParameterKind::Turn { joint, direction } => times::<S>(right, joints[joint].less[direction]),
-                        ParameterKind::Scale { joint } if geometry.links[joint].turns => {
-                            let moved = &joints[joint];
-                            let turn = times::<S>(right, moved.axis);
-                            each::<S>(|k| turn[k] * moved.reading)
-                        }
-                        // The left inverse Jacobian is the right one transposed.
-                        ParameterKind::Instrument { setup, component } if setup == series.setup => right[component],
-                        ParameterKind::TargetTurn { target, component } if target == series.target => {
-                            times::<S>(right, [tip.x, tip.y, tip.z][component])
-                        }
-                        _ => [zero; 3],
-                    };
-                    each::<S>(|k| -rate[k])
-                });
+                joints.fill(none);
             }
-            let (place, turn) = (place.as_slice(), turn.as_slice());
-            for (lane, observation) in at.iter().enumerate().filter_map(|(lane, at)| Some((lane, (*at)?))) {
-                squares[observation - first] = [place[lane], turn[lane]];
+            let tip = walk(simd, way, data, row, &mut joints);
+            for (index, series) in data.scene.series.iter().enumerate() {
+                if data.scene.tip_of(series.target) != of_tip {
+                    continue;
+                }
+                // The observation of this series in each lane.
+                let mut at = [None::<usize>; 8];
+                for (lane, at) in at.iter_mut().enumerate().take(count) {
+                    *at = observed.of_row(start + lane).find(|&observation| observed.series(observation) == index);
+                }
+                if at.iter().all(Option::is_none) {
+                    continue;
+                }
+                let weight = S::f64s::from_fn(simd, |lane| at[lane].map_or(0.0, |observation| weights[observation]));
+                let number = |k: usize| {
+                    S::f64s::from_fn(simd, |lane| at[lane].map_or(0.0, |observation| observed.values(observation)[k]))
+                };
+                let measured = each::<S>(number);
+                let in_base = Frame::<S>::of(simd, &instruments[series.setup]);
+                let measured = each::<S>(|k| {
+                    let turned =
+                        in_base.y[k].mul_add(measured[1], in_base.x[k].mul_add(measured[0], in_base.origin[k]));
+                    in_base.z[k].mul_add(measured[2], turned)
+                });
+                let target = &arm.targets[series.target];
+                let predicted = tip.point(target.translation.vector.into());
+                let residual = less::<S>(measured, predicted);
+                let factor = weight.sqrt();
+                let Some(place_panel) = series.channels[0].and_then(|channel| panels.get_mut(channel)) else {
+                    continue;
+                };
+                place_panel.take_lanes::<S>(residual, factor, |parameter| {
+                    let rate = place_rate(simd, geometry, layout.parameters[parameter].kind, &joints, predicted);
+                    match rate {
+                        Some(rate) => each::<S>(|k| -rate[k]),
+                        None => rest_of_place(simd, series, layout.parameters[parameter].kind, measured, &tip),
+                    }
+                });
+                let place = dot::<S>(residual, residual);
+                let mut turn = zero;
+                if let Some(panel) = series.channels[1].and_then(|channel| panels.get_mut(channel)) {
+                    let attitude = tip.behind(&se3::pose(target.rotation, Vector3::zeros()));
+                    let measured: [Triple<S>; 3] = std::array::from_fn(|column| {
+                        let axis = each::<S>(|k| number(3 + 3 * column + k));
+                        each::<S>(|k| {
+                            in_base.z[k].mul_add(axis[2], in_base.y[k].mul_add(axis[1], in_base.x[k] * axis[0]))
+                        })
+                    });
+                    let (residual, right) = turned(simd, measured, &attitude);
+                    turn = dot::<S>(residual, residual);
+                    panel.take_lanes::<S>(residual, factor, |parameter| {
+                        let rate = match layout.parameters[parameter].kind {
+                            ParameterKind::Turn { joint, direction } => {
+                                times::<S>(right, joints[joint].less[direction])
+                            }
+                            ParameterKind::Scale { joint } if geometry.joints[joint].0 => {
+                                let moved = &joints[joint];
+                                let turn = times::<S>(right, moved.axis);
+                                each::<S>(|k| turn[k] * moved.reading)
+                            }
+                            // The left inverse Jacobian is the right one transposed.
+                            ParameterKind::Instrument { setup, component } if setup == series.setup => right[component],
+                            ParameterKind::TargetTurn { target, component } if target == series.target => {
+                                times::<S>(right, [tip.x, tip.y, tip.z][component])
+                            }
+                            _ => [zero; 3],
+                        };
+                        each::<S>(|k| -rate[k])
+                    });
+                }
+                let (place, turn) = (place.as_slice(), turn.as_slice());
+                for (lane, observation) in at.iter().enumerate().filter_map(|(lane, at)| Some((lane, (*at)?))) {
+                    squares[observation - first] = [place[lane], turn[lane]];
+                }
             }
         }
     }
 }
 
-/// From the base to the tip; leaves in `joints` what each joint did.
+/// Derivative of a residual of the place by what is no joint's parameter: of the instrument, which reads `measured` (base
+/// frame, m), and of the target.
+#[inline(always)]
+fn rest_of_place<S: Simd>(
+    simd: S,
+    series: &Series,
+    kind: ParameterKind,
+    measured: Triple<S>,
+    tip: &Frame<S>,
+) -> Triple<S> {
+    let zero = S::f64s::splat(simd, 0.0);
+    match kind {
+        ParameterKind::Instrument { setup, component } if setup == series.setup && component < 3 => {
+            let mut e = [zero; 3];
+            e[component] = S::f64s::splat(simd, 1.0);
+            cross::<S>(measured, e)
+        }
+        ParameterKind::Instrument { setup, component } if setup == series.setup => {
+            let mut e = [zero; 3];
+            e[component - 3] = S::f64s::splat(simd, -1.0);
+            e
+        }
+        ParameterKind::Target { target: of, component } if of == series.target => {
+            each::<S>(|k| -[tip.x, tip.y, tip.z][component][k])
+        }
+        _ => [zero; 3],
+    }
+}
+
+/// From the base to the tip; leaves in `joints` what each joint on the way did.
 #[inline(always)]
 fn walk<S: Simd>(
     simd: S,
-    geometry: &Geometry,
+    way: &Way,
     data: &Measurements,
     row: impl Fn(usize) -> usize,
     joints: &mut [Moved<S>],
 ) -> Frame<S> {
     let mut frame = Frame::<S>::of(simd, &Pose::identity());
-    for (link, moved) in geometry.links.iter().zip(joints) {
+    for (index, link) in &way.links {
         let before = frame.behind(&link.here);
         let reading = S::f64s::from_fn(simd, |lane| data.reading(row(lane))[link.coordinate]);
         let value = reading * link.scale + link.offset;
@@ -292,7 +341,7 @@ fn walk<S: Simd>(
             ((S::f64s::splat(simd, 0.0), S::f64s::splat(simd, 1.0)), value)
         };
         frame = before.moved(turn, slide);
-        *moved = Moved {
+        joints[*index] = Moved {
             less: [less::<S>(before.x, frame.x), less::<S>(before.y, frame.y)],
             after: [frame.x, frame.y],
             axis: before.z,
@@ -302,7 +351,7 @@ fn walk<S: Simd>(
             reading: reading * link.nominal_scale,
         };
     }
-    frame.behind(&geometry.tip)
+    frame.behind(&way.tip)
 }
 
 /// Velocity of the point `p` per unit of a joint's parameter; `None` for other parameters.
@@ -325,9 +374,9 @@ fn place_rate<S: Simd>(
         ParameterKind::Move { joint, direction } => joints[joint].less[direction],
         ParameterKind::Pitch { joint } => each::<S>(|k| joints[joint].axis[k] * joints[joint].value),
         ParameterKind::Scale { joint } => {
-            let (moved, link) = (&joints[joint], &geometry.links[joint]);
+            let (moved, (turns, pitch)) = (&joints[joint], geometry.joints[joint]);
             let swung = cross::<S>(moved.axis, less::<S>(p, moved.centre));
-            let (turning, sliding) = if link.turns { (1.0, link.pitch) } else { (0.0, 1.0) };
+            let (turning, sliding) = if turns { (1.0, pitch) } else { (0.0, 1.0) };
             let (turning, sliding) = (S::f64s::splat(simd, turning), S::f64s::splat(simd, sliding));
             each::<S>(|k| moved.axis[k].mul_add(sliding, swung[k] * turning) * moved.reading)
         }

@@ -105,9 +105,9 @@ pub const DEGREES_FOR_NOISE: f64 = 6.0;
 /// millimetre on a metre, what instruments and repeatability make together) and rad.
 pub const ASSUMED_NOISE: f64 = 1e-4;
 /// One clean file in a hundred may have a row that far out.
-const FALSE_REJECTIONS: f64 = 0.01;
+pub(crate) const FALSE_REJECTIONS: f64 = 0.01;
 /// Gross means this many times further out than that: what the model lacks is no outlier.
-const GROSS: f64 = 1.5;
+pub(crate) const GROSS: f64 = 1.5;
 /// If more than this share lies outside, it is not outliers.
 const MOST_REJECTIONS: f64 = 0.3;
 

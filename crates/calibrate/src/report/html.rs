@@ -2,6 +2,7 @@
 
 use crate::calibration::{Calibration, StageResiduals};
 use crate::effects::catalogue::{KINDS, Kind};
+use crate::observation::arm::Arm;
 use crate::report::findings::{self, Said};
 use crate::report::plots::{self, Plot, PlotError};
 use crate::report::{rows, text, trace_plots};
@@ -138,6 +139,16 @@ fn remains(result: &Calibration, after: &StageResiduals) -> Result<[Plot; 2], Pl
     Ok([trace_plots::quantiles(&after.train, scene, noise)?, trace_plots::autocorrelation(&after.train, scene, noise)?])
 }
 
+/// One line along the arm, base to tip; of several arms each there and back but the last, m.
+fn skeleton(arm: &Arm) -> Vec<Vector3<f64>> {
+    let mut line: Vec<Vector3<f64>> = Vec::new();
+    for tip in 0..arm.tips.all().len() {
+        line.extend(line.clone().iter().rev());
+        line.extend(arm.nominal_to(tip).skeleton().iter().map(|point| point.coords));
+    }
+    line
+}
+
 /// Side and top view; none for distances, which have no direction.
 fn on_robot(result: &Calibration, before: &StageResiduals, after: &StageResiduals) -> Result<Vec<Plot>, PlotError> {
     let scene = &result.train.scene;
@@ -145,13 +156,13 @@ fn on_robot(result: &Calibration, before: &StageResiduals, after: &StageResidual
         return Ok(Vec::new());
     }
     let arm = result.arm();
-    let chain = &arm.nominal;
-    let skeleton: Vec<Vector3<f64>> = chain.skeleton().iter().map(|point| point.coords).collect();
+    let skeleton = skeleton(arm);
     let (mut places, mut first, mut last) = (Vec::new(), Vec::new(), Vec::new());
     for residual in after.train.iter().filter(|residual| scene.series[residual.series].kind.place().height == 3) {
         let twin = before.train.iter().find(|other| other.observation == residual.observation);
         let Some(twin) = twin else { continue };
-        let tip = chain.fk(result.train.reading(residual.row));
+        let of_tip = &arm.tips[result.train.tip_of(residual.row)];
+        let tip = of_tip.fk(&arm.nominal, result.train.reading(residual.row));
         places.push(
             tip.rotation * arm.targets[scene.series[residual.series].target].translation.vector
                 + tip.translation.vector,

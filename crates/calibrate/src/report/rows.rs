@@ -7,7 +7,8 @@ use denavit_dh::convert::{self, HAYATI_BELOW};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::formats::FORMATS;
 use denavit_export::{Sheet, Units};
-use denavit_model::Chain;
+use denavit_model::{Chain, Tip};
+use serde::Serialize;
 
 /// So many rows are listed.
 const LISTED: usize = 15;
@@ -57,10 +58,28 @@ pub fn worst(rows: &[RowEntry]) -> String {
     table(&lines)
 }
 
-/// The table of the robot as drawn and as calibrated; `None` where it has none in text.
-pub fn tables(result: &Calibration) -> Option<[String; 2]> {
+/// The tables of the chain to one tip.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Tables {
+    /// `" to <tip>"` where there are several tips; else empty.
+    pub of: String,
+    /// As drawn.
+    pub drawn: String,
+    /// As calibrated.
+    pub calibrated: String,
+}
+
+/// For each tip the table of the robot as drawn and as calibrated; a chain that has none in text is left out.
+pub fn tables(result: &Calibration) -> Vec<Tables> {
     let arm = result.arm();
-    Some([dh_table(&arm.nominal)?, dh_table(&arm.chain())?])
+    let of_tip = |(index, tip): (usize, &Tip)| {
+        Some(Tables {
+            of: if arm.tips.several() { format!(" to {}", tip.name) } else { String::new() },
+            drawn: dh_table(&arm.nominal_to(index))?,
+            calibrated: dh_table(&arm.chain_to(index))?,
+        })
+    };
+    arm.tips.all().iter().enumerate().filter_map(of_tip).collect()
 }
 
 fn dh_table(chain: &Chain) -> Option<String> {

@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
-use crate::calibration::contract::{CalibrationReport, Held, Stage};
+use crate::calibration::contract::{CalibrationReport, Held, Stage, TipEntry};
 use crate::effects::driver::RUN_ORDER;
 use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::identify::solve::{DEGREES_FOR_NOISE, Fit, Noise};
@@ -10,7 +10,7 @@ use crate::observation::kinds::Part;
 use crate::observation::measurements::{Measurements, Scene, columns};
 use crate::observation::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
-use crate::report::curves::curves;
+use crate::report::curves::{curves, fields};
 use crate::report::findings::findings;
 use crate::report::trust;
 use crate::trace::Trace;
@@ -220,6 +220,7 @@ pub fn calibration(result: &Calibration) -> String {
             text.push_str(&lengths(rows, found));
         }
     }
+    text.push_str(&tips(report, &result.train.scene));
     text.push_str(&in_pixels(report, &result.train.scene));
     text.push_str(&trust::not_adopted(report));
     text.push('\n');
@@ -231,6 +232,7 @@ pub fn calibration(result: &Calibration) -> String {
         _ => {}
     }
     text.push_str(&curves(&report.curves));
+    text.push_str(&fields(&report.fields));
     if result.trace.is_none() && result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
         text.push_str("no joint has an error curve that the data ask for\n");
     }
@@ -259,6 +261,27 @@ pub fn calibration(result: &Calibration) -> String {
         let _ = writeln!(text, "{rounding}");
     }
     text
+}
+
+/// How far each of several tips is off at the adopted stage, as the stages above.
+fn tips(report: &CalibrationReport, scene: &Scene) -> String {
+    if report.tips.is_empty() {
+        return String::new();
+    }
+    let of_tip = |tip: &TipEntry| Stage {
+        name: format!("{} ({} rows, {} held out)", tip.tip, tip.fitted, tip.held_out),
+        train: tip.train.clone(),
+        test: tip.test.clone(),
+        train_lengths: Vec::new(),
+        test_lengths: Vec::new(),
+        converged: true,
+        adopted: true,
+        worse_on_held_out: false,
+    };
+    format!(
+        "\nby tip, at the stage that was adopted\n{}",
+        stages(&report.tips.iter().map(of_tip).collect::<Vec<_>>(), scene)
+    )
 }
 
 /// What the adopted stage leaves of an image, and what a pixel is in the table above.

@@ -2,7 +2,7 @@
 
 use crate::args::CalibrateArguments;
 use crate::failure::Failure;
-use crate::measured::{self, Robot};
+use crate::measured::{self, MeasuredRobot, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::{self, Loaded};
@@ -16,9 +16,10 @@ use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, other_chains, prior_read, rows, search};
-use denavit_model::{Chain, Reading};
+use denavit_model::{Chain, Tips};
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Runs the command.
 pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
@@ -34,14 +35,23 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         return draft(arguments);
     }
     let places = Places::of(arguments)?;
-    let robot = measured::robot(&arguments.robot)?;
+    let MeasuredRobot { robot, tips } = measured::robot_with_tips(&arguments.robot)?;
     can_be_identified(&robot.chain)?;
-    let asked = search_asked(arguments)?;
+    let mut asked = search_asked(arguments)?;
+    if tips.several() && asked.effects == ["auto"] {
+        measured::mention(
+            &["effects are looked for in one chain; of several tips the geometry alone is fitted".into()],
+        );
+        asked.effects = vec!["none".into()];
+    }
     let mut options = search(&asked, &robot.chain)?;
-    let products = products(arguments, &robot)?;
-    let Rows { data, test, columns, notes, origin } = rows(&rows_asked(arguments, &robot.chain)?, &robot.chain)?;
+    let products = products(arguments, &robot, &tips)?;
+    let asked_rows = rows_asked(arguments, &robot.chain, &tips)?;
+    let Rows { data, test, columns, notes, origin } = rows(&asked_rows, &robot.chain)?;
     measured::mention(&notes);
-    options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
+    if !tips.several() {
+        options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
+    }
     let spinner = Spinner::start("reading");
     let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
@@ -66,7 +76,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
 
 /// Prints a map of the data's columns to start from.
 fn draft(arguments: &CalibrateArguments) -> Result<Status, Failure> {
-    let chain = measured::robot(&arguments.robot)?.chain;
+    let chain = measured::robot_with_tips(&arguments.robot)?.robot.chain;
     let [file] = &arguments.data[..] else {
         return Err(Failure::Argument("--columns-draft: name one file of data".into()));
     };
@@ -82,7 +92,8 @@ struct Places {
     json: Option<Slot>,
     html: Option<Slot>,
     urdf: Option<Slot>,
-    dh: Option<Slot>,
+    /// A table for each tip, in their order.
+    dh: Vec<Slot>,
     effects: Option<Slot>,
     residuals: Option<Slot>,
     makers: Vec<(Slot, &'static Maker)>,
@@ -106,12 +117,24 @@ impl Places {
             json: outputs.add_if("--json", arguments.json.place())?,
             html: outputs.add_if("--html", arguments.html.as_deref())?,
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
-            dh: outputs.add_if("--dh", arguments.dh.as_deref())?,
+            dh: dh_files(arguments).iter().map(|path| outputs.add("--dh", path)).collect::<Result<_, _>>()?,
             effects: outputs.add_if("--effects-out", arguments.effects_out.as_deref())?,
             residuals: outputs.add_if("--residuals", arguments.residuals.as_deref())?,
             outputs,
         })
     }
+}
+
+/// The file of each tip's table: the one that was named, or beside it `<name>_<tip>` where there are several.
+fn dh_files(arguments: &CalibrateArguments) -> Vec<PathBuf> {
+    let Some(path) = &arguments.dh else { return Vec::new() };
+    let tips = &arguments.robot.tip.tips;
+    if tips.len() < 2 {
+        return vec![path.clone()];
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    tips.iter().map(|tip| path.with_file_name(format!("{stem}_{}.{extension}", tip.replace('/', "_")))).collect()
 }
 
 /// What some outputs are made of.
@@ -126,7 +149,12 @@ struct Products<'a> {
 const ROOMY: [&str; 5] = ["csv", "json", "md", "tex", "text"];
 
 /// Refuses what cannot be made before any work is done: each product is tried on the robot as drawn.
-fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot) -> Result<Products<'a>, Failure> {
+fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot, tips: &Tips) -> Result<Products<'a>, Failure> {
+    if tips.several() && !arguments.out_for.is_empty() {
+        let message = "--out-for: a maker's file holds one arm; write the calibrated robot by --urdf";
+        return Err(Failure::Argument(message.into()));
+    }
+    let chains = chains(&robot.chain, tips)?;
     let freedom = &arguments.freedom;
     let more_than_axes = !freedom.scales.is_empty() || !freedom.pitches.is_empty();
     let urdf = match (&arguments.urdf, &robot.loaded) {
@@ -137,12 +165,16 @@ fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot) -> Result<Prod
             return Err(Failure::Argument(message.into()));
         }
         (Some(_), Loaded::Robot(tree)) => {
-            urdf::with_chain(tree, &robot.chain, reading(arguments))?;
+            urdf::with_chains(tree, &chains, arguments.robot.reading())?;
             Some(tree.as_ref())
         }
         _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
     };
     let Some(path) = &arguments.dh else { return Ok(Products { urdf, dh: None }) };
+    if tips.several() && path == Path::new("-") {
+        let message = "--dh -: there is a table for each tip; name a file, and each is written beside it";
+        return Err(Failure::Argument(message.into()));
+    }
     let format = format_of(path)?;
     let refused = |why: &str| {
         let known = FORMATS.iter().filter(|format| ROOMY.contains(&format.name)).map(|format| format.extension);
@@ -152,7 +184,8 @@ fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot) -> Result<Prod
     if more_than_axes && !ROOMY.contains(&format.name) {
         return Err(refused(&format!("{} has no place for what --scales and --pitches fit", format.name)));
     }
-    match dh_table(format, &robot.chain, &arguments.robot.robot) {
+    let tables = chains.iter().map(|chain| dh_table(format, chain, &arguments.robot.robot));
+    match tables.collect::<Result<Vec<_>, _>>() {
         Err(Failure::Render(RenderError::CannotHold { format, what, .. })) => {
             Err(refused(&format!("{format} has no {what}, which the calibrated table of this robot needs")))
         }
@@ -161,8 +194,10 @@ fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot) -> Result<Prod
     }
 }
 
-fn reading(arguments: &CalibrateArguments) -> Reading {
-    if arguments.robot.exact { Reading::AsWritten } else { Reading::Intended }
+/// The chain to each tip.
+fn chains(all: &Chain, tips: &Tips) -> Result<Vec<Chain>, Failure> {
+    let chain = |tip: &denavit_model::Tip| tip.chain(all).map_err(|error| Failure::Argument(error.to_string()));
+    tips.all().iter().map(chain).collect()
 }
 
 /// Every output that was asked for: all are made before any is written.
@@ -173,7 +208,8 @@ fn texts(
     robot: &Robot,
     result: &Calibration,
 ) -> Result<Vec<(Slot, String)>, Failure> {
-    let calibrated = result.arm().chain();
+    let arm = result.arm();
+    let calibrated: Vec<Chain> = (0..arm.tips.all().len()).map(|tip| arm.chain_to(tip)).collect();
     let mut texts = Vec::new();
     if let Some(slot) = places.json {
         texts.push((slot, result.report.to_json() + "\n"));
@@ -182,18 +218,23 @@ fn texts(
         texts.push((slot, html::page(result)?));
     }
     if let (Some(slot), Some(tree)) = (places.urdf, products.urdf) {
-        let written = urdf::with_chain(tree, &calibrated, reading(arguments))?;
+        let written = urdf::with_chains(tree, &calibrated, arguments.robot.reading())?;
         output::remark(&written.notes);
         texts.push((slot, written.value));
     }
-    if let (Some(slot), Some(format)) = (places.dh, products.dh) {
-        texts.push((slot, dh_table(format, &calibrated, &arguments.robot.robot)?));
+    if let Some(format) = products.dh {
+        for (slot, chain) in places.dh.iter().zip(&calibrated) {
+            texts.push((*slot, dh_table(format, chain, &arguments.robot.robot)?));
+        }
     }
     let found: Vec<String> = result.report.effects.iter().map(|effect| effect.kind.clone()).collect();
     for (slot, maker) in &places.makers {
-        let drawn =
-            if let Loaded::Robot(tree) = &robot.loaded { Some((tree.as_ref(), reading(arguments))) } else { None };
-        let written = (maker.render)(&Calibrated { chain: &calibrated, drawn, effects: &found })?;
+        let drawn = if let Loaded::Robot(tree) = &robot.loaded {
+            Some((tree.as_ref(), arguments.robot.reading()))
+        } else {
+            None
+        };
+        let written = (maker.render)(&Calibrated { chain: &calibrated[0], drawn, effects: &found })?;
         written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
         texts.push((*slot, written.text));
     }
@@ -220,10 +261,18 @@ fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> 
 }
 
 /// The files to fit and to judge by.
-fn rows_asked(arguments: &CalibrateArguments, chain: &Chain) -> Result<RowsAsked, Failure> {
+fn rows_asked(arguments: &CalibrateArguments, chain: &Chain, tips: &Arc<Tips>) -> Result<RowsAsked, Failure> {
+    if tips.several() && !arguments.socket.is_empty() {
+        let message = "--socket: its files have no column that says which tip a row is of; calibrate one tip at a time";
+        return Err(Failure::Argument(message.into()));
+    }
     let units = measured::units(&arguments.units)?;
     let (sight, camera) = measured::sight_and_file(&arguments.camera)?.unzip();
-    let import = ImportOptions { sight, ..measured::import_options(&arguments.import)? };
+    let import = ImportOptions {
+        sight,
+        tips: tips.several().then(|| tips.clone()),
+        ..measured::import_options(&arguments.import)?
+    };
     let read = |file: &String| {
         let read = measured::data_file_or_bag(file, units, import.clone(), &arguments.bag, chain)?;
         Ok::<_, Failure>(DataFile { camera: camera.clone(), ..read })

@@ -1,6 +1,6 @@
 //! `denavit doc`: a page for each robot, and an index of several.
 
-use crate::args::{DocArguments, RobotArguments, SourceArguments};
+use crate::args::{DocArguments, OneTip, RobotArguments, SourceArguments};
 use crate::failure::Failure;
 use crate::output::{self, OutputFolder, Status};
 use crate::source::{self, Loaded};
@@ -124,7 +124,7 @@ fn document(
     let robot = RobotArguments {
         robot: name.to_owned(),
         base: arguments.base.clone(),
-        tip: arguments.tip.clone(),
+        tip: OneTip { tip: arguments.tip.clone() },
         exact: arguments.exact,
         tolerance: 1e-6,
         source: source.clone(),
@@ -153,7 +153,7 @@ fn document(
             )));
         }
         for listing in listed.iter().filter(|listing| others_of(listing)) {
-            let (base, tip) = (Some(listing.base.clone()), Some(listing.tip.clone()));
+            let (base, tip) = (Some(listing.base.clone()), OneTip { tip: Some(listing.tip.clone()) });
             others.extend(part(&RobotArguments { base, tip, ..robot.clone() }, &loaded).ok());
         }
     }

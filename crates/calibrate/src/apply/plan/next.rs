@@ -4,11 +4,10 @@
 //! the information det(I + R C Rᵀ) times as large, and the covariance C - C Rᵀ (I + R C Rᵀ)⁻¹ R C: the plan's criterion, a pose
 //! at a time.
 
-use super::{PlanError, PlanOptions, allowed, candidates};
+use super::{Design, PlanError, PlanOptions, allowed, as_predicted, candidates};
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::observation::arm::{Arm, Perturbation, RowState};
-use crate::observation::kinds::Seen;
+use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use denavit_model::Chain;
@@ -55,7 +54,8 @@ pub fn outlook(
 ) -> Outlook {
     let arm = &fit.arm;
     let fits = candidates.iter().filter(|q| options.allowed.is_none() || allowed(&arm.nominal, arm, q, options));
-    let data = as_predicted(arm, data, series, fits);
+    let nothing_yet = Measurements::empty("candidates", data.joints.clone(), data.scene.clone());
+    let data = as_predicted(arm, nothing_yet, series, fits);
     let problem = ResidualModel { data: &data, layout: &fit.layout, effects: &NoEffects };
     let (columns, height) = (fit.layout.len(), data.tallest_row());
     let mut scratch = Scratch::new(&fit.layout, arm);
@@ -68,27 +68,16 @@ pub fn outlook(
             DMatrix::from_row_slice(problem.height_of(row), columns, &jacobian[..problem.height_of(row) * columns]);
         variance += over_noise(fit, &data, row, &mut rows);
         count += 1.0;
-        let gain = information(fit, &rows).determinant();
+        let gain = Design::gain(&fit.covariance, &rows);
         if gain.is_finite() && best.as_ref().is_none_or(|(most, ..)| gain > *most) {
             best = Some((gain, row, rows));
         }
     }
     let next = best.and_then(|(_, row, rows)| {
-        let along = &fit.covariance * rows.transpose();
-        let inverse = information(fit, &rows).try_inverse()?;
-        let covariance = &fit.covariance - &along * inverse * along.transpose();
+        let covariance = Design::updated(&fit.covariance, &rows, 1.0)?;
         Some(NextPose { joints: data.reading(row).to_vec(), covariance })
     });
     Outlook { next, prediction: if count > 0.0 { f64::sqrt(variance / count) } else { f64::NAN } }
-}
-
-/// I + R C Rᵀ.
-fn information(fit: &Fit<NoEffects>, rows: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut inner = rows * &fit.covariance * rows.transpose();
-    for i in 0..inner.nrows() {
-        inner[(i, i)] += 1.0;
-    }
-    inner
 }
 
 /// Divides the rows by the noise of their channels; returns the variance of the predicted lengths, the mean over what is
@@ -112,34 +101,4 @@ fn over_noise(fit: &Fit<NoEffects>, data: &Measurements, row: usize, rows: &mut 
         }
     }
     variance
-}
-
-/// Rows at these poses with what the arm predicts as measured: only the derivatives are used.
-fn as_predicted<'a>(
-    arm: &Arm,
-    data: &Measurements,
-    series: &[usize],
-    poses: impl Iterator<Item = &'a Vec<f64>>,
-) -> Measurements {
-    let mut predicted = Measurements::empty("candidates", data.joints.clone(), data.scene.clone());
-    let (mut state, still, mut values) = (RowState::default(), Perturbation::none(arm.joints.len()), Vec::new());
-    for pose in poses {
-        arm.state_into(pose, None, &mut state);
-        let mut any = false;
-        for &index in series {
-            let of = &data.scene.series[index];
-            let nothing = vec![0.0; of.kind.numbers()];
-            let seen = Seen::new(arm, &state.tip, &still, of, &nothing, false);
-            if of.kind.in_view(&seen) {
-                values.clear();
-                of.kind.predict(&seen, &mut values);
-                predicted.observed.push(index, &values);
-                any = true;
-            }
-        }
-        if any {
-            predicted.end_row(pose, predicted.len() + 1, false);
-        }
-    }
-    predicted
 }

@@ -2,7 +2,7 @@
 
 use super::{SimulationOptions, drawn, normal};
 use crate::observation::arm::{Arm, RowState};
-use crate::observation::measurements::Scene;
+use crate::observation::measurements::{Scene, Target};
 use denavit_model::nalgebra::{DVector, Point3, Vector3};
 use denavit_model::se3;
 use rand::RngExt;
@@ -25,7 +25,7 @@ const DIFFERENCE: f64 = 1e-6;
 pub(super) fn scene(options: &SimulationOptions) -> Scene {
     let (kind, mut scene) = (options.kind, Scene::default());
     for plane in 1..=PLANES {
-        scene.add(kind, &format!("{plane} {}", kind.own_setup()), kind.own_target().unwrap_or(""), None);
+        scene.add(kind, &format!("{plane} {}", kind.own_setup()), Target::alone(kind.own_target().unwrap_or("")), None);
     }
     scene
 }
@@ -36,7 +36,7 @@ pub(super) fn within_reach(arm: &mut Arm, random: &mut ChaCha8Rng) {
     for plane in 0..arm.instruments.len() {
         let q: Vec<f64> = coordinates.iter().map(|coordinate| drawn(coordinate, random)).collect();
         let mut state = RowState::default();
-        arm.state_into(&q, None, &mut state);
+        arm.state_into(&q, 0, None, &mut state);
         let through = (state.tip * Point3::from(arm.targets[0].translation.vector)).coords;
         let towards = Vector3::new(normal(random, 1.0), normal(random, 1.0), normal(random, 1.0)).normalize();
         let rotation = se3::least_rotation(&towards, &Vector3::z());
@@ -72,7 +72,7 @@ pub(super) fn touching(
 fn brought_to(arm: &Arm, plane: usize, height: f64, mut q: Vec<f64>) -> Option<Vec<f64>> {
     let above = |q: &[f64]| {
         let mut state = RowState::default();
-        arm.state_into(q, None, &mut state);
+        arm.state_into(q, 0, None, &mut state);
         let at = state.tip * Point3::from(arm.targets[0].translation.vector);
         (arm.instruments[plane] * at).z - height
     };

@@ -33,8 +33,9 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
     }
     // The outermost corners tell how much of the board is in view.
     let (last, row) = (board.corners() - 1, board.columns - 2);
-    let outermost = [0, row, last - row, last].map(|number| scene.series[number].clone());
-    let outermost = Scene { series: outermost.into(), ..scene.clone() };
+    let corners = [0, row, last - row, last].map(|number| scene.series[number].clone());
+    let mut outermost = scene.clone();
+    outermost.series = corners.into();
     let coordinates = arm.nominal.coordinates().to_vec();
     let mut posture = || -> Vec<f64> { coordinates.iter().map(|coordinate| drawn(coordinate, random)).collect() };
     let postures: Vec<Vec<f64>> = (0..POSTURES).map(|_| posture()).collect();
@@ -46,7 +47,7 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
         let camera_from_board = se3::pose(turn, Vector3::new(0.0, 0.0, distance) - turn * middle);
         let still_from_tip = if sight.on_hand { camera_from_board.inverse() } else { camera_from_board };
         let mut state = RowState::default();
-        arm.state_into(&q, None, &mut state);
+        arm.state_into(&q, 0, None, &mut state);
         arm.instruments[0] = still_from_tip * (state.tip * arm.targets[0]).inverse();
         let count = postures.iter().filter(|q| share_in_view(arm, &outermost, q) > 0.5).count();
         if best.as_ref().is_none_or(|(most, _)| count > *most) {
@@ -69,7 +70,7 @@ pub(super) fn that_see_enough(arm: &Arm, scene: &Scene, postures: Vec<Vec<f64>>,
 /// Share of the corners that are seen.
 fn share_in_view(arm: &Arm, scene: &Scene, q: &[f64]) -> f64 {
     let (mut state, still) = (RowState::default(), Perturbation::none(arm.joints.len()));
-    arm.state_into(q, None, &mut state);
+    arm.state_into(q, 0, None, &mut state);
     let seen = |series: &&crate::observation::measurements::Series| {
         series.kind.in_view(&Seen::new(arm, &state.tip, &still, series, &[0.0; 2], false))
     };

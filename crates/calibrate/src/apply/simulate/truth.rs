@@ -48,6 +48,10 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
         truth["instrument_from_base"] = pose(&arm.instruments[0]);
     }
     truth["tip_from_targets"] = arm.targets.iter().map(pose).collect();
+    if arm.tips.several() {
+        // Which tip each of these sits on.
+        truth["tips"] = arm.sits_on.iter().map(|tip| json!(arm.tips[*tip].name)).collect();
+    }
     truth["gross_errors"] = run.outliers.iter().map(|row| json!(row + 1)).collect();
     truth["effects"] = serde_json::from_str(&effects.to_json()).unwrap_or(Value::Null);
     serde_json::to_string_pretty(&truth).expect("names are texts and numbers are numbers") + "\n"
