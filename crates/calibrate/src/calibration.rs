@@ -23,6 +23,7 @@ use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
 use crate::identify::lack_of_fit::lack_of_fit;
+use crate::identify::noise::{HeldCurve, NoiseModel, noise_model};
 use crate::identify::posterior::Posterior;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
@@ -34,6 +35,7 @@ use crate::observation::arm::Arm;
 use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{Effects, NoEffects};
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
+use crate::trace::infer::model::Kernel;
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
@@ -67,18 +69,21 @@ pub struct CalibrateOptions {
     pub trace: Option<TraceOptions>,
     /// Fit error curves of the joints, where no effects are searched for.
     pub curves: Option<CurveOptions>,
+    /// Say what the noise is made of.
+    pub noise: bool,
     /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
     pub other_chains: Vec<Chain>,
 }
 
 impl CalibrateOptions {
-    /// Geometry alone, every axis, nothing held out.
+    /// Geometry alone, every axis, nothing held out, the noise as a number.
     pub fn geometry(chain: &Chain) -> Self {
         Self {
             identify: IdentifyOptions::axes(chain),
             hold_out: None,
             trace: None,
             curves: None,
+            noise: false,
             other_chains: Vec::new(),
         }
     }
@@ -303,6 +308,10 @@ pub fn calibrate_and_tell(
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
     let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
+    let noise = options.noise.then(|| match reached {
+        Some(Beyond { fit, .. }) => noise_beside_curves(fit, &train),
+        None => noise_model(geometry.2, &train, &[]),
+    });
     let report = CalibrationReport {
         schema: SCHEMA,
         origin: Origin::default(),
@@ -321,6 +330,7 @@ pub fn calibrate_and_tell(
         },
         redundancy,
         repeats,
+        noise: noise.flatten(),
         identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
@@ -370,6 +380,16 @@ impl Identification {
         let own = self.stages().into_iter().find(|(_, stage, _)| *stage == adopted);
         own.map_or(&self.geometric, |(.., fit)| fit)
     }
+}
+
+/// What the noise of a fit is made of that may hold error curves.
+fn noise_beside_curves(fit: &Fit<EffectModel>, train: &Measurements) -> Option<NoiseModel> {
+    let held = |curve| {
+        let kernel = Kernel::of(curve);
+        HeldCurve { curve, variances: kernel.variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect() }
+    };
+    let curves: Vec<HeldCurve<'_>> = fit.effects.curves.iter().map(held).collect();
+    noise_model(fit, train, &curves)
 }
 
 /// The search goes on from the earlier calibration as far as the geometric fit does.
