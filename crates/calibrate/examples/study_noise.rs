@@ -57,7 +57,13 @@ pub fn worlds() -> Vec<World> {
         World { name: "joints 1 to 3", repeatability: [8e-5, 8e-5, 8e-5, 0.0, 0.0, 0.0], ..WHITE },
         World { name: "joints 1 to 3, poses", kind: POSE, repeatability: [6e-5, 6e-5, 6e-5, 0.0, 0.0, 0.0], ..WHITE },
         World { name: "all joints alike, poses", kind: POSE, position: 1e-5, repeatability: [4e-5; 6], ..WHITE },
-        World { name: "joint 2 and angle", position: 1e-5, angle: 4e-5, repeatability: [0.0, 8e-5, 0.0, 0.0, 0.0, 0.0], ..WHITE },
+        World {
+            name: "joint 2 and angle",
+            position: 1e-5,
+            angle: 4e-5,
+            repeatability: [0.0, 8e-5, 0.0, 0.0, 0.0, 0.0],
+            ..WHITE
+        },
     ]
 }
 
@@ -127,7 +133,12 @@ pub struct Tally {
 }
 
 /// Runs of one world, source by source; and the number of files that claim something that is not there, and an order of the run.
-pub fn tallied(chain: &Chain, world: &World, rows: usize, seeds: std::ops::Range<u64>) -> (BTreeMap<String, Tally>, [usize; 2]) {
+pub fn tallied(
+    chain: &Chain,
+    world: &World,
+    rows: usize,
+    seeds: std::ops::Range<u64>,
+) -> (BTreeMap<String, Tally>, [usize; 2]) {
     let mut tallies: BTreeMap<String, Tally> = BTreeMap::new();
     let mut wrong = [0, 0];
     for seed in seeds {
@@ -142,8 +153,7 @@ pub fn tallied(chain: &Chain, world: &World, rows: usize, seeds: std::ops::Range
             tally.truth = truth;
             tally.files += 1;
             tally.claimed += usize::from(component.claimed);
-            tally.inside +=
-                usize::from(component.low <= truth && component.high.is_none_or(|high| truth <= high));
+            tally.inside += usize::from(component.low <= truth && component.high.is_none_or(|high| truth <= high));
             tally.sum += component.value;
             any |= component.claimed && truth == 0.0;
         }

@@ -308,10 +308,6 @@ pub fn calibrate_and_tell(
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
     let entries = |of: bool| entries(named, of, chain);
     let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
-    let noise = options.noise.then(|| match reached {
-        Some(Beyond { fit, .. }) => noise_beside_curves(fit, &train),
-        None => noise_model(geometry.2, &train, &[]),
-    });
     let report = CalibrationReport {
         schema: SCHEMA,
         origin: Origin::default(),
@@ -330,7 +326,7 @@ pub fn calibrate_and_tell(
         },
         redundancy,
         repeats,
-        noise: noise.flatten(),
+        noise: options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten(),
         identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
@@ -382,13 +378,15 @@ impl Identification {
     }
 }
 
-/// What the noise of a fit is made of that may hold error curves.
-fn noise_beside_curves(fit: &Fit<EffectModel>, train: &Measurements) -> Option<NoiseModel> {
-    let held = |curve| {
-        let kernel = Kernel::of(curve);
-        HeldCurve { curve, variances: kernel.variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect() }
-    };
-    let curves: Vec<HeldCurve<'_>> = fit.effects.curves.iter().map(held).collect();
+/// What the noise of the adopted fit is made of, which may hold error curves.
+fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Measurements) -> Option<NoiseModel> {
+    let Some(Beyond { fit, .. }) = reached else { return noise_model(geometry, train, &[]) };
+    let mut curves = Vec::new();
+    for curve in &fit.effects.curves {
+        let kernel = Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() };
+        let variances = kernel.variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
+        curves.push(HeldCurve { curve, variances });
+    }
     noise_model(fit, train, &curves)
 }
 

@@ -15,6 +15,7 @@ mod jacobian;
 mod measured;
 mod mixes;
 mod monitor;
+mod noise;
 mod oracle;
 mod page;
 mod placing;

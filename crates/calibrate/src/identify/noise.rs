@@ -17,8 +17,8 @@
 pub mod reml;
 mod rows;
 
-pub use self::rows::HeldCurve;
 use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
+pub use self::rows::HeldCurve;
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
@@ -27,8 +27,9 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use std::borrow::Cow;
 
-/// Of clean files so many may show a source that is not there.
-const FALSE_CLAIMS: f64 = 0.01;
+/// Of clean files so many may show a source that is not there. The ratio is half a χ² in the limit of many rows; of files of a hundred
+/// rows, some three times as many show one, and one in a hundred is what may.
+const FALSE_CLAIMS: f64 = 0.003;
 /// What the deviance rises by at the ends of an interval that covers 95 %: of χ² with one degree of freedom.
 const AT_THE_ENDS: f64 = 3.841_458_820_694_124;
 /// The same at a bound that covers 95 % by itself.
@@ -156,8 +157,10 @@ fn is_level(source: &Source) -> bool {
 fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
     let count = sources.len();
     let levels = sources.iter().filter(|source| is_level(source)).count();
-    let start: Vec<f64> =
-        sources.iter().map(|source| if is_level(source) { 0.8 } else { 0.2 / (count - levels).max(1) as f64 }).collect();
+    let start: Vec<f64> = sources
+        .iter()
+        .map(|source| if is_level(source) { 0.8 } else { 0.2 / (count - levels).max(1) as f64 })
+        .collect();
     let full = Study { reml, tied: Tied::each(count), best: reml.likeliest(&Tied::each(count), &start, &[], 0.0)? };
     if reml.values() as f64 - full.best.slope.used < VALUES_PER_SOURCE * count as f64 {
         return None;
@@ -166,7 +169,8 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
     let together = together(sources, &joints);
     let tried = count - levels + usize::from(together.is_some());
     let limit = FALSE_CLAIMS / tried as f64;
-    let mut p_values: Vec<Option<f64>> = (0..count).map(|k| (!is_level(&sources[k])).then(|| full.without(k))).collect();
+    let mut p_values: Vec<Option<f64>> =
+        (0..count).map(|k| (!is_level(&sources[k])).then(|| full.without(k))).collect();
     let mut claimed: Vec<bool> = p_values.iter().map(|p_value| p_value.is_none_or(|p_value| p_value < limit)).collect();
     let mut sources = sources.to_vec();
     let mut model = full.kept(&claimed);
@@ -188,7 +192,16 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
     }
     let model = model.settled()?;
     let component = |k: usize| model.component(k, &sources[k], all_alike.as_ref(), claimed[k], p_values[k]);
-    let components = (0..sources.len()).map(component).collect();
+    let mut components: Vec<Component> = (0..sources.len()).map(component).collect();
+    // What is not claimed does not stand in for a level either.
+    let open: Vec<usize> = (0..count).filter(|&k| is_level(&sources[k]) && !components[k].claimed).collect();
+    if !open.is_empty()
+        && let Some(sure) = model.only(&claimed)
+    {
+        for k in open {
+            components[k] = sure.component(k, &sources[k], None, true, None);
+        }
+    }
     let slope = &model.best.slope;
     let (squares, fourth) = slope.powers;
     let kurtosis = reml.values() as f64 * fourth / (squares * squares);
@@ -233,7 +246,7 @@ impl<'a> Study<'a> {
             }
             let open = (0..model.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false) && model.has(k));
             let least = open
-                .map(|k| (model.pull_of(k), k))
+                .map(|k| (model.pull_of(k) / model.tails(k), k))
                 .filter(|(ratio, _)| *ratio < FOR_NOTHING)
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, k)) = least else { return model };
@@ -242,11 +255,19 @@ impl<'a> Study<'a> {
             start[k] = 0.0;
             let Some(best) = self.reml.likeliest(&tied, &start, &[], GOOD) else { return model };
             // What is told of it by the curvature alone need not hold.
-            if best.slope.deviance - model.best.slope.deviance >= FOR_NOTHING {
+            if best.slope.deviance - model.best.slope.deviance >= FOR_NOTHING * model.tails(k) {
                 return model;
             }
             model = Study { reml: self.reml, tied, best };
         }
+    }
+
+    /// The model with what is claimed alone.
+    fn only(&self, claimed: &[bool]) -> Option<Study<'a>> {
+        let open = (0..self.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false));
+        let tied = open.fold(self.tied.clone(), |tied, k| tied.without(k));
+        let best = self.reml.likeliest(&tied, &self.best.numbers, &[], 0.0)?;
+        Some(Study { reml: self.reml, tied, best })
     }
 
     /// The same, as exactly as can be had.
@@ -319,7 +340,8 @@ impl<'a> Study<'a> {
             tied.of[number] = Some((number, 1.0));
         } else {
             let all = together?;
-            for (own, of) in tied.of.iter_mut().zip(&all.of).filter(|(_, of)| of.is_some_and(|(own, _)| own == number)) {
+            for (own, of) in tied.of.iter_mut().zip(&all.of).filter(|(_, of)| of.is_some_and(|(own, _)| own == number))
+            {
                 *own = *of;
             }
             tied.count = all.count;

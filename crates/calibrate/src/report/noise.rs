@@ -14,7 +14,8 @@ fn written(component: &Component) -> (f64, &'static str) {
 
 /// A number with three digits that count, or as many as it has before the point.
 fn rounded(value: f64) -> String {
-    let digits = if value > 0.0 { (2.0 - value.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+    let digits = (0..6).find(|digits| value * 10f64.powi(*digits) >= 100.0).unwrap_or(6);
+    let digits = usize::try_from(if value > 0.0 { digits } else { 0 }).unwrap_or(0);
     format!("{value:.digits$}")
 }
 
@@ -53,9 +54,8 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
     let (joints, instrument): (Vec<&Component>, Vec<&Component>) =
         there.into_iter().partition(|of| of.name == "repeatability");
     let listed = |of: &[&Component]| of.iter().map(|of| claimed(of)).collect::<Vec<_>>().join(", ");
-    if !instrument.is_empty() {
-        let _ = writeln!(text, "noise, standard deviation and 95 % interval: {}", listed(&instrument));
-    }
+    let level = if instrument.is_empty() { "of no source alone".into() } else { listed(&instrument) };
+    let _ = writeln!(text, "noise, standard deviation and 95 % interval: {level}");
     if !joints.is_empty() {
         let _ = writeln!(text, "  {}", listed(&joints));
     }

@@ -288,7 +288,8 @@ impl Reml {
                 break;
             }
             steps += 1;
-            let Some((next, reached)) = self.along(tied, &wanted, &numbers, &slope, (&free, &step, pull.dot(&step)), &least)
+            let Some((next, reached)) =
+                self.along(tied, &wanted, &numbers, &slope, (&free, &step, pull.dot(&step)), &least)
             else {
                 break;
             };
@@ -411,10 +412,10 @@ impl Reml {
                 }
             }
             sums.used += (0..h).map(|k| hat[k * h + k]).sum::<f64>();
-            moved.iter_mut().for_each(|moved| {
+            for moved in &mut moved {
                 moved.clear();
                 moved.resize(h, 0.0);
-            });
+            }
             for of in row.factors.iter().filter(|of| wanted[of.source]) {
                 for b in of.cells.chunks_exact(h) {
                     c.clear();
@@ -682,7 +683,8 @@ mod tests {
         let columns = 4;
         let rows = (0..30).map(|row| {
             let h = 2 + row % 2;
-            let cells = |seed: usize, width: usize| (0..h * width).map(|k| number(seed + 31 * row + k)).collect::<Vec<f64>>();
+            let cells =
+                |seed: usize, width: usize| (0..h * width).map(|k| number(seed + 31 * row + k)).collect::<Vec<f64>>();
             let level = (0..h * h).map(|k| f64::from(u8::from(k % (h + 1) == 0))).collect();
             let factors = vec![
                 Factor { source: 0, cells: level },

@@ -19,7 +19,7 @@ const TOLD_LITTLE: f64 = 0.01;
 /// So many are many.
 const MANY: usize = 80;
 /// The work of one step, as values times the square of the free numbers, at most: beyond it rows are left out.
-const MOST_WORK: f64 = 2e7;
+const MOST_WORK: usize = 4_000_000;
 /// Rows, at most.
 pub const MOST_ROWS: usize = 5000;
 /// A target nearer to the instrument than this share of its usual distance has no direction.
@@ -107,9 +107,8 @@ pub(super) fn prepared<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[
     }
     let sources = sources_of(fit, data);
     let free = fit.layout.len() + curves.iter().map(|held| held.curve.waves.len()).sum::<usize>();
-    let height = data.values() as f64 / data.len() as f64;
-    let affordable = MOST_WORK / (height * (free * free) as f64);
-    let most = MOST_ROWS.min((affordable as usize).max(2 * free));
+    let of_a_row = data.values().div_ceil(data.len()) * free * free;
+    let most = (MOST_WORK / of_a_row.max(1)).max(2 * free).min(MOST_ROWS);
     let chosen = spread(&all, most);
     let mut raw = raw_rows(fit, data, curves, &sources, &chosen);
     let units = scaled(&mut raw, fit, &sources);
@@ -188,7 +187,10 @@ fn raw_rows<E: Effects>(
         let over = |channel: usize| 1.0 / fit.noise.levels[channel];
         let cell = |line: usize, column: usize| jacobian[line * width + column];
         let column_of = |column: usize, sign: f64| {
-            lines.iter().map(move |&(line, channel, ..)| sign * cell(line, column) * over(channel)).collect::<Vec<f64>>()
+            lines
+                .iter()
+                .map(move |&(line, channel, ..)| sign * cell(line, column) * over(channel))
+                .collect::<Vec<f64>>()
         };
         let mut columns = Vec::with_capacity(h * (own.len() + 8));
         for &column in &own {
@@ -261,7 +263,10 @@ fn beams<E: Effects>(
         if distance < NO_DISTANCE * arm.nominal.size() {
             continue;
         }
-        let axes = data.observed.level(observation).map_or_else(Matrix3::identity, |level| level * instrument.rotation.matrix());
+        let axes = data
+            .observed
+            .level(observation)
+            .map_or_else(Matrix3::identity, |level| level * instrument.rotation.matrix());
         let along = sight / distance;
         if place == Place::Range {
             found.push((observation, axes * along));
