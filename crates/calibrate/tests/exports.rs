@@ -121,7 +121,7 @@ fn qualisys_markers() {
         "NO_OF_FRAMES\t12\nNO_OF_CAMERAS\t7\nNO_OF_MARKERS\t2\nFREQUENCY\t120\nNO_OF_ANALOG\t0\nANALOG_FREQUENCY\t0\n\
          DESCRIPTION\t--\nTIME_STAMP\t2014-06-17, 08:53:44\nDATA_INCLUDED\t3D\nMARKER_NAMES\tball\tother\n",
     );
-    for (row, cells) in cells(&data).iter().enumerate() {
+    for cells in cells(&data) {
         let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
         let _ = writeln!(text, "{x}\t{y}\t{z}\t1\t2\t3");
     }
