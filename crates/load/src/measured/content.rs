@@ -74,3 +74,41 @@ impl Read for Unreadable {
         self.0.take().map_or(Ok(0), Err)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::{DataFile, HashedFile, RowsAsked, rows};
+    use denavit_calibrate::NoEffects;
+    use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+    use denavit_calibrate::observation::measurements::write;
+    use denavit_model::examples;
+
+    #[test]
+    fn a_large_file_stays_on_the_disk_and_gives_the_same_rows() {
+        let chain = examples::puma_like();
+        let text = write(&simulate(&chain, &SimulationOptions::default(), &NoEffects).data, &[]);
+        // Comments make it large.
+        let comment = format!("# {}\n", "a word about the measurement ".repeat(100));
+        let count = usize::try_from(LARGE).unwrap() / comment.len() + 1;
+        let text = format!("{text}{}", comment.repeat(count));
+        let file = std::env::temp_dir().join(format!("denavit-content-{}.csv", std::process::id()));
+        std::fs::write(&file, &text).unwrap();
+        let (name, large) = Content::of(file.to_str().unwrap()).unwrap();
+        assert_eq!(large, Content::OnDisk(file.clone()));
+        assert_eq!(&*large.bytes().unwrap(), text.as_bytes());
+        let asked = |content: Content| {
+            let data = vec![DataFile { name: name.clone(), content, ..DataFile::default() }];
+            RowsAsked { data, ..RowsAsked::default() }
+        };
+        let (on_disk, in_memory) = (asked(large), asked(text.as_str().into()));
+        let (one, other) = (rows(&on_disk, &chain).unwrap(), rows(&in_memory, &chain).unwrap());
+        assert_eq!((one.data, &one.notes, &one.columns), (other.data, &other.notes, &other.columns));
+        assert_eq!(one.origin.files, other.origin.files);
+        assert_eq!(one.origin.files[0].sha256, HashedFile::of(&name, text.as_bytes()).sha256);
+        // It is taken away before it is read.
+        std::fs::remove_file(&file).unwrap();
+        let error = rows(&on_disk, &chain).unwrap_err().to_string();
+        assert!(error.contains(&name) && error.contains("No such file"), "{error}");
+    }
+}
