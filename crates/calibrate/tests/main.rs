@@ -5,6 +5,7 @@
 mod bad_input;
 mod camera;
 mod contact;
+mod covariates;
 mod curves;
 mod diagnosis;
 mod exports;
