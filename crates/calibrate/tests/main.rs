@@ -18,6 +18,7 @@ mod mixes;
 mod monitor;
 mod oracle;
 mod page;
+mod pairs;
 mod placing;
 mod plan_and_compensate;
 mod prior;
