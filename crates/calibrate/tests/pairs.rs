@@ -10,7 +10,9 @@ use denavit_calibrate::effects::survey::{Survey, with_run_order};
 use denavit_calibrate::effects::{EffectModel, KINDS, Kind, Statics, Term};
 use denavit_calibrate::identify::residual::Scratch;
 use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE};
-use denavit_calibrate::{Arm, Effects as _, Freedom, Layout, Measurements, NoEffects, ResidualModel, Tolerances};
+use denavit_calibrate::{
+    Arm, Effects as _, Freedom, Layout, Measurements, NoEffects, Perturbation, ResidualModel, Row, Tolerances,
+};
 use denavit_model::Chain;
 use denavit_model::tree::Reading;
 use std::collections::BTreeSet;
@@ -20,15 +22,17 @@ use std::path::Path;
 const ROWS: usize = 60;
 /// Of these, the rows that are differentiated: early and late, so that drivers of the run's order differ.
 const LOOKED_AT: [usize; 4] = [3, 21, 38, 57];
-/// How far a step of a coefficient moves the residual, m and rad. What a central difference leaves out is some 1e-8 of its
-/// value, and rounding of residuals of metres some 1e-11.
-const MOVED: f64 = 1e-4;
+/// How far a step of a coefficient moves the arm, its target or its instrument, m and rad. Relative to that a central difference
+/// leaves out some 1e-10, and rounding of residuals of metres makes some 1e-10.
+const MOVED: f64 = 2e-5;
 /// Greatest difference, relative to the column's largest value.
 const WITHIN: f64 = 1e-6;
+/// A column whose values are all smaller than this, relative to how far the effect moves the arm, is held against this: what hardly
+/// moves what is measured, such as a joint that turns the target about itself.
+const HARDLY: f64 = 1e-3;
 
-/// A column whose values are all smaller than this is one of rounding: gravity on an upright axis, say. Its differences are held
-/// against 1.
-const NOTHING: f64 = 1e-9;
+/// A coefficient with which an effect acts as it does to first order.
+const SMALL: f64 = 1e-9;
 
 /// What was compared.
 #[derive(Default)]
@@ -75,6 +79,18 @@ fn residual(model: &EffectModel, layout: &Layout, arm: &Arm, data: &Measurements
     residual
 }
 
+/// Largest change of the arm, its target or its instrument in the rows, m and rad.
+fn size(model: &EffectModel, arm: &Arm, data: &Measurements) -> f64 {
+    let of_row = |row: usize| {
+        let mut out = Perturbation::none(arm.joints.len());
+        model.perturb(Row::new(data, row), arm, &mut out);
+        let twists = out.twists.iter().map(|twist| twist.amax());
+        let rest = [out.target.amax(), out.anchor.amax(), out.scale.abs(), out.reading.abs()];
+        twists.chain(rest).fold(0.0, f64::max)
+    };
+    LOOKED_AT.into_iter().map(of_row).fold(0.0, f64::max)
+}
+
 /// The columns of a term's coefficients over the rows: in closed form, and by differences.
 fn compare(term: &Term, statics: &Statics, arm: &Arm, data: &Measurements, compared: &mut Compared) {
     let model = EffectModel::of_terms(statics, std::slice::from_ref(term));
@@ -95,20 +111,23 @@ fn compare(term: &Term, statics: &Statics, arm: &Arm, data: &Measurements, compa
     compared.kinds.insert(term.kind.name());
     for (column, closed) in closed.iter().enumerate() {
         let largest = closed.iter().fold(0.0, |largest: f64, cell| largest.max(cell.abs()));
-        let felt = largest > NOTHING;
-        let step = if felt { MOVED / largest } else { MOVED };
-        let moved = |by: f64| {
+        let by = |step: f64| {
             let mut numbers = vec![0.0; layout.effects.len()];
-            numbers[column] = by;
-            let model = model.stepped(&numbers);
+            numbers[column] = step;
+            model.stepped(&numbers)
+        };
+        let size = size(&by(SMALL), arm, data) / SMALL;
+        let step = if size > 0.0 { MOVED / size } else { MOVED };
+        let moved = |step: f64| {
+            let model = by(step);
             LOOKED_AT.iter().flat_map(|&row| residual(&model, &layout, arm, data, row)).collect::<Vec<f64>>()
         };
         let (up, down) = (moved(step), moved(-step));
         let off = up.iter().zip(&down).zip(closed).map(|((up, down), cell)| ((up - down) / (2.0 * step) - cell).abs());
-        let off = off.fold(0.0, f64::max) / if felt { largest } else { 1.0 };
+        let off = off.fold(0.0, f64::max) / if size > 0.0 { largest.max(HARDLY * size) } else { 1.0 };
         assert!(off < WITHIN, "{term:?}, coefficient {column}: {off:e} of {largest:e}");
         compared.coefficients += 1;
-        compared.moving += usize::from(felt);
+        compared.moving += usize::from(largest > HARDLY * size);
         compared.worst = compared.worst.max(off);
     }
 }
