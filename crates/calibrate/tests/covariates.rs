@@ -3,7 +3,7 @@
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::effects::survey::{Survey, with_run_order};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::identify::residual_statistics::{bound_later, residuals};
+use denavit_calibrate::identify::residual_statistics::{Residual, bound_later, residuals};
 use denavit_calibrate::observation::measurements::{Covariate, Units, read};
 use denavit_calibrate::{Effects as _, Measurements, NoEffects};
 use denavit_model::examples::{planar_arm, puma_like};
@@ -57,7 +57,7 @@ fn a_model_goes_to_other_rows_with_its_columns_or_not_at_all() {
     assert_ne!(bound, model);
     assert_eq!(residuals(&run.arm, &bound, &other), residuals(&run.arm, &model, &measured));
     let still = residuals(&run.arm, &NoEffects, &other);
-    assert!(still.iter().map(|residual| residual.distance()).fold(0.0, f64::max) > 1e-4);
+    assert!(still.iter().map(Residual::distance).fold(0.0, f64::max) > 1e-4);
     // A part of the rows has the same columns.
     let part = measured.subset(&[4, 9]);
     let whole = residuals(&run.arm, &model, &measured);

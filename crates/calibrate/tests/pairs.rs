@@ -14,6 +14,7 @@ use denavit_calibrate::{
     Arm, Effects as _, Freedom, Layout, Measurements, NoEffects, Perturbation, ResidualModel, Row, Tolerances,
 };
 use denavit_model::Chain;
+use denavit_model::nalgebra::Matrix;
 use denavit_model::tree::Reading;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -87,7 +88,7 @@ fn size(model: &EffectModel, arm: &Arm, data: &Measurements) -> f64 {
     let of_row = |row: usize| {
         let mut out = Perturbation::none(arm.joints.len());
         model.perturb(Row::new(data, row), arm, &mut out);
-        let twists = out.twists.iter().map(|twist| twist.amax());
+        let twists = out.twists.iter().map(Matrix::amax);
         let rest = [out.target.amax(), out.anchor.amax(), out.scale.abs(), out.reading.abs()];
         twists.chain(rest).fold(0.0, f64::max)
     };

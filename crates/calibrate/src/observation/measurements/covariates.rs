@@ -4,11 +4,11 @@
 //! elsewhere is an error that names the file, the column and the mend. What is evaluated row by row takes the column, so that
 //! a quantity that nobody recorded cannot be read as 0: a name alone is no column, and neither is an index.
 //!
-//! ```compile_fail
+//! ```compile_fail,E0308
 //! use denavit_calibrate::effects::Driver;
 //! let driver = Driver::Covariate("temperature".to_owned());
 //! ```
-//! ```compile_fail
+//! ```compile_fail,E0451
 //! use denavit_calibrate::observation::measurements::Column;
 //! let column = Column { index: 3, name: "temperature".into() };
 //! ```
