@@ -88,7 +88,7 @@ impl Effects {
         let poses = match wanted {
             Wanted::File(given) => {
                 let file = given.file()?;
-                poses::read_export(&file.name, &file.bytes[..], as_it_is, file.units, &file.import)
+                poses::read_export(&file.name, file.content.open(), as_it_is, file.units, &file.import)
                     .map_err(|failure| data(&failure))?
             }
             Wanted::Matrices(array) => of_matrices(&array)?,

@@ -13,6 +13,7 @@ mod factory;
 mod honesty;
 mod identifiability;
 mod jacobian;
+mod large_files;
 mod measured;
 mod mixes;
 mod monitor;

@@ -155,6 +155,12 @@ impl Residual {
 /// The arm's targets, instruments and points are those of `data`: see [`placed`].
 pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
     let mut found = Vec::with_capacity(data.observations());
+    each_residual(arm, effects, data, |residual| found.push(residual));
+    found
+}
+
+/// As [`residuals`], one after the other: of a million rows they need not all be kept.
+pub fn each_residual<E: Effects>(arm: &Arm, effects: &E, data: &Measurements, mut take: impl FnMut(Residual)) {
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     for row in (0..data.len()).filter(|&row| !data.locate[row]) {
         stand(arm, effects, data, row, &mut state, &mut perturbation);
@@ -162,10 +168,9 @@ pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
             let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
-            found.push(Residual { row, observation, series: data.observed.series(observation), place, turn });
+            take(Residual { row, observation, series: data.observed.series(observation), place, turn });
         }
     }
-    found
 }
 
 fn stand<E: Effects>(
@@ -384,24 +389,52 @@ fn instrument_of(arm: &Arm, fitted: &Measurements, setup: &String) -> denavit_mo
 }
 
 /// Root mean square, mean and largest of each sort of error.
-pub fn errors(residuals: &[Residual], scene: &Scene) -> Errors {
-    let of = |(channel, part): (usize, &Part)| {
-        let norms: Vec<f64> = residuals
-            .iter()
-            .filter_map(|residual| {
-                let channels = scene.series[residual.series].channels;
-                let which = channels.iter().position(|own| *own == Some(channel))?;
-                Some(if which == 0 { residual.place.norm() } else { residual.turn.norm() })
+pub fn errors<'r>(residuals: impl IntoIterator<Item = &'r Residual>, scene: &Scene) -> Errors {
+    let mut sums = ErrorSums::new(scene);
+    residuals.into_iter().for_each(|residual| sums.add(residual));
+    sums.errors()
+}
+
+/// What [`errors`] are counted from, residual by residual.
+#[derive(Debug, Clone)]
+pub struct ErrorSums<'s> {
+    scene: &'s Scene,
+    /// Of each channel: how many, their sum, the sum of their squares, the largest.
+    of_channels: Vec<[f64; 4]>,
+}
+
+impl<'s> ErrorSums<'s> {
+    /// Of no residual yet.
+    pub fn new(scene: &'s Scene) -> Self {
+        Self { scene, of_channels: vec![[0.0; 4]; scene.channels.len()] }
+    }
+
+    /// Counts a residual.
+    pub fn add(&mut self, residual: &Residual) {
+        let channels = self.scene.series[residual.series].channels;
+        for (channel, vector) in channels.into_iter().zip([&residual.place, &residual.turn]) {
+            if let Some(channel) = channel {
+                let norm = vector.norm();
+                let [count, sum, squares, most] = &mut self.of_channels[channel];
+                *count += 1.0;
+                *sum += norm;
+                *squares += norm * norm;
+                *most = most.max(norm);
+            }
+        }
+    }
+
+    /// The errors of every sort of which there is a residual.
+    pub fn errors(&self) -> Errors {
+        let of = |(channel, [count, sum, squares, max]): (usize, &[f64; 4])| {
+            (*count > 0.0).then(|| Error {
+                part: self.scene.channels[channel],
+                rms: (squares / count).sqrt(),
+                mean: sum / count,
+                max: *max,
+                per_pixel: self.scene.per_pixel(channel),
             })
-            .collect();
-        let count = norms.len() as f64;
-        (count > 0.0).then(|| Error {
-            part: *part,
-            rms: (norms.iter().map(|v| v * v).sum::<f64>() / count).sqrt(),
-            mean: norms.iter().sum::<f64>() / count,
-            max: norms.iter().fold(0.0f64, |a, b| a.max(*b)),
-            per_pixel: scene.per_pixel(channel),
-        })
-    };
-    Errors(scene.channels.iter().enumerate().filter_map(of).collect())
+        };
+        Errors(self.of_channels.iter().enumerate().filter_map(of).collect())
+    }
 }

@@ -10,6 +10,7 @@ mod near_miss;
 mod observations;
 mod plausible;
 pub mod poses;
+mod postures;
 mod problem;
 mod read;
 mod scene;
@@ -20,6 +21,7 @@ pub use columns::ColumnUse;
 pub use covariates::{Column, Covariate, Covariates, MissingColumn, RecordedRow};
 pub use join::read_socket;
 pub use observations::Observations;
+pub use postures::Postures;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read, read_export};
 pub use scene::{KnownLength, Scene, Series, Target, label_of, target_on};
@@ -69,8 +71,6 @@ pub struct Measurements {
 pub(crate) const QUATERNION_TOLERANCE: f64 = 1e-3;
 /// Joint readings closer than this are one reading, rad or m.
 const SAME_READING: f64 = 1e-9;
-/// Readings nearer than this are one posture, rad or m: far below what a controller repeats.
-const SAME_POSTURE: f64 = 1e-6;
 
 impl Measurements {
     /// No rows yet.
@@ -117,6 +117,15 @@ impl Measurements {
         let values = || rows().map(|row| self.reading(row)[coordinate]);
         let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         high - low < SAME_READING
+    }
+
+    /// Gives back memory that was set aside for rows that did not come.
+    pub(crate) fn shrink(&mut self) {
+        self.readings.shrink_to_fit();
+        self.locate.shrink_to_fit();
+        self.lines.shrink_to_fit();
+        self.observed.shrink();
+        self.covariates.shrink();
     }
 
     /// Number of rows.
@@ -176,16 +185,6 @@ impl Measurements {
     /// There is no such column, or a row has no value in it.
     pub fn column(&self, name: &str) -> Result<Column, MissingColumn> {
         self.covariates.column(&self.source, self.len(), name)
-    }
-
-    /// Indices of the rows by posture: rows whose readings agree to a microradian and a micrometre stand together, in order.
-    pub fn postures(&self) -> Vec<Vec<usize>> {
-        // Adding 0 makes one zero of two.
-        let key = |row: usize| self.reading(row).iter().map(|value| (value / SAME_POSTURE).round() + 0.0).collect();
-        let mut rows: Vec<(Vec<f64>, usize)> = (0..self.len()).map(|row| (key(row), row)).collect();
-        let order = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
-        rows.sort_by(|a, b| order(&a.0, &b.0).unwrap_or(std::cmp::Ordering::Equal).then(a.1.cmp(&b.1)));
-        rows.chunk_by(|a, b| a.0 == b.0).map(|alike| alike.iter().map(|(_, row)| *row).collect()).collect()
     }
 
     /// Number of observations.

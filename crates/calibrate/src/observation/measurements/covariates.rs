@@ -142,6 +142,11 @@ impl Covariates {
         self.columns.iter_mut().for_each(|column| column.values.truncate(rows));
     }
 
+    /// Gives back memory that was set aside for rows that did not come.
+    pub(super) fn shrink(&mut self) {
+        self.columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
+    }
+
     /// The columns themselves.
     pub fn into_columns(self) -> Vec<Covariate> {
         self.columns
