@@ -23,7 +23,6 @@ use crate::calibration::rows::Rows;
 use crate::calibration::stages::{Beyond, Stages, beyond, kept};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
-use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
@@ -32,7 +31,7 @@ use crate::identify::posterior::Posterior;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
-use crate::identify::residual_statistics::{Residual, TestError};
+use crate::identify::residual_statistics::{Residual, TestError, bound_later};
 use crate::identify::solve::{Fit, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::arm::Arm;
@@ -265,8 +264,7 @@ pub fn calibrate_and_tell(
     }
     let found = wanted.map(|options| trace(statics, &train, geometric, &counted(options, &identification)));
     if let (Some(test), Some(found)) = (&test, &found) {
-        let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
-        recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
+        bound_later(&found.fit.effects, &train, test)?;
     }
     let wanted = options.curves.as_ref().filter(|_| found.is_none() && redundancy.enough_for_effects);
     if wanted.is_some() {
@@ -443,11 +441,7 @@ fn has_a_meaning(data: &Measurements, name: &str) -> bool {
 }
 
 /// Every wanted column of the fitted rows that varies is there in the rows that judge.
-pub(crate) fn recorded_too(
-    train: &Measurements,
-    test: &Measurements,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<(), TestError> {
+fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str) -> bool) -> Result<(), TestError> {
     let varies = |values: &[f64]| values.iter().any(|value| *value != values[0]);
     let missing = train
         .covariates

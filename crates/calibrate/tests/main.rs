@@ -5,6 +5,7 @@
 mod bad_input;
 mod camera;
 mod contact;
+mod covariates;
 mod curves;
 mod diagnosis;
 mod exports;
@@ -18,6 +19,7 @@ mod mixes;
 mod monitor;
 mod oracle;
 mod page;
+mod pairs;
 mod placing;
 mod plan_and_compensate;
 mod prior;

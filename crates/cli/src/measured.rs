@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
-use denavit_calibrate::effects::EffectModel;
+use denavit_calibrate::effects::SavedEffects;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::observation::board::Sight;
@@ -188,10 +188,10 @@ pub fn joint_values_of_export(
 }
 
 /// Reads effects; without a file there are none.
-pub fn effects(file: Option<&str>, statics: &Statics) -> Result<EffectModel, Failure> {
-    let Some(file) = file else { return Ok(EffectModel::new(statics.clone(), Vec::new())) };
+pub fn effects(file: Option<&str>, statics: &Statics) -> Result<SavedEffects, Failure> {
+    let Some(file) = file else { return Ok(SavedEffects::none(statics.clone())) };
     let (name, text) = source::read_text(file)?;
-    Ok(EffectModel::from_json(&name, &text, statics)?)
+    Ok(SavedEffects::from_json(&name, &text, statics)?)
 }
 
 /// What was given by `--given`.

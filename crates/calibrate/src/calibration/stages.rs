@@ -6,7 +6,7 @@ use crate::calibration::contract::Stage;
 use crate::effects::model::EffectModel;
 use crate::identify::Identification;
 use crate::identify::residual_statistics::{
-    ErrorSums, Errors, Residual, TestError, each_residual, errors, lengths_found, placed, residuals,
+    ErrorSums, Errors, Residual, TestError, bound_later, each_residual, errors, lengths_found, placed, residuals,
 };
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
@@ -31,7 +31,8 @@ pub struct StageResiduals {
 impl StageResiduals {
     fn of<E: Effects>(name: &str, fit: &Fit<E>, train: &Measurements, test: Option<&Measurements>) -> Self {
         let arm = |test| placed(fit, train, test).expect("the held-out rows were placed when the stage was judged");
-        let test = test.map_or_else(Vec::new, |test| residuals(&arm(test), &fit.effects, test));
+        let effects = |test| bound_later(&fit.effects, train, test).expect("the effects were bound when it was judged");
+        let test = test.map_or_else(Vec::new, |test| residuals(&arm(test), &effects(test), test));
         Self { name: name.into(), train: kept(fit, train), test }
     }
 }
@@ -103,8 +104,9 @@ impl<'a> Stages<'a> {
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
             let arm = placed(fit, self.train, test)?;
-            held_out = residuals(&arm, &fit.effects, test);
-            test_lengths = lengths_found(&arm, &fit.effects, test);
+            let effects = bound_later(&fit.effects, self.train, test)?;
+            held_out = residuals(&arm, &effects, test);
+            test_lengths = lengths_found(&arm, &effects, test);
             test_errors = Some(errors(&held_out, &test.scene));
         }
         self.done.push(Stage {

@@ -3,7 +3,7 @@
 use crate::identify::solve::Fit;
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::kinds::{Discrepancy, Part, Seen};
-use crate::observation::measurements::{Measurements, Scene, label_of};
+use crate::observation::measurements::{Measurements, MissingColumn, Scene, label_of};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Point3, Vector3};
 use serde::ser::SerializeMap as _;
@@ -106,6 +106,9 @@ pub enum TestError {
         /// The fitted file.
         fitted: String,
     },
+    /// A recorded quantity that an effect follows and that some of these rows lack.
+    #[error(transparent)]
+    IncompleteColumn(MissingColumn),
     /// A target that the fit does not know and no row places.
     #[error(
         "{file}: target \"{target}\" is not among the fitted ones ({known}) and no row places it; set locate = 1 in a \
@@ -193,6 +196,7 @@ fn stand<E: Effects>(
 /// Another kind of value, or a target that nothing places.
 pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements) -> Result<Arm, TestError> {
     let arm = &fit.arm;
+    let effects = bound_later(&fit.effects, fitted, data)?;
     let (here, known) = (&data.scene, &fitted.scene);
     if !here.kinds().iter().all(|kind| known.kinds().contains(kind)) {
         return Err(TestError::OtherKind { file: data.source.clone(), found: here.words(), expected: known.words() });
@@ -211,7 +215,7 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
     let unplaced: Vec<usize> =
         (0..here.points.len()).filter(|&point| fitted_place(&known.points, &here.points[point]).is_none()).collect();
     for (target, name) in here.targets.iter().enumerate() {
-        let located = locate(fit, fitted, data, target);
+        let located = locate(fit, &effects, fitted, data, target);
         let own = fitted_place(&known.targets, name).map(|index| arm.targets[index]);
         let pose = match (located, own) {
             (Some(place), orientation) => {
@@ -236,10 +240,10 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
             return Err(TestError::UnplacedSetup { file, setup, known: known.setups.join(", ") });
         }
     }
-    place_points(&mut placed, &fit.effects, data, &unplaced);
+    place_points(&mut placed, &effects, data, &unplaced);
     let planes = (0..here.setups.len()).filter(|&setup| here.has_plane(setup));
     for plane in planes.filter(|&setup| !known.setups.contains(&here.setups[setup])) {
-        place_plane(&mut placed, &fit.effects, data, plane);
+        place_plane(&mut placed, &effects, data, plane);
     }
     Ok(placed)
 }
@@ -314,8 +318,28 @@ pub fn lengths_found<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) ->
     found.collect()
 }
 
-/// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows.
-fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, target: usize) -> Option<Vector3<f64>> {
+/// The effects of a fit for other rows than the fitted ones.
+///
+/// # Errors
+/// The rows have no column, or not a complete one, of what an effect follows.
+pub fn bound_later<E: Effects>(effects: &E, fitted: &Measurements, data: &Measurements) -> Result<E, TestError> {
+    effects.bound_to(data).map_err(|missing| match missing {
+        MissingColumn::Absent { file, column } => {
+            TestError::MissingColumn { file, column, fitted: fitted.source.clone() }
+        }
+        incomplete => TestError::IncompleteColumn(incomplete),
+    })
+}
+
+/// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows. `effects`: those of the
+/// fit, for `data`.
+fn locate<E: Effects>(
+    fit: &Fit<E>,
+    effects: &E,
+    fitted: &Measurements,
+    data: &Measurements,
+    target: usize,
+) -> Option<Vector3<f64>> {
     let arm = &fit.arm;
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     let (mut sum, mut count) = (Vector3::zeros(), 0.0);
@@ -323,7 +347,7 @@ fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, 
         for observation in data.of_row(row) {
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let Some(measured) = series.kind.position(values).filter(|_| series.target == target) else { continue };
-            stand(arm, &fit.effects, data, row, &mut state, &mut perturbation);
+            stand(arm, effects, data, row, &mut state, &mut perturbation);
             let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
             let in_base =
                 instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);

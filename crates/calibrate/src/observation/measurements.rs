@@ -1,6 +1,7 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
 pub mod columns;
+pub mod covariates;
 mod header;
 mod images;
 pub mod import;
@@ -17,6 +18,7 @@ mod units;
 mod write;
 
 pub use columns::ColumnUse;
+pub use covariates::{Column, Covariate, Covariates, MissingColumn, RecordedRow};
 pub use join::read_socket;
 pub use observations::Observations;
 pub use postures::Postures;
@@ -28,15 +30,6 @@ pub use write::write;
 
 use denavit_model::nalgebra::Vector3;
 use std::ops::Range;
-
-/// A numeric column that is neither a joint reading nor a measured value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Covariate {
-    /// The column's name, such as `temperature` (°C) or `joint_2.approach`.
-    pub name: String,
-    /// One value per row, in the column's own unit.
-    pub values: Vec<f64>,
-}
 
 /// A text column.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,7 +58,7 @@ pub struct Measurements {
     /// What was measured in each row.
     pub observed: Observations,
     /// Other numeric columns.
-    pub covariates: Vec<Covariate>,
+    pub covariates: Covariates,
     /// Text columns.
     pub labels: Vec<Label>,
     /// Rows that only say where a target sits on the tip, by row index; not counted in errors.
@@ -88,7 +81,7 @@ impl Measurements {
             readings: Vec::new(),
             scene,
             observed: Observations::default(),
-            covariates: Vec::new(),
+            covariates: Covariates::none(),
             labels: Vec::new(),
             locate: Vec::new(),
             lines: Vec::new(),
@@ -132,7 +125,7 @@ impl Measurements {
         self.locate.shrink_to_fit();
         self.lines.shrink_to_fit();
         self.observed.shrink();
-        self.covariates.iter_mut().for_each(|column| column.values.shrink_to_fit());
+        self.covariates.shrink();
     }
 
     /// Number of rows.
@@ -186,6 +179,14 @@ impl Measurements {
         self.covariates.iter().find(|covariate| covariate.name == name)
     }
 
+    /// A recorded quantity that an effect may follow: a numeric column with a value in every row.
+    ///
+    /// # Errors
+    /// There is no such column, or a row has no value in it.
+    pub fn column(&self, name: &str) -> Result<Column, MissingColumn> {
+        self.covariates.column(&self.source, self.len(), name)
+    }
+
     /// Number of observations.
     pub fn observations(&self) -> usize {
         self.observed.len()
@@ -215,7 +216,8 @@ impl Measurements {
                 .covariates
                 .iter()
                 .map(|column| Covariate { name: column.name.clone(), values: pick(&column.values) })
-                .collect(),
+                .collect::<Vec<_>>()
+                .into(),
             labels: self
                 .labels
                 .iter()

@@ -163,8 +163,7 @@ fn torques(data: &Measurements, fit: &Fit<EffectModel>, term: &Term) -> Vec<f64>
     let mut values = Vec::new();
     for (index, posture) in postures(&fit.effects, &fit.arm, data).iter().enumerate() {
         let row = Row::new(data, index);
-        let recorded = |name: &str| row.covariate_named(name);
-        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
         term.driver.values_into(&fit.effects.statics, &conditions, posture, &mut values);
     }
     values
