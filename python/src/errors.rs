@@ -133,6 +133,7 @@ pub fn measured(failure: &MeasuredError) -> PyErr {
     match failure {
         MeasuredError::Data(failure) => data(failure),
         MeasuredError::OutOfProportion(_) => error(Class::Robot, &failure.to_string(), Spot::default()),
+        MeasuredError::Unreadable { file, .. } => error(Class::Read, &failure.to_string(), Spot::file(file)),
         other => argument(other.to_string()),
     }
 }

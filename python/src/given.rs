@@ -9,7 +9,7 @@ use crate::robot::reading;
 use crate::run::joint_rows;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
 use denavit_calibrate::effects::driver::APPROACH;
-use denavit_calibrate::effects::{EffectModel, recorded};
+use denavit_calibrate::effects::{SavedEffects, recorded};
 use denavit_calibrate::observation::measurements::Units;
 use denavit_calibrate::observation::measurements::poses::{self, Poses};
 use denavit_calibrate::report::commands::{summary, to_csv, to_json};
@@ -29,7 +29,7 @@ const ORTHONORMAL: f64 = 1e-6;
 /// Effects and error curves of a robot.
 #[pyclass(frozen, module = "denavit._denavit")]
 pub struct Effects {
-    model: EffectModel,
+    model: SavedEffects,
 }
 
 /// Values of a curve and their standard deviations.
@@ -53,7 +53,8 @@ impl Effects {
     #[new]
     fn new(chain: &Chain, text: &str) -> PyResult<Self> {
         let statics = chain.loaded.statics(&chain.chain, reading(chain.exact));
-        let model = EffectModel::from_json(EFFECTS, text, &statics).map_err(|failure| argument(failure.to_string()))?;
+        let model =
+            SavedEffects::from_json(EFFECTS, text, &statics).map_err(|failure| argument(failure.to_string()))?;
         Ok(Self { model })
     }
 
@@ -87,7 +88,7 @@ impl Effects {
         let poses = match wanted {
             Wanted::File(given) => {
                 let file = given.file()?;
-                poses::read_export(&file.name, &file.bytes[..], as_it_is, file.units, &file.import)
+                poses::read_export(&file.name, file.content.open(), as_it_is, file.units, &file.import)
                     .map_err(|failure| data(&failure))?
             }
             Wanted::Matrices(array) => of_matrices(&array)?,
@@ -105,6 +106,7 @@ impl Effects {
         };
         all_known(EFFECTS, &self.model, &known).map_err(|failure| measured(&failure))?;
         let commands = py.detach(|| in_order(drawn, as_it_is, &self.model, &poses, &given, allowed));
+        let commands = commands.map_err(|missing| argument(missing.to_string()))?;
         let said = summary(&commands, &poses.lines, allowed);
         let csv = to_csv(drawn, &commands, allowed, Units::default(), &said);
         let notes = without_part_in_the_tip(EFFECTS, &self.model);

@@ -73,8 +73,8 @@ impl Given {
             tips: None,
         };
         let units = self.units.parse().map_err(|failure| option("units", &failure))?;
-        let (name, bytes) = (self.name, self.content.into_bytes());
-        Ok(DataFile { name, bytes, units, import, camera: camera_file, ..DataFile::default() })
+        let (name, content) = (self.name, self.content.into_bytes().into());
+        Ok(DataFile { name, content, units, import, camera: camera_file, ..DataFile::default() })
     }
 }
 

@@ -134,7 +134,7 @@ impl Fit {
         let stage = |stage: &denavit_calibrate::calibration::StageResiduals| {
             Ok((stage.name.clone(), arrays(py, &stage.train)?, arrays(py, &stage.test)?))
         };
-        self.result.residuals.iter().map(stage).collect()
+        self.result.residuals().iter().map(stage).collect()
     }
 
     /// Errors of the adopted model on rows measured later, as JSON, and their residuals.
@@ -174,7 +174,7 @@ pub fn calibrate(
         prior: search.prior.map(prior_file),
         hold_out,
     };
-    let prior = prior_read(&asked);
+    let prior = prior_read(&asked).map_err(|failure| measured(&failure))?;
     if tips.several() && !rows.sockets.is_empty() {
         let message = "socket: its rows do not say which tip they are of; calibrate one tip at a time";
         return Err(error(Class::Argument, message, Spot::default()));
@@ -228,7 +228,7 @@ fn of_tips(mut file: DataFile, tips: &Arc<Tips>) -> DataFile {
 
 /// An earlier calibration: what to call it, and its JSON.
 pub fn prior_file((name, text): (String, String)) -> DataFile {
-    DataFile { name, bytes: text.into_bytes(), ..DataFile::default() }
+    DataFile { name, content: text.into(), ..DataFile::default() }
 }
 
 /// What a calibration is made of.

@@ -10,7 +10,7 @@ use denavit_calibrate::apply::plan::{PlanOptions, plan as planned};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
 use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
 use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_readings};
-use denavit_calibrate::effects::EffectModel;
+use denavit_calibrate::effects::SavedEffects;
 use denavit_calibrate::observation::kinds::PIXEL;
 use denavit_calibrate::observation::measurements::Units;
 use denavit_load::measured::{corners, earlier, moving, sight};
@@ -174,8 +174,8 @@ pub fn simulate(
     let asked = FilesAsked { options, specifications, columns, test_rows, truth: true };
     let statics = chain.loaded.statics(nominal, reading(chain.exact));
     let model = match saved {
-        None => EffectModel::new(statics.clone(), Vec::new()),
-        Some(text) => EffectModel::from_json("effects", &text, &statics).map_err(|f| argument(f.to_string()))?,
+        None => SavedEffects::none(statics.clone()),
+        Some(text) => SavedEffects::from_json("effects", &text, &statics).map_err(|f| argument(f.to_string()))?,
     };
     let made = py.detach(|| files(nominal, &statics, model, &asked)).map_err(|failure| {
         argument(match failure {

@@ -3,7 +3,7 @@
 use crate::support::robot;
 use denavit_calibrate::calibration::{CalibrateError, CalibrateOptions, calibrate};
 use denavit_calibrate::effects::driver::{Conditions, Driver, Posture, Statics};
-use denavit_calibrate::observation::measurements::{self, Measurements, Units};
+use denavit_calibrate::observation::measurements::{self, Covariate, Covariates, Measurements, Units};
 use denavit_dh::{Convention, Options, ToolPart};
 use denavit_export::formats::FORMATS;
 use denavit_export::sheet::Sheet;
@@ -61,9 +61,11 @@ fn a_table_without_rows_is_written_or_refused() {
 fn knots_of_a_users_own_may_be_any() {
     let (robot, chain) = arm();
     let statics = Statics::of(&robot, &chain);
+    let recorded = Covariates::from(vec![Covariate { name: "temperature".into(), values: vec![20.0] }]);
+    let temperature = recorded.column("one row", 1, "temperature").unwrap();
     for knots in [vec![], vec![20.0], vec![20.0, 20.0], vec![30.0, 10.0, 20.0], vec![f64::NAN, 1.0]] {
-        let driver = Driver::Smooth { covariate: "temperature".to_owned(), knots: knots.clone() };
-        let conditions = Conditions { reading: &[0.0; 6], covariate: &|_| Some(20.0) };
+        let driver = Driver::Smooth { covariate: temperature.clone(), knots: knots.clone() };
+        let conditions = Conditions { reading: &[0.0; 6], recorded: recorded.row(0) };
         let mut values = Vec::new();
         driver.values_into(&statics, &conditions, &Posture::default(), &mut values);
         assert_eq!(values.len(), driver.len(&statics), "{knots:?}");

@@ -7,18 +7,22 @@ pub mod drawing_differences;
 pub mod monitor;
 pub mod prediction;
 pub mod rows;
+mod stages;
 mod tips;
 
+pub use self::stages::StageResiduals;
+
 use self::diagnosis::Diagnosis;
-use crate::calibration::adoption::{Adopted, worse};
+use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{
     CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, FieldEntry, Held, Identified, Origin, Rival, SCHEMA,
-    Samples, Stage, Unexplained, Unidentifiable,
+    Samples, Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
+use crate::calibration::rows::Rows;
+use crate::calibration::stages::{Beyond, Stages, beyond, kept};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
-use crate::effects::recorded::needed;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
@@ -28,12 +32,12 @@ use crate::identify::posterior::Posterior;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
-use crate::identify::residual_statistics::{Errors, Residual, TestError, errors, lengths_found, placed, residuals};
+use crate::identify::residual_statistics::{Residual, TestError, bound_later};
 use crate::identify::solve::{Fit, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::{Measurements, Scene};
-use crate::observation::parameters::{Effects, NoEffects};
+use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::infer::model::Kernel;
 use crate::trace::{Finding, Trace, TraceOptions, trace};
@@ -44,8 +48,6 @@ use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use thiserror::Error;
 
-/// Name of the stage with error curves.
-const CURVES: &str = "geometric + curves";
 /// Readings of one joint that differ by more than this are two postures, rad or m.
 const MOVED: f64 = 1e-3;
 
@@ -161,17 +163,6 @@ fn in_postures(rows: usize, postures: usize) -> String {
     }
 }
 
-/// Residuals of one stage.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StageResiduals {
-    /// The stage.
-    pub name: String,
-    /// Of the fitted rows that were kept.
-    pub train: Vec<Residual>,
-    /// Of the held-out rows.
-    pub test: Vec<Residual>,
-}
-
 /// A calibration's result.
 #[derive(Debug, Clone)]
 pub struct Calibration {
@@ -195,8 +186,6 @@ pub struct Calibration {
     pub train: Measurements,
     /// The rows held out.
     pub test: Option<Measurements>,
-    /// Residuals, stage by stage.
-    pub residuals: Vec<StageResiduals>,
 }
 
 impl Calibration {
@@ -280,8 +269,7 @@ pub fn calibrate_and_tell(
     }
     let found = wanted.map(|options| trace(statics, &train, geometric, &counted(options, &identification)));
     if let (Some(test), Some(found)) = (&test, &found) {
-        let needed: Vec<String> = found.fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
-        recorded_too(&train, test, |name| needed.iter().any(|needed| needed == name))?;
+        bound_later(&found.fit.effects, &train, test)?;
     }
     let wanted = options.curves.as_ref().filter(|_| found.is_none() && redundancy.enough_for_effects);
     if wanted.is_some() {
@@ -294,10 +282,11 @@ pub fn calibrate_and_tell(
     let curves = curves.or_else(|| found.as_ref().map(|found| found.curves.clone()));
     begin(Progress::Judgement)?;
     let beyond = beyond(curves.as_ref(), found.as_ref());
-    let mut stages = Stages { train: &train, test: test.as_ref(), done: Vec::new(), residuals: Vec::new() };
+    let mut stages = Stages::new(&train, test.as_ref());
     stages.add_all(&identification, &beyond)?;
     let last = stages.adopt(&beyond);
-    let Stages { done: stages, residuals, .. } = stages;
+    let Stages { done: stages, mut held_out, .. } = stages;
+    let held_out = held_out.swap_remove(last);
     let of_geometry = identification.stages();
     let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
     let geometry = of_geometry[last.min(of_geometry.len() - 1)];
@@ -307,14 +296,15 @@ pub fn calibrate_and_tell(
     };
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
     let entries = |of: bool| entries(named, of, chain);
-    let repeats = lack_of_fit(&train, &residuals[last].train, identifiable.rank);
+    let left = || reached.map_or_else(|| kept(geometry.2, &train), |reached| kept(reached.fit, &train));
+    let repeats = lack_of_fit(&train, left, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
         origin: Origin::default(),
         robot: chain.name().into(),
         base: chain.base().into(),
         tip: chain.tip().into(),
-        tips: tips::entries(chain, (&train, test.as_ref()), &residuals[last]),
+        tips: tips::entries(chain, (&train, left), test.as_ref().map(|test| (test, &held_out[..]))),
         measurement: train.scene.measured(),
         columns: Vec::new(),
         samples: Samples {
@@ -322,7 +312,7 @@ pub fn calibrate_and_tell(
             test: test.as_ref().map_or(0, |test| test.locate.iter().filter(|locate| !**locate).count()),
             rejected: rejected(&train, weights),
             stale,
-            test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &residuals[last].test)),
+            test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &held_out)),
         },
         redundancy,
         repeats,
@@ -332,7 +322,7 @@ pub fn calibrate_and_tell(
         stages,
         adopted,
         placements: None,
-        rows: Vec::new(),
+        rows: Rows::default(),
         parameters,
         posterior,
         earlier: identification.earlier.as_ref().map(|earlier| Continued { weight: earlier.weight }),
@@ -355,27 +345,10 @@ pub fn calibrate_and_tell(
         rounding,
         train,
         test,
-        residuals,
     };
     result.report.placements = Some(rows::placements(&result));
-    result.report.rows = rows::rows(&result);
+    result.report.rows = Rows::of(&result, &held_out);
     Ok(result)
-}
-
-impl Identification {
-    /// The stages that hold geometry alone, in the order in which they are listed, each with its name.
-    fn stages(&self) -> Vec<(&'static str, Adopted, &Fit<NoEffects>)> {
-        let mut stages = vec![("nominal", Adopted::Nominal, &self.nominal)];
-        stages.extend(self.earlier.as_ref().map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
-        stages.push(("geometric", Adopted::Geometric, &self.geometric));
-        stages
-    }
-
-    /// The fit of a stage that holds geometry alone; the geometric one for all others.
-    fn at(&self, adopted: Adopted) -> &Fit<NoEffects> {
-        let own = self.stages().into_iter().find(|(_, stage, _)| *stage == adopted);
-        own.map_or(&self.geometric, |(.., fit)| fit)
-    }
 }
 
 /// What the noise of the adopted fit is made of, which may hold error curves.
@@ -383,8 +356,7 @@ fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Mea
     let Some(Beyond { fit, .. }) = reached else { return noise_model(geometry, train, &[]) };
     let mut curves = Vec::new();
     for curve in &fit.effects.curves {
-        let kernel = Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() };
-        let variances = kernel.variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
+        let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
         curves.push(HeldCurve { curve, variances });
     }
     noise_model(fit, train, &curves)
@@ -486,11 +458,7 @@ fn has_a_meaning(data: &Measurements, name: &str) -> bool {
 }
 
 /// Every wanted column of the fitted rows that varies is there in the rows that judge.
-pub(crate) fn recorded_too(
-    train: &Measurements,
-    test: &Measurements,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<(), TestError> {
+fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str) -> bool) -> Result<(), TestError> {
     let varies = |values: &[f64]| values.iter().any(|value| *value != values[0]);
     let missing = train
         .covariates
@@ -551,122 +519,6 @@ fn needed_to_place(scene: &Scene) -> usize {
     let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
     let planes = (0..scene.setups.len()).filter(|&setup| scene.has_plane(setup)).count();
     6 * instruments + 3 * (planes + scene.points.len() + scene.targets.len() + turns)
-}
-
-struct Stages<'a> {
-    train: &'a Measurements,
-    test: Option<&'a Measurements>,
-    done: Vec<Stage>,
-    residuals: Vec<StageResiduals>,
-}
-
-impl Stages<'_> {
-    fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
-        let mut train = residuals(&fit.arm, &fit.effects, self.train);
-        train.retain(|residual| fit.weights[residual.observation] > 0.0);
-        let train_lengths = lengths_found(&fit.arm, &fit.effects, self.train);
-        let mut test_lengths = Vec::new();
-        let mut held_out = Vec::new();
-        let mut test_errors: Option<Errors> = None;
-        if let Some(test) = self.test {
-            let arm = placed(fit, self.train, test)?;
-            held_out = residuals(&arm, &fit.effects, test);
-            test_lengths = lengths_found(&arm, &fit.effects, test);
-            test_errors = Some(errors(&held_out, &test.scene));
-        }
-        self.done.push(Stage {
-            name: name.clone(),
-            train: errors(&train, &self.train.scene),
-            test: test_errors,
-            train_lengths,
-            test_lengths,
-            converged: fit.settled(),
-            adopted: false,
-            worse_on_held_out: false,
-        });
-        self.residuals.push(StageResiduals { name, train, test: held_out });
-        Ok(())
-    }
-
-    fn add_all(&mut self, identification: &Identification, beyond: &[Beyond<'_>]) -> Result<(), TestError> {
-        for (name, _, fit) in identification.stages() {
-            self.add(name.into(), fit)?;
-        }
-        beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), reached.fit))
-    }
-
-    /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
-    /// `beyond`: the stages after geometry. Returns its index.
-    fn adopt(&mut self, beyond: &[Beyond<'_>]) -> usize {
-        let mut at = 0;
-        for stage in 1..self.done.len() {
-            let worse = worse(&self.residuals[at].test, &self.residuals[stage].test);
-            self.done[stage].worse_on_held_out = worse;
-            let index = stage.checked_sub(self.done.len() - beyond.len());
-            let settled = index.is_none_or(|index| beyond[index].fit.settled());
-            if settled && !worse {
-                at = stage;
-            }
-        }
-        self.done[at].adopted = true;
-        at
-    }
-}
-
-/// A stage after geometry.
-struct Beyond<'a> {
-    name: String,
-    adopted: Adopted,
-    fit: &'a Fit<EffectModel>,
-    /// Of its curves.
-    gains: &'a [f64],
-    /// Of what joints give under gravity beside them: its last effects.
-    deflections: &'a [f64],
-}
-
-/// Curves alone; effects alone, where there are curves beside them; both.
-fn beyond<'a>(curves: Option<&'a CurveFit>, found: Option<&'a Trace>) -> Vec<Beyond<'a>> {
-    let mut stages = Vec::new();
-    if let Some(curves) = curves.filter(|curves| !curves.fit.effects.curves.is_empty()) {
-        stages.push(Beyond {
-            name: CURVES.into(),
-            adopted: Adopted::Curves,
-            fit: &curves.fit,
-            gains: &curves.gains,
-            deflections: &curves.deflections,
-        });
-    }
-    if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
-        let name = stage_name(found);
-        if !found.fit.effects.curves.is_empty() {
-            stages.push(Beyond {
-                name: name.clone(),
-                adopted: Adopted::Effects,
-                fit: &found.plain,
-                gains: &[],
-                deflections: &[],
-            });
-        }
-        let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
-        let name = format!("{name}{beside}");
-        stages.push(Beyond {
-            name,
-            adopted: Adopted::Effects,
-            fit: &found.fit,
-            gains: &found.curve_gains,
-            deflections: &found.deflections,
-        });
-    }
-    stages
-}
-
-/// A stage by its effects; those of which one acts and nobody can say which are marked.
-fn stage_name(found: &Trace) -> String {
-    let of = |finding: &Finding| {
-        let doubt = if finding.named { "" } else { "?" };
-        format!(" + {}({}){doubt}", finding.term.kind.name(), finding.place)
-    };
-    format!("geometric{}", found.findings.iter().map(of).collect::<String>())
 }
 
 /// Both files without rows whose reading came late, and the lines of those.

@@ -12,6 +12,7 @@ pub mod recorded;
 pub mod reference_robot;
 pub mod saved;
 pub mod survey;
+pub mod written;
 
 pub use carrier::Carrier;
 pub use catalogue::{KINDS, Kind};
@@ -19,3 +20,5 @@ pub use curve::Curve;
 pub use driver::{Conditions, Driver, Statics};
 pub use gravity::Masses;
 pub use model::{Coupling, Effect, EffectModel, Term};
+pub use saved::SavedEffects;
+pub use written::WrittenDriver;

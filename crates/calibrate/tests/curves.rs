@@ -6,7 +6,7 @@ use crate::measured::measured;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
 use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
@@ -172,12 +172,13 @@ fn a_saved_model_keeps_its_curves() {
     let result = curves(400, 3, &gear());
     let model = &result.beyond_geometry().unwrap().effects;
     assert_eq!(model.curves.len(), 1);
-    let again = EffectModel::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
-    assert_eq!(again, *model);
+    let again = SavedEffects::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
+    assert_eq!(again, model.saved());
+    assert_eq!(again.bound(&|name| result.train.column(name)).unwrap(), *model);
     let mut beyond: serde_json::Value = serde_json::from_str(&model.to_json()).unwrap();
     beyond["curves"][0]["joint"] = 9.into();
     let beyond = beyond.to_string();
-    let refused = EffectModel::from_json("e.json", &beyond, &model.statics).unwrap_err().to_string();
+    let refused = SavedEffects::from_json("e.json", &beyond, &model.statics).unwrap_err().to_string();
     assert_eq!(refused, "e.json: curve 1: it names joint 9; joints are 0 to 5");
 }
 

@@ -50,6 +50,17 @@ fn reread(data: &Measurements, chain: &Chain) -> Measurements {
     read("own.csv", write(data, &[]).as_bytes(), chain, Units::default()).unwrap().data
 }
 
+/// The same rows in our own form, positions in mm.
+fn own_positions_in_mm(data: &Measurements, chain: &Chain, units: &str, joints: impl Fn(f64) -> f64) -> Measurements {
+    let mut own = format!("{},x,y,z\n", data.joints.join(","));
+    for (row, cells) in cells(data).iter().enumerate() {
+        let joints: Vec<String> = data.reading(row).iter().map(|angle| joints(*angle).to_string()).collect();
+        let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
+        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
+    }
+    read("own.csv", own.as_bytes(), chain, units.parse().unwrap()).unwrap().data
+}
+
 /// A quaternion x, y, z, w and a place of each row, as our own form writes them.
 fn cells(data: &Measurements) -> Vec<Vec<f64>> {
     (0..data.len())
@@ -92,15 +103,12 @@ fn vicon_trajectories() {
     let mut text = String::from(
         "Trajectories\n100\n,,Tool:ball,,,Tool:other,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n",
     );
-    let mut own = format!("{},x,y,z\n", data.joints.join(","));
     for (row, cells) in cells(&data).iter().enumerate() {
         let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
         let _ = writeln!(text, "{},0,{x},{y},{z},1,2,3", row + 1);
-        let joints: Vec<String> = data.reading(row).iter().map(f64::to_string).collect();
-        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
     }
     let map = "x = \"Tool:ball.X\"\ny = \"Tool:ball.Y\"\nz = \"Tool:ball.Z\"\n";
-    let expected = read("own.csv", own.as_bytes(), &chain, "mm,rad".parse().unwrap()).unwrap().data;
+    let expected = own_positions_in_mm(&data, &chain, "mm,rad", |angle| angle);
     same(&imported(&text, &data, &chain, map).data, &expected);
 }
 
@@ -113,15 +121,12 @@ fn qualisys_markers() {
         "NO_OF_FRAMES\t12\nNO_OF_CAMERAS\t7\nNO_OF_MARKERS\t2\nFREQUENCY\t120\nNO_OF_ANALOG\t0\nANALOG_FREQUENCY\t0\n\
          DESCRIPTION\t--\nTIME_STAMP\t2014-06-17, 08:53:44\nDATA_INCLUDED\t3D\nMARKER_NAMES\tball\tother\n",
     );
-    let mut own = format!("{},x,y,z\n", data.joints.join(","));
-    for (row, cells) in cells(&data).iter().enumerate() {
+    for cells in cells(&data) {
         let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
         let _ = writeln!(text, "{x}\t{y}\t{z}\t1\t2\t3");
-        let joints: Vec<String> = data.reading(row).iter().map(f64::to_string).collect();
-        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
     }
     let map = "units = \"mm,deg\"\nx = \"ball X\"\ny = \"ball Y\"\nz = \"ball Z\"\n";
-    let expected = read("own.csv", own.as_bytes(), &chain, "mm,rad".parse().unwrap()).unwrap().data;
+    let expected = own_positions_in_mm(&data, &chain, "mm,rad", |angle| angle);
     same(&imported(&text, &data, &chain, map).data, &expected);
 }
 
@@ -134,13 +139,7 @@ fn points_of_spatial_analyzer() {
     let data = simulated(&chain, POSITION);
     let comments =
         "// SpatialAnalyzer 2024.1\n// Working Frame: A::WORLD\n// Cartesian coordinates: X Y Z, Millimeters\n";
-    let mut own = format!("{},x,y,z\n", data.joints.join(","));
-    for (row, cells) in cells(&data).iter().enumerate() {
-        let joints: Vec<String> = data.reading(row).iter().map(f64::to_string).collect();
-        let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
-        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
-    }
-    let expected = read("own.csv", own.as_bytes(), &chain, "mm,rad".parse().unwrap()).unwrap().data;
+    let expected = own_positions_in_mm(&data, &chain, "mm,rad", |angle| angle);
     for (named, behind) in [("A{s}ball run{s}p{n}", ""), ("ball_run{s}p{n}", ""), ("p{n}", "{s}0.012{s}0.011{s}0.02")] {
         for (separator, above) in [(", ", comments), (",", ""), (" ", comments), ("  ", "")] {
             // Names with blanks stand between commas alone.
@@ -206,14 +205,12 @@ fn measurements_of_robodk() {
     let chain = ur5e();
     let data = simulated(&chain, POSITION);
     let mut text = String::from("a,row,that,nobody,documents,at,all,but,skips,without,reading,it\n");
-    let mut own = format!("{},x,y,z\n", data.joints.join(","));
     for (row, cells) in cells(&data).iter().enumerate() {
         let joints: Vec<String> = data.reading(row).iter().map(|angle| angle.to_degrees().to_string()).collect();
         let [x, y, z] = [0, 1, 2].map(|k| cells[k] * 1e3);
         let _ = writeln!(text, "{},{x},{y},{z},12.5,-30,104.25", joints.join(","));
-        let _ = writeln!(own, "{},{x},{y},{z}", joints.join(","));
     }
-    let expected = read("own.csv", own.as_bytes(), &chain, "mm,deg".parse().unwrap()).unwrap().data;
+    let expected = own_positions_in_mm(&data, &chain, "mm,deg", f64::to_degrees);
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/measurements.md")).unwrap();
     let mut map = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let map = map.find(|map| map.contains("column 7")).unwrap();

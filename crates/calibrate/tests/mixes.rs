@@ -236,7 +236,7 @@ fn sockets_and_a_known_distance_tell_the_whole_robot() {
 /// Position rms of the held-out rows of one setup, m.
 fn held_out_rms(result: &Calibration, setup: &str) -> f64 {
     let test = result.test.as_ref().unwrap();
-    let own: Vec<f64> = result.residuals[1]
+    let own: Vec<f64> = result.residuals()[1]
         .test
         .iter()
         .filter(|residual| test.scene.setups[test.scene.series[residual.series].setup] == setup)

@@ -116,10 +116,10 @@ fn tiago_is_told_little_by_34_poses() {
         let result =
             calibrate(&chain, &Statics::of_chain(&chain), train, Some(test), &CalibrateOptions::geometry(&chain))
                 .unwrap();
-        for (sum, stage) in [&mut nominal, &mut geometric].into_iter().zip(&result.residuals) {
+        for (sum, stage) in [&mut nominal, &mut geometric].into_iter().zip(&result.residuals()) {
             *sum += stage.test.iter().map(|residual| residual.distance().powi(2)).sum::<f64>();
         }
-        count += result.residuals[0].test.len() as f64;
+        count += result.residuals()[0].test.len() as f64;
     }
     let (nominal, geometric) = ((nominal / count).sqrt() * 1e3, (geometric / count).sqrt() * 1e3);
     println!("held out, five folds: nominal {nominal:.2} mm, geometric {geometric:.2} mm");

@@ -19,7 +19,7 @@ fn calibrated(options: SimulationOptions) -> (Calibration, denavit_calibrate::Ar
     (calibrate(&chain, &Statics::of_chain(&chain), run.data, None, &options).unwrap(), run.arm)
 }
 
-fn rms<'a>(rows: impl Iterator<Item = &'a RowEntry>) -> f64 {
+fn rms(rows: impl Iterator<Item = RowEntry>) -> f64 {
     let squares: Vec<f64> = rows.map(|row| row.place.iter().map(|value| value * value).sum()).collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
@@ -64,7 +64,7 @@ fn rows_go_to_csv_and_the_page_lists_the_worst() {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = "line,setup,target,held_out,rejected,dx_mm,dy_mm,dz_mm,rx_mrad,ry_mrad,rz_mrad";
     assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>().join(","), header);
-    for (record, row) in reader.records().map(Result::unwrap).zip(&result.report.rows) {
+    for (record, row) in reader.records().map(Result::unwrap).zip(result.report.rows.iter()) {
         assert_eq!(record[0].parse::<usize>().unwrap(), row.line);
         assert_eq!(&record[3] == "1", row.held_out);
         for k in 0..3 {

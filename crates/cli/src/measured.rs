@@ -7,14 +7,14 @@ use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
-use denavit_calibrate::effects::EffectModel;
+use denavit_calibrate::effects::SavedEffects;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::observation::board::Sight;
 use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, PLANE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
-use denavit_load::measured::{self as load, DataFile, HashedFile, moving};
+use denavit_load::measured::{self as load, Content, DataFile, HashedFile, moving};
 use denavit_model::{Chain, Tips};
 use std::path::Path;
 use std::sync::Arc;
@@ -79,8 +79,8 @@ pub fn units(written: &str) -> Result<Units, Failure> {
 
 /// A file of measurements.
 pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<DataFile, Failure> {
-    let (name, bytes) = source::read_bytes(file)?;
-    Ok(DataFile { name, bytes, units, import, ..DataFile::default() })
+    let (name, content) = Content::of(file)?;
+    Ok(DataFile { name, content, units, import, ..DataFile::default() })
 }
 
 /// A file whose columns nobody has to be told of.
@@ -114,7 +114,7 @@ pub fn data_file_or_bag(
     let unreadable = |error| denavit_bag::BagError::Open { file: file.into(), what: std::io::Error::to_string(&error) };
     let parts = denavit_bag::files(file)?.into_iter().map(|part| HashedFile::read(&part).map_err(unreadable));
     let bag = parts.collect::<Result<_, _>>()?;
-    Ok(DataFile { name: file.into(), bytes: rows.csv.into_bytes(), bag, ..DataFile::default() })
+    Ok(DataFile { name: file.into(), content: rows.csv.into(), bag, ..DataFile::default() })
 }
 
 /// What the arguments say of the columns of a file of measurements.
@@ -188,10 +188,10 @@ pub fn joint_values_of_export(
 }
 
 /// Reads effects; without a file there are none.
-pub fn effects(file: Option<&str>, statics: &Statics) -> Result<EffectModel, Failure> {
-    let Some(file) = file else { return Ok(EffectModel::new(statics.clone(), Vec::new())) };
+pub fn effects(file: Option<&str>, statics: &Statics) -> Result<SavedEffects, Failure> {
+    let Some(file) = file else { return Ok(SavedEffects::none(statics.clone())) };
     let (name, text) = source::read_text(file)?;
-    Ok(EffectModel::from_json(&name, &text, statics)?)
+    Ok(SavedEffects::from_json(&name, &text, statics)?)
 }
 
 /// What was given by `--given`.

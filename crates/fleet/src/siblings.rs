@@ -110,14 +110,19 @@ fn read_axes(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<String, BTre
 fn read_information(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<String, Information>, FleetError> {
     let wanted = ["key", "parameter", "other", "value"];
     let [key, parameter, other, value] = wanted.map(|name| INFORMATION.index(name));
-    let mut names: BTreeMap<String, u32> = BTreeMap::new();
+    // Each name is kept once; rows hold its number.
+    let (mut numbers, mut names) = (HashMap::<String, u32>::new(), Vec::<String>::new());
     let mut read: HashMap<String, Vec<(u32, Option<u32>, f64)>> = HashMap::new();
     store.each_group(&INFORMATION, &wanted, &mut |rows| {
         for row in rows {
             let Some(run) = keys.get(row[key].text()) else { continue };
             let mut number = |name: &str| {
-                let next = u32::try_from(names.len()).expect("fewer names than rows of a store");
-                *names.entry(name.to_owned()).or_insert(next)
+                numbers.get(name).copied().unwrap_or_else(|| {
+                    let next = u32::try_from(names.len()).expect("fewer names than rows of a store");
+                    names.push(name.to_owned());
+                    numbers.insert(name.to_owned(), next);
+                    next
+                })
             };
             let (of, beside) = (number(row[parameter].text()), row[other].text());
             let beside = (!beside.is_empty()).then(|| number(beside));
@@ -126,12 +131,9 @@ fn read_information(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<Strin
         }
         Ok(())
     })?;
-    let mut by_number: Vec<(&String, &u32)> = names.iter().collect();
-    by_number.sort_unstable_by_key(|(_, number)| **number);
-    let by_number: Vec<&str> = by_number.into_iter().map(|(name, _)| name.as_str()).collect();
     let information = |rows: Vec<(u32, Option<u32>, f64)>| {
         let mut parameters: Vec<u32> = rows.iter().map(|(parameter, ..)| *parameter).collect();
-        parameters.sort_unstable_by_key(|number| by_number[*number as usize]);
+        parameters.sort_unstable_by_key(|number| &names[*number as usize]);
         parameters.dedup();
         let count = parameters.len();
         let (mut matrix, mut pull) = (DMatrix::zeros(count, count), DVector::zeros(count));
@@ -146,7 +148,7 @@ fn read_information(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<Strin
                 None => pull[i] = *value,
             }
         }
-        let parameters = parameters.iter().map(|number| by_number[*number as usize].to_owned()).collect();
+        let parameters = parameters.iter().map(|number| names[*number as usize].clone()).collect();
         Information { parameters, matrix, pull }
     };
     Ok(read.into_iter().map(|(run, rows)| (run, information(rows))).collect())

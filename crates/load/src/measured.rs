@@ -3,6 +3,7 @@
 //! Words are those of the command line; messages name its options, and the Python package writes them as its keywords.
 
 mod camera;
+mod content;
 mod distance;
 mod origin;
 mod rows;
@@ -11,10 +12,11 @@ mod tip;
 mod within;
 
 pub use camera::sight;
+pub use content::Content;
 pub use origin::{HashedFile, prior_read};
 pub use rows::{DataFile, Rows, RowsAsked, rows};
 pub use search::{SearchAsked, earlier, freedom, other_chains, search};
-pub use tip::{all_known, without_part_in_the_tip};
+pub use tip::{all_known, with_given, without_part_in_the_tip};
 pub use within::{corners, moving};
 
 use denavit_calibrate::identify::posterior::EarlierError;
@@ -35,6 +37,14 @@ pub enum MeasuredError {
     /// Measurements that cannot be read.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// A file that can no longer be read.
+    #[error("{file}: {error}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why.
+        error: std::io::Error,
+    },
     /// A calibration that nothing can be continued from.
     #[error(transparent)]
     Earlier(#[from] EarlierError),

@@ -6,8 +6,8 @@ use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecificati
 use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, simulate};
 use denavit_calibrate::effects::catalogue::KINDS;
 use denavit_calibrate::effects::driver::{Conditions, Statics};
-use denavit_calibrate::effects::recorded;
 use denavit_calibrate::effects::survey::{Survey, with_run_order};
+use denavit_calibrate::observation::measurements::RecordedRow;
 use denavit_calibrate::{NoEffects, identify::proportion::within_proportion};
 use denavit_model::Chain;
 use serde_json::{Value, json};
@@ -41,8 +41,8 @@ pub fn possible(source: &RobotText) -> Result<Value, String> {
         let mut places: Vec<String> = Vec::new();
         for candidate in (entry.terms)(&survey) {
             let place = candidate.term.carrier.place(&chain);
-            let of_posture = recorded::needed(&candidate.term, &chain).is_empty();
-            if of_posture && recorded::moves_the_tip(&candidate.term) && !places.contains(&place) {
+            let of_posture = candidate.term.driver.columns().is_empty();
+            if of_posture && candidate.term.moves_the_tip() && !places.contains(&place) {
                 places.push(place);
             }
         }
@@ -61,14 +61,16 @@ pub fn act(source: &RobotText, effect: &str, q: &[Vec<f64>]) -> Result<Value, St
     let (chain, statics) = robot(source)?;
     let wish: EffectSpecification = effect.parse().map_err(words)?;
     let model = granted(&[wish], &statics, &run(&chain), SEED).map_err(words)?;
-    let known = |_: &str| None;
+    if let Some(column) = model.effects.iter().find_map(|effect| effect.term.driver.columns().first().copied()) {
+        return Err(format!("the effect follows \"{}\", which a posture alone does not give", column.name()));
+    }
     let mut rows = Vec::new();
     for reading in q {
         if reading.len() != chain.coordinates().len() || !reading.iter().all(|value| value.is_finite()) {
             return Err(format!("{} finite joint values are wanted", chain.coordinates().len()));
         }
         let drawn = chain.fk(reading);
-        let acted = model.fk(&chain, &Conditions { reading, covariate: &known });
+        let acted = model.fk(&chain, &Conditions { reading, recorded: RecordedRow::nothing() });
         let apart = (acted.translation.vector - drawn.translation.vector).norm();
         let numbers = |pose: &denavit_model::Pose| pose.to_homogeneous().as_slice().to_vec();
         rows.push(json!({ "drawn": numbers(&drawn), "acted": numbers(&acted), "apart_m": apart }));

@@ -125,7 +125,7 @@ fn tried(result: &Calibration) -> Value {
 /// the base frame; rows without a place in space are left out.
 fn residuals(chain: &Chain, result: &Calibration) -> Value {
     let (readings, width) = (&result.train.readings, chain.coordinates().len());
-    let stages = result.residuals.iter().map(|stage| {
+    let stages = result.residuals().into_iter().map(|stage| {
         let rows: Vec<Value> = stage
             .train
             .iter()

@@ -328,7 +328,7 @@ fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> 
     let joints = arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
     let scene = scene(options, arm.targets.len() / arm.tips.all().len());
     let mut data = Measurements::empty("simulation", joints, scene);
-    data.covariates.clone_from(&options.covariates);
+    data.covariates = options.covariates.clone().into();
     let nothing = vec![0.0; options.kind.numbers()];
     let touches = options.kind.holds_the_target();
     if touches {
@@ -359,7 +359,7 @@ fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> 
         }
         data.end_row(reading, row + 2, false);
     }
-    data.covariates.iter_mut().for_each(|column| column.values.truncate(readings.len()));
+    data.covariates.truncate(readings.len());
     data
 }
 

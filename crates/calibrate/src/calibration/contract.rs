@@ -2,7 +2,7 @@
 
 use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
-use crate::calibration::rows::{Placements, RowEntry};
+use crate::calibration::rows::{Placements, Rows};
 use crate::identify::lack_of_fit::LackOfFit;
 use crate::identify::noise::NoiseModel;
 use crate::identify::posterior::Posterior;
@@ -83,7 +83,7 @@ pub struct CalibrationReport {
     /// What no effect explains.
     pub unexplained: Unexplained,
     /// What the adopted stage leaves of every observation, fitted rows first.
-    pub rows: Vec<RowEntry>,
+    pub rows: Rows,
 }
 
 /// A tip of several, and what is of it.

@@ -1,9 +1,8 @@
 //! The calibrated model held against rows that were measured later.
 
-use crate::calibration::{Calibration, recorded_too};
-use crate::effects::recorded::needed;
+use crate::calibration::Calibration;
 use crate::effects::survey::with_run_order_after;
-use crate::identify::residual_statistics::{Errors, Residual, TestError, errors, placed, residuals};
+use crate::identify::residual_statistics::{Errors, Residual, TestError, bound_later, errors, placed, residuals};
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
@@ -24,17 +23,15 @@ impl Calibration {
     /// Rows of another kind, of a target or setup that nothing places, or without a column that an effect follows.
     pub fn predict(&self, later: Measurements) -> Result<Prediction, TestError> {
         let later = with_run_order_after(later.placed_anew(), &self.train);
-        let chain = &self.arm().nominal;
         if let Some(fit) = self.beyond_geometry() {
-            let follows: Vec<String> = fit.effects.effects.iter().flat_map(|e| needed(&e.term, chain)).collect();
-            recorded_too(&self.train, &later, |name| follows.iter().any(|follows| follows == name))?;
             return self.predicted(fit, &later);
         }
         self.predicted(self.without_effects(), &later)
     }
 
     fn predicted<E: Effects>(&self, fit: &Fit<E>, later: &Measurements) -> Result<Prediction, TestError> {
-        let residuals = residuals(&placed(fit, &self.train, later)?, &fit.effects, later);
+        let effects = bound_later(&fit.effects, &self.train, later)?;
+        let residuals = residuals(&placed(fit, &self.train, later)?, &effects, later);
         Ok(Prediction { errors: errors(&residuals, &later.scene), residuals })
     }
 }

@@ -2,14 +2,15 @@
 //! who knows the cell checks first.
 
 use crate::calibration::Calibration;
-use crate::identify::residual_statistics::{Residual, residuals};
+use crate::identify::residual_statistics::{Residual, each_residual};
 use crate::identify::solve::Fit;
 use crate::observation::board::Corner;
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::Effects;
 use denavit_model::Pose;
 use denavit_model::nalgebra::UnitQuaternion;
-use serde::Serialize;
+use serde::ser::SerializeSeq as _;
+use serde::{Serialize, Serializer};
 
 /// One observation and what the adopted model leaves of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,42 +66,122 @@ pub struct Placements {
     pub points: Vec<Placed>,
 }
 
-/// Every observation of the fitted rows, then of the held-out ones.
-pub(super) fn rows(result: &Calibration) -> Vec<RowEntry> {
-    let (all, weights) = match result.beyond_geometry() {
-        Some(fit) => fitted(fit, &result.train),
-        None => fitted(result.without_effects(), &result.train),
-    };
-    let train = all.iter().map(|residual| entry(residual, &result.train, false, weights[residual.observation] == 0.0));
-    let stage = result.report.stages.iter().position(|stage| stage.adopted).unwrap_or(0);
-    let test = result.test.iter().flat_map(|test| {
-        let held_out = result.residuals.get(stage).map_or(&[][..], |residuals| &residuals.test);
-        held_out.iter().map(|residual| entry(residual, test, true, false))
-    });
-    train.chain(test).collect()
+/// What the adopted model leaves of every observation, fitted rows first. An entry is made when it is asked for: the rows
+/// may be a million.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Rows {
+    parts: Vec<Left>,
 }
 
-fn fitted<'a, E: Effects>(fit: &'a Fit<E>, data: &Measurements) -> (Vec<Residual>, &'a [f64]) {
-    (residuals(&fit.arm, &fit.effects, data), &fit.weights)
+/// What is left of the observations of one file.
+#[derive(Debug, Clone, PartialEq)]
+struct Left {
+    scene: Scene,
+    held_out: bool,
+    observations: Vec<LeftOf>,
+    /// The lengths, then the rotation where there is one, observation by observation.
+    numbers: Vec<f64>,
 }
 
-fn entry(residual: &Residual, data: &Measurements, held_out: bool, rejected: bool) -> RowEntry {
-    let series = &data.scene.series[residual.series];
-    let name = |names: &[String], index: usize| if names.len() > 1 { names[index].clone() } else { String::new() };
-    let height = series.kind.place().height;
-    let place: Vec<f64> = residual.place.iter().copied().take(height).collect();
-    let corner = series.corner.as_ref();
-    let pixels = |corner: &Corner| place.iter().map(|length| length / corner.camera.metres_per_pixel()).collect();
-    RowEntry {
-        pixels: corner.map_or_else(Vec::new, pixels),
-        corner: corner.map_or_else(String::new, |corner| corner.label.clone()),
-        line: data.lines[residual.row],
-        setup: name(&data.scene.setups, series.setup),
-        target: name(&data.scene.targets, series.target),
-        held_out,
-        rejected,
-        place,
-        turn: if series.kind.turn().is_some() { residual.turn.iter().copied().collect() } else { Vec::new() },
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct LeftOf {
+    line: usize,
+    series: u32,
+    rejected: bool,
+}
+
+impl Rows {
+    /// Of a calibration; `held_out`: the residuals of its held-out rows at the adopted stage.
+    pub(super) fn of(result: &Calibration, held_out: &[Residual]) -> Self {
+        let mut fitted = Left::new(&result.train, false);
+        match result.beyond_geometry() {
+            Some(fit) => fitted.add_all(fit, &result.train),
+            None => fitted.add_all(result.without_effects(), &result.train),
+        }
+        let judged = result.test.as_ref().map(|test| {
+            let mut judged = Left::new(test, true);
+            for residual in held_out {
+                judged.add(residual, test, false);
+            }
+            judged
+        });
+        Self { parts: std::iter::once(fitted).chain(judged).collect() }
+    }
+
+    /// Number of observations.
+    pub fn len(&self) -> usize {
+        self.parts.iter().map(|part| part.observations.len()).sum()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// One entry after the other.
+    pub fn iter(&self) -> impl Iterator<Item = RowEntry> {
+        self.parts.iter().flat_map(Left::entries)
+    }
+}
+
+impl Serialize for Rows {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.len()))?;
+        self.iter().try_for_each(|row| list.serialize_element(&row))?;
+        list.end()
+    }
+}
+
+impl Left {
+    fn new(data: &Measurements, held_out: bool) -> Self {
+        let (count, values) = (data.observations(), data.values());
+        let (observations, numbers) = (Vec::with_capacity(count), Vec::with_capacity(values));
+        Self { scene: data.scene.clone(), held_out, observations, numbers }
+    }
+
+    fn add_all<E: Effects>(&mut self, fit: &Fit<E>, data: &Measurements) {
+        each_residual(&fit.arm, &fit.effects, data, |residual| {
+            self.add(&residual, data, fit.weights[residual.observation] == 0.0);
+        });
+    }
+
+    fn add(&mut self, residual: &Residual, data: &Measurements, rejected: bool) {
+        let series = u32::try_from(residual.series).unwrap_or(u32::MAX);
+        self.observations.push(LeftOf { line: data.lines[residual.row], series, rejected });
+        let kind = self.scene.series[residual.series].kind;
+        self.numbers.extend(residual.place.iter().take(kind.place().height));
+        if kind.turn().is_some() {
+            self.numbers.extend(residual.turn.iter());
+        }
+    }
+
+    fn entries(&self) -> impl Iterator<Item = RowEntry> {
+        let mut numbers = &self.numbers[..];
+        self.observations.iter().map(move |left| {
+            let kind = self.scene.series[left.series as usize].kind;
+            let (place, rest) = numbers.split_at(kind.place().height);
+            let (turn, rest) = rest.split_at(if kind.turn().is_some() { 3 } else { 0 });
+            numbers = rest;
+            self.entry(left, place, turn)
+        })
+    }
+
+    fn entry(&self, left: &LeftOf, place: &[f64], turn: &[f64]) -> RowEntry {
+        let series = &self.scene.series[left.series as usize];
+        let name = |names: &[String], index: usize| if names.len() > 1 { names[index].clone() } else { String::new() };
+        let corner = series.corner.as_ref();
+        let pixels = |corner: &Corner| place.iter().map(|length| length / corner.camera.metres_per_pixel()).collect();
+        RowEntry {
+            pixels: corner.map_or_else(Vec::new, pixels),
+            corner: corner.map_or_else(String::new, |corner| corner.label.clone()),
+            line: left.line,
+            setup: name(&self.scene.setups, series.setup),
+            target: name(&self.scene.targets, series.target),
+            held_out: self.held_out,
+            rejected: left.rejected,
+            place: place.to_vec(),
+            turn: turn.to_vec(),
+        }
     }
 }
 
@@ -134,7 +215,7 @@ pub(super) fn placements(result: &Calibration) -> Placements {
 ///
 /// # Errors
 /// None but those of memory.
-pub fn to_csv(rows: &[RowEntry]) -> String {
+pub fn to_csv(rows: &Rows) -> String {
     let turns = rows.iter().any(|row| !row.turn.is_empty());
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = vec!["line", "setup", "target", "held_out", "rejected", "dx_mm", "dy_mm", "dz_mm"];
@@ -145,29 +226,23 @@ pub fn to_csv(rows: &[RowEntry]) -> String {
     if pixels {
         header.extend(["corner", "du_px", "dv_px"]);
     }
-    let mut records = vec![header.into_iter().map(String::from).collect::<Vec<_>>()];
-    for row in rows {
+    let mut write = |record: Vec<String>| writer.write_record(&record).expect("memory takes every record");
+    write(header.into_iter().map(String::from).collect());
+    for row in rows.iter() {
         let number =
             |values: &[f64], index: usize| values.get(index).map_or_else(String::new, |v| (v * 1e3).to_string());
-        let mut record = vec![
-            row.line.to_string(),
-            row.setup.clone(),
-            row.target.clone(),
-            u8::from(row.held_out).to_string(),
-            u8::from(row.rejected).to_string(),
-        ];
+        let flags = [row.held_out, row.rejected].map(|flag| u8::from(flag).to_string());
+        let mut record = vec![row.line.to_string(), row.setup, row.target];
+        record.extend(flags);
         record.extend((0..3).map(|index| number(&row.place, index)));
         if turns {
             record.extend((0..3).map(|index| number(&row.turn, index)));
         }
         if pixels {
-            record.push(row.corner.clone());
+            record.push(row.corner);
             record.extend((0..2).map(|k| row.pixels.get(k).map_or_else(String::new, f64::to_string)));
         }
-        records.push(record);
-    }
-    for record in records {
-        writer.write_record(&record).expect("memory takes every record");
+        write(record);
     }
     let bytes = writer.into_inner().expect("memory takes every record");
     String::from_utf8(bytes).expect("text goes in, text comes out")

@@ -1,6 +1,6 @@
 //! Several tips of one robot: what a calibration of them can do, and how well each came out.
 
-use super::{CalibrateError, CalibrateOptions, StageResiduals};
+use super::{CalibrateError, CalibrateOptions};
 use crate::calibration::contract::TipEntry;
 use crate::identify::residual_statistics::{Errors, Residual, errors};
 use crate::observation::measurements::Measurements;
@@ -22,15 +22,17 @@ fn rows(data: &Measurements, tip: usize) -> usize {
     (0..data.len()).filter(|&row| data.tip_of(row) == tip && !data.of_row(row).is_empty()).count()
 }
 
-/// The tips and how far each is off at a stage; none where there is one alone.
+/// The tips and how far each is off at a stage; none where there is one alone. `left`: the residuals of the fitted rows that were
+/// kept.
 pub(super) fn entries(
     chain: &Chain,
-    (train, test): (&Measurements, Option<&Measurements>),
-    stage: &StageResiduals,
+    (train, left): (&Measurements, impl FnOnce() -> Vec<Residual>),
+    test: Option<(&Measurements, &[Residual])>,
 ) -> Vec<TipEntry> {
+    let Some(tips) = train.scene.tips() else { return Vec::new() };
+    let left = left();
     let off = |data: &Measurements, residuals: &[Residual], tip: usize| -> Errors {
-        let own = residuals.iter().filter(|residual| data.tip_of(residual.row) == tip);
-        errors(&own.copied().collect::<Vec<_>>(), &data.scene)
+        errors(residuals.iter().filter(|residual| data.tip_of(residual.row) == tip), &data.scene)
     };
     let entry = |(index, tip): (usize, &Tip)| TipEntry {
         tip: tip.name.clone(),
@@ -42,9 +44,9 @@ pub(super) fn entries(
             .map(|(joint, _)| joint.name.clone())
             .collect(),
         fitted: rows(train, index),
-        held_out: test.map_or(0, |test| rows(test, index)),
-        train: off(train, &stage.train, index),
-        test: test.map(|test| off(test, &stage.test, index)),
+        held_out: test.map_or(0, |(test, _)| rows(test, index)),
+        train: off(train, &left, index),
+        test: test.map(|(test, left)| off(test, left, index)),
     };
-    train.scene.tips().map_or_else(Vec::new, |tips| tips.all().iter().enumerate().map(entry).collect())
+    tips.all().iter().enumerate().map(entry).collect()
 }

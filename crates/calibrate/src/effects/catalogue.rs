@@ -5,9 +5,10 @@
 //! `every_kind_offers_terms_that_a_fit_can_use` covers both.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, Driver, VELOCITY};
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, Driver};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
+use crate::observation::measurements::Column;
 use serde::{Deserialize, Serialize};
 
 /// An engineer's name for a cause.
@@ -274,11 +275,13 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
     survey
         .moving()
         .flat_map(|i| {
-            let from_rows = !survey.has_of_joint(i, APPROACH);
-            let by_side = each(Kind::Backlash, Carrier::Joint(i), Driver::Approach { joint: i, from_rows });
+            let given = survey.of_joint(i, APPROACH).map(|side| (side, false));
+            let known = given.or_else(|| Some((survey.of_joint(i, APPROACH_FROM_ROWS)?, true)));
+            let by_side = known.map(|(side, from_rows)| {
+                each(Kind::Backlash, Carrier::Joint(i), Driver::Approach { joint: i, from_rows, side })
+            });
             let by_gravity = each(Kind::Backlash, Carrier::Joint(i), Driver::GravitySide(i));
-            let known = !from_rows || survey.has_of_joint(i, APPROACH_FROM_ROWS);
-            known.then_some(by_side).into_iter().chain([by_gravity])
+            by_side.into_iter().chain([by_gravity])
         })
         .collect()
 }
@@ -347,43 +350,44 @@ fn movable(survey: &Survey) -> Vec<Carrier> {
 fn thermal(survey: &Survey) -> Vec<Candidate> {
     let links = (0..survey.statics.chain.joints().len()).map(Carrier::LinkLength);
     let general = movable(survey).into_iter().chain(links).flat_map(|carrier| {
-        let of = |name: &String| each(Kind::Thermal, carrier, Driver::Covariate(name.clone()));
+        let of = |column: &Column| each(Kind::Thermal, carrier, Driver::Covariate(column.clone()));
         survey.temperatures.iter().map(of).collect::<Vec<_>>()
     });
     let own = survey.moving().filter_map(|i| {
-        let name = survey.joint_temperature(i)?;
-        Some(each(Kind::Thermal, Carrier::Joint(i), Driver::Covariate(name)))
+        let own = survey.of_joint(i, ".temperature")?;
+        Some(each(Kind::Thermal, Carrier::Joint(i), Driver::Covariate(own)))
     });
     general.chain(own).collect()
 }
 
 fn drift(survey: &Survey) -> Vec<Candidate> {
     let Some(clock) = &survey.clock else { return Vec::new() };
-    let name = || clock.name.clone();
+    let column = || clock.column.clone();
     let mut terms = Vec::new();
     for carrier in movable(survey) {
-        terms.push(each(Kind::Drift, carrier, Driver::Covariate(name())));
+        terms.push(each(Kind::Drift, carrier, Driver::Covariate(column())));
         for constant in clock.constants() {
-            let driver = Driver::Decay { covariate: name(), from: clock.first(), constant };
+            let driver = Driver::Decay { covariate: column(), from: clock.first(), constant };
             terms.push(candidate(Kind::Drift, carrier, driver, Coupling::Each, 1));
         }
         if matches!(carrier, Carrier::Lengths | Carrier::Scale) {
             continue;
         }
         for at in clock.places() {
-            let driver = Driver::Steps { covariate: name(), at: vec![at] };
+            let driver = Driver::Steps { covariate: column(), at: vec![at] };
             terms.push(candidate(Kind::Drift, carrier, driver, Coupling::Each, 1));
         }
         for pieces in clock.pieces(carrier == Carrier::Reading) {
-            terms.push(each(Kind::Drift, carrier, Driver::Smooth { covariate: name(), knots: pieces }));
+            terms.push(each(Kind::Drift, carrier, Driver::Smooth { covariate: column(), knots: pieces }));
         }
     }
     terms
 }
 
 fn latency(survey: &Survey) -> Vec<Candidate> {
-    let known = survey.moving().any(|i| survey.has_of_joint(i, VELOCITY));
-    known.then(|| paired(Kind::Latency, Carrier::AllJoints, Driver::Velocities)).into_iter().collect()
+    let known = !survey.velocities.is_empty();
+    let term = || paired(Kind::Latency, Carrier::AllJoints, Driver::Velocities(survey.velocities.clone()));
+    known.then(term).into_iter().collect()
 }
 
 fn instrument_scale(_: &Survey) -> Vec<Candidate> {
@@ -393,7 +397,7 @@ fn instrument_scale(_: &Survey) -> Vec<Candidate> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::driver::{Conditions, Statics};
+    use crate::effects::driver::{Conditions, Statics, VELOCITY};
     use crate::effects::survey::with_run_order;
     use crate::observation::kinds::POSITION;
     use crate::observation::measurements::{Covariate, Measurements, Scene};
@@ -407,14 +411,14 @@ mod tests {
             |name: String, slope: f64| Covariate { name, values: (0..rows).map(|row| slope * row as f64).collect() };
         let velocities = joints.iter().map(|joint| column(format!("{joint}{VELOCITY}"), 0.01));
         let covariates = [column("time".into(), 30.0), column("temperature".into(), 0.1)].into_iter().chain(velocities);
-        let covariates = covariates.collect();
+        let covariates: Vec<Covariate> = covariates.collect();
         let mut data = Measurements::empty("rich.csv", joints, Scene::of(POSITION, 1));
         let width = data.joints.len();
         for row in 0..rows {
             let reading: Vec<f64> = (0..width).map(|k| value(row, k)).collect();
             data.end_row(&reading, row + 2, false);
         }
-        data.covariates = covariates;
+        data.covariates = covariates.into();
         with_run_order(data)
     }
 
@@ -422,7 +426,8 @@ mod tests {
     fn every_kind_offers_terms_that_a_fit_can_use() {
         for chain in examples::all() {
             let statics = Statics::of_chain(&chain);
-            let survey = Survey::of(&statics, &rich(&chain), Vec::new());
+            let data = rich(&chain);
+            let survey = Survey::of(&statics, &data, Vec::new());
             for entry in KINDS {
                 let terms = (entry.terms)(&survey);
                 let none = match entry.kind {
@@ -433,7 +438,7 @@ mod tests {
                 for candidate in terms {
                     assert_eq!(candidate.term.kind, entry.kind);
                     let q = vec![0.2; chain.coordinates().len()];
-                    let conditions = Conditions { reading: &q, covariate: &|_| Some(1.0) };
+                    let conditions = Conditions { reading: &q, recorded: data.covariates.row(7) };
                     let posture = statics.posture(&conditions, None);
                     let mut values = Vec::new();
                     candidate.term.driver.values_into(&statics, &conditions, &posture, &mut values);

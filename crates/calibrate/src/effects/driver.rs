@@ -1,12 +1,15 @@
 //! What drives an effect: functions of a row's readings, of gravity, and of what was recorded beside them.
 //!
-//! No driver sees a measured value. A new driver is a variant of [`Driver`], its arm in [`Driver::values_into`] (and in
-//! [`Driver::len`] and [`Driver::unit`]), and an entry that uses it in [`super::catalogue::KINDS`]; the test
-//! `every_driver_gives_as_many_values_as_it_says` then covers it.
+//! No driver sees a measured value. What a driver follows beside the readings is a [`Column`], which is only there where every
+//! row has a value for it. A new driver is a variant of [`Driver`] and of [`super::written::WrittenDriver`], its arm in
+//! [`Driver::values_into`] (and in [`Driver::len`] and [`Driver::unit`]), and an entry that uses it in
+//! [`super::catalogue::KINDS`]; the test `every_driver_gives_as_many_values_as_it_says` then covers it.
 
 use crate::effects::carrier::{axis_points, link_points};
 use crate::effects::gravity::{Load, Masses};
 use crate::observation::arm::{AxisBasis, Perturbation, RowState};
+use crate::observation::measurements::covariates::PAYLOAD;
+use crate::observation::measurements::{Column, MissingColumn, RecordedRow};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Reading, Robot, Screw, se3};
 use serde::{Deserialize, Serialize};
@@ -19,8 +22,6 @@ pub const APPROACH: &str = ".approach";
 pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
 /// Ending of the covariates that give a joint's velocity.
 pub const VELOCITY: &str = ".velocity";
-/// Name of the covariate that gives the mass at the tip, kg.
-pub const PAYLOAD: &str = "payload";
 
 /// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
 const TWIST_TO_BEND: f64 = 1.3;
@@ -29,8 +30,7 @@ const TWIST_TO_BEND: f64 = 1.3;
 const UPRIGHT: f64 = 0.999;
 
 /// What drives an effect. Joints are counted from 0, base to tip.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Driver {
     /// 1.
     Constant,
@@ -78,17 +78,19 @@ pub enum Driver {
         joint: usize,
         /// Read from the order of the rows, for the file does not say.
         from_rows: bool,
+        /// Where it is recorded.
+        side: Column,
     },
     /// The side to which gravity pushes a joint, +1 or -1.
     GravitySide(usize),
-    /// Every joint's velocity, rad/s or m/s.
-    Velocities,
+    /// Every joint's velocity, rad/s or m/s; a joint that stands still in every row needs none.
+    Velocities(Vec<JointVelocity>),
     /// A recorded quantity.
-    Covariate(String),
+    Covariate(Column),
     /// 1 - exp(-(value - from)/constant) of a recorded quantity.
     Decay {
-        /// Its name.
-        covariate: String,
+        /// The quantity.
+        covariate: Column,
         /// Where it starts.
         from: f64,
         /// Time constant, in the quantity's unit.
@@ -96,18 +98,27 @@ pub enum Driver {
     },
     /// For each place: 1 from there on, 0 before.
     Steps {
-        /// The recorded quantity's name.
-        covariate: String,
+        /// The recorded quantity.
+        covariate: Column,
         /// Places, ascending.
         at: Vec<f64>,
     },
     /// Straight lines between knots: one value per knot but the first.
     Smooth {
-        /// The recorded quantity's name.
-        covariate: String,
+        /// The recorded quantity.
+        covariate: Column,
         /// Knots, ascending.
         knots: Vec<f64>,
     },
+}
+
+/// Where a joint's velocity is recorded: as that of the coordinate that moves it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointVelocity {
+    /// The joint.
+    pub joint: usize,
+    /// Its coordinate's velocity, rad/s or m/s.
+    pub of_coordinate: Column,
 }
 
 /// The outline of a bump over u = (value - at)/width.
@@ -151,8 +162,8 @@ pub struct Posture {
 pub struct Conditions<'a> {
     /// Joint readings in coordinate order, rad or m.
     pub reading: &'a [f64],
-    /// A recorded quantity by name; `None` where the file has none of that name.
-    pub covariate: &'a dyn Fn(&str) -> Option<f64>,
+    /// What was recorded beside them.
+    pub recorded: RecordedRow<'a>,
 }
 
 /// The chain and its masses: what drivers are computed with.
@@ -198,8 +209,7 @@ impl Statics {
             reached *= se3::exp(last);
         }
         state.tip = reached * self.chain.home();
-        let payload = (conditions.covariate)(PAYLOAD).unwrap_or(0.0);
-        let loads = self.masses.loads(&self.points, &state, payload);
+        let loads = self.masses.loads(&self.points, &state, conditions.recorded.payload());
         Posture { state, loads }
     }
 
@@ -272,7 +282,7 @@ impl Driver {
             Self::TorqueTerms { joint, links } => 2 * (*links).min(statics.chain.joints().len() - joint),
             Self::Cantilever(_) => 6,
             Self::Overturning | Self::EndMoment(_) => 3,
-            Self::Velocities => statics.chain.joints().len(),
+            Self::Velocities(_) => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
             _ => 1,
@@ -282,8 +292,7 @@ impl Driver {
     /// Its values in one row, appended to `out`.
     pub fn values_into(&self, statics: &Statics, conditions: &Conditions<'_>, posture: &Posture, out: &mut Vec<f64>) {
         let joints = statics.chain.joints();
-        let recorded = |name: &str| (conditions.covariate)(name).unwrap_or(0.0);
-        let of_joint = |joint: usize, ending: &str| recorded(&format!("{}{ending}", joints[joint].name));
+        let recorded = |column: &Column| conditions.recorded.value(column);
         match self {
             Self::Constant => out.push(1.0),
             Self::Reading(joint) => out.push(joints[*joint].value(conditions.reading)),
@@ -316,15 +325,19 @@ impl Driver {
                 let load = &posture.loads[0];
                 out.extend((load.moment + at.coords.cross(&load.force)).iter());
             }
-            Self::Approach { joint, from_rows } => {
-                out.push(of_joint(*joint, if *from_rows { APPROACH_FROM_ROWS } else { APPROACH }));
-            }
+            Self::Approach { side, .. } => out.push(recorded(side)),
             Self::GravitySide(joint) => {
                 let torque = statics.torque(posture, *joint);
                 out.push(if torque < 0.0 { -1.0 } else { 1.0 });
             }
-            Self::Velocities => out.extend((0..joints.len()).map(|joint| of_joint(joint, VELOCITY))),
-            Self::Covariate(name) => out.push(recorded(name)),
+            Self::Velocities(moving) => {
+                let first = out.len();
+                out.resize(first + joints.len(), 0.0);
+                for JointVelocity { joint, of_coordinate } in moving {
+                    out[first + joint] = joints[*joint].scale * recorded(of_coordinate);
+                }
+            }
+            Self::Covariate(column) => out.push(recorded(column)),
             Self::Decay { covariate, from, constant } => {
                 out.push(-(-(recorded(covariate) - from).max(0.0) / constant).exp_m1());
             }
@@ -392,20 +405,56 @@ impl Driver {
             Self::TorqueTerms { .. } => "kg m²/s² per m",
             Self::MomentAcross(_) | Self::EndMoment(_) | Self::Overturning => "N m",
             Self::Cantilever(_) => "1/(N m²)",
-            Self::Velocities => "1/s",
-            Self::Covariate(name) => unit_of(name),
+            Self::Velocities(_) => "1/s",
+            Self::Covariate(column) => unit_of(column.name()),
             _ => "1",
         }
     }
 
-    /// The recorded quantity that it follows, where it follows one.
+    /// The recorded quantity that it follows, where it follows one that is no joint's side or velocity.
     pub fn covariate(&self) -> Option<&str> {
         match self {
-            Self::Covariate(name) => Some(name),
+            Self::Covariate(column) => Some(column.name()),
             Self::Decay { covariate, .. } | Self::Steps { covariate, .. } | Self::Smooth { covariate, .. } => {
-                Some(covariate)
+                Some(covariate.name())
             }
             _ => None,
+        }
+    }
+
+    /// Every column that it follows; a payload is none of them, for nothing given is nothing carried.
+    pub fn columns(&self) -> Vec<&Column> {
+        match self {
+            Self::Covariate(column)
+            | Self::Approach { side: column, .. }
+            | Self::Decay { covariate: column, .. }
+            | Self::Steps { covariate: column, .. }
+            | Self::Smooth { covariate: column, .. } => vec![column],
+            Self::Velocities(moving) => moving.iter().map(|joint| &joint.of_coordinate).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Puts other columns in the place of those that it follows.
+    ///
+    /// # Errors
+    /// Those of `column`.
+    pub fn rebind(
+        &mut self,
+        column: &mut dyn FnMut(&Column) -> Result<Column, MissingColumn>,
+    ) -> Result<(), MissingColumn> {
+        let mut put = |own: &mut Column| -> Result<(), MissingColumn> {
+            *own = column(own)?;
+            Ok(())
+        };
+        match self {
+            Self::Covariate(own)
+            | Self::Approach { side: own, .. }
+            | Self::Decay { covariate: own, .. }
+            | Self::Steps { covariate: own, .. }
+            | Self::Smooth { covariate: own, .. } => put(own),
+            Self::Velocities(moving) => moving.iter_mut().try_for_each(|joint| put(&mut joint.of_coordinate)),
+            _ => Ok(()),
         }
     }
 }
@@ -438,6 +487,8 @@ fn hats(value: f64, knots: &[f64], out: &mut Vec<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::written::WrittenDriver;
+    use crate::observation::measurements::{Covariate, Covariates};
     use denavit_model::examples;
 
     #[test]
@@ -445,11 +496,12 @@ mod tests {
         for chain in examples::all() {
             let statics = Statics::of_chain(&chain);
             let n = statics.chain.joints().len();
-            let name = || "time".to_string();
+            let recorded: Covariates = vec![Covariate { name: "time".into(), values: vec![3.0] }].into();
+            let name = || recorded.column("one row", 1, "time").unwrap();
             let mut drivers = vec![
                 Driver::Constant,
                 Driver::Overturning,
-                Driver::Velocities,
+                Driver::Velocities((0..n).map(|joint| JointVelocity { joint, of_coordinate: name() }).collect()),
                 Driver::Covariate(name()),
                 Driver::Decay { covariate: name(), from: 0.0, constant: 2.0 },
                 Driver::Steps { covariate: name(), at: vec![1.0, 5.0] },
@@ -467,18 +519,20 @@ mod tests {
                     Driver::MomentAcross(joint),
                     Driver::Cantilever(joint),
                     Driver::EndMoment(joint),
-                    Driver::Approach { joint, from_rows: true },
+                    Driver::Approach { joint, from_rows: true, side: name() },
                     Driver::GravitySide(joint),
                 ]);
             }
             let q = vec![0.3; statics.chain.coordinates().len()];
-            let conditions = Conditions { reading: &q, covariate: &|name| (name == "time").then_some(3.0) };
+            let conditions = Conditions { reading: &q, recorded: recorded.row(0) };
             let posture = statics.posture(&conditions, None);
             for driver in drivers {
                 let mut values = Vec::new();
                 driver.values_into(&statics, &conditions, &posture, &mut values);
                 assert_eq!(values.len(), driver.len(&statics), "{driver:?}");
                 assert!(values.iter().all(|value| value.is_finite()), "{driver:?}");
+                let written = WrittenDriver::of(&driver);
+                assert_eq!(written.len(&statics), values.len(), "{driver:?}");
             }
         }
     }
@@ -487,9 +541,9 @@ mod tests {
     fn torque_is_the_change_of_potential_energy() {
         for chain in examples::all() {
             let statics = Statics::of_chain(&chain);
-            let none = |_: &str| None;
+            let recorded = RecordedRow::nothing();
             let energy = |q: &[f64]| -> f64 {
-                let posture = statics.posture(&Conditions { reading: q, covariate: &none }, None);
+                let posture = statics.posture(&Conditions { reading: q, recorded }, None);
                 statics
                     .masses
                     .points
@@ -498,7 +552,7 @@ mod tests {
                     .sum()
             };
             let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
-            let posture = statics.posture(&Conditions { reading: &q, covariate: &none }, None);
+            let posture = statics.posture(&Conditions { reading: &q, recorded }, None);
             for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
                 let movers: Vec<usize> = (0..statics.chain.joints().len())
                     .filter(|&j| statics.chain.joints()[j].coordinate == coordinate)

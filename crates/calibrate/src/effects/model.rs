@@ -5,6 +5,7 @@ use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Conditions, Driver, Posture, Statics};
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::measurements::{Measurements, MissingColumn};
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, ChainJoint, Pose, se3};
@@ -26,28 +27,40 @@ pub enum Coupling {
 }
 
 /// Where it acts × what drives it: a term of the model without its numbers.
+///
+/// `D`: the driver, bound to the columns that it follows, or a [`WrittenDriver`](crate::effects::WrittenDriver) as a file has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Term {
+pub struct Term<D = Driver> {
     /// The engineer's name for it.
     pub kind: Kind,
     /// Where it acts.
     pub carrier: Carrier,
     /// What drives it.
-    pub driver: Driver,
+    pub driver: D,
     /// How these two meet.
     pub coupling: Coupling,
+}
+
+impl<D> Term<D> {
+    /// How many coefficients it has with so many values of its driver.
+    pub(super) fn coefficients_of(&self, statics: &Statics, values: usize) -> usize {
+        let joints = statics.chain.joints();
+        match self.coupling {
+            Coupling::Paired => 1,
+            Coupling::Each => self.carrier.directions(joints, joints, &statics.points).len() * values,
+        }
+    }
+
+    /// Whether it has a part in where the tip is; the others change what is measured.
+    pub fn moves_the_tip(&self) -> bool {
+        !matches!(self.carrier, Carrier::Target | Carrier::Anchor | Carrier::Scale | Carrier::Reading)
+    }
 }
 
 impl Term {
     /// How many coefficients it has.
     pub fn coefficients(&self, statics: &Statics) -> usize {
-        match self.coupling {
-            Coupling::Paired => 1,
-            Coupling::Each => {
-                self.carrier.directions(statics.chain.joints(), statics.chain.joints(), &statics.points).len()
-                    * self.driver.len(statics)
-            }
-        }
+        self.coefficients_of(statics, self.driver.len(statics))
     }
 
     /// What coefficient `index` multiplies: (direction, value of the driver) pairs.
@@ -98,10 +111,10 @@ impl Term {
 
 /// A term with its numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Effect {
+pub struct Effect<D = Driver> {
     /// What it is.
     #[serde(flatten)]
-    pub term: Term,
+    pub term: Term<D>,
     /// Coefficients: direction by direction, within it value by value of the driver; unit: carrier's per driver's.
     pub coefficients: Vec<f64>,
 }
@@ -271,8 +284,7 @@ impl Effects for EffectModel {
         if self.effects.is_empty() && self.curves.is_empty() {
             return false;
         }
-        let recorded = |name: &str| row.covariate_named(name);
-        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
         self.add_perturbation(&conditions, &arm.joints, out);
         true
     }
@@ -281,8 +293,7 @@ impl Effects for EffectModel {
         if self.effects.is_empty() {
             return;
         }
-        let recorded = |name: &str| row.covariate_named(name);
-        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
         let posture = self.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()));
         let mut column = 0;
         for effect in &self.effects {
@@ -295,6 +306,14 @@ impl Effects for EffectModel {
                 column += 1;
             }
         }
+    }
+
+    fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
+        let mut bound = self.clone();
+        for effect in &mut bound.effects {
+            effect.term.driver.rebind(&mut |column| data.column(column.name()))?;
+        }
+        Ok(bound)
     }
 
     fn stepped(&self, step: &[f64]) -> Self {

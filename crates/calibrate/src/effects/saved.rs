@@ -11,8 +11,10 @@
 
 use crate::effects::curve::Curve;
 use crate::effects::driver::Statics;
-use crate::effects::model::{Effect, EffectModel};
+use crate::effects::model::{Effect, EffectModel, Term};
 use crate::effects::reference_robot::{ReferenceRobot, apart};
+use crate::effects::written::WrittenDriver;
+use crate::observation::measurements::{Column, MissingColumn};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -34,7 +36,7 @@ struct Saved {
 #[derive(Debug, Serialize, Deserialize)]
 struct SavedEffect {
     #[serde(flatten)]
-    effect: Effect,
+    effect: Effect<WrittenDriver>,
     #[serde(default)]
     formula: String,
     #[serde(default)]
@@ -120,7 +122,75 @@ pub enum SavedError {
     },
 }
 
+/// Effects as a file has them: what they follow beside the readings is named, and bound to columns before they act.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SavedEffects {
+    /// The nominal chain and its masses.
+    pub statics: Statics,
+    /// The effects.
+    pub effects: Vec<Effect<WrittenDriver>>,
+    /// Error curves of joints, no cause claimed.
+    pub curves: Vec<Curve>,
+}
+
 impl EffectModel {
+    /// What a file has of it.
+    pub fn saved(&self) -> SavedEffects {
+        let written = |Effect { term, coefficients }: &Effect| {
+            let Term { kind, carrier, driver, coupling } = term;
+            let driver = WrittenDriver::of(driver);
+            let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
+            Effect { term, coefficients: coefficients.clone() }
+        };
+        let effects = self.effects.iter().map(written).collect();
+        SavedEffects { statics: self.statics.clone(), effects, curves: self.curves.clone() }
+    }
+
+    /// As JSON text, with formula, units and source of each kind beside the numbers.
+    pub fn to_json(&self) -> String {
+        self.saved().to_json()
+    }
+}
+
+impl SavedEffects {
+    /// No effects on this chain.
+    pub fn none(statics: Statics) -> Self {
+        Self { statics, effects: Vec::new(), curves: Vec::new() }
+    }
+
+    /// The effects, everything that they follow bound to its column.
+    ///
+    /// # Errors
+    /// Those of `column`, which is asked for each name.
+    pub fn bound(self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Result<EffectModel, MissingColumn> {
+        let Self { statics, effects, curves } = self;
+        let bound = |Effect { term, coefficients }: Effect<WrittenDriver>| {
+            let Term { kind, carrier, driver, coupling } = term;
+            let driver = driver.bound(&statics.chain, column)?;
+            Ok::<_, MissingColumn>(Effect { term: Term { kind, carrier, driver, coupling }, coefficients })
+        };
+        let effects = effects.into_iter().map(bound).collect::<Result<_, _>>()?;
+        Ok(EffectModel { statics, effects, curves })
+    }
+
+    /// Those that have a part in where the tip is.
+    #[must_use]
+    pub fn of_the_tip(&self) -> Self {
+        let effects = self.effects.iter().filter(|effect| effect.term.moves_the_tip()).cloned().collect();
+        Self { effects, ..self.clone() }
+    }
+
+    /// The names of all that they follow, each once.
+    pub fn needed(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for name in self.effects.iter().flat_map(|effect| effect.term.driver.needed(&self.statics.chain)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
     /// As JSON text, with formula, units and source of each kind beside the numbers.
     pub fn to_json(&self) -> String {
         let effects = self.effects.iter().map(|effect| {
@@ -179,7 +249,7 @@ impl EffectModel {
             if let Some(why) = effect.term.driver.fault() {
                 return Err(bad(why));
             }
-            let wanted = effect.term.coefficients(statics);
+            let wanted = effect.term.coefficients_of(statics, effect.term.driver.len(statics));
             if effect.coefficients.len() != wanted {
                 return Err(bad(format!("{} coefficients are given; give {wanted}", effect.coefficients.len())));
             }
@@ -193,15 +263,24 @@ impl EffectModel {
                 return Err(SavedError::BadCurve { file: file(), index: index + 1, why });
             }
         }
-        Ok(Self { curves: saved.curves, ..Self::new(statics.clone(), effects) })
+        Ok(Self { statics: statics.clone(), effects, curves: saved.curves })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{Carrier, Conditions, Coupling, Driver, Kind, Term};
+    use crate::effects::{Carrier, Conditions, Coupling, Driver, Kind};
+    use crate::observation::measurements::{Covariate, Covariates};
     use denavit_model::examples;
+
+    fn recorded() -> Covariates {
+        vec![Covariate { name: "time".into(), values: vec![5.0] }].into()
+    }
+
+    fn time(name: &str) -> Result<Column, MissingColumn> {
+        recorded().column("one row", 1, name)
+    }
 
     fn model() -> EffectModel {
         let statics = Statics::of_chain(&examples::planar_arm());
@@ -212,7 +291,11 @@ mod tests {
                 coefficients: vec![1e-3, -2e-3],
             },
             Effect {
-                term: term(Kind::Drift, Carrier::Base, Driver::Steps { covariate: "time".into(), at: vec![3.0] }),
+                term: term(
+                    Kind::Drift,
+                    Carrier::Base,
+                    Driver::Steps { covariate: time("time").unwrap(), at: vec![3.0] },
+                ),
                 coefficients: vec![0.0, 0.0, 1e-3, 0.0, 2e-3, 0.0],
             },
         ];
@@ -222,9 +305,14 @@ mod tests {
     #[test]
     fn what_is_saved_moves_the_arm_alike() {
         let model = model();
-        let again = EffectModel::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
+        let again = SavedEffects::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
+        assert_eq!(again.needed(), ["time"]);
+        let none = |name: &str| Covariates::none().column("one row", 1, name);
+        assert_eq!(again.clone().bound(&none).unwrap_err().column(), "time");
+        let again = again.bound(&time).unwrap();
         assert_eq!(again, model);
-        let conditions = Conditions { reading: &[0.3, 0.8], covariate: &|name| (name == "time").then_some(5.0) };
+        let recorded = recorded();
+        let conditions = Conditions { reading: &[0.3, 0.8], recorded: recorded.row(0) };
         let chain = &model.statics.chain;
         assert_eq!(again.fk(chain, &conditions), model.fk(chain, &conditions));
         assert!(
@@ -235,7 +323,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_with_its_place() {
         let model = model();
-        let refused = |text: &str| EffectModel::from_json("e.json", text, &model.statics).unwrap_err().to_string();
+        let refused = |text: &str| SavedEffects::from_json("e.json", text, &model.statics).unwrap_err().to_string();
         let text = model.to_json();
         assert!(refused("{}").starts_with("e.json: not a file of effects (missing field `schema`"));
         assert!(refused(&text.replace(SCHEMA, "denavit.effects/9")).contains("schema is \"denavit.effects/9\""));

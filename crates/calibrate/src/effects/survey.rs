@@ -1,9 +1,9 @@
 //! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
 
 use crate::effects::approach::{side_after, still};
-use crate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, Statics};
+use crate::effects::driver::{APPROACH_FROM_ROWS, JointVelocity, RUN_ORDER, Statics, VELOCITY};
 use crate::observation::kinds::ObservationKind;
-use crate::observation::measurements::{Covariate, Measurements};
+use crate::observation::measurements::{Column, Covariate, Measurements};
 use denavit_model::Screw;
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ const ROWS_BESIDE_STEP: usize = 6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     /// `time`, or run order.
-    pub name: String,
+    pub column: Column,
     /// Its values, ascending.
     pub sorted: Vec<f64>,
 }
@@ -40,12 +40,14 @@ pub struct Survey {
     pub anchor: bool,
     /// Lowest and highest value of each joint, rad or m.
     pub ranges: Vec<(f64, f64)>,
-    /// Names of recorded temperatures.
-    pub temperatures: Vec<String>,
+    /// Recorded temperatures.
+    pub temperatures: Vec<Column>,
+    /// The velocity of every joint that moves; empty where that of one is not recorded, or where none of them varies.
+    pub velocities: Vec<JointVelocity>,
     /// Time or run order; `None` with too few rows.
     pub clock: Option<Clock>,
-    /// Names of everything recorded.
-    pub recorded: Vec<String>,
+    /// Everything recorded that varies.
+    pub recorded: Vec<Column>,
     /// Motor turns per joint turn, one per joint where given.
     pub gear_ratios: Vec<Option<f64>>,
 }
@@ -60,30 +62,30 @@ impl Survey {
                 (low.min(value), high.max(value))
             })
         };
-        let ranges = statics.chain.joints().iter().map(range).collect();
+        let ranges: Vec<(f64, f64)> = statics.chain.joints().iter().map(range).collect();
         let varies =
             |covariate: &&Covariate| rows.iter().any(|&row| covariate.values[row] != covariate.values[rows[0]]);
-        let recorded: Vec<String> = data.covariates.iter().filter(varies).map(|c| c.name.clone()).collect();
-        let temperatures = recorded
-            .iter()
-            .filter(|name| name.ends_with("temperature") && !name.ends_with(".temperature"))
-            .cloned()
-            .collect();
+        let recorded: Vec<Column> =
+            data.covariates.iter().filter(varies).filter_map(|c| data.column(&c.name).ok()).collect();
+        let of_the_room = |name: &str| name.ends_with("temperature") && !name.ends_with(".temperature");
+        let temperatures = recorded.iter().filter(|column| of_the_room(column.name())).cloned().collect();
+        let velocities = velocities(statics, data, &ranges, &recorded);
         let clock = ["time", RUN_ORDER].into_iter().find_map(|name| {
             let column = data.covariate(name).filter(|column| varies(column))?;
             let mut sorted: Vec<f64> = rows.iter().map(|&row| column.values[row]).collect();
             sorted.sort_by(f64::total_cmp);
-            (sorted.len() > 3 * ROWS_BESIDE_STEP).then(|| Clock { name: name.into(), sorted })
+            let column = data.column(name).ok()?;
+            (sorted.len() > 3 * ROWS_BESIDE_STEP).then_some(Clock { column, sorted })
         });
         let anchored = |kind: &ObservationKind| kind.unknowns().point.is_some() && kind.own_target().is_none();
         let (instrument, anchor) = (data.scene.has_instruments(), data.scene.kinds().iter().any(anchored));
         let statics = statics.clone();
-        Self { statics, instrument, anchor, ranges, temperatures, clock, recorded, gear_ratios }
+        Self { statics, instrument, anchor, ranges, temperatures, velocities, clock, recorded, gear_ratios }
     }
 
     /// Joints whose value changes.
     pub fn moving(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.ranges.len()).filter(|&joint| self.span(joint) > 1e-6)
+        (0..self.ranges.len()).filter(|&joint| moves(self.ranges[joint]))
     }
 
     /// Those of them that turn.
@@ -101,16 +103,10 @@ impl Survey {
         self.ranges[joint].1 - self.ranges[joint].0
     }
 
-    /// Whether `<joint><ending>` is recorded and varies.
-    pub fn has_of_joint(&self, joint: usize, ending: &str) -> bool {
+    /// The column `<joint><ending>`, such as `elbow.temperature`, where it is recorded and varies.
+    pub fn of_joint(&self, joint: usize, ending: &str) -> Option<Column> {
         let name = format!("{}{ending}", self.statics.chain.joints()[joint].name);
-        self.recorded.contains(&name)
-    }
-
-    /// The name of a joint's own temperature, where it is recorded.
-    pub fn joint_temperature(&self, joint: usize) -> Option<String> {
-        let name = format!("{}.temperature", self.statics.chain.joints()[joint].name);
-        self.recorded.contains(&name).then_some(name)
+        self.recorded.iter().find(|column| column.name() == name).cloned()
     }
 
     /// Spacing of orders that a scan needs: a share of a period over the joint's range.
@@ -205,6 +201,29 @@ impl Clock {
     pub fn knots(&self, pieces: usize) -> Vec<f64> {
         (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect()
     }
+}
+
+/// Whether a joint that was seen between two values moves.
+fn moves((low, high): (f64, f64)) -> bool {
+    high - low > 1e-6
+}
+
+/// The velocity of every joint that moves: all of them, or none.
+fn velocities(
+    statics: &Statics,
+    data: &Measurements,
+    ranges: &[(f64, f64)],
+    recorded: &[Column],
+) -> Vec<JointVelocity> {
+    let chain = &statics.chain;
+    let moving = (0..ranges.len()).filter(|&joint| moves(ranges[joint]));
+    let of = |joint: usize| {
+        let name = format!("{}{VELOCITY}", chain.coordinates()[chain.joints()[joint].coordinate].name);
+        Some(JointVelocity { joint, of_coordinate: data.column(&name).ok()? })
+    };
+    let all: Vec<JointVelocity> = moving.map(of).collect::<Option<_>>().unwrap_or_default();
+    let varies = all.iter().any(|joint| recorded.contains(&joint.of_coordinate));
+    if varies { all } else { Vec::new() }
 }
 
 /// Adds what the order of the rows tells: run order, and for each joint the side from which it came.

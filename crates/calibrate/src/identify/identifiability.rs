@@ -8,6 +8,7 @@ use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{Effects, Freedom, Layout, Parameter, ParameterKind};
 use denavit_model::nalgebra::DMatrix;
 use denavit_model::{Chain, Screw};
+use std::ops::Range;
 
 /// Columns scaled to length 1, singular values below this share of the largest count as zero.
 ///
@@ -15,7 +16,7 @@ use denavit_model::{Chain, Screw};
 pub const RANK_TOLERANCE: f64 = 1e-9;
 /// A parameter of which more than this share (squared) lies in directions that nothing tells is named.
 const NAMED_SHARE: f64 = 0.2;
-/// Rows of the stacked Jacobian that are reduced at a time.
+/// Rows of the data, and of the stacked Jacobian, that are reduced at a time.
 const CHUNK: usize = 1024;
 
 /// How many numbers a chain's form has, and which of them data can tell.
@@ -104,9 +105,7 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     );
     let (expected, formula) = expected(&arm.nominal, &data.scene, freedom);
     let expected = expected + layout.effects.len();
-    // With residuals of 0 the common frame is exactly free; with measured ones it would be told by them.
-    let predicted = predicted(data, arm, effects);
-    let triangle = triangle(&ResidualModel { data: &predicted, layout: &layout, effects }, arm);
+    let triangle = triangle(data, &layout, arm, effects);
     let unread = data.scene.kinds().iter().any(|kind| kind.numbers() == 0);
     let triangle = if unread { without(&triangle, &gauge::common_motions(&layout, arm)) } else { triangle };
     let analysis = analyse(&triangle, &gauge::conditions(&layout, arm));
@@ -121,17 +120,17 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     }
 }
 
-/// The data with what the arm predicts in place of what was measured.
-fn predicted<E: Effects>(data: &Measurements, arm: &Arm, effects: &E) -> Measurements {
-    let mut predicted = data.clone();
+/// The rows with what the arm predicts in place of what was measured.
+fn predicted<E: Effects>(data: &Measurements, rows: Range<usize>, arm: &Arm, effects: &E) -> Measurements {
+    let mut predicted = data.subset(&rows.collect::<Vec<usize>>());
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     let mut values = Vec::new();
-    for row in 0..data.len() {
+    for row in 0..predicted.len() {
         perturbation.clear();
-        effects.perturb(Row::new(data, row), arm, &mut perturbation);
-        arm.state_into(data.reading(row), data.tip_of(row), Some(&perturbation), &mut state);
-        for observation in data.of_row(row) {
-            let (series, measured) = (data.series_of(observation), data.observed.values(observation));
+        effects.perturb(Row::new(&predicted, row), arm, &mut perturbation);
+        arm.state_into(predicted.reading(row), predicted.tip_of(row), Some(&perturbation), &mut state);
+        for observation in predicted.of_row(row) {
+            let (series, measured) = (predicted.series_of(observation), predicted.observed.values(observation));
             values.clear();
             series.kind.predict(&Seen::new(arm, &state.tip, &perturbation, series, measured, false), &mut values);
             predicted.observed.values_mut(observation).copy_from_slice(&values);
@@ -141,22 +140,30 @@ fn predicted<E: Effects>(data: &Measurements, arm: &Arm, effects: &E) -> Measure
 }
 
 /// Upper triangle R of the stacked Jacobian, J = Q R, reduced chunk by chunk.
-fn triangle<E: Effects>(problem: &ResidualModel<'_, E>, arm: &Arm) -> DMatrix<f64> {
-    let (data, columns) = (problem.data, problem.layout.len());
+///
+/// With residuals of 0 the common frame is exactly free; with measured ones they would tell of it.
+fn triangle<E: Effects>(data: &Measurements, layout: &Layout, arm: &Arm, effects: &E) -> DMatrix<f64> {
+    let columns = layout.len();
     let height = data.tallest_row();
-    let mut scratch = Scratch::new(problem.layout, arm);
+    let mut scratch = Scratch::new(layout, arm);
     let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
     let mut pending: Vec<f64> = Vec::new();
     let mut triangle = DMatrix::<f64>::zeros(0, columns);
-    for known in problem.layout.known_lengths(&data.scene, arm) {
+    for known in layout.known_lengths(&data.scene, arm) {
         let start = pending.len();
         pending.resize(start + columns, 0.0);
         known.columns.iter().for_each(|(column, value)| pending[start + column] = *value);
     }
-    for row in 0..data.len() {
-        problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
-        pending.extend_from_slice(&jacobian[..problem.height_of(row) * columns]);
-        if pending.len() >= CHUNK * columns || row + 1 == data.len() {
+    for from in (0..data.len()).step_by(CHUNK) {
+        let to = data.len().min(from + CHUNK);
+        let part = predicted(data, from..to, arm, effects);
+        let problem = ResidualModel { data: &part, layout, effects };
+        for row in 0..part.len() {
+            problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+            pending.extend_from_slice(&jacobian[..problem.height_of(row) * columns]);
+            if pending.len() < CHUNK * columns && from + row + 1 < data.len() {
+                continue;
+            }
             let chunk = DMatrix::from_row_slice(pending.len() / columns, columns, &pending);
             pending.clear();
             triangle = stacked(&triangle, &chunk).qr().r();

@@ -40,11 +40,20 @@ pub struct LackOfFit {
 /// The repeats among fitted rows, a value for each sort that was measured.
 ///
 /// # Shape and units
-/// `residuals`: m and rad, of the rows that were kept; `parameters`: how many numbers the fit identified, which are shared
+/// `residuals`: m and rad, of the rows that were kept, asked for only where a posture repeats; `parameters`: how many numbers the fit identified, which are shared
 /// out among the sorts by their number of values.
-pub fn lack_of_fit(data: &Measurements, residuals: &[Residual], parameters: usize) -> Vec<LackOfFit> {
+pub fn lack_of_fit(
+    data: &Measurements,
+    residuals: impl FnOnce() -> Vec<Residual>,
+    parameters: usize,
+) -> Vec<LackOfFit> {
+    let postures = data.postures();
+    if !postures.any_repeats() {
+        return Vec::new();
+    }
+    let residuals = residuals();
     let mut posture = vec![0; data.len()];
-    for (index, rows) in data.postures().iter().enumerate() {
+    for (index, rows) in postures.iter().enumerate() {
         for row in rows {
             posture[*row] = index;
         }

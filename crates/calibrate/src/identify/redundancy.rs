@@ -42,7 +42,7 @@ impl Redundancy {
 /// Different postures, and the numbers measured at them, each posture counted once.
 pub fn different(data: &Measurements) -> (usize, usize) {
     let postures = data.postures();
-    let seen = |rows: &Vec<usize>| -> usize {
+    let seen = |rows: &[usize]| -> usize {
         let series = rows.iter().flat_map(|row| data.of_row(*row)).map(|observation| data.observed.series(observation));
         let series: BTreeSet<usize> = series.collect();
         series.into_iter().map(|series| data.scene.series[series].kind.height()).sum()

@@ -3,7 +3,7 @@
 use crate::identify::solve::Fit;
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::kinds::{Discrepancy, Part, Seen};
-use crate::observation::measurements::{Measurements, Scene, label_of};
+use crate::observation::measurements::{Measurements, MissingColumn, Scene, label_of};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Point3, Vector3};
 use serde::ser::SerializeMap as _;
@@ -106,6 +106,9 @@ pub enum TestError {
         /// The fitted file.
         fitted: String,
     },
+    /// A recorded quantity that an effect follows and that some of these rows lack.
+    #[error(transparent)]
+    IncompleteColumn(MissingColumn),
     /// A target that the fit does not know and no row places.
     #[error(
         "{file}: target \"{target}\" is not among the fitted ones ({known}) and no row places it; set locate = 1 in a \
@@ -152,6 +155,12 @@ impl Residual {
 /// The arm's targets, instruments and points are those of `data`: see [`placed`].
 pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
     let mut found = Vec::with_capacity(data.observations());
+    each_residual(arm, effects, data, |residual| found.push(residual));
+    found
+}
+
+/// As [`residuals`], one after the other: of a million rows they need not all be kept.
+pub fn each_residual<E: Effects>(arm: &Arm, effects: &E, data: &Measurements, mut take: impl FnMut(Residual)) {
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     for row in (0..data.len()).filter(|&row| !data.locate[row]) {
         stand(arm, effects, data, row, &mut state, &mut perturbation);
@@ -159,10 +168,9 @@ pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
             let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
-            found.push(Residual { row, observation, series: data.observed.series(observation), place, turn });
+            take(Residual { row, observation, series: data.observed.series(observation), place, turn });
         }
     }
-    found
 }
 
 fn stand<E: Effects>(
@@ -188,6 +196,7 @@ fn stand<E: Effects>(
 /// Another kind of value, or a target that nothing places.
 pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements) -> Result<Arm, TestError> {
     let arm = &fit.arm;
+    let effects = bound_later(&fit.effects, fitted, data)?;
     let (here, known) = (&data.scene, &fitted.scene);
     if !here.kinds().iter().all(|kind| known.kinds().contains(kind)) {
         return Err(TestError::OtherKind { file: data.source.clone(), found: here.words(), expected: known.words() });
@@ -206,7 +215,7 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
     let unplaced: Vec<usize> =
         (0..here.points.len()).filter(|&point| fitted_place(&known.points, &here.points[point]).is_none()).collect();
     for (target, name) in here.targets.iter().enumerate() {
-        let located = locate(fit, fitted, data, target);
+        let located = locate(fit, &effects, fitted, data, target);
         let own = fitted_place(&known.targets, name).map(|index| arm.targets[index]);
         let pose = match (located, own) {
             (Some(place), orientation) => {
@@ -231,10 +240,10 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
             return Err(TestError::UnplacedSetup { file, setup, known: known.setups.join(", ") });
         }
     }
-    place_points(&mut placed, &fit.effects, data, &unplaced);
+    place_points(&mut placed, &effects, data, &unplaced);
     let planes = (0..here.setups.len()).filter(|&setup| here.has_plane(setup));
     for plane in planes.filter(|&setup| !known.setups.contains(&here.setups[setup])) {
-        place_plane(&mut placed, &fit.effects, data, plane);
+        place_plane(&mut placed, &effects, data, plane);
     }
     Ok(placed)
 }
@@ -309,8 +318,28 @@ pub fn lengths_found<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) ->
     found.collect()
 }
 
-/// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows.
-fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, target: usize) -> Option<Vector3<f64>> {
+/// The effects of a fit for other rows than the fitted ones.
+///
+/// # Errors
+/// The rows have no column, or not a complete one, of what an effect follows.
+pub fn bound_later<E: Effects>(effects: &E, fitted: &Measurements, data: &Measurements) -> Result<E, TestError> {
+    effects.bound_to(data).map_err(|missing| match missing {
+        MissingColumn::Absent { file, column } => {
+            TestError::MissingColumn { file, column, fitted: fitted.source.clone() }
+        }
+        incomplete => TestError::IncompleteColumn(incomplete),
+    })
+}
+
+/// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows. `effects`: those of the
+/// fit, for `data`.
+fn locate<E: Effects>(
+    fit: &Fit<E>,
+    effects: &E,
+    fitted: &Measurements,
+    data: &Measurements,
+    target: usize,
+) -> Option<Vector3<f64>> {
     let arm = &fit.arm;
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     let (mut sum, mut count) = (Vector3::zeros(), 0.0);
@@ -318,7 +347,7 @@ fn locate<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements, 
         for observation in data.of_row(row) {
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let Some(measured) = series.kind.position(values).filter(|_| series.target == target) else { continue };
-            stand(arm, &fit.effects, data, row, &mut state, &mut perturbation);
+            stand(arm, effects, data, row, &mut state, &mut perturbation);
             let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
             let in_base =
                 instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);
@@ -360,24 +389,52 @@ fn instrument_of(arm: &Arm, fitted: &Measurements, setup: &String) -> denavit_mo
 }
 
 /// Root mean square, mean and largest of each sort of error.
-pub fn errors(residuals: &[Residual], scene: &Scene) -> Errors {
-    let of = |(channel, part): (usize, &Part)| {
-        let norms: Vec<f64> = residuals
-            .iter()
-            .filter_map(|residual| {
-                let channels = scene.series[residual.series].channels;
-                let which = channels.iter().position(|own| *own == Some(channel))?;
-                Some(if which == 0 { residual.place.norm() } else { residual.turn.norm() })
+pub fn errors<'r>(residuals: impl IntoIterator<Item = &'r Residual>, scene: &Scene) -> Errors {
+    let mut sums = ErrorSums::new(scene);
+    residuals.into_iter().for_each(|residual| sums.add(residual));
+    sums.errors()
+}
+
+/// What [`errors`] are counted from, residual by residual.
+#[derive(Debug, Clone)]
+pub struct ErrorSums<'s> {
+    scene: &'s Scene,
+    /// Of each channel: how many, their sum, the sum of their squares, the largest.
+    of_channels: Vec<[f64; 4]>,
+}
+
+impl<'s> ErrorSums<'s> {
+    /// Of no residual yet.
+    pub fn new(scene: &'s Scene) -> Self {
+        Self { scene, of_channels: vec![[0.0; 4]; scene.channels.len()] }
+    }
+
+    /// Counts a residual.
+    pub fn add(&mut self, residual: &Residual) {
+        let channels = self.scene.series[residual.series].channels;
+        for (channel, vector) in channels.into_iter().zip([&residual.place, &residual.turn]) {
+            if let Some(channel) = channel {
+                let norm = vector.norm();
+                let [count, sum, squares, most] = &mut self.of_channels[channel];
+                *count += 1.0;
+                *sum += norm;
+                *squares += norm * norm;
+                *most = most.max(norm);
+            }
+        }
+    }
+
+    /// The errors of every sort of which there is a residual.
+    pub fn errors(&self) -> Errors {
+        let of = |(channel, [count, sum, squares, max]): (usize, &[f64; 4])| {
+            (*count > 0.0).then(|| Error {
+                part: self.scene.channels[channel],
+                rms: (squares / count).sqrt(),
+                mean: sum / count,
+                max: *max,
+                per_pixel: self.scene.per_pixel(channel),
             })
-            .collect();
-        let count = norms.len() as f64;
-        (count > 0.0).then(|| Error {
-            part: *part,
-            rms: (norms.iter().map(|v| v * v).sum::<f64>() / count).sqrt(),
-            mean: norms.iter().sum::<f64>() / count,
-            max: norms.iter().fold(0.0f64, |a, b| a.max(*b)),
-            per_pixel: scene.per_pixel(channel),
-        })
-    };
-    Errors(scene.channels.iter().enumerate().filter_map(of).collect())
+        };
+        Errors(self.of_channels.iter().enumerate().filter_map(of).collect())
+    }
 }

@@ -1,6 +1,6 @@
 //! The robot as it is: chain, instrument and targets, and where everything stands in one row.
 
-use crate::observation::measurements::{Measurements, Scene};
+use crate::observation::measurements::{Measurements, RecordedRow, Scene};
 use denavit_model::compiled::sines_and_cosines;
 use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, Tips, se3};
@@ -284,13 +284,8 @@ impl<'a> Row<'a> {
         self.data.len()
     }
 
-    /// Value of the numeric column at `column` of [`Measurements::covariates`].
-    pub fn covariate(&self, column: usize) -> f64 {
-        self.data.covariates[column].values[self.index]
-    }
-
-    /// Value of the numeric column of this name; `None` where there is no such column.
-    pub fn covariate_named(&self, name: &str) -> Option<f64> {
-        self.data.covariate(name).map(|column| column.values[self.index])
+    /// What was recorded beside it.
+    pub fn recorded(&self) -> RecordedRow<'a> {
+        self.data.covariates.row(self.index)
     }
 }

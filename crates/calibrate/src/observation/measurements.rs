@@ -1,6 +1,7 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
 pub mod columns;
+pub mod covariates;
 mod header;
 mod images;
 pub mod import;
@@ -9,6 +10,7 @@ mod near_miss;
 mod observations;
 mod plausible;
 pub mod poses;
+mod postures;
 mod problem;
 mod read;
 mod scene;
@@ -16,8 +18,10 @@ mod units;
 mod write;
 
 pub use columns::ColumnUse;
+pub use covariates::{Column, Covariate, Covariates, MissingColumn, RecordedRow};
 pub use join::read_socket;
 pub use observations::Observations;
+pub use postures::Postures;
 pub use problem::{DataError, DataProblem, Problem};
 pub use read::{DataNote, Loaded, read, read_export};
 pub use scene::{KnownLength, Scene, Series, Target, label_of, target_on};
@@ -26,15 +30,6 @@ pub use write::write;
 
 use denavit_model::nalgebra::Vector3;
 use std::ops::Range;
-
-/// A numeric column that is neither a joint reading nor a measured value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Covariate {
-    /// The column's name, such as `temperature` (°C) or `joint_2.approach`.
-    pub name: String,
-    /// One value per row, in the column's own unit.
-    pub values: Vec<f64>,
-}
 
 /// A text column.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,7 +58,7 @@ pub struct Measurements {
     /// What was measured in each row.
     pub observed: Observations,
     /// Other numeric columns.
-    pub covariates: Vec<Covariate>,
+    pub covariates: Covariates,
     /// Text columns.
     pub labels: Vec<Label>,
     /// Rows that only say where a target sits on the tip, by row index; not counted in errors.
@@ -76,8 +71,6 @@ pub struct Measurements {
 pub(crate) const QUATERNION_TOLERANCE: f64 = 1e-3;
 /// Joint readings closer than this are one reading, rad or m.
 const SAME_READING: f64 = 1e-9;
-/// Readings nearer than this are one posture, rad or m: far below what a controller repeats.
-const SAME_POSTURE: f64 = 1e-6;
 
 impl Measurements {
     /// No rows yet.
@@ -88,7 +81,7 @@ impl Measurements {
             readings: Vec::new(),
             scene,
             observed: Observations::default(),
-            covariates: Vec::new(),
+            covariates: Covariates::none(),
             labels: Vec::new(),
             locate: Vec::new(),
             lines: Vec::new(),
@@ -124,6 +117,15 @@ impl Measurements {
         let values = || rows().map(|row| self.reading(row)[coordinate]);
         let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         high - low < SAME_READING
+    }
+
+    /// Gives back memory that was set aside for rows that did not come.
+    pub(crate) fn shrink(&mut self) {
+        self.readings.shrink_to_fit();
+        self.locate.shrink_to_fit();
+        self.lines.shrink_to_fit();
+        self.observed.shrink();
+        self.covariates.shrink();
     }
 
     /// Number of rows.
@@ -177,14 +179,12 @@ impl Measurements {
         self.covariates.iter().find(|covariate| covariate.name == name)
     }
 
-    /// Indices of the rows by posture: rows whose readings agree to a microradian and a micrometre stand together, in order.
-    pub fn postures(&self) -> Vec<Vec<usize>> {
-        // Adding 0 makes one zero of two.
-        let key = |row: usize| self.reading(row).iter().map(|value| (value / SAME_POSTURE).round() + 0.0).collect();
-        let mut rows: Vec<(Vec<f64>, usize)> = (0..self.len()).map(|row| (key(row), row)).collect();
-        let order = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
-        rows.sort_by(|a, b| order(&a.0, &b.0).unwrap_or(std::cmp::Ordering::Equal).then(a.1.cmp(&b.1)));
-        rows.chunk_by(|a, b| a.0 == b.0).map(|alike| alike.iter().map(|(_, row)| *row).collect()).collect()
+    /// A recorded quantity that an effect may follow: a numeric column with a value in every row.
+    ///
+    /// # Errors
+    /// There is no such column, or a row has no value in it.
+    pub fn column(&self, name: &str) -> Result<Column, MissingColumn> {
+        self.covariates.column(&self.source, self.len(), name)
     }
 
     /// Number of observations.
@@ -216,7 +216,8 @@ impl Measurements {
                 .covariates
                 .iter()
                 .map(|column| Covariate { name: column.name.clone(), values: pick(&column.values) })
-                .collect(),
+                .collect::<Vec<_>>()
+                .into(),
             labels: self
                 .labels
                 .iter()

@@ -2,7 +2,7 @@
 
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
 use crate::observation::frames::Frames;
-use crate::observation::measurements::{KnownLength, Scene};
+use crate::observation::measurements::{KnownLength, Measurements, MissingColumn, Scene};
 use crate::observation::prior::{KnownBefore, Prior};
 use denavit_model::nalgebra::{DVector, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Screw, se3};
@@ -523,6 +523,15 @@ pub trait Effects: Clone + Sync {
 
     /// How the prediction moves per unit of each parameter, into `out`, which comes all zero.
     fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]);
+
+    /// The effects with the columns of these rows in place of those that they follow; needed wherever rows are not those (or
+    /// a part of those) that the effects were made with.
+    ///
+    /// # Errors
+    /// An effect follows what these rows have no column of.
+    fn bound_to(&self, _data: &Measurements) -> Result<Self, MissingColumn> {
+        Ok(self.clone())
+    }
 
     /// The effects after a step, one number per parameter.
     #[must_use]

@@ -33,7 +33,8 @@ pub enum PageError {
 /// # Errors
 /// A plot has values that are not finite.
 pub fn page(result: &Calibration) -> Result<String, PageError> {
-    let (Some(before), Some(after)) = (result.residuals.first(), result.residuals.last()) else {
+    let stages = result.residuals();
+    let (Some(before), Some(after)) = (stages.first(), stages.last()) else {
         return Err(PlotError.into());
     };
     let joint_plots: Vec<Plot> = (0..result.train.joints.len())

@@ -1,7 +1,7 @@
 //! Where instruments and targets were found, which rows fit worst, and the table before and after, as text.
 
 use crate::calibration::Calibration;
-use crate::calibration::rows::{Placed, Placements, RowEntry};
+use crate::calibration::rows::{Placed, Placements, RowEntry, Rows};
 use crate::report::text::table;
 use denavit_dh::convert::{self, HAYATI_BELOW};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
@@ -34,12 +34,18 @@ pub fn placements(found: &Placements) -> String {
 }
 
 /// The rows that the adopted model fits worst, the largest first.
-pub fn worst(rows: &[RowEntry]) -> String {
-    let size = |row: &RowEntry| row.place.iter().map(|value| value * value).sum::<f64>().sqrt();
-    let mut order: Vec<&RowEntry> = rows.iter().collect();
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+pub fn worst(rows: &Rows) -> String {
+    let mut worst: Vec<(f64, RowEntry)> = Vec::with_capacity(LISTED + 1);
+    for row in rows.iter() {
+        let size = row.place.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let place = worst.partition_point(|(larger, _)| larger.total_cmp(&size).is_ge());
+        if place < LISTED {
+            worst.insert(place, (size, row));
+            worst.truncate(LISTED);
+        }
+    }
     let mut lines = vec![["line", "setup", "target", "", "residual, mm", "rotation, mrad"].map(String::from).to_vec()];
-    for row in order.into_iter().take(LISTED) {
+    for (size, row) in worst {
         let what = match (row.held_out, row.rejected) {
             (true, _) => "held out",
             (false, true) => "rejected",
@@ -48,10 +54,10 @@ pub fn worst(rows: &[RowEntry]) -> String {
         let turn = row.turn.iter().map(|value| value * value).sum::<f64>().sqrt();
         lines.push(vec![
             row.line.to_string(),
-            row.setup.clone(),
-            row.target.clone(),
+            row.setup,
+            row.target,
             what.into(),
-            format!("{:.4}", size(row) * 1e3),
+            format!("{:.4}", size * 1e3),
             if row.turn.is_empty() { String::new() } else { format!("{:.4}", turn * 1e3) },
         ]);
     }

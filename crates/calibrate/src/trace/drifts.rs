@@ -54,14 +54,14 @@ impl Tracer<'_> {
             let mut terms = Vec::new();
             if pieces > 0 {
                 let knots = clock.knots(pieces);
-                terms.push(drift(carrier, Driver::Smooth { covariate: clock.name.clone(), knots }, 0));
+                terms.push(drift(carrier, Driver::Smooth { covariate: clock.column.clone(), knots }, 0));
             }
             let mut places: Vec<f64> = Vec::new();
             while places.len() < MOST_STEPS {
                 let projector = rest.beside(&[&together(&terms)], &residual);
                 let all = clock.all_places();
                 let stride = all.len().div_ceil(PLACES).max(1);
-                let step = |at: f64| drift(carrier, Driver::Steps { covariate: clock.name.clone(), at: vec![at] }, 1);
+                let step = |at: f64| drift(carrier, Driver::Steps { covariate: clock.column.clone(), at: vec![at] }, 1);
                 let tried: Vec<Candidate> = all.into_iter().step_by(stride).map(step).collect();
                 let scored = field.score(&projector, &tried);
                 let Some(first) = scored.into_iter().max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic)) else { break };
@@ -73,7 +73,7 @@ impl Tracer<'_> {
                 places.push(at[0]);
                 places.sort_by(f64::total_cmp);
                 terms.truncate(usize::from(pieces > 0));
-                let steps = Driver::Steps { covariate: clock.name.clone(), at: places.clone() };
+                let steps = Driver::Steps { covariate: clock.column.clone(), at: places.clone() };
                 terms.push(drift(carrier, steps, places.len()));
             }
             if terms.is_empty() {

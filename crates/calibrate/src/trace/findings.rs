@@ -57,10 +57,10 @@ pub(crate) fn values(fit: &Fit<EffectModel>, index: usize, first: usize) -> Vec<
             values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
         }
         Driver::Decay { constant, covariate, .. } => {
-            values.push(chosen("time_constant", *constant, unit_of(covariate)));
+            values.push(chosen("time_constant", *constant, unit_of(covariate.name())));
         }
         Driver::Steps { at, covariate } => {
-            let unit = unit_of(covariate);
+            let unit = unit_of(covariate.name());
             values.extend(at.iter().enumerate().map(|(k, at)| chosen(&format!("at_{}", k + 1), *at, unit)));
         }
         _ => {}

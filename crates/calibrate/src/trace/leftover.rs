@@ -6,6 +6,7 @@ use crate::effects::driver::Driver;
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
+use crate::observation::measurements::Column;
 use crate::trace::projector::{Gain, Projector};
 use crate::trace::search::{Field, p_value};
 use crate::trace::select::Tracer;
@@ -209,12 +210,12 @@ fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
             functions.push((vec![Variable::Joint(joint), Variable::Joint(other)], products));
         }
     }
-    for name in &survey.recorded {
-        if name.contains(crate::effects::driver::APPROACH) {
+    for column in &survey.recorded {
+        if column.name().contains(crate::effects::driver::APPROACH) {
             continue;
         }
-        if let Some(values) = pieces(tracer, field, name) {
-            functions.push((vec![Variable::Recorded(name.clone())], values));
+        if let Some(values) = pieces(tracer, field, column) {
+            functions.push((vec![Variable::Recorded(column.name().to_owned())], values));
         }
     }
     for label in &tracer.data.labels {
@@ -240,15 +241,16 @@ fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
 }
 
 /// Straight pieces over a recorded quantity, knots where its values lie.
-fn pieces(tracer: &Tracer<'_>, field: &Field<'_>, name: &str) -> Option<Vec<Vec<f64>>> {
-    let mut sorted = tracer.data.covariate(name)?.values.clone();
+fn pieces(tracer: &Tracer<'_>, field: &Field<'_>, column: &Column) -> Option<Vec<Vec<f64>>> {
+    let recorded = |row: usize| tracer.data.covariates.row(row).value(column);
+    let mut sorted: Vec<f64> = (0..tracer.data.len()).map(recorded).collect();
     sorted.sort_by(f64::total_cmp);
     let mut knots: Vec<f64> = (0..=PIECES).map(|k| sorted[k * (sorted.len() - 1) / PIECES]).collect();
     knots.dedup();
     if knots.len() < 2 {
         return None;
     }
-    let driver = Driver::Smooth { covariate: name.to_string(), knots };
+    let driver = Driver::Smooth { covariate: column.clone(), knots };
     let term = Term { kind: Kind::Drift, carrier: Carrier::Base, driver, coupling: Coupling::Each };
     let count = term.driver.len(field.statics);
     Some(field.driver_values(&term).chunks(count).map(<[f64]>::to_vec).collect())

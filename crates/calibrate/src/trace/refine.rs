@@ -3,6 +3,7 @@
 use crate::effects::catalogue::Candidate;
 use crate::effects::driver::{BumpShape, Driver};
 use crate::effects::survey::Survey;
+use crate::observation::measurements::Column;
 use crate::trace::projector::Projector;
 use crate::trace::search::{Field, Scored};
 
@@ -86,7 +87,7 @@ impl Field<'_> {
         &self,
         projector: &Projector,
         candidate: &Candidate,
-        covariate: &str,
+        covariate: &Column,
         at: &[f64],
         k: usize,
         places: &[f64],
@@ -102,7 +103,7 @@ impl Field<'_> {
             let mut tried = candidate.term.clone();
             let mut moved = at.to_vec();
             moved[k] = place;
-            tried.driver = Driver::Steps { covariate: covariate.to_string(), at: moved };
+            tried.driver = Driver::Steps { covariate: covariate.clone(), at: moved };
             let drop = projector.gain_of(&self.columns(&tried)).drop;
             if drop > best.0 {
                 best = (drop, place);

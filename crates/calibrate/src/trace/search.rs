@@ -70,8 +70,7 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
     (0..data.len())
         .map(|index| {
             let row = Row::new(data, index);
-            let recorded = |name: &str| row.covariate_named(name);
-            let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+            let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
             model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
         })
         .collect()
@@ -121,8 +120,7 @@ impl Field<'_> {
         let mut values = Vec::new();
         for (index, posture) in self.linear.postures.iter().enumerate() {
             let row = Row::new(self.data, index);
-            let recorded = |name: &str| row.covariate_named(name);
-            let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+            let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
             term.driver.values_into(self.statics, &conditions, posture, &mut values);
         }
         values

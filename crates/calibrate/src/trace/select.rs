@@ -292,7 +292,7 @@ impl<'a> Tracer<'a> {
 
     fn helps_held_out(&self, field: &Field<'_>, scored: &Scored) -> bool {
         let linear = field.linear;
-        let clock = self.survey.clock.as_ref().map(|clock| clock.name.as_str());
+        let clock = self.survey.clock.as_ref().map(|clock| clock.column.name());
         let follows_run = scored.candidate.term.driver.covariate().is_some_and(|name| Some(name) == clock);
         // A stretch of a file that moves one joint after the other holds all that there is of one: then every fifth row.
         let folds = if follows_run { &[Folds::Interleaved][..] } else { &[Folds::Stretches, Folds::Interleaved] };

@@ -66,15 +66,15 @@ pub(crate) fn trace(
     };
     let mut near = vec![first];
     for (index, state) in found.states.iter().enumerate() {
-        let known = found.states[..index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
-        if !state.chosen.is_empty() && !known {
+        let met = found.states[..index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
+        if !state.chosen.is_empty() && !met {
             near.push(with(&state.chosen, &state.fit, &part, &tracer.survey).1);
         }
     }
     let mut proposed = found.candidates;
     for curve in near.iter().flat_map(|near| &near.fit.effects.curves) {
         for candidate in own_causes(&tracer.candidates, curve) {
-            if !proposed.iter().any(|known| known.term == candidate.term) {
+            if !proposed.iter().any(|other| other.term == candidate.term) {
                 proposed.push(candidate);
             }
         }

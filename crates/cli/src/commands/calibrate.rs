@@ -65,7 +65,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     drop(spinner);
     result.report.columns = columns;
     result.report.origin = origin;
-    result.report.origin.files.extend(prior_read(&asked));
+    result.report.origin.files.extend(prior_read(&asked)?);
     let texts = texts(arguments, &places, &products, &robot, &result)?;
     places.outputs.write(&texts)?;
     if !places.outputs.take_standard_output() {

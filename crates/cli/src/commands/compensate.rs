@@ -53,6 +53,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
         measured::mention(&without_part_in_the_tip(file, &model));
     }
     let commands = in_order(&nominal, calibrated, &model, &poses, &given, allowed);
+    let commands = commands.map_err(|missing| Failure::Argument(missing.to_string()))?;
     let said = summary(&commands, &poses.lines, allowed);
     let csv = || Ok(to_csv(&nominal, &commands, allowed, units, &said));
     delivery.deliver(csv, || Ok(to_json(&nominal, &commands, &poses.lines, allowed)))?;

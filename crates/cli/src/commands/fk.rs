@@ -7,10 +7,9 @@ use crate::measured;
 use crate::output::{self, Status};
 use crate::source;
 use denavit_calibrate::effects::driver::{Conditions, Statics};
-use denavit_calibrate::effects::recorded;
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
-use denavit_load::measured::{all_known, without_part_in_the_tip};
+use denavit_load::measured::{with_given, without_part_in_the_tip};
 use denavit_model::chain::{Chain, Coordinate, Quantity};
 use denavit_model::nalgebra::UnitQuaternion;
 use denavit_model::problems::nearest_name;
@@ -88,12 +87,10 @@ fn with_effects(
     given: &GivenArguments,
     q: &[f64],
 ) -> Result<Pose, Failure> {
-    let model = measured::effects(Some(file), statics)?;
-    let given = measured::given(given)?;
-    let known = |name: &str| recorded::given(&given, name);
-    all_known(file, &model, &|name| known(name).is_some())?;
-    measured::mention(&without_part_in_the_tip(file, &model));
-    Ok(model.fk(chain, &Conditions { reading: q, covariate: &known }))
+    let effects = measured::effects(Some(file), statics)?;
+    let (model, recorded) = with_given(file, &effects, &measured::given(given)?)?;
+    measured::mention(&without_part_in_the_tip(file, &effects));
+    Ok(model.fk(chain, &Conditions { reading: q, recorded: recorded.row(0) }))
 }
 
 /// Joint values from `0.1,0.2` or `name=0.1,other=0.2`, rad and m.

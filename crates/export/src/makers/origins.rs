@@ -1,10 +1,10 @@
 //! Joint origins that move as a calibrated chain does, each joint about z of its frame.
 
-use super::{Calibrated, MakerError};
+use super::{Calibrated, MakerError, without_effects};
 use crate::kinematics_yaml;
 use crate::urdf;
 use denavit_model::chain::Chain;
-use denavit_model::robot::Robot;
+use denavit_model::robot::{Joint, Robot};
 use denavit_model::se3::Pose;
 use denavit_model::tree::Reading;
 use denavit_model::{Screw, UrdfError};
@@ -74,6 +74,33 @@ pub(super) fn other_chain(chain: &Chain, maker: &'static str, wanted: &'static s
 pub(super) fn calibrated_tree(drawn: &Robot, chain: &Chain, reading: Reading) -> Result<Robot, MakerError> {
     let text = urdf::with_chain(drawn, chain, reading)?.value;
     denavit_model::urdf::read("the calibrated URDF", &text).map_err(|error: UrdfError| error.into())
+}
+
+/// Changes of an origin below this, m and rad, are rounding.
+pub(super) const NOTHING: f64 = 1e-13;
+
+/// The joints of a drawn robot beside those of the calibrated one, for the forms that say what changes an origin.
+pub(super) struct Changes {
+    /// Each joint as drawn and as calibrated.
+    pub joints: Vec<(Joint, Joint)>,
+    /// What such a form has no place for.
+    pub left_out: Vec<String>,
+}
+
+impl Changes {
+    /// Those of an arm that was drawn as a tree.
+    pub fn of(calibrated: &Calibrated, maker: &'static str) -> Result<Self, MakerError> {
+        let Some((drawn, reading)) = calibrated.drawn else { return Err(MakerError::NeedsTree { maker }) };
+        let mut left_out = without_effects(calibrated);
+        let mut joints = Vec::new();
+        for joint in calibrated_tree(drawn, calibrated.chain, reading)?.joints {
+            match drawn.joints.iter().find(|old| old.name == joint.name) {
+                Some(old) => joints.push((old.clone(), joint)),
+                None => left_out.push(format!("joint \"{}\" is new: the form has no place for it", joint.name)),
+            }
+        }
+        Ok(Self { joints, left_out })
+    }
 }
 
 /// base_from_link of the link that a joint carries, at zero.

@@ -10,8 +10,8 @@
 //! figaroh-examples, `examples/tiago_pro/data/master_calibration_20260805.yaml`, written for a robot of PAL. PAL publishes nothing of
 //! its own: that the numbers are added to the origins is that project's word.
 
-use super::origins::calibrated_tree;
-use super::{Calibrated, KEYS, Maker, MakerError, Written, without_effects};
+use super::origins::{Changes, NOTHING};
+use super::{Calibrated, KEYS, Maker, MakerError, Written};
 use denavit_model::robot::Joint;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -22,27 +22,18 @@ pub(super) const MAKER: Maker = Maker {
     render,
 };
 
-/// Changes below this, m and rad, are rounding.
-const NOTHING: f64 = 1e-13;
 /// What the keys leave out of a joint's name.
 const END: &str = "_joint";
 
 fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
-    let Some((drawn, reading)) = calibrated.drawn else {
-        return Err(MakerError::NeedsTree { maker: MAKER.name });
-    };
-    let tree = calibrated_tree(drawn, calibrated.chain, reading)?;
+    let Changes { joints, left_out } = Changes::of(calibrated, MAKER.name)?;
     let mut lines = String::new();
-    let mut left_out = without_effects(calibrated);
-    for joint in &tree.joints {
-        let Some(old) = drawn.joints.iter().find(|old| old.name == joint.name) else {
-            left_out.push(format!("joint \"{}\" is new: the form has no place for it", joint.name));
-            continue;
-        };
-        let short = joint.name.strip_suffix(END).filter(|short| drawn.joints.iter().all(|other| other.name != *short));
-        for (key, change) in KEYS.iter().zip(added(old, joint)) {
+    for (old, new) in &joints {
+        let other = |short: &str| joints.iter().any(|(other, _)| other.name == short);
+        let short = new.name.strip_suffix(END).filter(|short| !other(short));
+        for (key, change) in KEYS.iter().zip(added(old, new)) {
             if change.abs() > NOTHING {
-                let _ = writeln!(lines, "    {}_d{key}: {change:?}", short.unwrap_or(&joint.name));
+                let _ = writeln!(lines, "    {}_d{key}: {change:?}", short.unwrap_or(&new.name));
             }
         }
     }

@@ -23,11 +23,11 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
         None => None,
         Some(PriorSource::Siblings { learned: None }) => return Err(TaskError::NoSiblings),
         Some(PriorSource::Siblings { learned: Some(text) }) => {
-            Some(DataFile { name: "siblings".into(), bytes: text.clone().into(), ..DataFile::default() })
+            Some(DataFile { name: "siblings".into(), content: text.clone().into(), ..DataFile::default() })
         }
         Some(PriorSource::File(name)) => {
             let (name, bytes) = denavit_load::read_bytes(name)?;
-            Some(DataFile { name, bytes, ..DataFile::default() })
+            Some(DataFile { name, content: bytes.into(), ..DataFile::default() })
         }
     };
     let asked = SearchAsked {
@@ -44,7 +44,7 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
         .map_err(|error| TaskError::Units { written: options.units.clone(), reason: format!("{error}") })?;
     let read = |name: &String| {
         let (name, bytes) = denavit_load::read_bytes(name)?;
-        Ok::<_, TaskError>(DataFile { name, bytes, units, ..DataFile::default() })
+        Ok::<_, TaskError>(DataFile { name, content: bytes.into(), units, ..DataFile::default() })
     };
     let asked = RowsAsked {
         data: entry.data.iter().map(read).collect::<Result<_, _>>()?,
@@ -130,7 +130,7 @@ fn effect_rows(effect: &EffectEntry, named: bool) -> Vec<Vec<Cell>> {
 }
 
 fn residuals(report: &CalibrationReport) -> Vec<Vec<Cell>> {
-    let row = |row: &denavit_calibrate::calibration::rows::RowEntry| {
+    let row = |row: denavit_calibrate::calibration::rows::RowEntry| {
         let mut cells = vec![
             row.line.into(),
             row.setup.as_str().into(),

@@ -1,11 +1,12 @@
 //! Of which files a calibration is made, and when.
 
+use super::MeasuredError;
 use super::rows::{DataFile, RowsAsked};
 use super::search::SearchAsked;
 use denavit_calibrate::calibration::contract::{FileRead, FileUse, Origin};
 use jiff::Timestamp;
 use sha2::{Digest as _, Sha256};
-use std::io::Read as _;
+use std::io::Read;
 use std::path::Path;
 
 /// Bytes of a large file that are read at a time.
@@ -37,20 +38,28 @@ impl HashedFile {
     /// # Errors
     /// It cannot be read.
     pub fn read(file: &Path) -> std::io::Result<Self> {
-        let (mut input, mut hash, mut part) = (std::fs::File::open(file)?, Sha256::new(), vec![0; PART]);
+        Self::of_all(&file.display().to_string(), std::fs::File::open(file)?)
+    }
+
+    fn of_all(file: &str, mut input: impl Read) -> std::io::Result<Self> {
+        let (mut hash, mut part) = (Sha256::new(), vec![0; PART]);
         loop {
             match input.read(&mut part)? {
                 0 => break,
                 count => hash.update(&part[..count]),
             }
         }
-        let sha256 = base16ct::lower::encode_string(&hash.finalize());
-        Ok(Self { file: file.display().to_string(), sha256 })
+        Ok(Self { file: file.into(), sha256: base16ct::lower::encode_string(&hash.finalize()) })
+    }
+
+    fn of_data(file: &DataFile) -> Result<Self, MeasuredError> {
+        let unreadable = |error| MeasuredError::Unreadable { file: file.name.clone(), error };
+        Self::of_all(&file.name, file.content.open()).map_err(unreadable)
     }
 }
 
 /// The files with their hashes, and the day.
-pub(super) fn origin(asked: &RowsAsked) -> Origin {
+pub(super) fn origin(asked: &RowsAsked) -> Result<Origin, MeasuredError> {
     let sockets = asked.sockets.iter().map(|(_, file)| (file, FileUse::Socket));
     let fitted = asked.data.iter().map(|file| (file, FileUse::Fit)).chain(sockets);
     let all = || fitted.clone().chain(asked.test.iter().map(|file| (file, FileUse::Test)));
@@ -58,7 +67,7 @@ pub(super) fn origin(asked: &RowsAsked) -> Origin {
     let mut files: Vec<FileRead> = Vec::new();
     for (file, used) in all() {
         if file.bag.is_empty() {
-            files.push(read(HashedFile::of(&file.name, &file.bytes), used));
+            files.push(read(HashedFile::of_data(file)?, used));
         }
         files.extend(file.bag.iter().map(|part| read(part.clone(), used)));
     }
@@ -67,16 +76,19 @@ pub(super) fn origin(asked: &RowsAsked) -> Origin {
             files.push(camera);
         }
     }
-    Origin { date: Some(today()), files, ..Origin::default() }
+    Ok(Origin { date: Some(today()), files, ..Origin::default() })
 }
 
 /// The file of an earlier calibration as the origin lists it.
-pub fn prior_read(asked: &SearchAsked) -> Option<FileRead> {
+///
+/// # Errors
+/// It cannot be read.
+pub fn prior_read(asked: &SearchAsked) -> Result<Option<FileRead>, MeasuredError> {
     let read = |file: &DataFile| {
-        let HashedFile { file, sha256 } = HashedFile::of(&file.name, &file.bytes);
-        FileRead { file, used: FileUse::Prior, sha256 }
+        let HashedFile { file, sha256 } = HashedFile::of_data(file)?;
+        Ok(FileRead { file, used: FileUse::Prior, sha256 })
     };
-    asked.prior.as_ref().map(read)
+    asked.prior.as_ref().map(read).transpose()
 }
 
 fn today() -> String {
@@ -91,14 +103,14 @@ mod tests {
     #[test]
     fn files_are_known_by_the_hash_that_others_compute() {
         let file =
-            |name: &str, bytes: &[u8]| DataFile { name: name.into(), bytes: bytes.into(), ..DataFile::default() };
+            |name: &str, bytes: &[u8]| DataFile { name: name.into(), content: bytes.into(), ..DataFile::default() };
         let asked = RowsAsked {
             data: vec![file("run.csv", b"abc")],
             sockets: vec![("front/0".into(), file("front.csv", b""))],
             test: Some(file("later.csv", b"abc")),
             ..RowsAsked::default()
         };
-        let found = origin(&asked);
+        let found = origin(&asked).unwrap();
         // FIPS 180-4, appendix B.1, and of nothing.
         let (abc, nothing) = (
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
@@ -120,7 +132,7 @@ mod tests {
         let camera = Some(HashedFile::of("webcam.yaml", b""));
         let first = DataFile { bag, camera: camera.clone(), ..file("run", b"rows made of it") };
         let second = DataFile { camera, ..file("corners.csv", b"") };
-        let found = origin(&RowsAsked { data: vec![first], test: Some(second), ..RowsAsked::default() });
+        let found = origin(&RowsAsked { data: vec![first], test: Some(second), ..RowsAsked::default() }).unwrap();
         let read: Vec<_> = found.files.iter().map(|read| (&read.file[..], read.used, &read.sha256[..])).collect();
         let expected = [
             (part, FileUse::Fit, abc),

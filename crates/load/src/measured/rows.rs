@@ -1,6 +1,7 @@
 //! What is fitted and what it is judged by: files of measurements, files of readings in sockets, known distances.
 
 use super::MeasuredError;
+use super::content::Content;
 use super::distance::known_distance;
 use super::origin::{HashedFile, origin};
 use denavit_calibrate::calibration::contract::Origin;
@@ -14,8 +15,8 @@ use std::path::Path;
 pub struct DataFile {
     /// What messages call it.
     pub name: String,
-    /// Its content: CSV, or any export.
-    pub bytes: Vec<u8>,
+    /// CSV, or any export.
+    pub content: Content,
     /// Units of its numbers.
     pub units: Units,
     /// What its columns are, where their names do not say so.
@@ -63,7 +64,7 @@ pub struct Rows {
 pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     let (mut columns, mut notes, mut parts) = (Vec::new(), Vec::new(), Vec::new());
     let mut read = |file: &DataFile| {
-        let loaded = measurements::read_export(&file.name, &file.bytes[..], chain, file.units, &file.import)?;
+        let loaded = measurements::read_export(&file.name, file.content.open(), chain, file.units, &file.import)?;
         notes.extend(loaded.notes.iter().map(|note| format!("{}: {note}", file.name)));
         Ok::<_, MeasuredError>((loaded.data, loaded.columns))
     };
@@ -75,7 +76,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         parts.push(if asked.data.len() > 1 { data.of_setup(&setup) } else { data });
     }
     for (label, file) in &asked.sockets {
-        parts.push(read_socket(&file.name, &file.bytes[..], label, chain, file.units)?);
+        parts.push(read_socket(&file.name, file.content.open(), label, chain, file.units)?);
     }
     let Some(mut data) = Measurements::joined(parts) else {
         return Err(MeasuredError::Option("there is nothing to fit; name a file by --data or --socket".into()));
@@ -89,7 +90,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         know(word, &mut data, test.as_mut())?;
     }
     if asked.hold_out_setups.is_empty() {
-        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes, origin: origin(asked) });
+        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes, origin: origin(asked)? });
     }
     let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
         MeasuredError::Option(format!(
@@ -100,7 +101,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         let message = "--hold-out-setups: nothing is left to fit; name fewer setups";
         return Err(MeasuredError::Option(message.into()));
     }
-    Ok(Rows { data: train, test: Some(held), columns, notes, origin: origin(asked) })
+    Ok(Rows { data: train, test: Some(held), columns, notes, origin: origin(asked)? })
 }
 
 /// A name for the setup of each file: the file's own without folder and extension; with them where two are called alike, and

@@ -58,7 +58,9 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
 /// # Errors
 /// The file is no calibration, or one of another chain or drawing.
 pub fn earlier(file: &DataFile, chain: &Chain) -> Result<Earlier, MeasuredError> {
-    let text = String::from_utf8_lossy(&file.bytes);
+    let unreadable = |error| MeasuredError::Unreadable { file: file.name.clone(), error };
+    let bytes = file.content.bytes().map_err(unreadable)?;
+    let text = String::from_utf8_lossy(&bytes);
     Ok(Earlier::read(&file.name, &text, chain)?)
 }
 

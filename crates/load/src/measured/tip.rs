@@ -1,16 +1,18 @@
-//! Effects and where the tip is: whether what they follow is known, and which have no part in it.
+//! Effects and where the tip is: what they follow is bound to what is known, and which have no part in it.
 
 use super::MeasuredError;
-use denavit_calibrate::effects::{EffectModel, recorded};
+use denavit_calibrate::effects::{EffectModel, SavedEffects, recorded};
+use denavit_calibrate::observation::measurements::covariates::PAYLOAD;
+use denavit_calibrate::observation::measurements::{Covariate, Covariates};
 
 /// Whether everything is known that the effects with a part in where the tip is follow; `known` says so of a name.
 ///
 /// # Errors
 /// An effect follows what nobody gives.
-pub fn all_known(file: &str, model: &EffectModel, known: &dyn Fn(&str) -> bool) -> Result<(), MeasuredError> {
-    let chain = &model.statics.chain;
-    for effect in model.effects.iter().filter(|effect| recorded::moves_the_tip(&effect.term)) {
-        for name in recorded::needed(&effect.term, chain) {
+pub fn all_known(file: &str, effects: &SavedEffects, known: &dyn Fn(&str) -> bool) -> Result<(), MeasuredError> {
+    let chain = &effects.statics.chain;
+    for effect in effects.effects.iter().filter(|effect| effect.term.moves_the_tip()) {
+        for name in effect.term.driver.needed(chain) {
             if !known(&name) {
                 let name = recorded::plain(&name);
                 let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
@@ -23,11 +25,32 @@ pub fn all_known(file: &str, model: &EffectModel, known: &dyn Fn(&str) -> bool) 
     Ok(())
 }
 
+/// The effects with a part in where the tip is, bound to the values that were given for what they follow: one row.
+///
+/// # Errors
+/// An effect follows what nobody gives.
+pub fn with_given(
+    file: &str,
+    effects: &SavedEffects,
+    given: &[(String, f64)],
+) -> Result<(EffectModel, Covariates), MeasuredError> {
+    all_known(file, effects, &|name| recorded::given(given, name).is_some())?;
+    let effects = effects.of_the_tip();
+    let mut recorded = Covariates::none();
+    for name in effects.needed().into_iter().chain([PAYLOAD.to_owned()]) {
+        if let Some(value) = recorded::given(given, &name) {
+            recorded.push(Covariate { name, values: vec![value] });
+        }
+    }
+    let model = effects.bound(&|name| recorded.column(file, 1, name));
+    Ok((model.map_err(|missing| MeasuredError::Option(missing.to_string()))?, recorded))
+}
+
 /// Which effects have no part in where the tip is, a sentence each.
-pub fn without_part_in_the_tip(file: &str, model: &EffectModel) -> Vec<String> {
-    let chain = &model.statics.chain;
-    let without = model.effects.iter().filter(|effect| !recorded::moves_the_tip(&effect.term));
-    let sentence = |effect: &denavit_calibrate::effects::Effect| {
+pub fn without_part_in_the_tip(file: &str, effects: &SavedEffects) -> Vec<String> {
+    let chain = &effects.statics.chain;
+    let without = effects.effects.iter().filter(|effect| !effect.term.moves_the_tip());
+    let sentence = |effect: &denavit_calibrate::effects::Effect<_>| {
         let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
         format!("{file}: {kind} at {place} changes what is measured, not where the tip is; left out")
     };

@@ -1,7 +1,8 @@
 //! What is recorded beside a simulated run: time, temperatures, payloads, sides of approach, velocities.
 
-use crate::effects::driver::{APPROACH, PAYLOAD, VELOCITY};
+use crate::effects::driver::{APPROACH, VELOCITY};
 use crate::observation::measurements::Covariate;
+use crate::observation::measurements::covariates::PAYLOAD;
 use denavit_model::{Chain, Quantity};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -8,7 +8,7 @@ use crate::effects::model::{Coupling, Effect, EffectModel, Term};
 use crate::effects::survey::{Survey, with_run_order};
 use crate::identify::residual_statistics::residuals;
 use crate::observation::arm::Arm;
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Column, Measurements};
 use crate::observation::parameters::NoEffects;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -144,8 +144,8 @@ impl EffectSpecification {
                 ("at", Driver::Bump { at, .. }) => *at = number()?,
                 ("width", Driver::Bump { width, .. }) => *width = number()?,
                 ("step", driver @ Driver::Covariate(_)) if self.kind == Kind::Drift => {
-                    let Driver::Covariate(name) = driver else { continue };
-                    *driver = Driver::Steps { covariate: name.clone(), at: vec![number()?] };
+                    let Driver::Covariate(column) = driver else { continue };
+                    *driver = Driver::Steps { covariate: column.clone(), at: vec![number()?] };
                 }
                 ("with", Driver::Reading(_)) if self.kind == Kind::JointCoupling => {
                     let joint = chain.joints().iter().position(|joint| joint.name == *value);
@@ -252,19 +252,18 @@ fn moves(arm: &Arm, statics: &Statics, effect: &Effect, data: &Measurements) -> 
     let model = EffectModel::new(statics.clone(), vec![effect.clone()]);
     let with = residuals(arm, &model, data);
     let without = match &effect.term.driver {
-        Driver::Covariate(name) => residuals(arm, &model, &at_its_mean(data, name)),
+        Driver::Covariate(column) => residuals(arm, &model, &at_its_mean(data, column)),
         _ => residuals(arm, &NoEffects, data),
     };
     let squares: f64 = with.iter().zip(&without).map(|(a, b)| (a.place - b.place).norm_squared()).sum();
     (squares / with.len().max(1) as f64).sqrt()
 }
 
-fn at_its_mean(data: &Measurements, name: &str) -> Measurements {
+fn at_its_mean(data: &Measurements, column: &Column) -> Measurements {
     let mut data = data.clone();
-    for column in data.covariates.iter_mut().filter(|column| column.name == name) {
-        let mean = column.values.iter().sum::<f64>() / column.values.len().max(1) as f64;
-        column.values.fill(mean);
-    }
+    let mean =
+        (0..data.len()).map(|row| data.covariates.row(row).value(column)).sum::<f64>() / data.len().max(1) as f64;
+    data.covariates.set(column, || mean);
     data
 }
 
@@ -316,7 +315,7 @@ mod tests {
         let effect = of(&format!("joint_coupling@{first}:with={second}=-1e-3"));
         assert_eq!((effect.term.driver, effect.coefficients), (Driver::Reading(1), vec![-1e-3]));
         let effect = of("drift@target:step=100=0.1mm");
-        assert_eq!(effect.term.driver, Driver::Steps { covariate: "time".into(), at: vec![100.0] });
+        assert_eq!(effect.term.driver, Driver::Steps { covariate: run.data.column("time").unwrap(), at: vec![100.0] });
         let effect = of(&format!("local_joint_error@{second}:at=0.4,width=0.1=1e-4"));
         assert_eq!(effect.term.driver, Driver::Bump { joint: 1, at: 0.4, width: 0.1, shape: BumpShape::Bell });
     }

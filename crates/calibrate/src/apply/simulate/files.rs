@@ -5,9 +5,9 @@ use super::effect_specification::{EffectSpecification, EffectSpecificationError,
 use super::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
 use crate::effects::driver::Statics;
 use crate::effects::survey::with_run_order;
-use crate::effects::{EffectModel, recorded};
+use crate::effects::{SavedEffects, recorded};
 use crate::observation::kinds::ObservationKind;
-use crate::observation::measurements::write;
+use crate::observation::measurements::{MissingColumn, write};
 use crate::observation::parameters::NoEffects;
 use denavit_model::Chain;
 use thiserror::Error;
@@ -81,6 +81,9 @@ pub enum FilesError {
         /// Rows asked for.
         wanted: usize,
     },
+    /// An effect follows what is not recorded in every row.
+    #[error(transparent)]
+    Missing(#[from] MissingColumn),
     /// An effect follows what is not recorded.
     #[error("{kind} follows \"{column}\"; record it with --columns \"{column}\"")]
     NotRecorded {
@@ -95,7 +98,7 @@ pub enum FilesError {
 ///
 /// # Errors
 /// A column or effect that cannot be had, several targets of what has one.
-pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &FilesAsked) -> Result<Files, FilesError> {
+pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &FilesAsked) -> Result<Files, FilesError> {
     let mut options = asked.options.clone();
     if options.targets > 1 && !options.kind.of_several() {
         return Err(FilesError::Targets(options.targets));
@@ -113,15 +116,16 @@ pub fn files(chain: &Chain, statics: &Statics, effects: EffectModel, asked: &Fil
     }
     options.covariates = columns(&asked.columns, chain, options.rows, 0, options.seed)?;
     for effect in &effects.effects {
-        for column in recorded::needed(&effect.term, chain) {
-            if !recorded::told_by_run(&column, &options.covariates) {
+        for column in effect.term.driver.needed(chain) {
+            if !recorded::given_by_run(&column, &options.covariates) {
                 return Err(FilesError::NotRecorded { kind: effect.term.kind.name(), column });
             }
         }
     }
     // What is drawn does not depend on the effects: the strengths asked for are those on the very rows that are written.
     let bare = simulate(chain, &options, &NoEffects);
-    let mut model = effects;
+    let recorded = with_run_order(bare.data.clone());
+    let mut model = effects.bound(&|name| recorded.column(name))?;
     model.effects.extend(granted(&asked.specifications, statics, &bare, options.seed)?.effects);
     let run = simulate(chain, &options, &model);
     let enough = |found: usize, wanted: usize| match contact {

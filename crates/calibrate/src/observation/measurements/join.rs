@@ -28,14 +28,15 @@ impl Measurements {
                 }
                 all.end_row(part.reading(row), part.lines[row], part.locate[row]);
             }
-            all.covariates = common(
-                all.covariates,
+            let both = common(
+                all.covariates.into_columns(),
                 &part.covariates,
                 |c| &c.name,
                 |own: &mut Covariate, other| {
                     own.values.extend_from_slice(&other.values);
                 },
             );
+            all.covariates = both.into();
             all.labels = common(
                 all.labels,
                 &part.labels,

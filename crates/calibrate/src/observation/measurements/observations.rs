@@ -7,10 +7,10 @@ use std::ops::Range;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {
     /// First observation of each row, and the end of the last.
-    starts: Vec<usize>,
+    starts: Vec<u32>,
     series: Vec<u32>,
     /// First number of each observation, and the end of the last.
-    firsts: Vec<usize>,
+    firsts: Vec<u32>,
     numbers: Vec<f64>,
     /// What the lengths of each observation are multiplied by, in the axes that it is measured in, so that all have the
     /// standard deviation of their channel; empty where they have.
@@ -29,9 +29,9 @@ impl Observations {
     /// # Shape and units
     /// `values`: as many as the series' kind stores, in its units.
     pub fn push(&mut self, series: usize, values: &[f64]) {
-        self.series.push(u32::try_from(series).unwrap_or(u32::MAX));
+        self.series.push(short(series));
         self.numbers.extend_from_slice(values);
-        self.firsts.push(self.numbers.len());
+        self.firsts.push(short(self.numbers.len()));
         if !self.levels.is_empty() {
             self.levels.push(Matrix3::identity());
         }
@@ -46,9 +46,17 @@ impl Observations {
         }
     }
 
+    /// Gives back memory that was set aside for more.
+    pub(super) fn shrink(&mut self) {
+        self.starts.shrink_to_fit();
+        self.series.shrink_to_fit();
+        self.firsts.shrink_to_fit();
+        self.numbers.shrink_to_fit();
+    }
+
     /// Ends the row.
     pub fn end_row(&mut self) {
-        self.starts.push(self.series.len());
+        self.starts.push(short(self.series.len()));
     }
 
     /// Takes the last row up again: what is pushed next belongs to it until it is ended.
@@ -60,7 +68,7 @@ impl Observations {
 
     /// The observations of the row that is being filled.
     pub(super) fn since_row_began(&self) -> Range<usize> {
-        self.starts[self.starts.len() - 1]..self.series.len()
+        self.starts[self.starts.len() - 1] as usize..self.series.len()
     }
 
     /// Number of observations.
@@ -81,12 +89,12 @@ impl Observations {
     /// The observations of a row.
     #[inline]
     pub fn of_row(&self, row: usize) -> Range<usize> {
-        self.starts[row]..self.starts[row + 1]
+        self.starts[row] as usize..self.starts[row + 1] as usize
     }
 
     /// The row of an observation.
     pub fn row_of(&self, observation: usize) -> usize {
-        self.starts.partition_point(|start| *start <= observation) - 1
+        self.starts.partition_point(|start| *start as usize <= observation) - 1
     }
 
     /// Index of the series that an observation belongs to.
@@ -98,12 +106,12 @@ impl Observations {
     /// The numbers of an observation.
     #[inline]
     pub fn values(&self, observation: usize) -> &[f64] {
-        &self.numbers[self.firsts[observation]..self.firsts[observation + 1]]
+        &self.numbers[self.firsts[observation] as usize..self.firsts[observation + 1] as usize]
     }
 
     /// The same, to be changed.
     pub fn values_mut(&mut self, observation: usize) -> &mut [f64] {
-        &mut self.numbers[self.firsts[observation]..self.firsts[observation + 1]]
+        &mut self.numbers[self.firsts[observation] as usize..self.firsts[observation + 1] as usize]
     }
 
     /// What makes an observation as sure as its channel; `None` where all are.
@@ -143,4 +151,9 @@ impl Observations {
         subset.levels = levels;
         subset
     }
+}
+
+/// Indices in half the room.
+fn short(index: usize) -> u32 {
+    u32::try_from(index).expect("four thousand million numbers are more than anybody measures")
 }

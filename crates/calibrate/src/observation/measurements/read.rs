@@ -12,12 +12,17 @@ use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene, Target, target_on};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::{Chain, Quantity, Tips};
+use encoding_rs::WINDOWS_1252;
+use std::cell::Cell;
 use std::fmt;
 use std::io::{BufRead as _, Read};
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// No more problems than this are listed.
 const MOST_PROBLEMS: usize = 10;
+/// So much of a file shows what form it has; one that is larger, and in the contract's form, is read row by row.
+const HEAD: u64 = 1 << 18;
 
 /// A measurement file's content and what a user must know of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +121,16 @@ pub fn read_export(
     units: Units,
     options: &ImportOptions,
 ) -> Result<Loaded, DataError> {
-    let Imported { text, converted, taken, sources } = in_our_form(source, input, chain, units, options)?;
+    let mut head = Vec::new();
+    let mut input = input;
+    if let Err(error) = input.by_ref().take(HEAD).read_to_end(&mut head) {
+        return Err(Problems::new(source).only(0, Problem::Unreadable(error.to_string())));
+    }
+    if head.len() as u64 == HEAD && begins_in_our_form(&head, chain, units, options) {
+        return read_contract(source, head.chain(input), chain, units, options);
+    }
+    let whole = head.chain(input);
+    let Imported { text, converted, taken, sources } = in_our_form(source, whole, chain, units, options)?;
     let units = if converted { Units::default() } else { units };
     let mut loaded = read_contract(source, text.as_bytes(), chain, units, options)?;
     loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
@@ -126,6 +140,13 @@ pub fn read_export(
         }
     }
     Ok(loaded)
+}
+
+/// Whether the first lines of a file need no importing.
+fn begins_in_our_form(head: &[u8], chain: &Chain, units: Units, options: &ImportOptions) -> bool {
+    let lines = &head[..head.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1)];
+    import(lines, chain, units, options)
+        .is_ok_and(|imported| !imported.converted && imported.taken.is_empty() && imported.text.as_bytes() == lines)
 }
 
 /// A file in the contract's form, whatever form it has.
@@ -153,7 +174,7 @@ fn read_contract(
 ) -> Result<Loaded, DataError> {
     let sight = options.sight.as_ref();
     let tips = options.tips.as_ref().filter(|tips| tips.several());
-    let mut reader = rows_of(input);
+    let (mut reader, foreign) = rows_of_any_encoding(input);
     let mut problems = Problems::new(source);
     let mut record = csv::StringRecord::new();
     let (names, header_line) = header_row(&mut reader, source)?;
@@ -178,17 +199,29 @@ fn read_contract(
             }
         }
     }
-    table.finish(chain, problems)
+    let mut loaded = table.finish(chain, problems)?;
+    if foreign.get() {
+        loaded.notes.insert(0, DataNote::Taken(format!("text in {}", WINDOWS_1252.name())));
+    }
+    Ok(loaded)
 }
 
 /// The rows of a file, header included, `#` lines left out.
 pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
-    csv::ReaderBuilder::new()
+    rows_of_any_encoding(input).0
+}
+
+/// The same, and whether some line so far was no UTF-8, which is then read as windows-1252.
+fn rows_of_any_encoding(input: impl Read) -> (csv::Reader<impl Read>, Rc<Cell<bool>>) {
+    let lines = Lines::new(LineFeeds(input));
+    let foreign = lines.foreign.clone();
+    let reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .flexible(true)
         .has_headers(false)
         .trim(csv::Trim::All)
-        .from_reader(FaultyCells::new(LineFeeds(input)).chain(&b"\n"[..]))
+        .from_reader(lines.chain(&b"\n"[..]));
+    (reader, foreign)
 }
 
 /// The names in the header row, and its line.
@@ -233,25 +266,31 @@ pub(super) const FAULTS: [&str; 12] = [
     "#N/A", "#NV", "#REF!", "#VALUE!", "#DIV/0!", "#NAME?", "#NUM!", "#NULL!", "#WERT!", "#BEZUG!", "#ZAHL!", "#NAME!",
 ];
 
-/// Input in which a row that begins with a spreadsheet's error is a row, not a comment: a blank goes before it.
-struct FaultyCells<R> {
-    lines: std::io::BufReader<R>,
+/// Input line by line, in UTF-8. A row that begins with a spreadsheet's error is a row, not a comment: a blank goes before it.
+struct Lines<R> {
+    input: std::io::BufReader<R>,
     line: Vec<u8>,
     at: usize,
+    /// Whether some line was not UTF-8.
+    foreign: Rc<Cell<bool>>,
 }
 
-impl<R: Read> FaultyCells<R> {
+impl<R: Read> Lines<R> {
     fn new(input: R) -> Self {
-        Self { lines: std::io::BufReader::new(input), line: Vec::new(), at: 0 }
+        Self { input: std::io::BufReader::new(input), line: Vec::new(), at: 0, foreign: Rc::default() }
     }
 }
 
-impl<R: Read> Read for FaultyCells<R> {
+impl<R: Read> Read for Lines<R> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         if self.at == self.line.len() {
             self.line.clear();
             self.at = 0;
-            self.lines.read_until(b'\n', &mut self.line)?;
+            self.input.read_until(b'\n', &mut self.line)?;
+            if std::str::from_utf8(&self.line).is_err() {
+                self.line = WINDOWS_1252.decode_without_bom_handling(&self.line).0.into_owned().into_bytes();
+                self.foreign.set(true);
+            }
             let fault = |fault: &str| {
                 let rest = self.line.strip_prefix(fault.as_bytes());
                 rest.is_some_and(|rest| rest.first().is_none_or(|next| b",;\t\n ".contains(next)))
@@ -519,7 +558,7 @@ impl<'a> Table<'a> {
                 self.normalised_by = self.normalised_by.max(changed);
                 let series = self.series_of(group, setup, label);
                 self.data.observed.push(series, &values);
-                self.spreads.push(spread);
+                self.keep_spread(spread);
             }
             Err(problem) => problems.add(line, problem),
         }
@@ -574,7 +613,7 @@ impl<'a> Table<'a> {
             return;
         }
         self.data.observed.push(series, &[u, v]);
-        self.spreads.push([f64::NAN; 3]);
+        self.keep_spread([f64::NAN; 3]);
     }
 
     fn series_of(&mut self, group: usize, setup: &str, label: &str) -> usize {
@@ -592,9 +631,20 @@ impl<'a> Table<'a> {
         series
     }
 
+    /// Whether rows say how sure they are.
+    fn has_spreads(&self) -> bool {
+        self.header.roles.iter().any(|role| matches!(role, Role::Spread(_)))
+    }
+
+    fn keep_spread(&mut self, spread: [f64; 3]) {
+        if self.has_spreads() {
+            self.spreads.push(spread);
+        }
+    }
+
     /// How sure each observation is, beside the others of its channel.
     fn levels(&mut self) {
-        if !self.header.roles.iter().any(|role| matches!(role, Role::Spread(_))) {
+        if !self.has_spreads() {
             return;
         }
         let channels = self.data.scene.channels.len();
@@ -651,6 +701,7 @@ impl<'a> Table<'a> {
             return Err(problems.error());
         }
         notes.extend(plausible::notes(&self.data, chain));
+        self.data.shrink();
         let columns = columns::used(self.header, &self.data);
         Ok(Loaded { data: self.data, notes, columns })
     }

@@ -17,7 +17,7 @@ use crate::trace::infer::evidence::{Model, Posterior};
 use crate::trace::infer::gaps;
 use crate::trace::infer::gram::{Columns, Gram};
 use crate::trace::infer::maximum;
-use crate::trace::infer::model::{Hyperparameters, Kernel, LARGEST};
+use crate::trace::infer::model::{Hyperparameters, Kernel};
 use crate::trace::infer::replicates;
 use crate::trace::leftover::Block;
 use crate::trace::linear::{Linear, linearise};
@@ -284,8 +284,6 @@ pub(super) struct Round {
     log_precision: f64,
     pub(super) means: Vec<Vec<f64>>,
     pub(super) firm: Vec<f64>,
-    /// For each curve the largest variance that it may have, rad² or m².
-    largest: Vec<f64>,
     /// For each curve the variance, rad² or m², at which it is as large as the noise.
     visible: Vec<f64>,
     /// For each curve what is expected of it where no rows are.
@@ -365,7 +363,6 @@ impl Round {
             .iter()
             .map(|column| values as f64 / column.iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE))
             .collect();
-        let largest = vec![LARGEST.powi(2); state.joints.len()];
         let means = state.waves.iter().zip(&state.readings).map(|(waves, readings)| mean_of(waves, readings)).collect();
         let firm = visible.iter().map(|visible| FIRM / visible).collect();
         let gap = |(joint, readings): (&usize, &Vec<f64>)| {
@@ -399,7 +396,6 @@ impl Round {
             log_precision,
             means,
             firm,
-            largest,
             visible,
             gaps,
         }
@@ -420,7 +416,6 @@ impl Round {
             waves: &self.waves,
             means: &self.means,
             firm: &self.firm,
-            largest: &self.largest,
             visible: &self.visible,
             gaps: &self.gaps,
         }
@@ -469,7 +464,7 @@ impl Round {
         let kernel = |(index, joint): (usize, &usize)| {
             let own = near.iter().find(|curve| curve.joint == *joint);
             let nothing = Kernel { log_variance: f64::MIN, log_length: -self.waves[index].frequency(0).ln() };
-            own.map_or(nothing, |curve| Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() })
+            own.map_or(nothing, Kernel::of)
         };
         let kernels = state.joints.iter().enumerate().map(kernel).collect();
         (!near.is_empty()).then_some(Hyperparameters { log_noise: 0.0, kernels })
@@ -629,13 +624,13 @@ fn spread(
     Curve::places(range)
         .map(|reading| {
             waves.values_into(reading, &mut values);
-            let told: f64 = block
+            let known: f64 = block
                 .chunks_exact(count)
                 .zip(&values)
                 .map(|(row, own)| own * row.iter().zip(&values).map(|(c, b)| c * b).sum::<f64>())
                 .sum();
             let carried: f64 = prior.iter().zip(&values).map(|(v, b)| v * b * b).sum();
-            (told + (variance - carried).max(0.0)).max(0.0).sqrt()
+            (known + (variance - carried).max(0.0)).max(0.0).sqrt()
         })
         .collect()
 }

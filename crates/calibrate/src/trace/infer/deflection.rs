@@ -106,9 +106,8 @@ pub(super) fn asked_for(
             nothing(model, columns)
         };
         let here = |block: usize| {
-            let (precision, log_precision) = without(block);
-            let model = Model { precision: &precision, log_precision, ..model.clone() };
-            (model.score(&hyper).unwrap_or(f64::NEG_INFINITY), block)
+            let prior = without(block);
+            (under(model, &prior).score(&hyper).unwrap_or(f64::NEG_INFINITY), block)
         };
         let mut order: Vec<(f64, usize)> = (0..blocks.len()).filter(|&block| kept[block]).map(here).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -116,9 +115,8 @@ pub(super) fn asked_for(
             .into_iter()
             .take(WEAKEST)
             .filter_map(|(_, block)| {
-                let (precision, log_precision) = without(block);
-                let model = Model { precision: &precision, log_precision, ..model.clone() };
-                maximum::from_near(&model, &hyper).map(|(reached, hyper)| (reached, block, hyper))
+                let prior = without(block);
+                maximum::from_near(&under(model, &prior), &hyper).map(|(reached, hyper)| (reached, block, hyper))
             })
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((reached, block, next)) = best.filter(|(reached, ..)| score - reached < least) else { break };
@@ -130,9 +128,13 @@ pub(super) fn asked_for(
 
 /// By how much a block raises the score, the hyperparameters as they are.
 pub(super) fn gain(model: &Model<'_>, hyper: &Hyperparameters, score: f64, block: &Range<usize>) -> f64 {
-    let (precision, log_precision) = nothing(model, block.clone());
-    let without = Model { precision: &precision, log_precision, ..model.clone() };
-    score - without.score(hyper).unwrap_or(f64::NEG_INFINITY)
+    let prior = nothing(model, block.clone());
+    score - under(model, &prior).score(hyper).unwrap_or(f64::NEG_INFINITY)
+}
+
+/// The model under another prior of the plain columns.
+fn under<'a>(model: &Model<'a>, (precision, log_precision): &'a (DMatrix<f64>, f64)) -> Model<'a> {
+    Model { precision, log_precision: *log_precision, ..model.clone() }
 }
 
 /// The prior under which these columns have no part in the model.
@@ -161,8 +163,7 @@ fn torques(data: &Measurements, fit: &Fit<EffectModel>, term: &Term) -> Vec<f64>
     let mut values = Vec::new();
     for (index, posture) in postures(&fit.effects, &fit.arm, data).iter().enumerate() {
         let row = Row::new(data, index);
-        let recorded = |name: &str| row.covariate_named(name);
-        let conditions = Conditions { reading: row.reading(), covariate: &recorded };
+        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
         term.driver.values_into(&fit.effects.statics, &conditions, posture, &mut values);
     }
     values

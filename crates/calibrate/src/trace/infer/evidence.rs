@@ -35,8 +35,6 @@ pub struct Model<'a> {
     pub firm: &'a [f64],
     /// For each curve what is expected of it where no rows are: precision of its waves, row by row ([`super::gaps`]).
     pub gaps: &'a [Vec<f64>],
-    /// For each curve the largest variance that it may have, rad² or m².
-    pub largest: &'a [f64],
     /// For each curve the variance at which it is as large as the noise, rad² or m².
     pub visible: &'a [f64],
 }

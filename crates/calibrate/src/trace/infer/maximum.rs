@@ -1,7 +1,7 @@
 //! The hyperparameters at which the marginal likelihood is largest.
 
 use crate::trace::infer::evidence::Model;
-use crate::trace::infer::model::{Hyperparameters, Kernel};
+use crate::trace::infer::model::{Hyperparameters, Kernel, LARGEST};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A gain of the logarithm that changes no probability by more than a hundredth.
@@ -31,9 +31,12 @@ impl Bounds {
     /// all but a straight line.
     fn new(model: &Model<'_>) -> Self {
         let (mut low, mut high) = (vec![-30.0], vec![5.0]);
-        for ((waves, visible), largest) in model.waves.iter().zip(model.visible).zip(model.largest) {
+        for (waves, visible) in model.waves.iter().zip(model.visible) {
             low.extend([(visible * NOTHING).ln(), (1.0 / waves.frequency(waves.len() - 1)).ln()]);
-            high.extend([(visible * MOST).min(*largest).ln(), (std::f64::consts::TAU / waves.frequency(0)).ln()]);
+            high.extend([
+                (visible * MOST).min(LARGEST.powi(2)).ln(),
+                (std::f64::consts::TAU / waves.frequency(0)).ln(),
+            ]);
         }
         Self { low, high }
     }

@@ -8,7 +8,7 @@
 //! | curve of joint j, w_j | one number per wave | normal about 0, variance = spectral density of the kernel at the wave |
 //! | noise ε | | normal, one level per channel; replicates of a posture share one misfit ([`super::replicates`]) |
 
-use crate::effects::curve::Waves;
+use crate::effects::curve::{Curve, Waves};
 
 /// Periodic errors, bumps, play and error curves of joints are of this size at most, rad or m, as machines are made; more is
 /// geometry or damage that one sees.
@@ -24,6 +24,11 @@ pub struct Kernel {
 }
 
 impl Kernel {
+    /// That of a fitted curve.
+    pub fn of(curve: &Curve) -> Self {
+        Self { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() }
+    }
+
     /// Logarithm of the spectral density of the Matérn kernel of smoothness 5/2 at a frequency, and its derivative by the
     /// logarithm of the length (Rasmussen, Williams 2006, eq. 4.15). Curves of gears are smooth, yet not without end:
     /// they hold short waves beside long ones.

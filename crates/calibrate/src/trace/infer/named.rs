@@ -187,7 +187,7 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     let own = curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
     let mut kernels: Vec<Kernel> = Vec::new();
     for curve in own {
-        let kernel = Kernel { log_variance: 2.0 * curve.size.ln(), log_length: curve.length.ln() };
+        let kernel = Kernel::of(curve);
         if !kernels.contains(&kernel) {
             kernels.push(kernel);
         }

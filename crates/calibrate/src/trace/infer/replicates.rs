@@ -10,7 +10,7 @@ use denavit_model::nalgebra::Vector3;
 
 /// Rows by posture: each group in order, rows that stand alone left out.
 pub fn groups(data: &Measurements) -> Vec<Vec<usize>> {
-    data.postures().into_iter().filter(|rows| rows.len() > 1).collect()
+    data.postures().iter().filter(|rows| rows.len() > 1).map(<[usize]>::to_vec).collect()
 }
 
 /// The weight of each observation: 1, or less where others share its misfit.

@@ -108,11 +108,9 @@ fn factor_block(rows: &mut [f64], known: &[f64], (from, to): (usize, usize), siz
     for i in 0..many {
         let (before, rest) = rows.split_at_mut(i * size);
         let row = &mut rest[from..to];
-        for j in 0..i {
-            let other = &before[j * size + from..=j * size + from + j];
-            row[j] = (row[j] - known[i * many + j] - dot(&row[..j], &other[..j])) / other[j];
-        }
-        let left = row[i] - known[i * many + i] - dot(&row[..i], &row[..i]);
+        let known = &known[i * many..(i + 1) * many];
+        solve_row(&mut row[..i], before, known, from, size);
+        let left = row[i] - known[i] - dot(&row[..i], &row[..i]);
         if !(left > 0.0 && left.is_finite()) {
             return false;
         }
@@ -125,11 +123,15 @@ fn factor_block(rows: &mut [f64], known: &[f64], (from, to): (usize, usize), siz
 fn solve_rows(rows: &mut [f64], block: &[f64], known: &[f64], (from, to): (usize, usize), size: usize) {
     let many = to - from;
     for (row, known) in rows.chunks_exact_mut(size).zip(known.chunks_exact(many)) {
-        let row = &mut row[from..to];
-        for j in 0..many {
-            let other = &block[j * size + from..=j * size + from + j];
-            row[j] = (row[j] - known[j] - dot(&row[..j], &other[..j])) / other[j];
-        }
+        solve_row(&mut row[from..to], block, known, from, size);
+    }
+}
+
+/// The first columns of a row within a block, as far as the row reaches, by the block's rows that are done.
+fn solve_row(row: &mut [f64], block: &[f64], known: &[f64], from: usize, size: usize) {
+    for j in 0..row.len() {
+        let other = &block[j * size + from..=j * size + from + j];
+        row[j] = (row[j] - known[j] - dot(&row[..j], &other[..j])) / other[j];
     }
 }
 

@@ -105,7 +105,7 @@ pub(super) fn read(bytes: &[u8], is_joint: &dyn Fn(&str) -> bool) -> Result<Grid
         .lines()
         .enumerate()
         .map(|(index, line)| (index + 1, line.trim_end_matches('\r')))
-        .filter(|(_, line)| !line.trim().is_empty() && !is_comment(line.trim_start()))
+        .filter(|(_, line)| is_data(line))
         .map(|(line, text)| (line, split(text)))
         .collect();
     let mut grid = laid_out(lines, is_joint)?;
@@ -143,15 +143,16 @@ fn cells(line: &str, separator: char) -> Vec<String> {
     first.and_then(Result::ok).map_or_else(Vec::new, |record| record.iter().map(str::to_owned).collect())
 }
 
-/// Lines that only people read: behind `#`, or `//` as SpatialAnalyzer has them.
-fn is_comment(line: &str) -> bool {
-    line.starts_with("//") || line.starts_with('#') && !line.starts_with("#N/A")
+/// Neither empty nor for people alone: behind `#`, or `//` as SpatialAnalyzer has them.
+fn is_data(line: &str) -> bool {
+    let line = line.trim_start();
+    let is_comment = line.starts_with("//") || line.starts_with('#') && !line.starts_with("#N/A");
+    !line.is_empty() && !is_comment
 }
 
 /// What separates columns: `None` for blanks.
 fn separator(text: &str) -> Option<char> {
-    let read = |line: &&str| !line.trim().is_empty() && !is_comment(line.trim_start());
-    let lines = || text.lines().filter(read).take(MOST_LINES_ABOVE);
+    let lines = || text.lines().filter(|line| is_data(line)).take(MOST_LINES_ABOVE);
     let most = |separator: char| lines().map(|line| line.matches(separator).count()).max().unwrap_or(0);
     [';', '\t', ','].into_iter().find(|separator| most(*separator) >= 2)
 }

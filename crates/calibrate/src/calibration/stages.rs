@@ -1,0 +1,209 @@
+//! The stages of a calibration: how far each is off, which one is handed on, and the residuals of all for who asks.
+
+use crate::calibration::Calibration;
+use crate::calibration::adoption::{Adopted, worse};
+use crate::calibration::contract::Stage;
+use crate::effects::model::EffectModel;
+use crate::identify::Identification;
+use crate::identify::residual_statistics::{
+    ErrorSums, Errors, Residual, TestError, bound_later, each_residual, errors, lengths_found, placed, residuals,
+};
+use crate::identify::solve::Fit;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Effects, NoEffects};
+use crate::trace::infer::curves::CurveFit;
+use crate::trace::{Finding, Trace};
+
+/// Name of the stage with error curves.
+const CURVES: &str = "geometric + curves";
+
+/// Residuals of one stage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageResiduals {
+    /// The stage.
+    pub name: String,
+    /// Of the fitted rows that were kept.
+    pub train: Vec<Residual>,
+    /// Of the held-out rows.
+    pub test: Vec<Residual>,
+}
+
+impl StageResiduals {
+    fn of<E: Effects>(name: &str, fit: &Fit<E>, train: &Measurements, test: Option<&Measurements>) -> Self {
+        let arm = |test| placed(fit, train, test).expect("the held-out rows were placed when the stage was judged");
+        let effects = |test| bound_later(&fit.effects, train, test).expect("the effects were bound when it was judged");
+        let test = test.map_or_else(Vec::new, |test| residuals(&arm(test), &effects(test), test));
+        Self { name: name.into(), train: kept(fit, train), test }
+    }
+}
+
+impl Calibration {
+    /// Residuals, stage by stage: computed when they are asked for, as nobody keeps those of a million rows.
+    pub fn residuals(&self) -> Vec<StageResiduals> {
+        let (train, test) = (&self.train, self.test.as_ref());
+        let geometry = self.identification.stages().into_iter();
+        let geometry = geometry.map(|(name, _, fit)| StageResiduals::of(name, fit, train, test));
+        let beyond = beyond(self.curves.as_ref(), self.trace.as_ref()).into_iter();
+        geometry.chain(beyond.map(|stage| StageResiduals::of(&stage.name, stage.fit, train, test))).collect()
+    }
+}
+
+/// Residuals of the fitted rows that were kept.
+pub(super) fn kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Vec<Residual> {
+    let mut kept = Vec::new();
+    each_kept(fit, train, |residual| kept.push(residual));
+    kept
+}
+
+fn each_kept<E: Effects>(fit: &Fit<E>, train: &Measurements, mut take: impl FnMut(Residual)) {
+    each_residual(&fit.arm, &fit.effects, train, |residual| {
+        if fit.weights[residual.observation] > 0.0 {
+            take(residual);
+        }
+    });
+}
+
+impl Identification {
+    /// The stages that hold geometry alone, in the order in which they are listed, each with its name.
+    pub(super) fn stages(&self) -> Vec<(&'static str, Adopted, &Fit<NoEffects>)> {
+        let mut stages = vec![("nominal", Adopted::Nominal, &self.nominal)];
+        stages.extend(self.earlier.as_ref().map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
+        stages.push(("geometric", Adopted::Geometric, &self.geometric));
+        stages
+    }
+
+    /// The fit of a stage that holds geometry alone; the geometric one for all others.
+    pub(super) fn at(&self, adopted: Adopted) -> &Fit<NoEffects> {
+        let own = self.stages().into_iter().find(|(_, stage, _)| *stage == adopted);
+        own.map_or(&self.geometric, |(.., fit)| fit)
+    }
+}
+
+/// The stages while they are judged.
+pub(super) struct Stages<'a> {
+    train: &'a Measurements,
+    test: Option<&'a Measurements>,
+    /// Each stage as the report has it.
+    pub done: Vec<Stage>,
+    /// Of each stage the residuals of the held-out rows.
+    pub held_out: Vec<Vec<Residual>>,
+}
+
+impl<'a> Stages<'a> {
+    /// None yet.
+    pub fn new(train: &'a Measurements, test: Option<&'a Measurements>) -> Self {
+        Self { train, test, done: Vec::new(), held_out: Vec::new() }
+    }
+
+    fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
+        let mut sums = ErrorSums::new(&self.train.scene);
+        each_kept(fit, self.train, |residual| sums.add(&residual));
+        let train_lengths = lengths_found(&fit.arm, &fit.effects, self.train);
+        let mut test_lengths = Vec::new();
+        let mut held_out = Vec::new();
+        let mut test_errors: Option<Errors> = None;
+        if let Some(test) = self.test {
+            let arm = placed(fit, self.train, test)?;
+            let effects = bound_later(&fit.effects, self.train, test)?;
+            held_out = residuals(&arm, &effects, test);
+            test_lengths = lengths_found(&arm, &effects, test);
+            test_errors = Some(errors(&held_out, &test.scene));
+        }
+        self.done.push(Stage {
+            name,
+            train: sums.errors(),
+            test: test_errors,
+            train_lengths,
+            test_lengths,
+            converged: fit.settled(),
+            adopted: false,
+            worse_on_held_out: false,
+        });
+        self.held_out.push(held_out);
+        Ok(())
+    }
+
+    /// Judges all stages.
+    pub fn add_all(&mut self, identification: &Identification, beyond: &[Beyond<'_>]) -> Result<(), TestError> {
+        for (name, _, fit) in identification.stages() {
+            self.add(name.into(), fit)?;
+        }
+        beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), reached.fit))
+    }
+
+    /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
+    /// `beyond`: the stages after geometry. Returns its index.
+    pub fn adopt(&mut self, beyond: &[Beyond<'_>]) -> usize {
+        let mut at = 0;
+        for stage in 1..self.done.len() {
+            let worse = worse(&self.held_out[at], &self.held_out[stage]);
+            self.done[stage].worse_on_held_out = worse;
+            let index = stage.checked_sub(self.done.len() - beyond.len());
+            let settled = index.is_none_or(|index| beyond[index].fit.settled());
+            if settled && !worse {
+                at = stage;
+            }
+        }
+        self.done[at].adopted = true;
+        at
+    }
+}
+
+/// A stage after geometry.
+pub(super) struct Beyond<'a> {
+    /// Its name in the report.
+    pub name: String,
+    /// What it is adopted as.
+    pub adopted: Adopted,
+    /// Its model.
+    pub fit: &'a Fit<EffectModel>,
+    /// Of its curves.
+    pub gains: &'a [f64],
+    /// Of what joints give under gravity beside them: its last effects.
+    pub deflections: &'a [f64],
+}
+
+/// Curves alone; effects alone, where there are curves beside them; both.
+pub(super) fn beyond<'a>(curves: Option<&'a CurveFit>, found: Option<&'a Trace>) -> Vec<Beyond<'a>> {
+    let mut stages = Vec::new();
+    if let Some(curves) = curves.filter(|curves| !curves.fit.effects.curves.is_empty()) {
+        stages.push(Beyond {
+            name: CURVES.into(),
+            adopted: Adopted::Curves,
+            fit: &curves.fit,
+            gains: &curves.gains,
+            deflections: &curves.deflections,
+        });
+    }
+    if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
+        let name = stage_name(found);
+        if !found.fit.effects.curves.is_empty() {
+            stages.push(Beyond {
+                name: name.clone(),
+                adopted: Adopted::Effects,
+                fit: &found.plain,
+                gains: &[],
+                deflections: &[],
+            });
+        }
+        let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
+        let name = format!("{name}{beside}");
+        stages.push(Beyond {
+            name,
+            adopted: Adopted::Effects,
+            fit: &found.fit,
+            gains: &found.curve_gains,
+            deflections: &found.deflections,
+        });
+    }
+    stages
+}
+
+/// A stage by its effects; those of which one acts and nobody can say which are marked.
+fn stage_name(found: &Trace) -> String {
+    let of = |finding: &Finding| {
+        let doubt = if finding.named { "" } else { "?" };
+        format!(" + {}({}){doubt}", finding.term.kind.name(), finding.place)
+    };
+    format!("geometric{}", found.findings.iter().map(of).collect::<String>())
+}
