@@ -117,7 +117,7 @@ pub enum CalibrateError {
     /// The geometric fit came to no end.
     #[error(
         "{file}: the fit of the geometry did not settle in {iterations} steps, so there is no result; are there too few \
-         poses, poses that are nearly alike, or rows of two robots? `denavit identify --data {file}` says what they can tell"
+         poses, poses that are nearly alike, or rows of two robots? `denavit identify ‹data› {file}` says what they can tell"
     )]
     NotSettled {
         /// The file.
@@ -126,7 +126,7 @@ pub enum CalibrateError {
         iterations: usize,
     },
     /// A share that holds out nothing or everything.
-    #[error("--hold-out {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows")]
+    #[error("‹hold-out› {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows")]
     HoldOutShare(f64),
     /// The test file does not fit the fit.
     #[error(transparent)]
@@ -134,7 +134,7 @@ pub enum CalibrateError {
     /// Effects act in one chain.
     #[error(
         "{0}: effects and error curves are looked for in one chain, and these rows are of several tips; fit the geometry of all \
-         (--effects none), or calibrate one tip at a time"
+         (‹effects› none), or calibrate one tip at a time"
     )]
     EffectsOfSeveralTips(String),
     /// A tip that nothing is known of.
