@@ -16,7 +16,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let real = Real::robot(&arguments[1]);
     let (chain, statics) = (&real.chain, &real.statics);
-    let mut options = CalibrateOptions::geometry(chain);
+    let mut options = CalibrateOptions { noise: true, ..CalibrateOptions::geometry(chain) };
     let word = std::env::var("EFFECTS").unwrap_or_else(|_| "auto".into());
     options.trace = (word == "auto").then(|| TraceOptions::new(options.identify.clone()));
     options.curves = (word == "curves").then(CurveOptions::default);

@@ -27,6 +27,7 @@ use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
 use crate::identify::lack_of_fit::lack_of_fit;
+use crate::identify::noise::{HeldCurve, NoiseModel, noise_model};
 use crate::identify::posterior::Posterior;
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
@@ -38,6 +39,7 @@ use crate::observation::arm::Arm;
 use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
+use crate::trace::infer::model::Kernel;
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
@@ -69,18 +71,21 @@ pub struct CalibrateOptions {
     pub trace: Option<TraceOptions>,
     /// Fit error curves of the joints, where no effects are searched for.
     pub curves: Option<CurveOptions>,
+    /// Say what the noise is made of.
+    pub noise: bool,
     /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
     pub other_chains: Vec<Chain>,
 }
 
 impl CalibrateOptions {
-    /// Geometry alone, every axis, nothing held out.
+    /// Geometry alone, every axis, nothing held out, the noise as a number.
     pub fn geometry(chain: &Chain) -> Self {
         Self {
             identify: IdentifyOptions::axes(chain),
             hold_out: None,
             trace: None,
             curves: None,
+            noise: false,
             other_chains: Vec::new(),
         }
     }
@@ -311,6 +316,7 @@ pub fn calibrate_and_tell(
         },
         redundancy,
         repeats,
+        noise: options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten(),
         identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,
@@ -343,6 +349,17 @@ pub fn calibrate_and_tell(
     result.report.placements = Some(rows::placements(&result));
     result.report.rows = Rows::of(&result, &held_out);
     Ok(result)
+}
+
+/// What the noise of the adopted fit is made of, which may hold error curves.
+fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Measurements) -> Option<NoiseModel> {
+    let Some(Beyond { fit, .. }) = reached else { return noise_model(geometry, train, &[]) };
+    let held = |curve| {
+        let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
+        HeldCurve { curve, variances }
+    };
+    let curves: Vec<HeldCurve<'_>> = fit.effects.curves.iter().map(held).collect();
+    noise_model(fit, train, &curves)
 }
 
 /// The search goes on from the earlier calibration as far as the geometric fit does.

@@ -9,6 +9,7 @@ pub mod initial_guess;
 pub mod intervals;
 mod jacobian_block;
 pub mod lack_of_fit;
+pub mod noise;
 pub mod normal_equations;
 pub mod posterior;
 pub mod proportion;

@@ -8,6 +8,7 @@ pub mod findings;
 pub mod html;
 pub mod identifiability;
 pub mod monitor;
+pub mod noise;
 #[cfg(feature = "pages")]
 pub mod plots;
 pub mod rows;

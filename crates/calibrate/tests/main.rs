@@ -17,6 +17,7 @@ mod large_files;
 mod measured;
 mod mixes;
 mod monitor;
+mod noise;
 mod oracle;
 mod page;
 mod pairs;

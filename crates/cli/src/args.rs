@@ -3,7 +3,7 @@
 mod fleet;
 mod json;
 mod measured;
-mod numbers;
+pub mod numbers;
 mod program;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};

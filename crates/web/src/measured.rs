@@ -66,6 +66,7 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
         trace: (asked.effects == "auto").then(|| TraceOptions::new(identify.clone())),
         curves: (asked.effects == "curves").then(CurveOptions::default),
         identify,
+        noise: true,
         other_chains: Vec::new(),
     };
     let columns = data.columns.clone();

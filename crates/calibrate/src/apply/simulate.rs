@@ -40,6 +40,12 @@ pub struct SimulationOptions {
     pub noise_position: f64,
     /// Standard deviation of the noise of one rotation vector component, rad.
     pub noise_orientation: f64,
+    /// Standard deviation of the noise along the instrument's line of sight, m, beside that of all components.
+    pub noise_range: f64,
+    /// Standard deviation of the noise of the direction in which the instrument sees the target, rad.
+    pub noise_angle: f64,
+    /// Standard deviation with which each coordinate comes back to its reading, rad or m; empty where it does so exactly.
+    pub repeatability: Vec<f64>,
     /// Camera and board, for what sees the corners of a board; rows that do not see enough of it are left out.
     pub sight: Option<Sight>,
     /// Standard deviation of the noise of a pixel's component, px.
@@ -67,6 +73,9 @@ impl Default for SimulationOptions {
             shift: 1e-3,
             noise_position: 5e-5,
             noise_orientation: 5e-5,
+            noise_range: 0.0,
+            noise_angle: 0.0,
+            repeatability: Vec::new(),
             sight: None,
             noise_pixel: 0.2,
             outliers: 0.0,
@@ -240,6 +249,7 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
     for row in 0..data.len() {
         perturbation.clear();
         effects.perturb(Row::new(&seen, row), arm, &mut perturbation);
+        come_back(arm, &options.repeatability, &mut perturbation, random);
         arm.state_into(data.reading(row), data.tip_of(row), Some(&perturbation), &mut state);
         let gross = random.random::<f64>() < options.outliers;
         let direction = normal_vector(random, 1.0).normalize();
@@ -251,6 +261,33 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         observe(arm, &state, &perturbation, options, error, row, &mut data, random);
     }
     Simulation { arm: arm.clone(), data, outliers }
+}
+
+/// Puts every coordinate beside its reading by as much as it does not come back to it.
+fn come_back(arm: &Arm, repeatability: &[f64], perturbation: &mut Perturbation, random: &mut ChaCha8Rng) {
+    for (coordinate, deviation) in repeatability.iter().enumerate() {
+        let beside = normal(random, *deviation);
+        for (index, joint) in arm.joints.iter().enumerate().filter(|(_, joint)| joint.coordinate == coordinate) {
+            perturbation.twists[index] += joint.screw.twist() * (joint.scale * beside);
+        }
+    }
+}
+
+/// Adds what an instrument that reads a range and two angles makes of its own noise: along the line of sight, and across it as
+/// much more as the target is away.
+fn misread(values: &mut [f64], options: &SimulationOptions, random: &mut ChaCha8Rng) {
+    let place = Vector3::new(values[0], values[1], values[2]);
+    let distance = place.norm();
+    if distance == 0.0 {
+        return;
+    }
+    let sight = place / distance;
+    let any = normal_vector(random, options.noise_angle * distance);
+    let along = normal(random, options.noise_range);
+    let noise = any - sight * sight.dot(&any) + sight * along;
+    for k in 0..3 {
+        values[k] += noise[k];
+    }
 }
 
 /// Puts in what the instrument reads in a row, noise and a gross error added.
@@ -279,6 +316,9 @@ fn observe(
             draw: &mut |deviation| normal(random, deviation),
         };
         series.kind.disturb(&mut values, &mut errors);
+        if series.kind.in_lanes() && (options.noise_range > 0.0 || options.noise_angle > 0.0) {
+            misread(&mut values, options, random);
+        }
         data.observed.values_mut(observation).copy_from_slice(&values);
     }
 }

@@ -4,6 +4,7 @@ use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
 use crate::calibration::rows::{Placements, Rows};
 use crate::identify::lack_of_fit::LackOfFit;
+use crate::identify::noise::NoiseModel;
 use crate::identify::posterior::Posterior;
 use crate::identify::redundancy::Redundancy;
 use crate::identify::residual_statistics::{Errors, LengthFound};
@@ -12,7 +13,7 @@ use crate::trace::infer::lines::Line;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats`, `curves` and `fields` to the first, and changes
+/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats`, `noise`, `curves` and `fields` to the first, and changes
 /// nothing of it.
 pub const SCHEMA: &str = crate::identify::posterior::CALIBRATION_SCHEMA;
 
@@ -43,6 +44,9 @@ pub struct CalibrationReport {
     /// What postures that were measured more than once say of the noise and of the model; left out where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub repeats: Vec<LackOfFit>,
+    /// What the noise of the adopted stage is made of; left out where nothing can be told of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseModel>,
     /// Counts of parameters.
     pub identifiability: Counts,
     /// What cannot be told.

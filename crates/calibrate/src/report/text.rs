@@ -12,6 +12,7 @@ use crate::observation::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
 use crate::report::curves::{curves, fields};
 use crate::report::findings::findings;
+use crate::report::noise as noise_model;
 use crate::report::trust;
 use crate::trace::Trace;
 use std::fmt::Write;
@@ -256,6 +257,7 @@ pub fn calibration(result: &Calibration) -> String {
             let _ = writeln!(text, "attainable on rows held out: {attainable:.4} mm rms{of}");
         }
     }
+    text.push_str(&noise_model::noise(report.noise.as_ref()));
     text.push_str(&trust::repeats(&report.repeats));
     if let Some(rounding) = &result.rounding {
         let _ = writeln!(text, "{rounding}");

@@ -404,6 +404,15 @@ pub struct SimulateArguments {
         default_value = "0.05,0.05"
     )]
     pub noise: Vec<f64>,
+    /// Noise along the instrument's line of sight beside that, standard deviation, mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = numbers::tolerance)]
+    pub range_noise: f64,
+    /// Noise of the direction in which the instrument sees the target beside that, standard deviation, mrad
+    #[arg(long, value_name = "MRAD", default_value_t = 0.0, value_parser = numbers::tolerance)]
+    pub angle_noise: f64,
+    /// How well a joint comes back to its reading, standard deviation: mrad, and mm for slides; without a joint all of them
+    #[arg(long, value_name = "[JOINT=]SIZE")]
+    pub repeatability: Vec<String>,
     /// A camera measures, at random joint values in which it sees its board.
     #[command(flatten)]
     pub camera: CameraArguments,

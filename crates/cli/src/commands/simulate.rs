@@ -1,6 +1,6 @@
 //! `denavit simulate`: measurement files of a robot that differs from its drawing.
 
-use crate::args::SimulateArguments;
+use crate::args::{SimulateArguments, numbers};
 use crate::failure::Failure;
 use crate::measured::{self, MeasuredRobot};
 use crate::output::{Outputs, Slot, Status};
@@ -79,6 +79,9 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         shift,
         noise_position,
         noise_orientation,
+        noise_range: arguments.range_noise * 1e-3,
+        noise_angle: arguments.angle_noise * 1e-3,
+        repeatability: repeatability(&arguments.repeatability, chain)?,
         sight,
         noise_pixel: arguments.pixel_noise,
         outliers: share,
@@ -87,4 +90,23 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         tips: None,
         before: None,
     })
+}
+
+/// One standard deviation for each coordinate, rad or m, from `[JOINT=]SIZE` in mrad and mm; later ones replace earlier ones.
+fn repeatability(written: &[String], chain: &Chain) -> Result<Vec<f64>, Failure> {
+    let names: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
+    let mut sizes = vec![0.0; if written.is_empty() { 0 } else { names.len() }];
+    for text in written {
+        let refused = |why: String| Failure::Argument(format!("--repeatability {text}: {why}"));
+        let (joint, size) = text.rsplit_once('=').map_or((None, text.as_str()), |(joint, size)| (Some(joint), size));
+        let size = numbers::tolerance(size).map_err(refused)? * 1e-3;
+        match joint {
+            None => sizes.fill(size),
+            Some(joint) => match names.iter().position(|name| *name == joint) {
+                Some(index) => sizes[index] = size,
+                None => return Err(refused(format!("no joint is called \"{joint}\"; there are {}", names.join(", ")))),
+            },
+        }
+    }
+    Ok(sizes)
 }

@@ -54,6 +54,8 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     let Rows { data, test, notes, .. } = rows(&asked, &chain)?;
     found.notes.extend(notes.into_iter().map(|text| note("reading", "", "note", "", text)));
     how.other_chains = other_chains(&loaded, &chain, &data);
+    // Nothing of it is stored.
+    how.noise = false;
     let result = calibrate(&chain, &statics, data, test, &how)?;
     let report = result.report;
     if let Some(information) = &result.information {

@@ -50,7 +50,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         ..TraceOptions::new(identify.clone())
     });
     let curves = (asked.effects == ["curves"]).then(CurveOptions::default);
-    Ok(CalibrateOptions { identify, hold_out: asked.hold_out, trace, curves, other_chains: Vec::new() })
+    Ok(CalibrateOptions { identify, hold_out: asked.hold_out, trace, curves, noise: true, other_chains: Vec::new() })
 }
 
 /// What an earlier calibration knows of this chain.

@@ -17,6 +17,20 @@ fn pose(pose: &Pose) -> Value {
     json!({"xyz": xyz, "quaternion_xyzw": xyzw})
 }
 
+/// Standard deviations of what the noise is made of: m and rad; of what there is none it says nothing.
+fn noise(options: &SimulationOptions) -> Value {
+    let mut noise = json!({"position_m": options.noise_position, "orientation_rad": options.noise_orientation});
+    for (name, size) in [("range_m", options.noise_range), ("angle_rad", options.noise_angle)] {
+        if size > 0.0 {
+            noise[name] = json!(size);
+        }
+    }
+    if !options.repeatability.is_empty() {
+        noise["repeatability"] = json!(options.repeatability);
+    }
+    noise
+}
+
 /// The truth of a run: how far each axis is from its drawing (rad, m, by the names of a calibration's parameters), the
 /// instrument, the targets, noise, the rows with gross errors (counted from 1) and the effects.
 pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectModel) -> String {
@@ -34,7 +48,7 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
         "measurement": options.kind,
         "rows": options.rows,
         "seed": options.seed,
-        "noise": {"position_m": options.noise_position, "orientation_rad": options.noise_orientation},
+        "noise": noise(options),
         "axes": axes,
     });
     if options.kind.of_a_board() {

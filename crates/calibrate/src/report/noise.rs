@@ -1,0 +1,77 @@
+//! What the noise is made of, in a paragraph.
+
+use crate::identify::noise::{Component, NoiseModel};
+use std::fmt::Write;
+
+/// Factor and unit in which a size is written: angles that an instrument tells in µrad, those of joints in mrad.
+fn written(component: &Component) -> (f64, &'static str) {
+    match (component.unit, &*component.name) {
+        ("rad", "angle") => (1e6, "µrad"),
+        ("rad", _) => (1e3, "mrad"),
+        _ => (1e3, "mm"),
+    }
+}
+
+/// A number with three digits that count, or as many as it has before the point.
+fn rounded(value: f64) -> String {
+    let digits = (0..6).find(|digits| value * 10f64.powi(*digits) >= 100.0).unwrap_or(6);
+    let digits = usize::try_from(if value > 0.0 { digits } else { 0 }).unwrap_or(0);
+    format!("{value:.digits$}")
+}
+
+fn size(component: &Component) -> String {
+    let (factor, unit) = written(component);
+    let high = component.high.map_or_else(|| "no upper end".into(), |high| rounded(high * factor));
+    format!("{} {unit} ({} to {high})", rounded(component.value * factor), rounded(component.low * factor))
+}
+
+fn claimed(component: &Component) -> String {
+    let size = size(component);
+    match (&*component.name, &component.joint) {
+        ("range", _) => format!("{size} along the line of sight"),
+        ("angle", _) => format!("{size} across it"),
+        ("repeatability", Some(joint)) => format!("{joint} comes back to its reading within {size}"),
+        ("repeatability", None) => format!("the joints, taken as alike, come back to their readings within {size}"),
+        (name, _) => format!("{size} in each component of {name}"),
+    }
+}
+
+fn bound(component: &Component) -> Option<String> {
+    let (factor, unit) = written(component);
+    let high = rounded(component.high? * factor);
+    Some(match (&*component.name, &component.joint) {
+        ("repeatability", Some(joint)) => format!("{joint} {high} {unit}"),
+        ("repeatability", None) => format!("all joints alike {high} {unit}"),
+        (name, _) => format!("{name} {high} {unit}"),
+    })
+}
+
+/// What the noise is made of, what is not seen of it, and whether the order of the run is.
+pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
+    let mut text = String::new();
+    let Some(noise) = noise else { return text };
+    let (there, open): (Vec<&Component>, Vec<&Component>) = noise.components.iter().partition(|of| of.claimed);
+    let (joints, instrument): (Vec<&Component>, Vec<&Component>) =
+        there.into_iter().partition(|of| of.name == "repeatability");
+    let listed = |of: &[&Component]| of.iter().map(|of| claimed(of)).collect::<Vec<_>>().join(", ");
+    let level = if instrument.is_empty() { "of no source alone".into() } else { listed(&instrument) };
+    let _ = writeln!(text, "noise, standard deviation and 95 % interval: {level}");
+    if !joints.is_empty() {
+        let _ = writeln!(text, "  {}", listed(&joints));
+    }
+    let bounds: Vec<String> = open.iter().filter_map(|of| bound(of)).collect();
+    if !bounds.is_empty() {
+        let _ = writeln!(text, "  not seen in these data, and with 95 % below: {}", bounds.join(", "));
+    }
+    if let Some(order) = noise.run_order.filter(|order| order.claimed) {
+        let _ = writeln!(
+            text,
+            "  rows that were measured one after the other err alike: correlation {:.2} ({:.2} to {:.2})",
+            order.lag_1, order.low, order.high
+        );
+    }
+    if noise.rows < noise.of_rows {
+        let _ = writeln!(text, "  told from {} of the {} rows, evenly spread", noise.rows, noise.of_rows);
+    }
+    text
+}
