@@ -1,6 +1,7 @@
 //! House rules: who may know whom, and what the documents say of it.
 
 use crate::support::top;
+use denavit_model::settings::SETTINGS;
 use std::process::Command;
 
 /// A crate may depend on those before it that are named here.
@@ -141,4 +142,65 @@ fn rooms_of_calibrate_know_only_those_before_them() {
     let lib = std::fs::read_to_string(source.join("lib.rs")).unwrap();
     let order: Vec<usize> = ROOMS.iter().map(|room| lib.find(&format!("//! {room} ")).expect(room)).collect();
     assert!(order.is_sorted(), "lib.rs draws the rooms in another order");
+}
+
+/// Lines of code of the libraries, comments left out, each with its file.
+fn library_lines() -> Vec<(std::path::PathBuf, String)> {
+    let mut lines = Vec::new();
+    for entry in std::fs::read_dir(top().join("crates")).unwrap() {
+        let folder = entry.unwrap().path();
+        if folder.ends_with("cli") {
+            continue;
+        }
+        let mut files = Vec::new();
+        rust_files(&folder.join("src"), &mut files);
+        for file in files {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+            lines.extend(code.map(|line| (file.clone(), line.to_owned())));
+        }
+    }
+    lines
+}
+
+#[test]
+fn libraries_name_no_flag_of_the_command_line() {
+    // What is said to git, and the test of the forms themselves.
+    let may = ["fleet/src/corpus/history.rs", "load/src/read.rs", "model/src/settings.rs"];
+    let flag = |line: &str| {
+        line.match_indices("--").any(|(at, _)| {
+            let before = line[..at].chars().next_back();
+            let begins = before.is_none_or(|before| !before.is_alphanumeric() && before != '-');
+            begins && line[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+        })
+    };
+    let lines = library_lines();
+    assert!(lines.len() > 10_000, "{} lines were looked at", lines.len());
+    let found: Vec<_> = lines
+        .iter()
+        .filter(|(file, line)| flag(line) && !may.iter().any(|known| file.ends_with(known)))
+        .map(|(file, line)| format!("{}: {}", file.display(), line.trim()))
+        .collect();
+    assert!(found.is_empty(), "write a setting in its marks (see denavit_model::settings):\n{}", found.join("\n"));
+    assert!(flag("say --units deg") && flag("\"--tip") && !flag("a---b") && !flag("x -- y"));
+}
+
+#[test]
+fn settings_in_messages_are_flags_of_the_command_line() {
+    let mut files = vec![top().join("crates/cli/src/args.rs")];
+    rust_files(&top().join("crates/cli/src/args"), &mut files);
+    let arguments: String = files.iter().map(|file| std::fs::read_to_string(file).unwrap()).collect();
+    for setting in SETTINGS {
+        let field = [" ", "r#"].map(|before| format!("{before}{}:", setting.replace('-', "_")));
+        let is_flag =
+            arguments.contains(&format!("long = \"{setting}\"")) || field.iter().any(|f| arguments.contains(f));
+        assert!(is_flag, "no command has --{setting}");
+    }
+    let mut named = std::collections::BTreeSet::new();
+    for (file, line) in library_lines().into_iter().filter(|(file, _)| !file.ends_with("model/src/settings.rs")) {
+        let settings: Vec<&str> = denavit_model::settings::named(&line).collect();
+        assert_eq!(settings.len(), line.matches('‹').count(), "{}: no setting is called so: {line}", file.display());
+        named.extend(settings);
+    }
+    assert_eq!(named.into_iter().collect::<Vec<_>>(), SETTINGS, "a setting that no message names");
 }

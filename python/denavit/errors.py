@@ -52,7 +52,7 @@ def _again(kind: type[DenavitError], message: str, place: dict[str, Any]) -> Den
 
 
 def _keywords(message: str) -> str:
-    """Options of the command line as the keywords that they are in Python."""
+    """Options that a message of this package names as those of the command line, as the keywords that they are in Python."""
     return re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_") + "=", message)
 
 

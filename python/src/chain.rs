@@ -1,7 +1,7 @@
 //! A chain: forward kinematics, Jacobians, joint values, tables.
 
 use crate::arrays::{self, Configurations, FEW, result};
-use crate::errors::{argument, load};
+use crate::errors::{argument, load, said};
 use crate::robot::reading;
 use crate::table::Table;
 use denavit_calibrate::apply::simulate;
@@ -106,7 +106,7 @@ impl Chain {
     /// What was read otherwise than it is written.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.notes.iter().map(ToString::to_string).collect()
+        self.notes.iter().map(said).collect()
     }
 
     /// The most by which what the notes describe moves the tip, m.
@@ -147,7 +147,7 @@ impl Chain {
         match format {
             "json" => Ok(poe::json(&self.chain, &self.notes)),
             "csv" => Ok(poe::csv(&self.chain)),
-            "text" => Ok(poe::text(&self.chain, &self.notes, Units::default())),
+            "text" => Ok(said(poe::text(&self.chain, &self.notes, Units::default()))),
             other => Err(argument(format!("format is \"{other}\"; write text, csv or json"))),
         }
     }

@@ -1,6 +1,6 @@
 //! Differences, fingerprints, rules.
 
-use crate::errors::{Class, Spot, argument, broken, error, load, tree};
+use crate::errors::{Class, Spot, argument, broken, error, load, said, tree};
 use crate::robot::Robot;
 use denavit_compare::report::{self, Colour, Report};
 use denavit_compare::{Options, Range, Scope, Verdict, lint};
@@ -49,7 +49,7 @@ impl Findings {
 
 fn render(report: &Report<'_>, format: &str) -> PyResult<String> {
     if format == "text" {
-        return Ok(report::text(report, Colour::None));
+        return Ok(said(report::text(report, Colour::None)));
     }
     let known = || report::FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
     let found = report::format(format);

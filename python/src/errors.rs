@@ -3,6 +3,7 @@
 use denavit_calibrate::observation::measurements::DataError;
 use denavit_load::LoadError;
 use denavit_load::measured::MeasuredError;
+use denavit_model::settings::{Shown, shown};
 use denavit_model::{Place, TreeError, UrdfError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -80,7 +81,13 @@ impl From<&Place> for Spot {
 
 /// The exception of a class with this message; the hint is what the message says to do.
 pub fn error(class: Class, message: &str, spot: Spot) -> PyErr {
-    Python::attach(|py| raised(py, class, message, spot).unwrap_or_else(|error| error))
+    let message = said(message);
+    Python::attach(|py| raised(py, class, &message, spot).unwrap_or_else(|error| error))
+}
+
+/// A message with its settings as the keywords that they are in Python.
+pub fn said(message: impl std::fmt::Display) -> String {
+    shown(&message.to_string(), Shown::Python).into_owned()
 }
 
 /// An argument that cannot be.

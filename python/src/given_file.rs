@@ -1,7 +1,7 @@
 //! A file of measurements or poses as Python holds it: its content, and what is said of its columns.
 
 use crate::chain::Chain;
-use crate::errors::{Class, Spot, error, load, measured};
+use crate::errors::{Class, Spot, error, load, measured, said};
 use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};
 use denavit_load::measured::{DataFile, HashedFile, sight};
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ use pyo3::types::PyBytes;
 use std::fmt::Display;
 
 /// What messages call a map that was written as words.
-const WORDS: &str = "--columns";
+const WORDS: &str = "‹columns›";
 
 /// A file.
 #[derive(FromPyObject)]
@@ -99,7 +99,7 @@ pub fn bag_rows(
     let asked = denavit_bag::Asked { joints, joint_topic, target_topic };
     let rows = py.detach(|| denavit_bag::rows(bag, &asked));
     let rows = rows.map_err(|failure| error(Class::Data, &failure.to_string(), Spot::file(bag)))?;
-    Ok((rows.csv, rows.notes))
+    Ok((rows.csv, rows.notes.iter().map(said).collect()))
 }
 
 /// Columns of a file as CSV, names in the first row; `None` of a file that is just that.

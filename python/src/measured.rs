@@ -1,7 +1,7 @@
 //! Calibration, and what its result is asked for.
 
 use crate::chain::Chain;
-use crate::errors::{Class, Spot, broken, calibration, error, load, measured};
+use crate::errors::{Class, Spot, broken, calibration, error, load, measured, said};
 use crate::given_file::Given;
 use crate::interruptible::{Tell, interruptible};
 use crate::robot::reading;
@@ -94,7 +94,7 @@ impl Fit {
 
     /// What `denavit calibrate` prints.
     fn text(&self) -> String {
-        text::report(&self.result)
+        said(text::report(&self.result))
     }
 
     /// The page with plots.
@@ -115,7 +115,7 @@ impl Fit {
         let moved = format!("{}_calibrated", self.tip);
         let has = |robot: &denavit_model::Robot| robot.links.iter().any(|link| link.name == moved);
         let tip = (has(&again) && !has(tree)).then_some(moved);
-        let notes = written.notes.iter().map(ToString::to_string).collect();
+        let notes = written.notes.iter().map(said).collect();
         Ok(Some((written.value, tip.unwrap_or_else(|| self.tip.clone()), notes)))
     }
 
@@ -202,7 +202,16 @@ pub fn calibrate(
     result.report.origin = origin;
     result.report.origin.files.extend(prior);
     let (tip, loaded, exact) = (chain.chain.tip().to_owned(), Arc::clone(&chain.loaded), chain.exact);
-    Ok(Fit { result, chain: nominal.clone(), tips, tip, statics, loaded, exact, notes })
+    Ok(Fit {
+        result,
+        chain: nominal.clone(),
+        tips,
+        tip,
+        statics,
+        loaded,
+        exact,
+        notes: notes.iter().map(said).collect(),
+    })
 }
 
 /// The joints on the ways from the chain's base to these tips; to its own where none is named.

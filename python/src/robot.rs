@@ -1,7 +1,7 @@
 //! A robot from any source.
 
 use crate::chain::Chain;
-use crate::errors::{argument, load};
+use crate::errors::{argument, load, said};
 use denavit_dh::{Gauge, Parallelism};
 use denavit_export::urdf::{Frames, LinkFrames, Options as ExportOptions};
 use denavit_load::{Loaded, Options, Selection};
@@ -46,7 +46,7 @@ impl Robot {
     ) -> PyResult<Self> {
         let options = Options { arguments, package_path, allow_any_file, vendor_angles, ..Options::default() };
         let opened = py.detach(|| denavit_load::from_text(file, text, &options)).map_err(|error| load(&error))?;
-        let notes = opened.notes.iter().map(ToString::to_string).collect();
+        let notes = opened.notes.iter().map(said).collect();
         let file: Arc<str> = match &opened.robot {
             Loaded::Robot(robot) => robot.source.file.as_str().into(),
             _ => file.into(),
@@ -110,7 +110,7 @@ impl Robot {
     #[getter]
     fn notes(&self) -> Vec<String> {
         let own: &[Note] = if let Loaded::Robot(robot) = &*self.loaded { &robot.notes } else { &[] };
-        self.notes.iter().cloned().chain(own.iter().map(ToString::to_string)).collect()
+        self.notes.iter().cloned().chain(own.iter().map(said)).collect()
     }
 
     /// Base, tip, coordinates of every chain to a leaf, and whether it is the one that is taken where none is named.
@@ -162,6 +162,6 @@ impl Robot {
         };
         let made = py.detach(|| denavit_load::canonical(&self.loaded, &self.file, &options));
         let made = made.map_err(|error| load(&error))?;
-        Ok((made.value, made.notes.iter().map(ToString::to_string).collect()))
+        Ok((made.value, made.notes.iter().map(said).collect()))
     }
 }

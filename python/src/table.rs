@@ -1,6 +1,6 @@
 //! A Denavit-Hartenberg table, and whether it is the vendor's.
 
-use crate::errors::{Class, Spot, argument, error};
+use crate::errors::{Class, Spot, argument, error, said};
 use denavit_export::{Sheet, Units, formats, matched, sources};
 use denavit_load::Made;
 use denavit_model::Chain;
@@ -41,7 +41,7 @@ impl Table {
         let found = formats::named(format);
         let found = found.ok_or_else(|| argument(format!("format is \"{format}\"; write one of {}", known())))?;
         let rendered = (found.render)(&self.sheet(self::units(units)?));
-        rendered.map_err(|failure| error(Class::Export, &failure.to_string(), Spot::default()))
+        rendered.map(said).map_err(|failure| error(Class::Export, &failure.to_string(), Spot::default()))
     }
 
     /// Column names, cells as text row by row, and one sentence on how a row is to be read.
@@ -66,6 +66,7 @@ impl Table {
         let found = py.detach(|| matched::best(&self.chain, &readings));
         let found = found.map_err(|failure| error(Class::Argument, &format!("{file}: {failure}"), Spot::file(file)))?;
         let words = matched::text(&self.chain, file, &found, Units::default());
+        let words = said(words);
         Ok((matched::json(&self.chain, file, &found), words))
     }
 }

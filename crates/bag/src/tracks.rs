@@ -39,8 +39,8 @@ impl Track {
     }
 }
 
-const JOINT_TOPIC: &str = "--joint-topic";
-const TARGET_TOPIC: &str = "--target-topic";
+const JOINT_TOPIC: &str = "‹joint-topic›";
+const TARGET_TOPIC: &str = "‹target-topic›";
 
 #[derive(Default)]
 struct Found {

@@ -122,7 +122,7 @@ pub enum CalibrateError {
     /// The geometric fit came to no end.
     #[error(
         "{file}: the fit of the geometry did not settle in {iterations} steps, so there is no result; are there too few \
-         poses, poses that are nearly alike, or rows of two robots? `denavit identify --data {file}` says what they can tell"
+         poses, poses that are nearly alike, or rows of two robots? `denavit identify ‹data› {file}` says what they can tell"
     )]
     NotSettled {
         /// The file.
@@ -131,7 +131,7 @@ pub enum CalibrateError {
         iterations: usize,
     },
     /// A share that holds out nothing or everything.
-    #[error("--hold-out {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows")]
+    #[error("‹hold-out› {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows")]
     HoldOutShare(f64),
     /// The test file does not fit the fit.
     #[error(transparent)]
@@ -139,7 +139,7 @@ pub enum CalibrateError {
     /// Effects act in one chain.
     #[error(
         "{0}: effects and error curves are looked for in one chain, and these rows are of several tips; fit the geometry of all \
-         (--effects none), or calibrate one tip at a time"
+         (‹effects› none), or calibrate one tip at a time"
     )]
     EffectsOfSeveralTips(String),
     /// A tip that nothing is known of.
@@ -354,11 +354,11 @@ pub fn calibrate_and_tell(
 /// What the noise of the adopted fit is made of, which may hold error curves.
 fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Measurements) -> Option<NoiseModel> {
     let Some(Beyond { fit, .. }) = reached else { return noise_model(geometry, train, &[]) };
-    let mut curves = Vec::new();
-    for curve in &fit.effects.curves {
+    let held = |curve| {
         let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
-        curves.push(HeldCurve { curve, variances });
-    }
+        HeldCurve { curve, variances }
+    };
+    let curves: Vec<HeldCurve<'_>> = fit.effects.curves.iter().map(held).collect();
     noise_model(fit, train, &curves)
 }
 

@@ -142,7 +142,7 @@ fn rows_that_judge_must_be_others_and_as_complete() {
     assert_eq!(
         calibration_error(rows(1, &[]), Some(rows(1, &[])), None),
         "simulation: these are the rows of simulation; a test needs rows that were not fitted: measure some, or say \
-         --hold-out 0.3"
+         ‹hold-out› 0.3"
     );
     let identify = IdentifyOptions::axes(&chain);
     let trace = Some(TraceOptions::new(identify));
@@ -258,13 +258,13 @@ fn units() {
     check(
         "joint_1,joint_2,x,y,z\n10,20,1,0,0\n90,45,1,0,0\n",
         "m.csv:3: joint \"joint_1\" reads 90 rad, and its limits are -2.900 to 2.900 rad; if the readings are in degrees, \
-         say --units deg\nm.csv:3: joint \"joint_2\" reads 45 rad, and its limits are -2.900 to 2.900 rad; if the readings \
-         are in degrees, say --units deg",
+         say ‹units› deg\nm.csv:3: joint \"joint_2\" reads 45 rad, and its limits are -2.900 to 2.900 rad; if the readings \
+         are in degrees, say ‹units› deg",
     );
     check(
         "joint_1,joint_2,x,y,z\n0,0,1500,0,0\n1,1,0,1500,0\n",
         "m.csv: the measured positions span 2121.3203 m, but no two places that this robot can reach are further apart than \
-         3.0000 m; if the lengths are in millimetres, say --units mm",
+         3.0000 m; if the lengths are in millimetres, say ‹units› mm",
     );
     let in_mm = "joint_1,joint_2,x,y,z\n0,0,1500,0,0\n90,0,0,1500,0\n";
     let data = read("m.csv", in_mm.as_bytes(), &planar_arm(), "mm,deg".parse().unwrap()).unwrap().data;
@@ -338,7 +338,7 @@ fn data_that_cannot_be_fitted() {
     mixed.observed = observed;
     let text = calibration_error(mixed, None, None);
     assert!(text.starts_with("simulation: the robot as drawn misses what was measured by 0."), "{text}");
-    assert!(text.ends_with("and --base and --tip right?"), "{text}");
+    assert!(text.ends_with("and ‹base› and ‹tip› right?"), "{text}");
     assert_eq!(
         calibration_error(of(POSITION, 40), Some(of(POSE, 5)), None),
         "simulation: it measures poses, but the model was fitted to positions; test with the same kind of value"
@@ -352,6 +352,6 @@ fn data_that_cannot_be_fitted() {
     );
     assert_eq!(
         calibration_error(of(POSITION, 40), None, Some(1.5)),
-        "--hold-out 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows"
+        "‹hold-out› 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows"
     );
 }

@@ -220,17 +220,17 @@ fn every_mistake_in_a_file_of_pixels_is_named() {
     check(
         &format!("{head}0.1,0.2,3,70,100\n0.1,0.2,4,71,100\n0.3,0.2,4,71,100\n"),
         "c.csv: no image shows four corners of the board that are not in one line, as a camera must see them to know where it \
-         is; check --board, --camera and the numbers of the corners",
+         is; check ‹board›, ‹camera› and the numbers of the corners",
     );
     let without = |sight| read(&format!("{head}0.1,0.2,3,70,100\n"), sight).unwrap_err().to_string();
     assert_eq!(
         without(Some(Sight { board: None, ..sight() })),
-        "c.csv:1: corners are numbered, and the board is not known; give its squares by --board, such as 7x5:30mm"
+        "c.csv:1: corners are numbered, and the board is not known; give its squares by ‹board›, such as 7x5:30mm"
     );
     assert_eq!(
         without(None),
-        "c.csv:1: columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by --camera FILE.yaml \
-         and its board by --board, such as 7x5:30mm"
+        "c.csv:1: columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by ‹camera› FILE.yaml \
+         and its board by ‹board›, such as 7x5:30mm"
     );
 }
 

@@ -78,9 +78,9 @@ fn swapped_columns_are_named() {
 #[test]
 fn one_column_in_another_unit_is_named() {
     let degrees = each_row(positions(), |row| row[4] = row[4].to_degrees());
-    check(degrees, "column \"wrist_2_joint\" were in degrees", "--units");
+    check(degrees, "column \"wrist_2_joint\" were in degrees", "‹units›");
     let radians = each_row(positions(), |row| row[2] = row[2].to_radians());
-    check(radians, "column \"elbow_joint\" were in rad", "--units");
+    check(radians, "column \"elbow_joint\" were in rad", "‹units›");
 }
 
 #[test]
@@ -192,13 +192,13 @@ fn one_coordinate_in_another_unit_is_named() {
         for observation in 0..data.observations() {
             data.observed.values_mut(observation)[axis] *= 1e3;
         }
-        check(data, &format!("the {name} of what was measured were in mm, unlike the other two"), "--units");
+        check(data, &format!("the {name} of what was measured were in mm, unlike the other two"), "‹units›");
     }
     let mut data = positions();
     for observation in 0..data.observations() {
         data.observed.values_mut(observation)[2] *= 1e-3;
     }
-    check(data, "the z of what was measured were in m, unlike the other two", "--units");
+    check(data, "the z of what was measured were in m, unlike the other two", "‹units›");
 }
 
 #[test]

@@ -9,8 +9,10 @@ use crate::failure::Failure;
 use denavit_compare::report::Colour;
 use denavit_load::LoadError;
 use denavit_model::notes::Note;
+use denavit_model::settings::{Shown, shown};
 use destination::Destination;
 use staged::Staged;
+use std::borrow::Cow;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -27,10 +29,15 @@ pub enum Status {
     Trouble = 2,
 }
 
+/// A message with its settings as the flags that they are here.
+fn with_flags(text: &str) -> Cow<'_, str> {
+    shown(text, Shown::CommandLine)
+}
+
 /// Writes text to standard output.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
+    out.write_all(with_flags(text).as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
         io::ErrorKind::BrokenPipe => Failure::ClosedPipe,
         _ => Failure::Write { file: "standard output".into(), reason: error.to_string() },
     })
@@ -39,6 +46,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Says what went wrong.
 pub fn complain(failure: &Failure) {
     let text = failure.to_string();
+    let text = with_flags(&text);
     let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_)));
     for (index, line) in text.lines().enumerate() {
         // A URDF's problems stand a line each; other messages go on in their own lines.
@@ -49,14 +57,12 @@ pub fn complain(failure: &Failure) {
 
 /// Says on standard error what the output on standard output has no place for.
 pub fn remark(notes: &[Note]) {
-    for note in notes {
-        eprintln!("note: {note}");
-    }
+    notes.iter().for_each(mention);
 }
 
 /// Says on standard error what is no error, but may not be meant.
 pub fn mention(text: impl std::fmt::Display) {
-    eprintln!("note: {text}");
+    eprintln!("note: {}", with_flags(&text.to_string()));
 }
 
 /// Whether text on standard output is coloured: on a terminal that has not been told otherwise.
@@ -174,7 +180,7 @@ impl Outputs {
         for (Slot(slot), text) in texts {
             let place = &self.places[*slot];
             if let Destination::File(target) = &place.destination {
-                files.push(Staged::full(target, &place.given, text.as_bytes())?);
+                files.push(Staged::full(target, &place.given, with_flags(text).as_bytes())?);
             }
         }
         let mut reader = Ok(());
@@ -189,7 +195,7 @@ impl Outputs {
                 Destination::Stream(path) => {
                     let written = std::fs::OpenOptions::new().write(true).open(path);
                     let written = written.and_then(|mut stream| {
-                        stream.write_all(text.as_bytes())?;
+                        stream.write_all(with_flags(text).as_bytes())?;
                         stream.flush()
                     });
                     written.map_err(|error| Failure::Write {

@@ -36,7 +36,7 @@ pub const COMPARED: &[Compared] = &[
         what: "transmissions (mechanicalReduction, hardware interfaces), gazebo, ros2_control and every other element",
         by: By::Matter,
     },
-    Compared { what: "names (diff reports them; --count-names makes them count)", by: By::Nobody },
+    Compared { what: "names (diff reports them; ‹count-names› makes them count)", by: By::Nobody },
     Compared {
         what: "link frames that carry something, as long as that stays where it was (diff reports them)",
         by: By::Nobody,
@@ -53,7 +53,7 @@ pub fn listed() -> String {
         format!("{title}\n{}", lines.collect::<String>())
     };
     [
-        part("Compared, also by `diff --only kinematics`:", By::Motion),
+        part("Compared, also by `diff ‹only› kinematics`:", By::Motion),
         part("Compared as well:", By::Matter),
         part("Not compared:", By::Nobody),
     ]

@@ -86,7 +86,7 @@ pub enum FingerprintError {
         format: String,
     },
     /// Hashes of another cell size cannot be compared.
-    #[error("\"{written}\" has the tolerance {tolerance}; compare with --tolerance {tolerance}")]
+    #[error("\"{written}\" has the tolerance {tolerance}; compare with ‹tolerance› {tolerance}")]
     OtherTolerance {
         /// The text.
         written: String,

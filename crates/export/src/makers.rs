@@ -80,7 +80,7 @@ pub struct Written {
 #[non_exhaustive]
 pub enum MakerError {
     /// No form of this name.
-    #[error("--out-for: \"{name}\": {why}; there are {known}; --urdf writes the whole robot")]
+    #[error("‹out-for›: \"{name}\": {why}; there are {known}; ‹urdf› writes the whole robot")]
     Unknown {
         /// What was asked for.
         name: String,
@@ -90,7 +90,7 @@ pub enum MakerError {
         known: String,
     },
     /// A chain of another make.
-    #[error("--out-for {maker}: the form has {wanted}, and the chain from {base} to {tip} has {found}")]
+    #[error("‹out-for› {maker}: the form has {wanted}, and the chain from {base} to {tip} has {found}")]
     OtherChain {
         /// The form.
         maker: &'static str,
@@ -105,7 +105,7 @@ pub enum MakerError {
     },
     /// A joint turns about another axis than z of its link.
     #[error(
-        "--out-for {maker}: joint \"{joint}\" does not turn about the z axis of its link's frame, as the form takes it"
+        "‹out-for› {maker}: joint \"{joint}\" does not turn about the z axis of its link's frame, as the form takes it"
     )]
     NotAboutZ {
         /// The form.
@@ -114,7 +114,7 @@ pub enum MakerError {
         joint: String,
     },
     /// The form needs the tree.
-    #[error("--out-for {maker}: the form changes joint origins of a URDF; give the robot as a URDF or xacro")]
+    #[error("‹out-for› {maker}: the form changes joint origins of a URDF; give the robot as a URDF or xacro")]
     NeedsTree {
         /// The form.
         maker: &'static str,
@@ -195,7 +195,7 @@ fn without_effects(calibrated: &Calibrated) -> Vec<String> {
         return Vec::new();
     }
     let effects = calibrated.effects.join(", ");
-    vec![format!("this form holds geometry alone; not in it: {effects} (--effects-out keeps effects)")]
+    vec![format!("this form holds geometry alone; not in it: {effects} (‹effects-out› keeps effects)")]
 }
 
 /// A pose in words, where it is one.

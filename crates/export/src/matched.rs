@@ -66,7 +66,7 @@ impl Found<'_> {
     pub fn remark(&self) -> Option<String> {
         if let Some((verdict, read_as)) = &self.otherwise {
             return Some(format!(
-                "this looks like {}: read so, the match is {}; state it with --convention and --table-units, or in the \
+                "this looks like {}: read so, the match is {}; state it with ‹convention› and ‹table-units›, or in the \
                  headings of the file",
                 read_as.words(),
                 verdict.word()
@@ -126,10 +126,10 @@ impl Found<'_> {
         let (angle, length) = (largest(false), largest(true));
         let mut looks = Vec::new();
         if angle > FULL_TURN {
-            looks.push(format!("angles up to {} rad look like degrees (--table-units deg)", decimal(angle, 3)));
+            looks.push(format!("angles up to {} rad look like degrees (‹table-units› deg)", decimal(angle, 3)));
         }
         if length > LONG_LINK {
-            looks.push(format!("lengths up to {} m look like millimetres (--table-units mm)", decimal(length, 3)));
+            looks.push(format!("lengths up to {} m look like millimetres (‹table-units› mm)", decimal(length, 3)));
         }
         (!looks.is_empty()).then(|| looks.join("; "))
     }

@@ -106,7 +106,7 @@ fn plugins_that_name_a_moved_link_are_noted() {
         notes,
         [
             "test.urdf:4: <bodyName>: simulator settings name links whose frames move (1 in all, this one \"arm\"); they now \
-          act at the new frames, --keep-link-frames leaves the old ones where they are"
+          act at the new frames, ‹keep-link-frames› leaves the old ones where they are"
         ]
     );
 }

@@ -161,7 +161,7 @@ pub const WORDS: &[&str] = &[
 /// The file cannot be read, an entry has a word that is none, or lacks one that it needs.
 pub fn read(name: &str, defaults: &[(String, String)]) -> Result<Vec<Entry>, FleetError> {
     let defaults: BTreeMap<String, String> = defaults.iter().cloned().collect();
-    known_words("--set", defaults.keys())?;
+    known_words("‹set›", defaults.keys())?;
     if name.contains("{serial}") {
         return pattern::entries(name, &defaults);
     }
@@ -312,7 +312,7 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
         date: word("date").map(str::parse).transpose().map_err(wrong)?,
         event: word("event").unwrap_or_default().to_owned(),
         task,
-        robot: path(needed("robot", "name its URDF in the column robot, or for all by --set robot=FILE")?),
+        robot: path(needed("robot", "name its URDF in the column robot, or for all by ‹set› robot=FILE")?),
         data,
         test: word("test").map(path),
         prior,

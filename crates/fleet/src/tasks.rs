@@ -12,6 +12,7 @@ use denavit_calibrate::identify::stop::Stop;
 use denavit_calibrate::identify::threads::on_this_thread;
 use denavit_load::{LoadError, Loaded, Options, Selection};
 use denavit_model::Reading;
+use denavit_model::settings::plain;
 use thiserror::Error;
 
 /// Why a task gives no result: it becomes the run's row.
@@ -71,7 +72,7 @@ pub(crate) struct Summary {
 
 /// A remark: kind, code, level, place, message.
 pub(crate) fn note(kind: &str, code: &str, level: &str, place: &str, message: String) -> Vec<Cell> {
-    vec![kind.into(), code.into(), level.into(), place.into(), message.into(), Cell::Empty, Cell::Empty]
+    vec![kind.into(), code.into(), level.into(), place.into(), plain(message).into(), Cell::Empty, Cell::Empty]
 }
 
 /// The rows of every table for an entry, done or failed; computed on this thread alone. `None`: it was asked to stop.
@@ -89,7 +90,7 @@ pub(crate) fn rows(entry: &Entry, key: &str, stop: &Stop) -> Option<(Vec<Rows>, 
     let (found, error) = match done {
         Ok(None) => return None,
         Ok(Some(Ok(found))) => (found, None),
-        Ok(Some(Err(error))) => (Found::default(), Some(error.to_string())),
+        Ok(Some(Err(error))) => (Found::default(), Some(plain(error))),
         Err(panic) => {
             let words = panic.downcast_ref::<String>().map(String::as_str);
             let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words");

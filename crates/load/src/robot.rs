@@ -65,7 +65,8 @@ impl Loaded {
             }
             Self::Table { chain, .. } | Self::Poe(chain) => chain,
         };
-        for (option, link, given) in [("--base", chain.base(), selection.base), ("--tip", chain.tip(), selection.tip)] {
+        for (option, link, given) in [("‹base›", chain.base(), selection.base), ("‹tip›", chain.tip(), selection.tip)]
+        {
             if given.is_some_and(|given| given != link) {
                 return Err(LoadError::OneChain {
                     file: selection.file.to_owned(),

@@ -18,6 +18,7 @@ pub mod problems;
 pub mod robot;
 pub mod screw;
 pub mod se3;
+pub mod settings;
 pub mod tree;
 pub mod urdf;
 #[cfg(feature = "urdf-rs")]

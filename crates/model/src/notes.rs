@@ -107,14 +107,14 @@ impl fmt::Display for Note {
             ),
             Self::EndsAtTool { tip, finger } => write!(
                 f,
-                "no tip was named: the chain ends at \"{tip}\", as the joints below it are a hand's; --tip \"{finger}\" \
+                "no tip was named: the chain ends at \"{tip}\", as the joints below it are a hand's; ‹tip› \"{finger}\" \
                  goes on to a finger"
             ),
             Self::FarNumber { joints: (one, other), angle, length, size } => write!(
                 f,
                 "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel, so their common normal lies {} \
-                 away on a robot of {}; if they are meant to be parallel, raise --tolerance, else use \
-                 --convention hayati",
+                 away on a robot of {}; if they are meant to be parallel, raise ‹tolerance›, else use \
+                 ‹convention› hayati",
                 Length(length.abs()),
                 Length(*size)
             ),

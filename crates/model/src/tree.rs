@@ -51,7 +51,7 @@ pub enum TreeError {
     },
     /// A joint of a kind that no chain can hold.
     #[error(
-        "{place}: a {word} joint is in the chain; choose --base \"{below}\" to start behind it, or --tip \"{above}\" to end before it"
+        "{place}: a {word} joint is in the chain; choose ‹base› \"{below}\" to start behind it, or ‹tip› \"{above}\" to end before it"
     )]
     Unsupported {
         /// The joint.
@@ -380,8 +380,8 @@ mod tests {
         let error = robot.chain(Some("world"), Some("foot"), Reading::Intended).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "test.urdf:2: joint \"free\": a floating joint is in the chain; choose --base \"body\" to start behind it, \
-             or --tip \"world\" to end before it"
+            "test.urdf:2: joint \"free\": a floating joint is in the chain; choose ‹base› \"body\" to start behind it, \
+             or ‹tip› \"world\" to end before it"
         );
     }
 

@@ -15,6 +15,7 @@ mod twists;
 
 pub use question::{Question, RobotText};
 
+use denavit_model::settings::plain;
 use denavit_xacro::files;
 use std::path::PathBuf;
 
@@ -26,8 +27,6 @@ pub fn answer(question: &str) -> String {
             let held: Vec<(PathBuf, Vec<u8>)> = question.files();
             files::with_held(held, || answers::of(&question))
         });
-    match answered {
-        Ok(value) => value.to_string(),
-        Err(error) => serde_json::json!({ "error": error }).to_string(),
-    }
+    let answer = answered.unwrap_or_else(|error| serde_json::json!({ "error": error }));
+    plain(answer)
 }

@@ -78,7 +78,7 @@ fn looked_text(looked: &[PathBuf], near: &[String]) -> String {
     text.push_str("; ");
     match did_you_mean(near) {
         Some(question) => text.push_str(&question),
-        None => text.push_str("give the folder that holds it with --package-path, or set ROS_PACKAGE_PATH"),
+        None => text.push_str("give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH"),
     }
     text
 }

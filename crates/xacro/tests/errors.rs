@@ -78,7 +78,7 @@ robot.xacro:2:7: the environment variable "DENAVIT_NO_SUCH" is not set; set it, 
    |       ^^^^^^^^^^^^^^^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<a b='$(find no_such_package)/x'/>"), @r#"
-robot.xacro:2:7: package "no_such_package" is not found; no folder is known to look into; give the folder that holds it with --package-path, or set ROS_PACKAGE_PATH
+robot.xacro:2:7: package "no_such_package" is not found; no folder is known to look into; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH
  2 | <a b='$(find no_such_package)/x'/>
    |       ^^^^^^^^^^^^^^^^^^^^^^^
 "#);

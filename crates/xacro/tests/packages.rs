@@ -81,8 +81,8 @@ fn a_missing_package_tells_where_it_was_looked_for() {
     let path = PackagePath::new(&[top.join("src")], &environment("AMENT_PREFIX_PATH", &[&top.join("install")]));
     let shown = |name: &str| path.find(name).unwrap_err().to_string().replace(&top.display().to_string(), "TOP");
     insta::assert_snapshot!(shown("arm_descripton"), @r#"package "arm_descripton" is not found; looked in TOP/src, TOP/install; did you mean "arm_description"?"#);
-    insta::assert_snapshot!(shown("something_else"), @r#"package "something_else" is not found; looked in TOP/src, TOP/install; give the folder that holds it with --package-path, or set ROS_PACKAGE_PATH"#);
-    insta::assert_snapshot!(PackagePath::default().find("arm").unwrap_err().to_string(), @r#"package "arm" is not found; no folder is known to look into; give the folder that holds it with --package-path, or set ROS_PACKAGE_PATH"#);
+    insta::assert_snapshot!(shown("something_else"), @r#"package "something_else" is not found; looked in TOP/src, TOP/install; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH"#);
+    insta::assert_snapshot!(PackagePath::default().find("arm").unwrap_err().to_string(), @r#"package "arm" is not found; no folder is known to look into; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH"#);
     insta::assert_snapshot!(shown("../etc"), @r#""../etc" is not a package name; write letters, digits, "_" and "-" only"#);
     insta::assert_snapshot!(shown(""), @r#""" is not a package name; write letters, digits, "_" and "-" only"#);
 }

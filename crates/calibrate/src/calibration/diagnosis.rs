@@ -82,8 +82,8 @@ pub enum Diagnosis {
     #[error(
         "{file}: the robot as drawn misses what was measured by {nominal:.3} m{}, wherever the instrument stands (its size is \
          {size:.3} m), and no change of its geometry within tolerances mends that, nor another sense, order or unit of a \
-         column; is this the robot that was measured, are the joints in the right columns, the readings in rad (else --units \
-         deg), the lengths in m (else --units mm), and --base and --tip right?",
+         column; is this the robot that was measured, are the joints in the right columns, the readings in rad (else ‹units› \
+         deg), the lengths in m (else ‹units› mm), and ‹base› and ‹tip› right?",
         turned(*orientation)
     )]
     Refused {

@@ -50,7 +50,7 @@ struct SavedEffect {
 #[non_exhaustive]
 pub enum SavedError {
     /// No JSON, or not of this form.
-    #[error("{file}: not a file of effects ({why}); make one with denavit calibrate --effects-out")]
+    #[error("{file}: not a file of effects ({why}); make one with denavit calibrate ‹effects-out›")]
     Form {
         /// The file.
         file: String,
@@ -59,7 +59,7 @@ pub enum SavedError {
     },
     /// Another version.
     #[error(
-        "{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make one with denavit calibrate --effects-out"
+        "{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make one with denavit calibrate ‹effects-out›"
     )]
     Schema {
         /// The file.
@@ -68,7 +68,7 @@ pub enum SavedError {
         found: String,
     },
     /// For another robot.
-    #[error("{file}: the effects are for joints {found}, but the chain has {wanted}; choose --base and --tip to match")]
+    #[error("{file}: the effects are for joints {found}, but the chain has {wanted}; choose ‹base› and ‹tip› to match")]
     OtherJoints {
         /// The file.
         file: String,
@@ -91,7 +91,7 @@ pub enum SavedError {
         apart: f64,
     },
     /// The drawn robot in the file is none.
-    #[error("{file}: drawn: {why}; make the file again with denavit calibrate --effects-out")]
+    #[error("{file}: drawn: {why}; make the file again with denavit calibrate ‹effects-out›")]
     ReferenceRobot {
         /// The file.
         file: String,

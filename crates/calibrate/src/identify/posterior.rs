@@ -77,7 +77,7 @@ fn in_full() -> f64 {
 #[non_exhaustive]
 pub enum EarlierError {
     /// No JSON, or not of this form.
-    #[error("{file}: not a calibration ({why}); give what denavit calibrate --json wrote")]
+    #[error("{file}: not a calibration ({why}); give what denavit calibrate ‹json› wrote")]
     Form {
         /// The file.
         file: String,
@@ -85,7 +85,7 @@ pub enum EarlierError {
         why: String,
     },
     /// Another version.
-    #[error("{file}: schema is \"{found}\", which holds no prior; give what denavit calibrate --json wrote")]
+    #[error("{file}: schema is \"{found}\", which holds no prior; give what denavit calibrate ‹json› wrote")]
     Schema {
         /// The file.
         file: String,

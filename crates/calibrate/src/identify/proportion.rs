@@ -55,7 +55,7 @@ pub const MOST_JOINTS: usize = 100;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
     "{robot}: {joints} joints move between \"{base}\" and \"{tip}\", and more than {MOST_JOINTS} cannot be identified at once; \
-     choose a part of the chain: --base and --tip"
+     choose a part of the chain: ‹base› and ‹tip›"
 )]
 pub struct TooManyJoints {
     /// The robot.

@@ -85,7 +85,7 @@ pub enum TestError {
     },
     /// The rows that were fitted.
     #[error(
-        "{file}: these are the rows of {fitted}; a test needs rows that were not fitted: measure some, or say --hold-out 0.3"
+        "{file}: these are the rows of {fitted}; a test needs rows that were not fitted: measure some, or say ‹hold-out› 0.3"
     )]
     SameRows {
         /// The test file.

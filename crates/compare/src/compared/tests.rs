@@ -150,7 +150,7 @@ fn a_text_that_is_no_fingerprint_is_told_from_another_fingerprint() {
         ("abc", "is no fingerprint"),
         ("d2-1e-6-98f2c1a0b3d4-55e01f7a9c2", "is no fingerprint"),
         ("d1-1e-6-98f2c1a0b3d4-55e01f7a9c22", "format d1"),
-        ("d2-1e-5-98f2c1a0b3d4-55e01f7a9c22", "--tolerance 1e-5"),
+        ("d2-1e-5-98f2c1a0b3d4-55e01f7a9c22", "‹tolerance› 1e-5"),
     ] {
         let error = own.comparable(written).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");

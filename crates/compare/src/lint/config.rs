@@ -26,7 +26,7 @@ pub struct Config {
 #[non_exhaustive]
 pub enum ConfigError {
     /// No rule has that code or name.
-    #[error("there is no rule \"{name}\"{}", .near.as_ref().map_or_else(|| "; `denavit check --rules` lists them".to_owned(), |near| format!("; did you mean \"{near}\"?")))]
+    #[error("there is no rule \"{name}\"{}", .near.as_ref().map_or_else(|| "; `denavit check ‹rules›` lists them".to_owned(), |near| format!("; did you mean \"{near}\"?")))]
     NoSuchRule {
         /// As written.
         name: String,

@@ -166,8 +166,8 @@ pub struct Match {
 pub enum MatchError {
     /// They have different numbers of joints.
     #[error(
-        "the chain from \"{base}\" to \"{tip}\" has {robot} moving joints and the table has {vendor}; choose another --base \
-         or --tip, or another table"
+        "the chain from \"{base}\" to \"{tip}\" has {robot} moving joints and the table has {vendor}; choose another ‹base› \
+         or ‹tip›, or another table"
     )]
     Count {
         /// The chain's base link.

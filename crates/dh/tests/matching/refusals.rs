@@ -17,7 +17,7 @@ fn refusal(change: impl Fn(&mut VendorTable)) -> String {
 fn another_number_of_joints() {
     assert_eq!(
         refusal(|vendor| vendor.joints.truncate(3)),
-        "the chain from \"base\" to \"tip\" has 4 moving joints and the table has 3; choose another --base or --tip, or \
+        "the chain from \"base\" to \"tip\" has 4 moving joints and the table has 3; choose another ‹base› or ‹tip›, or \
          another table"
     );
 }

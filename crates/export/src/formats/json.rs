@@ -5,6 +5,7 @@ use crate::sheet::Sheet;
 use denavit_dh::RowLabel;
 use denavit_model::chain::{Coordinate, Limits, Quantity};
 use denavit_model::notes::Note;
+use denavit_model::settings::plain;
 use serde::{Deserialize, Serialize};
 
 /// JSON.
@@ -169,7 +170,7 @@ impl From<&Note> for NoteEntry {
         let moves = note.tip_moves();
         Self {
             kind: kind.to_owned(),
-            message: note.to_string(),
+            message: plain(note),
             file: place.map(|place| place.file.clone()),
             line: place.map(|place| place.line),
             element: place.map(|place| place.element.clone()),

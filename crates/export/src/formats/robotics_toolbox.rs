@@ -54,13 +54,13 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
 pub(super) fn check(sheet: &Sheet, cannot: fn(&'static str, &'static str) -> RenderError) -> Result<(), RenderError> {
     let table = sheet.table;
     if sheet.shown_convention() == Convention::Hayati {
-        return Err(cannot("place for Hayati's beta", "take --convention distal or proximal"));
+        return Err(cannot("place for Hayati's beta", "take ‹convention› distal or proximal"));
     }
     if table.joints.iter().any(|joint| matches!(joint.motion, Motion::Helical(_))) {
-        return Err(cannot("helical joint", "take --format json or csv"));
+        return Err(cannot("helical joint", "take ‹format› json or csv"));
     }
     let own = table.joints.iter().enumerate().all(|(index, joint)| joint.coordinate == index && joint.scale == 1.0);
-    if own { Ok(()) } else { Err(cannot("joint that follows another or has a scale", "take --format json or csv")) }
+    if own { Ok(()) } else { Err(cannot("joint that follows another or has a scale", "take ‹format› json or csv")) }
 }
 
 /// The base's or tool's motion in spatialmath's words.

@@ -56,7 +56,7 @@ pub(crate) fn remarks(sheet: &Sheet) -> String {
         let noun = if count == 1 { "number was" } else { "numbers were" };
         let _ = writeln!(
             out,
-            "\n{count} {noun} read as intended, not as written; the tip moves by at most {} mm (--exact reads as written):",
+            "\n{count} {noun} read as intended, not as written; the tip moves by at most {} mm (‹exact› reads as written):",
             crate::numbers::decimal(bound * 1e3, if bound < 1e-5 { 6 } else { 3 })
         );
     } else if !sheet.notes.is_empty() {

@@ -11,6 +11,7 @@ use denavit_model::chain::{Chain, Coordinate, Quantity};
 use denavit_model::forms::BaseForm;
 use denavit_model::robot::Robot;
 use denavit_model::se3::rpy_from_rotation;
+use denavit_model::settings::plain;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -105,7 +106,7 @@ impl Content {
             limits: limits(document),
             workspace: workspace.as_ref().map(|workspace| envelope(workspace, *units)),
             masses,
-            notes: main.notes.iter().map(ToString::to_string).collect(),
+            notes: main.notes.iter().map(plain).collect(),
             main: chapter(main, 0),
             others: document.others.iter().enumerate().map(|(k, part)| chapter(part, k + 1)).collect(),
         }
@@ -157,7 +158,7 @@ impl Chapter {
             screws: screws(&part.chain, &form, units),
             home: home(&form, units),
             home_words: format!("x {x}, y {y}, z {z}; roll {roll}, pitch {pitch}, yaw {yaw}"),
-            notes: part.notes.iter().map(ToString::to_string).collect(),
+            notes: part.notes.iter().map(plain).collect(),
             slug,
         }
     }

@@ -86,7 +86,7 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
     let file = rows.file;
     let convention = stated.convention.unwrap_or_else(|| {
         notes.push(format!(
-            "{file}: the table's convention is not stated; it is read as distal (standard); --table-convention proximal \
+            "{file}: the table's convention is not stated; it is read as distal (standard); ‹table-convention› proximal \
              reads it as modified"
         ));
         Convention::Distal
@@ -110,7 +110,7 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
             Some(largest) if *largest > FULL_TURN => {
                 notes.push(format!(
                     "{file}: the unit of angles is not stated; they are read as degrees, as {largest} is more than a full \
-                     turn in rad (--table-units rad reads them as rad)"
+                     turn in rad (‹table-units› rad reads them as rad)"
                 ));
                 AngleUnit::Degree
             }
@@ -125,7 +125,7 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
             Some(middle) if *middle > LONG_LINK => {
                 notes.push(format!(
                     "{file}: the unit of lengths is not stated; they are read as mm, as links of {middle} m are no \
-                         robot's (--table-units m reads them as m)"
+                         robot's (‹table-units› m reads them as m)"
                 ));
                 LengthUnit::Millimetre
             }

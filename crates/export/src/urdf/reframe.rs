@@ -190,7 +190,7 @@ fn plugins_that_name(robot: &Robot, document: &Document, moves: &Moves) -> Vec<N
     let place = robot.source.place(first.range().start, format!("<{tag}>"));
     let what = format!(
         "simulator settings name links whose frames move ({} in all, this one \"{}\"); they now act at the new frames, \
-         --keep-link-frames leaves the old ones where they are",
+         ‹keep-link-frames› leaves the old ones where they are",
         named.len(),
         first.text().unwrap_or_default().trim()
     );

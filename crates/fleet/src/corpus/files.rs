@@ -3,6 +3,7 @@
 use crate::error::FleetError;
 use denavit_compare::report::Level;
 use denavit_load::{CheckOptions, Loaded, Options, Rules, Selection};
+use denavit_model::settings::plain;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -81,7 +82,7 @@ pub fn robots_in(folder: &Path) -> Result<Vec<String>, FleetError> {
 /// What a file is, at a tolerance of its fingerprint.
 pub(super) fn look(name: &str, tolerance: f64) -> CorpusFile {
     let read = catch_unwind(AssertUnwindSafe(|| {
-        let (file, text) = denavit_load::read_text(name).map_err(|error| error.to_string())?;
+        let (file, text) = denavit_load::read_text(name).map_err(plain)?;
         look_at(&file, &text, tolerance)
     }));
     let read = read.unwrap_or_else(|_| Err("a mistake in denavit; please report it with this file".into()));
@@ -106,14 +107,13 @@ pub(super) fn look(name: &str, tolerance: f64) -> CorpusFile {
 
 /// The same of a text; `file` is what messages call it.
 pub(super) fn look_at(file: &str, text: &str, tolerance: f64) -> Result<CorpusFile, String> {
-    let said = |error: &dyn std::fmt::Display| error.to_string();
-    let opened = denavit_load::from_text(file, text, &Options::default()).map_err(|error| said(&error))?;
+    let opened = denavit_load::from_text(file, text, &Options::default()).map_err(plain)?;
     let loaded = opened.robot;
     let print = denavit_compare::fingerprint(&loaded.subject(file), tolerance);
     let chain = loaded.chain(&Selection { file, ..Selection::default() }).ok().map(|chain| chain.value);
     let mut findings = Findings::default();
     if !opened.is_xacro && matches!(loaded, Loaded::Robot(_)) {
-        let rules = Rules::of(file, &CheckOptions::default()).map_err(|error| said(&error))?;
+        let rules = Rules::of(file, &CheckOptions::default()).map_err(plain)?;
         for finding in rules.check(file, text) {
             match finding.level {
                 Level::Error => findings.errors += 1,

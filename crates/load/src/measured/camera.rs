@@ -11,7 +11,7 @@ use denavit_calibrate::observation::lens::Lens;
 /// Intrinsics or a board that cannot be read.
 pub fn sight(file: &str, text: &str, board: Option<&str>, on_hand: bool) -> Result<Sight, MeasuredError> {
     let read =
-        |written: &str| written.parse::<Board>().map_err(|error| MeasuredError::Option(format!("--board: {error}")));
+        |written: &str| written.parse::<Board>().map_err(|error| MeasuredError::Option(format!("‹board›: {error}")));
     let board = board.map(read).transpose()?;
     let lens = Lens::read(file, text).map_err(|error| MeasuredError::Option(error.to_string()))?;
     Ok(Sight { lens, on_hand, board })

@@ -19,7 +19,7 @@ pub struct Known {
 pub fn known_distance(word: &str) -> Result<Known, MeasuredError> {
     let wrong = || {
         MeasuredError::Option(format!(
-            "--distance \"{word}\": write two labels and their distance, such as front/0,front/1=50mm, or \
+            "‹distance› \"{word}\": write two labels and their distance, such as front/0,front/1=50mm, or \
              */0,*/1=50mm+-0.1mm for every placement"
         ))
     };

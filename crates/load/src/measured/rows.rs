@@ -79,7 +79,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         parts.push(read_socket(&file.name, file.content.open(), label, chain, file.units)?);
     }
     let Some(mut data) = Measurements::joined(parts) else {
-        return Err(MeasuredError::Option("there is nothing to fit; name a file by --data or --socket".into()));
+        return Err(MeasuredError::Option("there is nothing to fit; name a file by ‹data› or ‹socket›".into()));
     };
     let mut test = asked.test.as_ref().map(|file| Ok::<_, MeasuredError>(read(file)?.0)).transpose()?;
     // Errors in pixels are lengths at one distance, in all rows.
@@ -94,11 +94,11 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     }
     let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
         MeasuredError::Option(format!(
-            "--hold-out-setups: no row is of a setup \"{name}\"; name setups, or what stands before the / of a socket"
+            "‹hold-out-setups›: no row is of a setup \"{name}\"; name setups, or what stands before the / of a socket"
         ))
     })?;
     if train.is_empty() {
-        let message = "--hold-out-setups: nothing is left to fit; name fewer setups";
+        let message = "‹hold-out-setups›: nothing is left to fit; name fewer setups";
         return Err(MeasuredError::Option(message.into()));
     }
     Ok(Rows { data: train, test: Some(held), columns, notes, origin: origin(asked)? })
@@ -131,7 +131,7 @@ fn know(word: &str, data: &mut Measurements, test: Option<&mut Measurements>) ->
     }
     let labels: Vec<&str> = data.scene.points.iter().map(|name| label_of(name)).collect();
     Err(MeasuredError::Option(format!(
-        "--distance \"{word}\": no two sockets or anchors are called so; there are {}",
+        "‹distance› \"{word}\": no two sockets or anchors are called so; there are {}",
         if labels.is_empty() { "none".into() } else { labels.join(", ") }
     )))
 }

@@ -72,7 +72,7 @@ pub fn freedom(chain: &Chain, scales: &[String], pitches: &[String]) -> Result<F
     let joints = chain.joints();
     let mut freedom = Freedom::axes(joints.len());
     for (option, words, flags) in
-        [("--scales", scales, &mut freedom.scales), ("--pitches", pitches, &mut freedom.pitches)]
+        [("‹scales›", scales, &mut freedom.scales), ("‹pitches›", pitches, &mut freedom.pitches)]
     {
         for word in words {
             if word == "all" {
@@ -114,7 +114,7 @@ fn kind(word: &str) -> Result<Kind, MeasuredError> {
     Kind::named(word).ok_or_else(|| {
         let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
         MeasuredError::Option(format!(
-            "--effects: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
+            "‹effects›: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
             names.join(", ")
         ))
     })
@@ -123,7 +123,7 @@ fn kind(word: &str) -> Result<Kind, MeasuredError> {
 fn gear_ratios(written: &[String], chain: &Chain) -> Result<Vec<Option<f64>>, MeasuredError> {
     let mut ratios = Vec::new();
     for word in written {
-        let wrong = |why: &str| MeasuredError::Option(format!("--gear-ratio: \"{word}\" {why}"));
+        let wrong = |why: &str| MeasuredError::Option(format!("‹gear-ratio›: \"{word}\" {why}"));
         let (name, ratio) = word.split_once('=').ok_or_else(|| wrong("has no joint; write NAME=RATIO"))?;
         let joint = chain.joints().iter().position(|joint| joint.name == name);
         let joint = joint.ok_or_else(|| wrong("names no joint of the chain"))?;

@@ -17,7 +17,7 @@ pub fn all_known(file: &str, effects: &SavedEffects, known: &dyn Fn(&str) -> boo
                 let name = recorded::plain(&name);
                 let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
                 return Err(MeasuredError::Option(format!(
-                    "{file}: {kind} at {place} follows \"{name}\"; give its value: --given \"{name}=VALUE\""
+                    "{file}: {kind} at {place} follows \"{name}\"; give its value: ‹given› \"{name}=VALUE\""
                 )));
             }
         }

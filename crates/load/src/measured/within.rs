@@ -13,7 +13,7 @@ pub fn moving(file: &str, chain: &Chain) -> Result<(), MeasuredError> {
     if chain.joints().is_empty() {
         let (base, tip) = (chain.base(), chain.tip());
         return Err(MeasuredError::Option(format!(
-            "{file}: nothing moves between \"{base}\" and \"{tip}\"; choose --base and --tip"
+            "{file}: nothing moves between \"{base}\" and \"{tip}\"; choose ‹base› and ‹tip›"
         )));
     }
     Ok(within_proportion(chain)?)
@@ -28,19 +28,19 @@ pub fn corners(written: &[f64]) -> Result<Option<[Point3<f64>; 2]>, MeasuredErro
         [] => return Ok(None),
         [x0, x1, y0, y1, z0, z1] => [x0, x1, y0, y1, z0, z1],
         _ => {
-            let message = format!("--box: {} numbers where X0,X1,Y0,Y1,Z0,Z1 are six", written.len());
+            let message = format!("‹box›: {} numbers where X0,X1,Y0,Y1,Z0,Z1 are six", written.len());
             return Err(MeasuredError::Option(message));
         }
     };
     for (axis, low, high) in [("X", x0, x1), ("Y", y0, y1), ("Z", z0, z1)] {
         let ordered = low < high;
         if !ordered {
-            let message = format!("--box: {axis}0 = {low} is not below {axis}1 = {high}; nothing fits between");
+            let message = format!("‹box›: {axis}0 = {low} is not below {axis}1 = {high}; nothing fits between");
             return Err(MeasuredError::Option(message));
         }
         if !low.is_finite() || !high.is_finite() {
             return Err(MeasuredError::Option(format!(
-                "--box: {axis}0 = {low}, {axis}1 = {high}; write finite numbers in m"
+                "‹box›: {axis}0 = {low}, {axis}1 = {high}; write finite numbers in m"
             )));
         }
     }

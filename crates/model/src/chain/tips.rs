@@ -30,7 +30,7 @@ pub struct Tips(Vec<Tip>);
 pub enum TipsError {
     /// Two chains start at different links.
     #[error(
-        "tip \"{tip}\" is reached from \"{base}\", tip \"{first}\" from \"{first_base}\"; name one link for all by --base"
+        "tip \"{tip}\" is reached from \"{base}\", tip \"{first}\" from \"{first_base}\"; name one link for all by ‹base›"
     )]
     Bases {
         /// A tip.

@@ -125,7 +125,7 @@ mod tests {
         let read = robot.chain(None, None, Reading::Intended).unwrap();
         assert_eq!(read.value.tip(), tip);
         assert_eq!(robot.chain(Some("base"), None, Reading::Intended).unwrap().value.tip(), tip);
-        assert_eq!(read.notes.iter().any(|note| note.to_string().contains("--tip")), tip != "left", "{:?}", read.notes);
+        assert_eq!(read.notes.iter().any(|note| note.to_string().contains("‹tip›")), tip != "left", "{:?}", read.notes);
         tip
     }
 

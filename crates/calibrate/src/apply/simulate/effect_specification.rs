@@ -112,7 +112,7 @@ impl EffectSpecification {
                 Kind::Latency => "velocity",
                 _ => "time",
             };
-            return Err(self.wrong(format!("{name} follows a recorded quantity; add --columns {column}")));
+            return Err(self.wrong(format!("{name} follows a recorded quantity; add ‹columns› {column}")));
         }
         let here = all.into_iter().filter(|candidate| candidate.term.carrier.place(chain) == self.place);
         let mut terms = here.map(|candidate| candidate.term);

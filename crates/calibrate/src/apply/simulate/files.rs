@@ -85,7 +85,7 @@ pub enum FilesError {
     #[error(transparent)]
     Missing(#[from] MissingColumn),
     /// An effect follows what is not recorded.
-    #[error("{kind} follows \"{column}\"; record it with --columns \"{column}\"")]
+    #[error("{kind} follows \"{column}\"; record it with ‹columns› \"{column}\"")]
     NotRecorded {
         /// Of the effect.
         kind: &'static str,

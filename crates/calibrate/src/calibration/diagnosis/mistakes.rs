@@ -96,8 +96,8 @@ impl Mistake {
         match self {
             Self::Sense(_) => "change the sign of these readings, or the axis in the robot's file".into(),
             Self::Swapped(..) => "exchange their names in the header row".into(),
-            Self::AngleUnit(..) => "write all angles in one unit and say which: --units".into(),
-            Self::Millimetres(_) | Self::PlaceUnit(..) => "write all lengths in one unit and say which: --units".into(),
+            Self::AngleUnit(..) => "write all angles in one unit and say which: ‹units›".into(),
+            Self::Millimetres(_) | Self::PlaceUnit(..) => "write all lengths in one unit and say which: ‹units›".into(),
             Self::Coupled { of, by, plus } => {
                 let sign = if *plus { "-" } else { "+" };
                 format!("write {of} {sign} {by} into column \"{of}\"")
@@ -105,7 +105,7 @@ impl Mistake {
             Self::Quaternion(QuaternionSlip::ScalarFirst) => "order the header row's names as the numbers are".into(),
             Self::Quaternion(_) => "write the target's orientation in the instrument's frame, as qx, qy, qz, qw".into(),
             Self::OutOfStep(_) => "pair readings and values row by row".into(),
-            Self::OtherChain(chain) => format!("say --base {} --tip {}", chain.base(), chain.tip()),
+            Self::OtherChain(chain) => format!("say ‹base› {} ‹tip› {}", chain.base(), chain.tip()),
         }
     }
 

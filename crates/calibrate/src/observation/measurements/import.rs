@@ -464,8 +464,8 @@ impl Work<'_> {
             return match columns {
                 Some(columns) => self.of_quaternion(&columns),
                 None => Err(self.in_header(ImportProblem::Option(
-                    "--quaternion needs an order such as wxyz and four columns that are named q1 … q4 or q0 … q3; columns \
-                     qx, qy, qz, qw need none, and a map (--columns map.toml) takes any names"
+                    "‹quaternion› needs an order such as wxyz and four columns that are named q1 … q4 or q0 … q3; columns \
+                     qx, qy, qz, qw need none, and a map (‹columns› map.toml) takes any names"
                         .into(),
                 ))),
             };
@@ -480,7 +480,7 @@ impl Work<'_> {
         let Some((columns, axes)) = found else {
             return Err(self.in_header(ImportProblem::Option(
                 "no three columns are named like angles (roll,pitch,yaw; rx,ry,rz; A,B,C; W,P,R); name them in a map: \
-                 --columns map.toml with euler = { order = \"XYZ\", columns = [\"…\", \"…\", \"…\"] }"
+                 ‹columns› map.toml with euler = { order = \"XYZ\", columns = [\"…\", \"…\", \"…\"] }"
                     .into(),
             )));
         };

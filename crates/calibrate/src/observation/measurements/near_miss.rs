@@ -13,10 +13,10 @@ pub(super) const KNOWN_VALUES: [&str; 9] = ["x", "y", "z", "qx", "qy", "qz", "qw
 /// Names of that many letters may have one letter wrong.
 const LONG: usize = 6;
 
-const EULER: &str = "write the orientation as a quaternion, in columns qx, qy, qz, qw, or say what the angles are (--euler \
-                     xyz, ZYX, …; --rotation-vector)";
+const EULER: &str = "write the orientation as a quaternion, in columns qx, qy, qz, qw, or say what the angles are (‹euler› \
+                     xyz, ZYX, …; ‹rotation-vector›)";
 const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, by what they mean and not by their place, or say \
-                          their order (--quaternion wxyz)";
+                          their order (‹quaternion› wxyz)";
 
 /// Names that programs give to three or four numbers of an orientation, and what to do with them.
 const ORIENTATIONS: [(&[&str], &str); 12] = [

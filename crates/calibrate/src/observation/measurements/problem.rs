@@ -226,8 +226,8 @@ pub enum Problem {
     },
     /// Pixels, and nothing is known of the camera.
     #[error(
-        "columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by --camera FILE.yaml and its \
-         board by --board, such as 7x5:30mm"
+        "columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by ‹camera› FILE.yaml and its \
+         board by ‹board›, such as 7x5:30mm"
     )]
     PixelsWithoutCamera,
     /// A camera, and no pixels.
@@ -239,7 +239,7 @@ pub enum Problem {
     )]
     WhichCorner,
     /// Numbers of corners, and no board.
-    #[error("corners are numbered, and the board is not known; give its squares by --board, such as 7x5:30mm")]
+    #[error("corners are numbered, and the board is not known; give its squares by ‹board›, such as 7x5:30mm")]
     NoBoard,
     /// A number that no corner of the board has.
     #[error("corner \"{corner}\" is none of the board's ({board}: corners 0 to {last})")]
@@ -286,7 +286,7 @@ pub enum Problem {
     /// A row of another tip than the one that is calibrated.
     #[error(
         "column \"tip\": the row is of \"{found}\", but the chain ends at \"{tip}\"; name every tip that is calibrated \
-         (--tip {tip} --tip {found}), or give the column another name where it means something else"
+         (‹tip› {tip} ‹tip› {found}), or give the column another name where it means something else"
     )]
     AnotherTip {
         /// As written.
@@ -311,7 +311,7 @@ pub enum Problem {
     /// No image says where the board is.
     #[error(
         "no image shows four corners of the board that are not in one line, as a camera must see them to know where it is; \
-         check --board, --camera and the numbers of the corners"
+         check ‹board›, ‹camera› and the numbers of the corners"
     )]
     NoBoardPose,
     /// A distance that is not positive.
@@ -331,7 +331,7 @@ pub enum Problem {
     /// Joint readings that look like degrees.
     #[error(
         "joint \"{joint}\" reads {value} rad, and its limits are {lower:.3} to {upper:.3} rad; if the readings are in \
-         degrees, say --units deg"
+         degrees, say ‹units› deg"
     )]
     LooksLikeDegrees {
         /// The joint.
@@ -346,7 +346,7 @@ pub enum Problem {
     /// Slides that look like millimetres.
     #[error(
         "joint \"{joint}\" reads {value} m, and its limits are {lower:.3} to {upper:.3} m; if the lengths are in \
-         millimetres, say --units mm"
+         millimetres, say ‹units› mm"
     )]
     LooksLikeMillimetres {
         /// The joint.
@@ -361,7 +361,7 @@ pub enum Problem {
     /// Measured lengths far beyond the robot.
     #[error(
         "the measured {what} span {span:.4} m, but no two places that this robot can reach are further apart than \
-         {reach:.4} m; if the lengths are in millimetres, say --units mm"
+         {reach:.4} m; if the lengths are in millimetres, say ‹units› mm"
     )]
     BeyondReach {
         /// `positions` or `distances`.

@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     name: "mesh-not-found",
     level: Level::Error,
     summary: "A mesh file is not there",
-    why: "`package://NAME/…` is looked up in the folders of `--package-path`, of `package-path` in `denavit.toml` and of \
+    why: "`package://NAME/…` is looked up in the folders of `‹package-path›`, of `package-path` in `denavit.toml` and of \
           ROS_PACKAGE_PATH, and upwards from the file; other names count from the file's own folder. On disks that tell \
           upper from lower case, so must the name.",
     bad: "<link name=\"base\">\n  <visual>\n    <geometry>\n      <mesh filename=\"meshes/bsae.stl\"/>\n    </geometry>\n  </visual>\n</link>",

@@ -93,7 +93,7 @@ impl Map {
         let mut map = Self::default();
         for word in words.split(',') {
             let (name, column) = word.split_once('=').ok_or_else(|| MapError {
-                file: "--columns".into(),
+                file: "‹columns›".into(),
                 reason: format!("\"{word}\" is no NAME=COLUMN; write x=X1,y=Y1 or the name of a TOML file"),
             })?;
             map.columns.push((name.trim().into(), column.split('+').map(|part| part.trim().into()).collect()));
