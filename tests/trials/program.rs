@@ -48,6 +48,18 @@ fn every_command_has_a_manual_page() {
 }
 
 #[test]
+fn help_names_flags_and_no_settings() {
+    let trial = Trial::new();
+    for command in commands(&trial) {
+        let help = trial.run(&format!("{command} --help")).succeeded();
+        assert!(!help.contains('‹') && help.contains("--"), "{help}");
+    }
+    assert!(trial.run("diff --help").succeeded().contains("diff --only kinematics"));
+    let rules = trial.run("check --explain mesh-not-found").succeeded();
+    assert!(!rules.contains('‹') && rules.contains("`--package-path`"), "{rules}");
+}
+
+#[test]
 fn the_readme_lists_every_command() {
     let readme = std::fs::read_to_string(top().join("README.md")).unwrap();
     for command in commands(&Trial::new()) {

@@ -8,6 +8,7 @@ mod program;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use denavit_model::Reading;
+use denavit_model::settings::{Shown, shown};
 pub use fleet::{
     FleetArguments, FleetCommand, FleetCorpusArguments, FleetHistoryArguments, FleetReportArguments, FleetRunArguments,
     FleetSiblingsArguments, FleetWatchArguments,
@@ -366,7 +367,7 @@ pub enum OnlyName {
 
 /// Arguments of `denavit describe`.
 #[derive(Debug, Args)]
-#[command(after_long_help = denavit_compare::compared::listed())]
+#[command(after_long_help = what_is_compared())]
 pub struct DescribeArguments {
     /// Any source
     pub robot: String,
@@ -380,7 +381,7 @@ pub struct DescribeArguments {
 
 /// Arguments of `denavit diff`.
 #[derive(Debug, Args)]
-#[command(after_long_help = denavit_compare::compared::listed())]
+#[command(after_long_help = what_is_compared())]
 pub struct DiffArguments {
     /// The robot as it was: any source
     pub a: String,
@@ -521,7 +522,7 @@ pub struct ExploreArguments {
 
 /// Arguments of `denavit fingerprint`.
 #[derive(Debug, Args)]
-#[command(after_long_help = denavit_compare::compared::listed())]
+#[command(after_long_help = what_is_compared())]
 pub struct FingerprintArguments {
     /// Any source
     pub robot: String,
@@ -582,4 +583,9 @@ pub struct CheckArguments {
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+}
+
+/// What a comparison looks at, for the help of those that make one.
+fn what_is_compared() -> String {
+    shown(&denavit_compare::compared::listed(), Shown::CommandLine).into_owned()
 }

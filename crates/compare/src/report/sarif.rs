@@ -5,6 +5,7 @@
 
 use crate::lint::RULES;
 use crate::report::{Entry, Report};
+use denavit_model::settings::plain;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -22,7 +23,7 @@ pub(super) fn render(report: &Report) -> String {
                     "id": rule.code,
                     "name": rule.name,
                     "shortDescription": { "text": rule.summary },
-                    "fullDescription": { "text": rule.why },
+                    "fullDescription": { "text": plain(rule.why) },
                 })
             })
             .collect(),
