@@ -1,6 +1,7 @@
 //! The recipes of docs/ci.md, run as they stand there, in a repository of their own.
 
 use crate::support;
+use denavit_model::settings::{Shown, shown};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
@@ -197,10 +198,8 @@ fn help_lists_what_is_compared() {
     for command in ["diff", "fingerprint", "describe"] {
         let help = support::denavit(&[command, "--help"]).succeeded();
         for entry in denavit_compare::compared::COMPARED {
-            assert!(
-                help.replace('\n', " ").contains(entry.what) || help.contains(&entry.what[..30]),
-                "{command}: {help}"
-            );
+            let what = shown(entry.what, Shown::CommandLine);
+            assert!(help.replace('\n', " ").contains(&*what) || help.contains(&what[..30]), "{command}: {help}");
         }
     }
 }
