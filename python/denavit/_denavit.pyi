@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 _Array = NDArray[np.float64]
 _Residuals = tuple[NDArray[np.uintp], _Array, _Array]
 
+COLUMNS_IN_WORDS: str
+
 class Given(TypedDict):
     name: str
     content: str | bytes

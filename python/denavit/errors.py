@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 
@@ -34,7 +33,6 @@ class DenavitError(ValueError):
         column: int | None = None,
         element: str | None = None,
     ) -> None:
-        message = _keywords(message)
         super().__init__(message)
         self.message = message
         self.file, self.line, self.column, self.element = file, line, column, element
@@ -49,11 +47,6 @@ class DenavitError(ValueError):
 
 def _again(kind: type[DenavitError], message: str, place: dict[str, Any]) -> DenavitError:
     return kind(message, **place)
-
-
-def _keywords(message: str) -> str:
-    """Options that a message of this package names as those of the command line, as the keywords that they are in Python."""
-    return re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_") + "=", message)
 
 
 class ArgumentError(DenavitError):

@@ -292,7 +292,7 @@ def _map(columns: str | os.PathLike[str] | Columns | None) -> tuple[str, str] | 
         return "columns", "".join(f"{json.dumps(str(name))} = {_toml(value)}\n" for name, value in columns.items())
     name = os.fspath(columns)
     if "=" in name and not Path(name).exists():
-        return "--columns", name
+        return _denavit.COLUMNS_IN_WORDS, name
     return _denavit.read_text(name)
 
 

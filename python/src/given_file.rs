@@ -9,8 +9,8 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use std::fmt::Display;
 
-/// What messages call a map that was written as words.
-const WORDS: &str = "‹columns›";
+/// What messages call a map that was written as words, and the package's own Python stands in the place of its file.
+pub const COLUMNS_IN_WORDS: &str = "‹columns›";
 
 /// A file.
 #[derive(FromPyObject)]
@@ -53,7 +53,7 @@ impl Given {
         let wrong = |message: String| error(Class::Argument, &message, Spot::file(&self.name));
         let option = |option: &str, failure: &dyn Display| wrong(format!("{}: {option}: {failure}", self.name));
         let map = self.columns.map(|(file, text)| {
-            let read = if file == WORDS { Map::of_words(&text) } else { Map::read(&file, &text) };
+            let read = if file == COLUMNS_IN_WORDS { Map::of_words(&text) } else { Map::read(&file, &text) };
             read.map_err(|failure| wrong(failure.to_string()))
         });
         let order = self.euler.map(|word| word.parse().map_err(|failure: EulerError| option("euler", &failure)));

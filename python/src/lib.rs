@@ -30,6 +30,8 @@ mod _denavit {
     #[pymodule_export]
     use crate::given::Effects;
     #[pymodule_export]
+    const COLUMNS_IN_WORDS: &str = crate::given_file::COLUMNS_IN_WORDS;
+    #[pymodule_export]
     use crate::given_file::{bag_rows, cells, columns_draft, read_bytes};
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
