@@ -38,6 +38,8 @@ const AT_THE_BOUND: f64 = 2.705_543_454_095_404;
 const VALUES_PER_SOURCE: f64 = 3.0;
 /// An interval's end is found to this share of it.
 const END: f64 = 5e-3;
+/// So near an end, in roots of the deviance, what a Newton step leaves is less than [`END`].
+const NEARLY: f64 = 0.1;
 /// Where likelihoods are compared they may be wrong by as much of the deviance.
 const GOOD: f64 = 1e-3;
 /// A source whose size, squared, is less than this many times its variance goes for nothing: one in a hundred that are not there has more.
@@ -191,7 +193,9 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
         }
     }
     let model = model.settled()?;
-    let component = |k: usize| model.component(k, &sources[k], all_alike.as_ref(), claimed[k], p_values[k]);
+    let open = reml.slope(&model.tied.variances(&model.best.numbers))?;
+    let beside = Beside { open: &open, together: all_alike.as_ref() };
+    let component = |k: usize| model.component(k, &sources[k], &beside, claimed[k], p_values[k]);
     let mut components: Vec<Component> = (0..sources.len()).map(component).collect();
     // What is not claimed does not stand in for a level either.
     let open: Vec<usize> = (0..count).filter(|&k| is_level(&sources[k]) && !components[k].claimed).collect();
@@ -199,7 +203,8 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
         && let Some(sure) = model.only(&claimed)
     {
         for k in open {
-            components[k] = sure.component(k, &sources[k], None, true, None);
+            let beside = Beside { open: &sure.best.slope, together: None };
+            components[k] = sure.component(k, &sources[k], &beside, true, None);
         }
     }
     let slope = &model.best.slope;
@@ -222,6 +227,14 @@ fn together(sources: &[Source], joints: &[usize]) -> Option<(Source, Tied)> {
     };
     let source = Source { place: Place::Joint(usize::MAX), name: String::new(), unit: "rad", unit_size: unit };
     Some((source, Tied { of: (0..count).map(of).collect(), count: count + 1 }))
+}
+
+/// What a source that the model does without is added to.
+struct Beside<'a> {
+    /// The slope at the model's variances by all sources.
+    open: &'a Slope,
+    /// How the sources are tied where all joints have one number.
+    together: Option<&'a Tied>,
 }
 
 /// The likeliest variances, and how the likelihood falls away from them.
@@ -251,8 +264,7 @@ impl<'a> Study<'a> {
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, k)) = least else { return model };
             let tied = model.tied.without(k);
-            let mut start = model.best.numbers.clone();
-            start[k] = 0.0;
+            let start = model.profile(k).beside(&model.best.numbers, 0.0);
             let Some(best) = self.reml.likeliest(&tied, &start, &[], GOOD) else { return model };
             // What is told of it by the curvature alone need not hold.
             if best.slope.deviance - model.best.slope.deviance >= FOR_NOTHING * model.tails(k) {
@@ -300,13 +312,11 @@ impl<'a> Study<'a> {
     }
 
     /// Value and interval of one source; of what is not in the model, as if it were added.
-    ///
-    /// `together`: how the sources are tied where all joints have one number.
     fn component(
         &self,
         number: usize,
         source: &Source,
-        together: Option<&Tied>,
+        beside: &Beside<'_>,
         claimed: bool,
         p_value: Option<f64>,
     ) -> Component {
@@ -314,7 +324,7 @@ impl<'a> Study<'a> {
         let study = if self.has(number) {
             self
         } else {
-            own = self.with(number, together);
+            own = self.with(number, beside);
             own.as_ref().unwrap_or(self)
         };
         let tails = study.tails(number);
@@ -333,13 +343,13 @@ impl<'a> Study<'a> {
     }
 
     /// The model with one more number.
-    fn with(&self, number: usize, together: Option<&Tied>) -> Option<Study<'a>> {
+    fn with(&self, number: usize, beside: &Beside<'_>) -> Option<Study<'a>> {
         let mut tied = self.tied.clone();
         let mut start = self.best.numbers.clone();
         if number < tied.of.len() {
             tied.of[number] = Some((number, 1.0));
         } else {
-            let all = together?;
+            let all = beside.together?;
             for (own, of) in tied.of.iter_mut().zip(&all.of).filter(|(_, of)| of.is_some_and(|(own, _)| own == number))
             {
                 *own = *of;
@@ -347,7 +357,7 @@ impl<'a> Study<'a> {
             tied.count = all.count;
             start.resize(tied.count, 0.0);
         }
-        let best = self.reml.likeliest(&tied, &start, &[], GOOD)?;
+        let best = self.reml.likeliest_from(&tied, (&start, beside.open.clone()), &[], GOOD)?;
         Some(Study { reml: self.reml, tied, best })
     }
 
@@ -356,8 +366,7 @@ impl<'a> Study<'a> {
         if self.best.numbers[number] <= 0.0 {
             return 1.0;
         }
-        let mut start = self.best.numbers.clone();
-        start[number] = 0.0;
+        let start = self.profile(number).beside(&self.best.numbers, 0.0);
         let rest = self.reml.likeliest(&self.tied.without(number), &start, &[], GOOD);
         let ratio = rest.map_or(f64::INFINITY, |rest| rest.slope.deviance - self.best.slope.deviance);
         half_chi_squared(ratio.max(0.0) / self.tails(number))
@@ -383,65 +392,95 @@ impl<'a> Study<'a> {
     }
 
     /// Where the profile of the deviance has risen by so much, above or below the likeliest; `None` where it never does.
+    ///
+    /// Newton steps: the slope of a profile is that of the deviance at its point, all others at their best, and roots of rises are nearly
+    /// straight in the standard deviation. A step out of what is known to hold the end gives way to the straight line between its ends.
     fn end(&self, number: usize, rise: f64, above: bool) -> Option<f64> {
         let best = self.best.numbers[number].max(0.0);
-        let lowest = self.best.slope.deviance;
-        let mut near = self.best.numbers.clone();
-        // Roots of rises are nearly straight in the standard deviation.
-        let mut excess = |deviation: f64| {
-            let mut start = near.clone();
-            start[number] = deviation * deviation;
-            let held = self.reml.likeliest(&self.tied, &start, &[number], GOOD);
-            held.map_or(f64::INFINITY, |held| {
-                let over = (held.slope.deviance - lowest).max(0.0).sqrt() - rise.sqrt();
-                near = held.numbers;
-                over
-            })
-        };
-        let (_, information) = of_numbers(&self.tied, &self.best.slope);
-        let guess = (2.0 * rise / information[(number, number)].max(f64::MIN_POSITIVE)).sqrt();
-        let (mut inner, mut outer) = (best.sqrt(), 0.0);
-        let mut inner_excess = -rise.sqrt();
-        let mut outer_excess;
-        if above {
-            outer = (best + guess).sqrt();
-            loop {
-                outer_excess = excess(outer);
-                if outer_excess >= 0.0 {
-                    break;
-                }
-                if outer * outer > NOT_TOLD {
-                    return None;
-                }
-                (inner, inner_excess) = (outer, outer_excess);
-                outer *= 1.5;
-            }
-        } else {
-            outer_excess = excess(0.0);
-            if outer_excess <= 0.0 {
-                return Some(0.0);
-            }
-        }
+        let profile = self.profile(number);
+        let guess = if above { best + profile.reach(rise) } else { (best - profile.reach(rise)).max(0.0) };
+        let (mut inner, mut outer) = ((best.sqrt(), -rise.sqrt()), None);
+        let (mut at, mut near) = (guess.sqrt(), self.best.numbers.clone());
         for _ in 0..MOST_TRIALS {
-            if (outer - inner).abs() <= END * outer.max(inner) {
+            let start = profile.beside(&near, at * at);
+            let held = self.reml.likeliest(&self.tied, &start, &[number], GOOD);
+            let risen = held.as_ref().map_or(f64::INFINITY, |held| held.slope.deviance - self.best.slope.deviance);
+            let risen = risen.max(0.0).sqrt();
+            let excess = risen - rise.sqrt();
+            if excess.abs() < END || excess < 0.0 && at <= 0.0 {
+                return Some(at * at);
+            }
+            if excess > 0.0 {
+                outer = Some((at, excess));
+            } else if at * at > NOT_TOLD {
+                return None;
+            } else {
+                inner = (at, excess);
+            }
+            if outer.is_some_and(|(outer, _)| (outer - inner.0).abs() <= END * outer.max(inner.0)) {
                 break;
             }
-            let share = if outer_excess.is_finite() { -inner_excess / (outer_excess - inner_excess) } else { 0.5 };
-            let middle = inner + share.clamp(0.02, 0.98) * (outer - inner);
-            let found = excess(middle);
-            if found.abs() < END {
-                return Some(middle * middle);
+            let slope = held.as_ref().map_or(0.0, |held| of_numbers(&self.tied, &held.slope).0[number] * at / risen);
+            let newton = at - excess / slope;
+            if excess.abs() < NEARLY && newton.is_finite() && newton > 0.0 {
+                return Some(newton * newton);
             }
-            if found > 0.0 {
-                (outer, outer_excess) = (middle, found);
-                // Illinois: the other end counts half, so that it comes nearer, too.
-                inner_excess *= 0.5;
-            } else {
-                (inner, inner_excess) = (middle, found);
-                outer_excess *= 0.5;
-            }
+            let within = |(outer, _): (f64, f64)| (newton - inner.0) * (newton - outer) < 0.0;
+            at = match outer {
+                Some(outer) if newton.is_finite() && within(outer) => newton,
+                Some((outer, over)) if over.is_finite() => inner.0 - inner.1 / (over - inner.1) * (outer - inner.0),
+                Some((outer, _)) => 0.5 * (inner.0 + outer),
+                // No further than twice as far at once.
+                None if above && newton > at => newton.min(2.0 * at),
+                None if above => 1.5 * at,
+                None if newton < at => newton.max(0.0),
+                None => 0.0,
+            };
+            near = held.map_or(near, |held| held.numbers);
         }
-        Some((0.5 * (inner + outer)).powi(2))
+        Some((0.5 * (inner.0 + outer.map_or(inner.0, |(outer, _)| outer))).powi(2))
+    }
+
+    /// How the deviance and the other numbers go when one is moved, by slope and curvature at the likeliest.
+    fn profile(&self, number: usize) -> Profile {
+        let (inside, inverse) = self.spread_of(number);
+        let at = inside.iter().position(|k| *k == number).filter(|&at| inverse[(at, at)] > 0.0);
+        let (gradient, information) = of_numbers(&self.tied, &self.best.slope);
+        let own = information[(number, number)].max(f64::MIN_POSITIVE);
+        let curvature = at.map_or(own, |at| 1.0 / inverse[(at, at)]);
+        let ways = at.map_or_else(Vec::new, |at| {
+            let others = inside.iter().enumerate().filter(|(_, k)| **k != number);
+            others.map(|(place, &k)| (k, inverse[(place, at)] * curvature)).collect()
+        });
+        Profile { number, slope: gradient[number].max(0.0), curvature, ways }
+    }
+}
+
+/// The deviance of a profile to second order.
+struct Profile {
+    number: usize,
+    slope: f64,
+    curvature: f64,
+    /// By how much each other number goes with it.
+    ways: Vec<(usize, f64)>,
+}
+
+impl Profile {
+    /// How far the number goes until the deviance has risen by so much.
+    fn reach(&self, rise: f64) -> f64 {
+        // ½ h x² + g x = rise, without cancellation.
+        2.0 * rise / (self.slope + (self.slope * self.slope + 2.0 * self.curvature * rise).sqrt())
+    }
+
+    /// These numbers with this one at another value, and the others where they then are likeliest.
+    fn beside(&self, near: &[f64], value: f64) -> Vec<f64> {
+        let mut numbers = near.to_vec();
+        let by = value - near[self.number];
+        for (k, way) in &self.ways {
+            numbers[*k] = (numbers[*k] + way * by).max(0.0);
+        }
+        numbers[self.number] = value;
+        numbers
     }
 }
 

@@ -267,15 +267,27 @@ impl Reml {
     /// `None` where the rows' covariances have no inverse at `start`.
     pub fn likeliest(&self, tied: &Tied, start: &[f64], held: &[usize], enough: f64) -> Option<Likeliest> {
         let least = self.least_of(tied);
+        let moved = |k: usize| if held.contains(&k) { start[k] } else { start[k].max(least[k]) };
+        let start: Vec<f64> = (0..tied.count).map(moved).collect();
+        let wanted: Vec<bool> = tied.of.iter().map(Option::is_some).collect();
+        let slope = self.slope_of(&tied.variances(&start), &wanted)?;
+        self.likeliest_from(tied, (&start, slope), held, enough)
+    }
+
+    /// As [`likeliest`](Self::likeliest), where the slope at `start` is known, by the sources that follow a number at least.
+    pub fn likeliest_from(
+        &self,
+        tied: &Tied,
+        (start, mut slope): (&[f64], Slope),
+        held: &[usize],
+        enough: f64,
+    ) -> Option<Likeliest> {
+        let least = self.least_of(tied);
         let mut numbers: Vec<f64> = start.to_vec();
         let free: Vec<usize> = (0..tied.count)
             .filter(|k| !held.contains(k) && tied.of.iter().flatten().any(|(own, _)| own == k))
             .collect();
-        for &k in &free {
-            numbers[k] = numbers[k].max(least[k]);
-        }
         let wanted: Vec<bool> = tied.of.iter().map(Option::is_some).collect();
-        let mut slope = self.slope_of(&tied.variances(&numbers), &wanted)?;
         let mut steps = 0;
         while steps < MOST_STEPS && !free.is_empty() {
             let (gradient, information) = of_numbers(tied, &slope);
