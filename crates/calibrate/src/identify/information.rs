@@ -1,7 +1,7 @@
 //! What the rows of a fit alone say of the joints' parameters, no prior in it: robots of one drawing can be put together by it.
 //!
 //! At the end of a fit the rows pull the parameters against the prior with equal force. With C the joints' covariance, P the
-//! prior's precision, δ the departure from the prior's mean, in the directions that the common frame leaves,
+//! prior's precision, δ the deviation from the prior's mean, in the directions that the common frame leaves,
 //!
 //! ```text
 //! information Λ = C⁻¹ - P      pull η = Λ θ + P δ
@@ -47,8 +47,8 @@ impl Information {
         let matrix = &eigen.eigenvectors * DMatrix::from_diagonal(&told) * eigen.eigenvectors.transpose();
         let change = fit.layout.difference(&fit.arm, &fit.arm);
         let change = DVector::from_fn(count, |k, _| change[k] / unit[k]);
-        let departure = fit.layout.departure(&fit.arm, &fit.arm).component_div(&unit);
-        let pull = &matrix * (free.transpose() * change) + free.transpose() * (precision * departure);
+        let perturbation = fit.layout.perturbation(&fit.arm, &fit.arm).component_div(&unit);
+        let pull = &matrix * (free.transpose() * change) + free.transpose() * (precision * perturbation);
         let whole = &free * matrix * free.transpose();
         Some(Self {
             parameters: parameters.iter().map(|parameter| parameter.name.clone()).collect(),

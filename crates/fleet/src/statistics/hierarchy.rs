@@ -7,7 +7,7 @@
 //! ```
 //! Σ is learned by expectation and maximisation (Dempster, Laird, Rubin 1977) with the mean integrated out, so that few robots do
 //! not look more alike than they are. It is learned in two steps. First how well the series is made: the drawing's covariance
-//! with a factor of its own for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), with S what the robots' departures give by
+//! with a factor of its own for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), with S what the robots' deviations give by
 //! themselves: T counts as κ robots, and κ is the one with which each robot is best predicted by all the others. The weights uᵢ
 //! (Lange, Little, Taylor 1989) keep a robot that is unlike all others from passing for the spread of the series. They make the
 //! normal robots' covariance too small by a known factor, which is given back at the end ([`consistency`]): Σ is the covariance of
@@ -15,7 +15,7 @@
 
 use denavit_model::nalgebra::{DMatrix, DVector};
 
-/// Degrees of freedom of a robot's departure: normal in the middle, but for robots that had an accident.
+/// Degrees of freedom of a robot's deviation: normal in the middle, but for robots that had an accident.
 const TAILS: f64 = 8.0;
 /// Robots that the drawing's pattern may count as; the last: nothing else counts.
 const COUNTS_AS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 128.0, f64::INFINITY];
@@ -62,7 +62,7 @@ pub struct Hierarchy {
 struct Round {
     mean: DVector<f64>,
     mean_covariance: DMatrix<f64>,
-    /// Expected square of each robot's departure, weighed.
+    /// Expected square of each robot's deviation, weighed.
     squares: Vec<DMatrix<f64>>,
     weights: Vec<f64>,
     /// Of how many directions the rows tell, on the average.
@@ -206,7 +206,7 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     matrix.clone().cholesky().map(|factor| factor.inverse())
 }
 
-/// The mean at this covariance, and each robot's departure from it.
+/// The mean at this covariance, and each robot's deviation from it.
 fn round(robots: &[&Told], among: &DMatrix<f64>, drawing: &DMatrix<f64>, weights: &[f64]) -> Option<Round> {
     let size = among.nrows();
     let precision = inverse(among)?;
@@ -232,8 +232,8 @@ fn round(robots: &[&Told], among: &DMatrix<f64>, drawing: &DMatrix<f64>, weights
         let off = &covariance * (&told.pull - &told.information * &round.mean);
         let by_mean = &covariance * &told.information;
         let square = &covariance + &off * off.transpose() + &by_mean * &round.mean_covariance * by_mean.transpose();
-        let departure = (&precision * &square).trace();
-        round.weights.push((TAILS + size as f64) / (TAILS + departure));
+        let deviation = (&precision * &square).trace();
+        round.weights.push((TAILS + size as f64) / (TAILS + deviation));
         round.squares.push(square * *weight);
     }
     Some(round)
@@ -267,7 +267,7 @@ fn consistency(informed: f64) -> f64 {
 }
 
 /// Logarithm of the probability of a robot's rows where it is drawn with this mean and covariance, up to what is the same for
-/// all of them, with the tails of a robot's departure.
+/// all of them, with the tails of a robot's deviation.
 fn log_probability(told: &Told, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
     let eigen = told.information.clone().symmetric_eigen();
     let least = eigen.eigenvalues.max() * ROUNDING;

@@ -316,8 +316,8 @@ fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_
     let (mut prior, mut pull) = (DMatrix::zeros(count, count), DVector::zeros(count));
     let joints = layout.joints.len();
     prior.view_mut((0, 0), (joints, joints)).copy_from(&layout.prior.precision);
-    let departure = layout.departure(&fit.arm, &fit.arm);
-    pull.rows_mut(0, joints).copy_from(&-(&layout.prior.precision * departure));
+    let perturbation = layout.perturbation(&fit.arm, &fit.arm);
+    pull.rows_mut(0, joints).copy_from(&-(&layout.prior.precision * perturbation));
     for known in layout.known_lengths(&data.scene, &fit.arm) {
         for (i, a) in &known.columns {
             pull[*i] -= a * known.residual;

@@ -648,12 +648,12 @@ fn prior(
     let joints = fit.layout.joints.len();
     let firm = &fit.layout.prior.precision;
     precision.view_mut((0, 0), (joints, joints)).copy_from(firm);
-    let departure = fit.layout.departure(&fit.arm, reference);
+    let perturbation = fit.layout.perturbation(&fit.arm, reference);
     let mut pull = vec![0.0; plain.len()];
     let mut charge = 0.0;
     for i in 0..joints {
-        pull[i] = -(0..joints).map(|k| firm[(i, k)] * departure[k]).sum::<f64>();
-        charge -= pull[i] * departure[i];
+        pull[i] = -(0..joints).map(|k| firm[(i, k)] * perturbation[k]).sum::<f64>();
+        charge -= pull[i] * perturbation[i];
     }
     // The common frame is held as in a fit: these rows come last in the linearisation.
     let held = linear.geometry.nrows() - linear.values() - if joints > 0 { joints } else { 0 };
