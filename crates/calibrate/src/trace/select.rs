@@ -37,10 +37,10 @@ const LEAST_REJECTED: usize = 4;
 const MOST_LOCAL: usize = 3;
 /// Pull of a rejected row that comes back, in units of the noise.
 const BOUNDED: f64 = 4.0;
-/// Where structure is left that no entry explains, an effect that explains less than this share of it is not named.
-const MIMIC: f64 = 0.5;
-/// Nor is one that explains less than this many times what is left, if it adds nothing beside that structure.
-const MIMIC_BESIDE: f64 = 3.0;
+/// Where structure is left that no entry explains, an effect that explains less than this share of it is spurious and not named.
+const SPURIOUS: f64 = 0.5;
+/// So is one that explains less than this many times what is left, if it adds nothing beside that structure.
+const SPURIOUS_BESIDE: f64 = 3.0;
 
 /// The search and what it works with.
 pub struct Tracer<'a> {
@@ -162,10 +162,10 @@ impl<'a> Tracer<'a> {
         }
         let mut candidates = Vec::new();
         self.propose(&state, &mut candidates);
-        let (mut plain, _) = self.without_mimics(state.clone());
+        let (mut plain, _) = self.without_spurious(state.clone());
         for _ in 0..MOST_CONTESTS {
             let Some(next) = self.contested(&plain, 0..plain.chosen.len()) else { break };
-            (plain, _) = self.without_mimics(next);
+            (plain, _) = self.without_spurious(next);
         }
         if !same_terms(&plain.chosen, &state.chosen) {
             self.propose(&plain, &mut candidates);
@@ -414,8 +414,8 @@ impl<'a> Tracer<'a> {
         None
     }
 
-    /// Drops effects that only stand in for a structure that no entry describes, and says what is left.
-    fn without_mimics(&self, mut state: State) -> (State, Leftover) {
+    /// Drops spurious effects, which only stand in for a structure that no entry describes, and says what is left.
+    fn without_spurious(&self, mut state: State) -> (State, Leftover) {
         loop {
             let linear = self.linear(&state);
             let field = self.field(&linear);
@@ -429,9 +429,9 @@ impl<'a> Tracer<'a> {
                 let others = linear.loose().beside(&[&others], &residual);
                 let alone = field.own(&others, &state.chosen[index]);
                 let own = field.own(&others.beside(&[&leftover.columns], &residual), &state.chosen[index]);
-                let beside = !self.passes(&own) && alone.gain.drop < MIMIC_BESIDE * leftover.drop;
-                let mimic = beside || alone.gain.drop < MIMIC * leftover.drop;
-                if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
+                let beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
+                let spurious = beside || alone.gain.drop < SPURIOUS * leftover.drop;
+                if spurious && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
                     weakest = Some((own.delta_bic, index));
                 }
             }
