@@ -102,8 +102,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let problem = ResidualModel { data, layout: &layout, effects: &probe };
     let columns = layout.len();
     let mut scratch = Scratch::new(&layout, &fit.arm);
-    let mut residual = vec![0.0; data.tallest_row()];
-    let mut jacobian = vec![0.0; data.tallest_row() * columns];
+    let (mut residual, mut jacobian) = (vec![0.0; data.tallest_row()], vec![0.0; data.tallest_row() * columns]);
     let kept = |observation: &usize| fit.weights[*observation] > 0.0;
     let values: usize =
         (0..data.observations()).filter(kept).map(|observation| data.series_of(observation).kind.height()).sum();
@@ -170,10 +169,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         }
     }
     if priors > 0 {
-        result
-            .residual
-            .rows_mut(values, priors)
-            .copy_from(&(&prior * layout.perturbation(&fit.arm, reference) / RELAXED));
+        let perturbation = &prior * layout.perturbation(&fit.arm, reference) / RELAXED;
+        result.residual.rows_mut(values, priors).copy_from(&perturbation);
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
     for (k, known) in lengths.iter().enumerate() {

@@ -21,7 +21,7 @@ use crate::trace::infer::model::{Hyperparameters, Kernel};
 use crate::trace::infer::replicates;
 use crate::trace::leftover::Block;
 use crate::trace::linear::{Linear, linearise};
-use crate::trace::search::Field;
+use crate::trace::search::CandidateScorer;
 use denavit_model::nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -343,10 +343,10 @@ impl Round {
                 plain.push(column);
             }
         }
-        let field = Field { data, statics: &fit.effects.statics, linear: &linear };
+        let scorer = CandidateScorer { data, statics: &fit.effects.statics, linear: &linear };
         let mut ranges = Vec::new();
-        let columns = candidates.unwrap_or_default().iter().map(|candidate| field.columns(&candidate.term));
-        for columns in columns.chain(others.iter().map(|block| block.columns(&field))) {
+        let columns = candidates.unwrap_or_default().iter().map(|candidate| scorer.columns(&candidate.term));
+        for columns in columns.chain(others.iter().map(|block| block.columns(&scorer))) {
             ranges.push(plain.len()..plain.len() + columns.ncols());
             plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
         }
