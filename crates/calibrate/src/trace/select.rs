@@ -145,7 +145,7 @@ impl<'a> Tracer<'a> {
             }
             let before = state.clone();
             state = self.added(&state, &best.candidate);
-            state = self.tidied(state);
+            state = self.pruned(state);
             if let Some(next) = self.separated(&state, COARSE) {
                 state = self.rescanned(next);
             }
@@ -316,7 +316,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Swaps, merges and drops until nothing changes.
-    fn tidied(&self, state: State) -> State {
+    fn pruned(&self, state: State) -> State {
         let mut state = self.rescanned(state);
         let before = state.chosen.clone();
         for _ in 0..4 {

@@ -74,7 +74,7 @@ impl Problem<'_> {
         });
         let (support, state) = single.unwrap_or_else(|| self.fewest(&fit, &order, whole, enough));
         let left = error(&state);
-        let state = self.tidied(&guess.senses, state, left, &self.only(&support));
+        let state = self.pruned(&guess.senses, state, left, &self.only(&support));
         let differences = self.differences(support, &state);
         let placement = self.placement(&guess.senses, &state);
         Some((state, Explanation { differences, placement }))
