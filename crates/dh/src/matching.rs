@@ -73,12 +73,12 @@ pub fn match_table(chain: &Chain, vendor: &VendorTable) -> Result<Match, MatchEr
     check(chain, vendor)?;
     let arm = Arm::of(chain);
     let (product, numbers) = Product::of(vendor);
-    let problem = Problem { chain, arm: &arm, vendor, product: &product, numbers: &numbers };
-    let fits = problem.best_fits();
-    let placement = problem.placement(&fits.guess.senses, &fits.state);
+    let matching = Matching { chain, arm: &arm, vendor, product: &product, numbers: &numbers };
+    let fits = matching.best_fits();
+    let placement = matching.placement(&fits.guess.senses, &fits.state);
     let verdict = Verdict::of(placement.position_error);
-    let (found, explanation) = problem.explained(&fits, &placement);
-    let rows = problem.rows(&found, verdict, &placement);
+    let (found, explanation) = matching.explained(&fits, &placement);
+    let rows = matching.rows(&found, verdict, &placement);
     Ok(Match { verdict, placement, rows, explanation })
 }
 
@@ -132,7 +132,7 @@ struct BestFits {
 }
 
 /// Robot and table, prepared.
-struct Problem<'a> {
+struct Matching<'a> {
     chain: &'a Chain,
     arm: &'a Arm,
     vendor: &'a VendorTable,
@@ -140,7 +140,7 @@ struct Problem<'a> {
     numbers: &'a [f64],
 }
 
-impl Problem<'_> {
+impl Matching<'_> {
     /// Frames that are not given, the zeros that they do not hold, and no numbers.
     fn free(&self) -> Free {
         let n = self.arm.screws.len();

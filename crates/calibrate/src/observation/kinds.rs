@@ -13,7 +13,7 @@ mod position;
 mod socket;
 
 use crate::observation::arm::{Arm, Perturbation};
-use crate::observation::measurements::{Problem, Series};
+use crate::observation::measurements::{MeasurementError, Series};
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
@@ -330,7 +330,7 @@ pub trait Observe: Sync {
     ///
     /// # Errors
     /// The cells are no such observation.
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem>;
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError>;
 
     /// The cells that the numbers are written as.
     fn to_cells(&self, values: &[f64]) -> Vec<f64> {
