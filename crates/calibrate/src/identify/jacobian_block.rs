@@ -34,8 +34,8 @@ fn depends_on(part: &Part, kind: ParameterKind) -> bool {
 /// Weighted rows `[J | r]`, column by column, and the sums of their products so far. Columns that are always 0 are left
 /// out.
 #[derive(Debug, Clone)]
-pub(crate) struct Panel {
-    /// Column of the panel for each parameter.
+pub(crate) struct JacobianBlock {
+    /// Column of the block for each parameter.
     places: Vec<Option<usize>>,
     /// Column of the residual; the ones after it are zero.
     residual: usize,
@@ -47,7 +47,7 @@ pub(crate) struct Panel {
     count: f64,
 }
 
-impl Panel {
+impl JacobianBlock {
     pub(crate) fn new(layout: &Layout, part: &Part) -> Self {
         let mut residual = 0usize;
         let place = |parameter: &Parameter| {
@@ -146,7 +146,7 @@ mod tests {
         let scene = Scene::of(POSE, 1);
         let layout = Layout::new(&chain, &scene, &freedom, &Tolerances::default(), Vec::new());
         let n = layout.len();
-        let mut panel = Panel::new(&layout, &POSE.place());
+        let mut block = JacobianBlock::new(&layout, &POSE.place());
         let mut expected = vec![0.0; (n + 1) * (n + 1)];
         for observation in 0..50 {
             let weight = if observation % 7 == 0 { 0.3 } else { 1.0 };
@@ -158,7 +158,7 @@ mod tests {
                     (0..3).for_each(|row| jacobian[row * n + column] = 0.0);
                 }
             }
-            panel.take(&residual, &jacobian, weight);
+            block.take(&residual, &jacobian, weight);
             for (row, r) in jacobian.chunks_exact(n).zip(residual) {
                 let line: Vec<f64> = row.iter().copied().chain([r]).collect();
                 for i in 0..=n {
@@ -168,7 +168,7 @@ mod tests {
                 }
             }
         }
-        let found = panel.finish();
+        let found = block.finish();
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{a} {b}");
         for i in 0..n {
             near(found.gradient[i], expected[i * (n + 1) + n]);

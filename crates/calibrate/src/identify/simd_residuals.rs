@@ -9,7 +9,7 @@
 //! turned about a    (a - a') × (p - c) + (c - c') × a'       moved along a    a - a'         ' after the motion
 //! ```
 
-use crate::identify::jacobian_block::{Panel, Triple};
+use crate::identify::jacobian_block::{JacobianBlock, Triple};
 use crate::observation::arm::{Arm, AxisBasis};
 use crate::observation::measurements::{Measurements, Series};
 use crate::observation::parameters::{Layout, ParameterKind};
@@ -179,7 +179,7 @@ impl<S: Simd> Frame<S> {
     }
 }
 
-/// Computes these rows: squared residuals of their observations into `squares`, the rest into the panels of the channels.
+/// Computes these rows: squared residuals of their observations into `squares`, the rest into the blocks of the channels.
 #[inline(always)]
 pub(crate) fn rows<S: Simd>(
     simd: S,
@@ -187,7 +187,7 @@ pub(crate) fn rows<S: Simd>(
     weights: &[f64],
     rows: Range<usize>,
     squares: &mut [[f64; 2]],
-    panels: &mut [Panel],
+    blocks: &mut [JacobianBlock],
 ) {
     let (lanes, observed) = (S::f64s::LEN, &data.observed);
     let zero = S::f64s::splat(simd, 0.0);
@@ -241,10 +241,10 @@ pub(crate) fn rows<S: Simd>(
                 let predicted = tip.point(target.translation.vector.into());
                 let residual = less::<S>(measured, predicted);
                 let factor = weight.sqrt();
-                let Some(place_panel) = series.channels[0].and_then(|channel| panels.get_mut(channel)) else {
+                let Some(place_block) = series.channels[0].and_then(|channel| blocks.get_mut(channel)) else {
                     continue;
                 };
-                place_panel.take_lanes::<S>(residual, factor, |parameter| {
+                place_block.take_lanes::<S>(residual, factor, |parameter| {
                     let rate = place_rate(simd, geometry, layout.parameters[parameter].kind, &joints, predicted);
                     match rate {
                         Some(rate) => each::<S>(|k| -rate[k]),
@@ -253,7 +253,7 @@ pub(crate) fn rows<S: Simd>(
                 });
                 let place = dot::<S>(residual, residual);
                 let mut turn = zero;
-                if let Some(panel) = series.channels[1].and_then(|channel| panels.get_mut(channel)) {
+                if let Some(block) = series.channels[1].and_then(|channel| blocks.get_mut(channel)) {
                     let attitude = tip.behind(&se3::pose(target.rotation, Vector3::zeros()));
                     let measured: [Triple<S>; 3] = std::array::from_fn(|column| {
                         let axis = each::<S>(|k| number(3 + 3 * column + k));
@@ -263,7 +263,7 @@ pub(crate) fn rows<S: Simd>(
                     });
                     let (residual, right) = turned(simd, measured, &attitude);
                     turn = dot::<S>(residual, residual);
-                    panel.take_lanes::<S>(residual, factor, |parameter| {
+                    block.take_lanes::<S>(residual, factor, |parameter| {
                         let rate = match layout.parameters[parameter].kind {
                             ParameterKind::Turn { joint, direction } => {
                                 times::<S>(right, joints[joint].less[direction])
