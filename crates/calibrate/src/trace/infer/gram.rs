@@ -5,7 +5,7 @@
 //! taken per row and pair of joints, and the waves are multiplied with that.
 
 use crate::effects::curve::Waves;
-use crate::identify::gram::products;
+use crate::identify::gram::cross_gram;
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 
@@ -141,13 +141,13 @@ fn add_stretch(
     let cells: Vec<f64> = columns.plain.iter().flat_map(|column| pick(column)).collect();
     sums.square += explained.iter().map(|y| y * y).sum::<f64>();
     sums.count += own.iter().map(|&value| columns.weights[value]).sum::<f64>();
-    let of_plain = products(&cells, &cells, own.len());
+    let of_plain = cross_gram(&cells, &cells, own.len());
     for row in 0..plain {
         for column in 0..=row {
             sums.matrix[row * size + column] += of_plain[row * plain + column];
         }
     }
-    for (sum, part) in sums.right.iter_mut().zip(products(&cells, &explained, own.len())) {
+    for (sum, part) in sums.right.iter_mut().zip(cross_gram(&cells, &explained, own.len())) {
         *sum += part;
     }
     // From here on one line per row: the place of each value's row among them.
@@ -191,7 +191,7 @@ fn add_stretch(
             let other = if column < plain { &cells[column * own.len()..(column + 1) * own.len()] } else { &explained };
             per_row(&joints[i], other, out);
         }
-        for (line, cells) in products(&driven, own_waves, count).chunks_exact(plain + 1).enumerate() {
+        for (line, cells) in cross_gram(&driven, own_waves, count).chunks_exact(plain + 1).enumerate() {
             let row = first + line;
             for (sum, cell) in sums.matrix[row * size..].iter_mut().zip(&cells[..plain]) {
                 *sum += cell;
@@ -204,7 +204,7 @@ fn add_stretch(
             per_row(&joints[i], &joints[j], &mut scale);
             let scaled: Vec<f64> =
                 own_waves.chunks_exact(count).flat_map(|wave| wave.iter().zip(&scale).map(|(b, s)| b * s)).collect();
-            let block = products(other_waves, &scaled, count);
+            let block = cross_gram(other_waves, &scaled, count);
             for (line, cells) in block.chunks_exact(waves[j].len()).enumerate() {
                 let row = first + line;
                 for (sum, cell) in sums.matrix[row * size + column..].iter_mut().zip(cells) {

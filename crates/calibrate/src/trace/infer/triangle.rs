@@ -1,7 +1,7 @@
 //! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory, and in blocks so that what is read
 //! once is used for several sums.
 
-use crate::identify::gram::add_products;
+use crate::identify::gram::add_cross_gram;
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
@@ -78,7 +78,14 @@ impl Triangle {
             let many = to - from;
             let mut known = vec![0.0; many * count];
             if from > first {
-                add_products(&rows[first..], &columns[first..], (size, size), from - first, (many, count), &mut known);
+                add_cross_gram(
+                    &rows[first..],
+                    &columns[first..],
+                    (size, size),
+                    from - first,
+                    (many, count),
+                    &mut known,
+                );
             }
             for (index, column) in columns.chunks_exact_mut(size).enumerate() {
                 for row in 0..many {
@@ -97,7 +104,7 @@ fn against(rows: &[f64], block: &[f64], (from, to): (usize, usize), size: usize)
     let (many, count) = (to - from, rows.len() / size);
     let mut known = vec![0.0; many * count];
     if from > 0 {
-        add_products(block, rows, (size, size), from, (many, count), &mut known);
+        add_cross_gram(block, rows, (size, size), from, (many, count), &mut known);
     }
     known
 }
