@@ -107,17 +107,17 @@ fn add_tile<S: Simd, const L: usize, const R: usize>(
     count: usize,
     result: &mut [f64],
 ) {
-    let lanes = S::f64s::LEN;
+    let width = S::f64s::LEN;
     let (lefts, rights): ([&[f64]; L], [&[f64]; R]) = (left.some(l, rows), right.some(r, rows));
     let mut sums = [[S::f64s::splat(simd, 0.0); R]; L];
-    let whole = rows - rows % lanes;
-    for at in (0..whole).step_by(lanes) {
+    let whole = rows - rows % width;
+    for at in (0..whole).step_by(width) {
         let mut b = [S::f64s::splat(simd, 0.0); R];
         for k in 0..R {
-            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + lanes]);
+            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + width]);
         }
         for i in 0..L {
-            let a = S::f64s::from_slice(simd, &lefts[i][at..at + lanes]);
+            let a = S::f64s::from_slice(simd, &lefts[i][at..at + width]);
             for k in 0..R {
                 sums[i][k] = a.mul_add(b[k], sums[i][k]);
             }

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase as _};
 /// Rows that are gathered: with forty columns 60 KB.
 const ROWS: usize = 192;
 
-/// A vector in each lane.
+/// A vector for each SIMD row.
 pub(crate) type Triple<S> = [<S as Simd>::f64s; 3];
 
 /// Whether a parameter moves a part of an observation at all.
@@ -78,14 +78,9 @@ impl JacobianBlock {
         }
     }
 
-    /// Adds three values in each lane: `of` gives the derivatives by a parameter, `factor` is the root of the weights.
+    /// Adds three values of each SIMD row: `of` gives the derivatives by a parameter, `factor` is the root of the weights.
     #[inline(always)]
-    pub(crate) fn take_lanes<S: Simd>(
-        &mut self,
-        residual: Triple<S>,
-        factor: S::f64s,
-        of: impl Fn(usize) -> Triple<S>,
-    ) {
+    pub(crate) fn take_simd<S: Simd>(&mut self, residual: Triple<S>, factor: S::f64s, of: impl Fn(usize) -> Triple<S>) {
         self.make_room(3 * S::f64s::LEN);
         self.count += 3.0 * factor.as_slice().iter().map(|factor| factor * factor).sum::<f64>();
         let mut put = |column: usize, value: Triple<S>| {

@@ -251,7 +251,7 @@ pub trait Observe: Sync {
 
     /// Whether it is the target's position, and orientation where there is that part, in the instrument's frame: the
     /// numbers are then x, y, z and the rotation matrix column by column, and rows can be computed several at a time.
-    fn in_lanes(&self) -> bool {
+    fn has_simd_residuals(&self) -> bool {
         false
     }
 

@@ -140,7 +140,7 @@ fn sources_of<E: Effects>(fit: &Fit<E>, data: &Measurements) -> Vec<Source> {
         unit_size: 1.0,
     };
     let mut sources: Vec<Source> = data.scene.channels.iter().enumerate().map(level).collect();
-    if data.scene.series.iter().any(|series| series.kind.in_lanes()) {
+    if data.scene.series.iter().any(|series| series.kind.has_simd_residuals()) {
         sources.push(Source { place: Place::Range, name: "range".into(), unit: "m", unit_size: 1.0 });
         sources.push(Source { place: Place::Angle, name: "angle".into(), unit: "rad", unit_size: 1.0 });
     }
@@ -255,7 +255,7 @@ fn beams<E: Effects>(
     place: Place,
 ) -> Vec<(usize, Vector3<f64>)> {
     let mut found = Vec::new();
-    for observation in data.of_row(row).filter(|&observation| data.series_of(observation).kind.in_lanes()) {
+    for observation in data.of_row(row).filter(|&observation| data.series_of(observation).kind.has_simd_residuals()) {
         let seen = problem.seen(arm, observation, scratch);
         let instrument = seen.instrument();
         let sight = seen.predicted - instrument.inverse().translation.vector;

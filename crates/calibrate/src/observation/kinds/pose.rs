@@ -64,7 +64,7 @@ impl Observe for Pose {
         }
     }
 
-    fn in_lanes(&self) -> bool {
+    fn has_simd_residuals(&self) -> bool {
         true
     }
 

@@ -89,7 +89,7 @@ impl Observe for Position {
         instrument_columns(seen, layout, rows);
     }
 
-    fn in_lanes(&self) -> bool {
+    fn has_simd_residuals(&self) -> bool {
         true
     }
 

@@ -12,7 +12,7 @@ use crate::identify::threads::{available, dealt};
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
 const ROWS: usize = 256;
 /// No more sums than this are held at once.
-const LANES: usize = 8;
+const PARTIAL_SUMS: usize = 8;
 
 /// The linearised model, value by value, in units of the noise.
 #[derive(Debug, Clone, Copy)]
@@ -100,11 +100,11 @@ impl Gram {
             stretches.push(from..to);
             from = to;
         }
-        // A sum of its own for each lane of stretches, added in order: no sum depends on which thread was the faster.
-        let lanes = stretches.len().clamp(1, LANES);
-        let of_lane = |lane: usize| {
+        // Partial sums, each over every so manyth stretch, added in order: no sum depends on which thread was the faster.
+        let parts = stretches.len().clamp(1, PARTIAL_SUMS);
+        let partial = |part: usize| {
             let mut sums = vec![Channel::zeros(size); channels];
-            for range in stretches.iter().skip(lane).step_by(lanes) {
+            for range in stretches.iter().skip(part).step_by(parts) {
                 look();
                 for (channel, sums) in sums.iter_mut().enumerate() {
                     add_stretch(columns, waves, readings, range.clone(), channel, sums);
@@ -112,8 +112,8 @@ impl Gram {
             }
             sums
         };
-        let mut done = dealt(0..lanes, available().min(lanes), || (), |(), lane| of_lane(lane)).into_iter();
-        let mut channels = done.next().expect("there is a lane");
+        let mut done = dealt(0..parts, available().min(parts), || (), |(), part| partial(part)).into_iter();
+        let mut channels = done.next().expect("there is a part");
         for part in done {
             for (sum, part) in channels.iter_mut().zip(part) {
                 sum.add(&part, 1.0);

@@ -145,16 +145,16 @@ fn solve_row(row: &mut [f64], block: &[f64], known: &[f64], from: usize, size: u
 /// Σ a b in vectors of the machine, two sums at a time.
 #[inline(always)]
 fn dot_in<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> f64 {
-    let lanes = S::f64s::LEN;
+    let width = S::f64s::LEN;
     let count = a.len().min(b.len());
     let (a, b) = (&a[..count], &b[..count]);
     let mut sums = [S::f64s::splat(simd, 0.0); 4];
-    let whole = count - count % (4 * lanes);
-    for at in (0..whole).step_by(4 * lanes) {
+    let whole = count - count % (4 * width);
+    for at in (0..whole).step_by(4 * width) {
         for (k, sum) in sums.iter_mut().enumerate() {
-            let from = at + k * lanes;
-            let left = S::f64s::from_slice(simd, &a[from..from + lanes]);
-            *sum = left.mul_add(S::f64s::from_slice(simd, &b[from..from + lanes]), *sum);
+            let from = at + k * width;
+            let left = S::f64s::from_slice(simd, &a[from..from + width]);
+            *sum = left.mul_add(S::f64s::from_slice(simd, &b[from..from + width]), *sum);
         }
     }
     let rest: f64 = a[whole..].iter().zip(&b[whole..]).map(|(a, b)| a * b).sum();
