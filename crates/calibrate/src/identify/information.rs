@@ -25,7 +25,7 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of a fit's rows; `None` where it has no free axes or nothing is told.
+    /// Of a fit's rows; `None` where it has no free axes or nothing is identifiable.
     pub fn of<E>(fit: &Fit<E>) -> Option<Self> {
         let count = fit.layout.joints.len();
         if count == 0 {
@@ -43,8 +43,8 @@ impl Information {
         let inverse = (free.transpose() * covariance * &free).cholesky()?.inverse();
         let matrix = inverse - free.transpose() * &precision * &free;
         let eigen = (0.5 * (&matrix + matrix.transpose())).symmetric_eigen();
-        let told = eigen.eigenvalues.map(|value| value.max(0.0));
-        let matrix = &eigen.eigenvectors * DMatrix::from_diagonal(&told) * eigen.eigenvectors.transpose();
+        let known = eigen.eigenvalues.map(|value| value.max(0.0));
+        let matrix = &eigen.eigenvectors * DMatrix::from_diagonal(&known) * eigen.eigenvectors.transpose();
         let change = fit.layout.difference(&fit.arm, &fit.arm);
         let change = DVector::from_fn(count, |k, _| change[k] / unit[k]);
         let perturbation = fit.layout.perturbation(&fit.arm, &fit.arm).component_div(&unit);

@@ -11,7 +11,7 @@ use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitiv
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use denavit_model::{Quantity, se3};
 
-/// Directions of the free numbers that are told less than this share of the best told one are the common frame's.
+/// Directions of the free numbers that are known less than this share of the best known one are the common frame's.
 const TOLD_NOTHING: f64 = 1e-11;
 /// Where there are many free numbers, most of them of curves, a direction of which the data tell less than this beside its prior is left
 /// where it is: it uses up less than a hundredth of a value.
@@ -338,7 +338,7 @@ fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_
     (prior, pull)
 }
 
-/// The rows with the free numbers in directions that are told, each as well as the others.
+/// The rows with the free numbers in directions that are identifiable, each as well as the others.
 fn reduced(raw: Vec<Raw>, prior: DMatrix<f64>, pull: DVector<f64>, sources: &[Source]) -> Option<(Reml, usize)> {
     let count = pull.len();
     let mut information = DMatrix::zeros(count, count);

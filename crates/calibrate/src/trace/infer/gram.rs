@@ -100,7 +100,7 @@ impl Gram {
             stretches.push(from..to);
             from = to;
         }
-        // Partial sums, each over every so manyth stretch, added in order: no sum depends on which thread was the faster.
+        // Partial sums, each of every `parts`th stretch, added in order: no sum depends on which thread was the faster.
         let parts = stretches.len().clamp(1, PARTIAL_SUMS);
         let partial = |part: usize| {
             let mut sums = vec![Channel::zeros(size); channels];
