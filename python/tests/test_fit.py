@@ -270,8 +270,8 @@ def test_commands_without_effects_are_inverse_kinematics_of_the_calibrated_chain
 
 def test_error_curves_are_functions(drawn: dn.Chain) -> None:
     q = drawn.sample(300, seed=11)
-    wish = "transmission_error@elbow_joint:order=3=0.4mm"
-    run = drawn.simulate(q=q, seed=5, effect=[wish], geometry_error=(0.0, 0.0))
+    specification = "transmission_error@elbow_joint:order=3=0.4mm"
+    run = drawn.simulate(q=q, seed=5, effect=[specification], geometry_error=(0.0, 0.0))
     fit = dn.calibrate(drawn, run.data, effects="curves")
     curve, other = fit.curves["elbow_joint"], dn.calibrate(drawn, run.data, effects=None).curves["elbow_joint"]
     assert curve.fitted

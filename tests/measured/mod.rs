@@ -123,9 +123,9 @@ fn a_joint_that_never_moves_is_named() {
     assert_eq!((&found["schema"], &found["rows"]), (&"denavit.identifiability/1".into(), &30.into()));
     for kind in found["poe"].as_array().unwrap() {
         assert!(kind["rank"].as_u64().unwrap() < kind["expected"].as_u64().unwrap());
-        for untold in kind["unidentifiable"].as_array().unwrap() {
-            assert_eq!(untold["joint"], "elbow_joint");
-            assert_eq!(untold["why"], "the joint never moves: its reading is 0.5 in every row");
+        for unidentifiable in kind["unidentifiable"].as_array().unwrap() {
+            assert_eq!(unidentifiable["joint"], "elbow_joint");
+            assert_eq!(unidentifiable["why"], "the joint never moves: its reading is 0.5 in every row");
         }
     }
     assert_eq!((&found["dh"]["redundant_in_base"], &found["dh"]["redundant_in_tool"]), (&4.into(), &2.into()));

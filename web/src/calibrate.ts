@@ -200,8 +200,8 @@ export class Calibrate implements Panel {
         const count = 96;
         const q = [here, ...Array.from({ length: count + 1 }, (_, k) => here.map((value, at) => (at === swept ? lower + ((upper - lower) * k) / count : value)))];
         await this.app.trying(async () => {
-            const wish = `${this.effect.kind}@${this.effect.place}=${this.effect.strength}mm`;
-            const { rows } = await this.app.engine.ask("act", { source: question(robot), effect: wish, q });
+            const specification = `${this.effect.kind}@${this.effect.place}=${this.effect.strength}mm`;
+            const { rows } = await this.app.engine.ask("act", { source: question(robot), effect: specification, q });
             const base = this.app.view.pose(0, chain(robot).base) ?? new Matrix4();
             const point = (pose: number[]) => new Vector3(pose[12], pose[13], pose[14]);
             const shifted = (row: { drawn: number[]; acted: number[] }) => {

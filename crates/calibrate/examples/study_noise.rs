@@ -1,4 +1,4 @@
-//! What noise is told to be made of, beside what it was made of: how often the intervals of each source hold its true size, how often
+//! What noise is estimated to be made of, beside what it was made of: how often the intervals of each source hold its true size, how often
 //! a source is claimed that is there, and how often one that is not.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_noise -- [RUNS [ROWS]]`

@@ -129,16 +129,16 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     Identification { nominal, earlier, geometric }
 }
 
-/// Steps to the arm that departs from the drawing by given numbers: each leaves the square of what was missing.
+/// Steps to the arm that deviates from the drawing by given numbers: each leaves the square of what was missing.
 const STEPS_TO_EXPECTED: usize = 4;
 
 /// The arm with its axes where the layout's prior expects them.
 fn expected(layout: &Layout, arm: &Arm) -> Arm {
     let mut expected = arm.clone();
     for _ in 0..STEPS_TO_EXPECTED {
-        let departure = layout.departure(&expected, arm);
+        let perturbation = layout.perturbation(&expected, arm);
         let mut step = vec![0.0; layout.len()];
-        step.iter_mut().zip(departure.iter()).for_each(|(step, departure)| *step = -departure);
+        step.iter_mut().zip(perturbation.iter()).for_each(|(step, perturbation)| *step = -perturbation);
         expected = layout.stepped(&expected, &step);
     }
     expected

@@ -87,8 +87,8 @@ fn without_noise_the_robot_is_found() {
         let left = found.squares.iter().map(|square| square[0].sqrt()).fold(0.0, f64::max);
         println!("{on_hand}: largest residual {left:.1e} m, {} steps", found.iterations);
         assert!(found.converged && left < 1e-10, "{left}");
-        let told = identifiability(&run.data, &found.arm, &NoEffects, &Freedom::axes(7));
-        assert_eq!(told.rank, told.expected, "{}", told.formula);
+        let known = identifiability(&run.data, &found.arm, &NoEffects, &Freedom::axes(7));
+        assert_eq!(known.rank, known.expected, "{}", known.formula);
     }
 }
 

@@ -27,8 +27,8 @@ fn without_noise_the_planes_are_met() {
             let left = rest.squares.iter().map(|square| square[0].sqrt()).fold(0.0, f64::max);
             println!("{} {kind:?}: largest residual {left:.1e} m, {} steps", chain.name(), rest.iterations);
             assert!(rest.settled() && left < 1e-9, "{} {kind:?}: {left:e}", chain.name());
-            let told = identifiability(&run.data, &rest.arm, &NoEffects, &Freedom::axes(chain.joints().len()));
-            println!("  {} of {} = {}", told.rank, told.expected, told.formula);
+            let known = identifiability(&run.data, &rest.arm, &NoEffects, &Freedom::axes(chain.joints().len()));
+            println!("  {} of {} = {}", known.rank, known.expected, known.formula);
         }
     }
 }

@@ -62,8 +62,8 @@ fn poses_positions_and_distances_of_two_setups_are_one_fit() {
         if noise > 0.0 {
             assert!(found.noise.levels.iter().all(|level| (level / noise - 1.0).abs() < 0.4), "{:?}", found.noise);
         }
-        let told = identifiability(&data, &found.arm, &NoEffects, &Freedom::axes(6));
-        assert_eq!(told.rank, told.expected, "{}", told.formula);
+        let known = identifiability(&data, &found.arm, &NoEffects, &Freedom::axes(6));
+        assert_eq!(known.rank, known.expected, "{}", known.formula);
     }
 }
 

@@ -19,7 +19,7 @@ struct Row {
 
 /// A line of what `tests/oracle/calibration/noise.py` writes.
 #[derive(Deserialize)]
-struct Problem {
+struct RemlCase {
     rows: Vec<Row>,
     prior: Vec<Vec<f64>>,
     pull: Vec<f64>,
@@ -28,7 +28,7 @@ struct Problem {
     interval_of_last: Option<[f64; 2]>,
 }
 
-fn reml(problem: &Problem) -> Reml {
+fn reml(case: &RemlCase) -> Reml {
     let block = |row: &Row| RowBlock {
         residual: row.residual.clone(),
         columns: row.columns.concat(),
@@ -40,35 +40,30 @@ fn reml(problem: &Problem) -> Reml {
             .collect(),
         has_next: false,
     };
-    let count = problem.pull.len();
-    let prior = DMatrix::from_fn(count, count, |i, k| problem.prior[i][k]);
-    let least = vec![LEAST_LEVEL; problem.variances.len()];
-    Reml::new(problem.rows.iter().map(block).collect(), prior, DVector::from_column_slice(&problem.pull), least)
+    let count = case.pull.len();
+    let prior = DMatrix::from_fn(count, count, |i, k| case.prior[i][k]);
+    let least = vec![LEAST_LEVEL; case.variances.len()];
+    Reml::new(case.rows.iter().map(block).collect(), prior, DVector::from_column_slice(&case.pull), least)
 }
 
 #[test]
 fn variances_are_those_of_a_dense_likelihood_in_numpy() {
     let Ok(path) = std::env::var("DENAVIT_NOISE_ORACLE") else {
-        println!("skipped, because DENAVIT_NOISE_ORACLE names no file of problems; tests/run makes it");
+        println!("skipped, because DENAVIT_NOISE_ORACLE names no file of cases; tests/run makes it");
         return;
     };
-    let problems: Vec<Problem> = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    for problem in &problems {
-        let reml = reml(problem);
-        let count = problem.variances.len();
+    let cases: Vec<RemlCase> = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    for case in &cases {
+        let reml = reml(case);
+        let count = case.variances.len();
         let tied = Tied::each(count);
         let found = reml.likeliest(&tied, &vec![1.0; count], &[], 0.0).unwrap();
-        println!("{:?} after {} steps; numpy {:?}", found.numbers, found.steps, problem.variances);
-        assert!(
-            (found.slope.deviance - problem.deviance).abs() < 1e-6,
-            "{} {}",
-            found.slope.deviance,
-            problem.deviance
-        );
-        for (own, other) in found.numbers.iter().zip(&problem.variances) {
+        println!("{:?} after {} steps; numpy {:?}", found.numbers, found.steps, case.variances);
+        assert!((found.slope.deviance - case.deviance).abs() < 1e-6, "{} {}", found.slope.deviance, case.deviance);
+        for (own, other) in found.numbers.iter().zip(&case.variances) {
             assert!((own - other).abs() < 1e-4 * other, "{own} {other}");
         }
-        for end in problem.interval_of_last.iter().flatten() {
+        for end in case.interval_of_last.iter().flatten() {
             let mut start = found.numbers.clone();
             start[count - 1] = *end;
             let held = reml.likeliest(&tied, &start, &[count - 1], 0.0).unwrap();

@@ -78,7 +78,7 @@ fn derivatives_are_differences_and_joints_of_the_other_arm_have_none() {
 }
 
 #[test]
-fn lanes_sum_what_rows_sum_however_the_rows_are_mixed() {
+fn simd_rows_sum_what_rows_sum_however_the_rows_are_mixed() {
     let (chain, tips, _) = both(TWO_ARMS);
     for kind in [POSE, POSITION] {
         let run = simulate(&chain, &SimulationOptions { kind, ..options(&tips, 61, 5) }, &NoEffects);
@@ -91,7 +91,7 @@ fn lanes_sum_what_rows_sum_however_the_rows_are_mixed() {
             let model = ResidualModel { data: &data, layout: &layout, effects: &NoEffects };
             let arm = Arm { instruments: vec![denavit_model::Pose::identity()], ..run.arm.clone() };
             let weights = vec![1.0; data.observations()];
-            let lanes = model.sums(&arm, &weights);
+            let simd_rows = model.sums(&arm, &weights);
             let (height, n) = (data.tallest_row(), layout.len());
             let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * n]);
             let (mut matrix, mut scratch) = (vec![0.0; n * n], Scratch::new(&layout, &arm));
@@ -104,7 +104,7 @@ fn lanes_sum_what_rows_sum_however_the_rows_are_mixed() {
             let size = |k: usize| matrix[k * n + k].sqrt() + 1e-300;
             for i in 0..n {
                 for k in i..n {
-                    let found: f64 = lanes.channels.iter().map(|channel| channel.matrix[i * n + k]).sum();
+                    let found: f64 = simd_rows.channels.iter().map(|channel| channel.matrix[i * n + k]).sum();
                     let apart = (found - matrix[i * n + k]).abs() / (size(i) * size(k) + 1e-12);
                     assert!(apart < 1e-11, "{kind:?} {i} {k}: {found} {}", matrix[i * n + k]);
                 }

@@ -45,7 +45,7 @@ const DAMPING: f64 = 1e-12;
 const AS_GOOD: f64 = 2.0;
 
 /// A zero that is 0 or a quarter turn may leave this many times what one in between leaves.
-const TIDIER: f64 = 1.1;
+const PRUNED_AS_GOOD: f64 = 1.1;
 
 /// Finds how a vendor's table lies on a robot, and what differs.
 ///
@@ -73,12 +73,12 @@ pub fn match_table(chain: &Chain, vendor: &VendorTable) -> Result<Match, MatchEr
     check(chain, vendor)?;
     let arm = Arm::of(chain);
     let (product, numbers) = Product::of(vendor);
-    let problem = Problem { chain, arm: &arm, vendor, product: &product, numbers: &numbers };
-    let fits = problem.best_fits();
-    let placement = problem.placement(&fits.guess.senses, &fits.state);
+    let matching = Matching { chain, arm: &arm, vendor, product: &product, numbers: &numbers };
+    let fits = matching.best_fits();
+    let placement = matching.placement(&fits.guess.senses, &fits.state);
     let verdict = Verdict::of(placement.position_error);
-    let (found, explanation) = problem.explained(&fits, &placement);
-    let rows = problem.rows(&found, verdict, &placement);
+    let (found, explanation) = matching.explained(&fits, &placement);
+    let rows = matching.rows(&found, verdict, &placement);
     Ok(Match { verdict, placement, rows, explanation })
 }
 
@@ -132,7 +132,7 @@ struct BestFits {
 }
 
 /// Robot and table, prepared.
-struct Problem<'a> {
+struct Matching<'a> {
     chain: &'a Chain,
     arm: &'a Arm,
     vendor: &'a VendorTable,
@@ -140,7 +140,7 @@ struct Problem<'a> {
     numbers: &'a [f64],
 }
 
-impl Problem<'_> {
+impl Matching<'_> {
     /// Frames that are not given, the zeros that they do not hold, and no numbers.
     fn free(&self) -> Free {
         let n = self.arm.screws.len();
@@ -214,7 +214,7 @@ impl Problem<'_> {
             let fit = self.fit(&guess.senses);
             let state = fit.solve(state, &free);
             let (error, _) = fit.errors(&state, &self.arm.samples);
-            let state = self.tidied(&guess.senses, state, error, &free);
+            let state = self.pruned(&guess.senses, state, error, &free);
             (guess, state)
         };
         let simplicity =
@@ -238,9 +238,9 @@ impl Problem<'_> {
     }
 
     /// Zeros that nothing needs are 0, those that a quarter turn serves as well are one.
-    fn tidied(&self, senses: &[f64], mut state: State, error: f64, free: &Free) -> State {
+    fn pruned(&self, senses: &[f64], mut state: State, error: f64, free: &Free) -> State {
         let fit = self.fit(senses);
-        let allowed = error * TIDIER + 1e-12 * self.arm.size;
+        let allowed = error * PRUNED_AS_GOOD + 1e-12 * self.arm.size;
         let mut free = free.clone();
         for k in 0..state.zeros.len() {
             if state.zeros[k] == 0.0 {
@@ -251,9 +251,9 @@ impl Problem<'_> {
             }
             state.zeros[k] = if self.turns(k) { wrapped(state.zeros[k]) } else { state.zeros[k] };
             let quarter = if self.turns(k) { nearest_quarter(state.zeros[k]) } else { 0.0 };
-            for tidy in [0.0, quarter] {
+            for value in [0.0, quarter] {
                 let mut trial = state.clone();
-                trial.zeros[k] = tidy;
+                trial.zeros[k] = value;
                 free.zeros[k] = false;
                 let trial = fit.solve(trial, &free);
                 if fit.errors(&trial, &self.arm.samples).0 <= allowed {

@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout)] // A study prints its table.
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
-use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, granted};
+use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, specified_effects};
 use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, commanded_readings, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::driver::Statics;
@@ -68,8 +68,8 @@ impl Cell {
     /// What 1 mm of an effect does to the numbers: a difference of two nights with the same noise, at a quarter of a mm.
     fn response(&self, written: &str) -> DVector<f64> {
         let bare = self.night(1, NOISE, &NoEffects);
-        let wish: EffectSpecification = format!("{written}=0.25mm").parse().unwrap();
-        let model = granted(&[wish], &self.statics, &bare, 1).unwrap();
+        let specification: EffectSpecification = format!("{written}=0.25mm").parse().unwrap();
+        let model = specified_effects(&[specification], &self.statics, &bare, 1).unwrap();
         let with = self.night(1, NOISE, &model);
         (self.numbers(with.data) - self.numbers(bare.data)) * 4.0
     }

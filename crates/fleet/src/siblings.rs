@@ -7,7 +7,7 @@ use crate::Day;
 use crate::error::FleetError;
 use crate::manifest::{Entry, PriorSource, SIBLINGS};
 use crate::run::slot;
-use crate::statistics::hierarchy::{Hierarchy, Told};
+use crate::statistics::hierarchy::{Hierarchy, RobotInformation};
 use crate::store::schema::{AXES, INFORMATION, RUNS};
 use crate::store::{Slot, Store};
 use crate::tasks;
@@ -34,12 +34,12 @@ pub struct Sibling {
     date: Option<Day>,
     /// Twist `[omega; v]` of each joint's axis as drawn.
     axes: BTreeMap<String, [f64; 6]>,
-    told: Information,
+    information: Information,
 }
 
 impl Sibling {
     /// A robot by what its rows say.
-    pub fn of(serial: &str, chain: &Chain, told: Information) -> Self {
+    pub fn of(serial: &str, chain: &Chain, information: Information) -> Self {
         let axis = |joint: &ChainJoint| (joint.name.clone(), joint.screw.twist().into());
         Self {
             serial: serial.into(),
@@ -48,7 +48,7 @@ impl Sibling {
             tip: chain.tip().into(),
             date: None,
             axes: chain.joints().iter().map(axis).collect(),
-            told,
+            information,
         }
     }
 }
@@ -81,10 +81,10 @@ pub fn siblings(store: &Store, counts: &dyn Fn(&Slot, &str) -> bool) -> Result<V
         Ok(())
     })?;
     let keys: HashSet<&str> = last.values().map(|run| &run.key[..]).collect();
-    let (mut axes, mut told) = (read_axes(store, &keys)?, read_information(store, &keys)?);
+    let (mut axes, mut information) = (read_axes(store, &keys)?, read_information(store, &keys)?);
     let sibling = |([serial, base, tip], Last { date, key, robot }): ([String; 3], Last)| {
-        let (axes, told) = (axes.remove(&key)?, told.remove(&key)?);
-        Some(Sibling { serial, robot, base, tip, date: date.map(Day), axes, told })
+        let (axes, information) = (axes.remove(&key)?, information.remove(&key)?);
+        Some(Sibling { serial, robot, base, tip, date: date.map(Day), axes, information })
     };
     let mut siblings: Vec<Sibling> = last.into_iter().filter_map(sibling).collect();
     siblings.sort_by(|a, b| (&a.serial, a.date).cmp(&(&b.serial, b.date)));
@@ -167,7 +167,7 @@ pub struct Learned {
     drawing: Drawing,
     /// Robots that it was learned from, in the order of their names.
     pub serials: Vec<String>,
-    told: Vec<Told>,
+    robots: Vec<RobotInformation>,
     /// The population.
     pub population: Hierarchy,
 }
@@ -177,25 +177,25 @@ impl Learned {
     /// links behind the same joints counts once. `None`: they are too few.
     pub fn of(chain: &Chain, siblings: &[Sibling]) -> Option<Self> {
         let drawing = Drawing::of(chain);
-        let told = |sibling: &Sibling| {
+        let in_coordinates = |sibling: &Sibling| {
             if !same_drawing(chain, &sibling.axes) {
                 return None;
             }
-            let (information, pull) = drawing.told(&sibling.told)?;
+            let (information, pull) = drawing.in_coordinates(&sibling.information)?;
             let finite = information.iter().chain(&pull).all(|number| number.is_finite());
-            finite.then(|| (sibling.serial.clone(), Told { information, pull }))
+            finite.then(|| (sibling.serial.clone(), RobotInformation { information, pull }))
         };
-        let last: BTreeMap<String, Told> = siblings.iter().filter_map(told).collect();
-        let (serials, told): (Vec<String>, Vec<Told>) = last.into_iter().unzip();
-        let population = Hierarchy::of(&told.iter().collect::<Vec<_>>(), &drawing.moved())?;
-        Some(Self { drawing, serials, told, population })
+        let last: BTreeMap<String, RobotInformation> = siblings.iter().filter_map(in_coordinates).collect();
+        let (serials, robots): (Vec<String>, Vec<RobotInformation>) = last.into_iter().unzip();
+        let population = Hierarchy::of(&robots.iter().collect::<Vec<_>>(), &drawing.moved())?;
+        Some(Self { drawing, serials, robots, population })
     }
 
     /// The prior of a robot: what all others share. `None`: there are too few others.
     pub fn prior(&self, of: Option<&str>) -> Option<Earlier> {
-        let told: Vec<&Told> = self.told.iter().collect();
+        let robots: Vec<&RobotInformation> = self.robots.iter().collect();
         let own = of.and_then(|of| self.serials.iter().position(|serial| serial == of));
-        let others = own.map(|own| self.population.without(&told, own, &self.drawing.moved()));
+        let others = own.map(|own| self.population.without(&robots, own, &self.drawing.moved()));
         let (mean, covariance) = others.unwrap_or_else(|| Some(self.population.clone()))?.next();
         Some(self.drawing.prior(&mean, &covariance))
     }

@@ -2,7 +2,7 @@
 
 use crate::answers::words;
 use crate::question::RobotText;
-use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, granted};
+use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, specified_effects};
 use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, simulate};
 use denavit_calibrate::effects::catalogue::KINDS;
 use denavit_calibrate::effects::driver::{Conditions, Statics};
@@ -59,8 +59,8 @@ pub fn possible(source: &RobotText) -> Result<Value, String> {
 /// column, and by how far the two are apart, m.
 pub fn act(source: &RobotText, effect: &str, q: &[Vec<f64>]) -> Result<Value, String> {
     let (chain, statics) = robot(source)?;
-    let wish: EffectSpecification = effect.parse().map_err(words)?;
-    let model = granted(&[wish], &statics, &run(&chain), SEED).map_err(words)?;
+    let specification: EffectSpecification = effect.parse().map_err(words)?;
+    let model = specified_effects(&[specification], &statics, &run(&chain), SEED).map_err(words)?;
     if let Some(column) = model.effects.iter().find_map(|effect| effect.term.driver.columns().first().copied()) {
         return Err(format!("the effect follows \"{}\", which a posture alone does not give", column.name()));
     }

@@ -316,7 +316,7 @@ fn observe(
             draw: &mut |deviation| normal(random, deviation),
         };
         series.kind.disturb(&mut values, &mut errors);
-        if series.kind.in_lanes() && (options.noise_range > 0.0 || options.noise_angle > 0.0) {
+        if series.kind.has_simd_residuals() && (options.noise_range > 0.0 || options.noise_angle > 0.0) {
             misread(&mut values, options, random);
         }
         data.observed.values_mut(observation).copy_from_slice(&values);

@@ -44,12 +44,12 @@ pub struct CalibrationReport {
     /// What postures that were measured more than once say of the noise and of the model; left out where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub repeats: Vec<LackOfFit>,
-    /// What the noise of the adopted stage is made of; left out where nothing can be told of it.
+    /// What the noise of the adopted stage is made of; left out where nothing can be estimated of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseModel>,
     /// Counts of parameters.
     pub identifiability: Counts,
-    /// What cannot be told.
+    /// What is not identifiable.
     pub unidentifiable: Vec<Unidentifiable>,
     /// Error after each stage.
     pub stages: Vec<Stage>,
@@ -198,7 +198,7 @@ pub struct Identified {
 pub enum Held {
     /// It was not moved.
     Nominal,
-    /// The prior keeps it near the drawing, together with what it cannot be told from.
+    /// The prior keeps it near the drawing, together with what it cannot be separated from.
     Prior,
 }
 

@@ -162,7 +162,7 @@ struct Fitted {
     fit: Fit<NoEffects>,
     /// The rows that it is of.
     data: Measurements,
-    /// Whether the noise is told by the data: from then on rows are judged.
+    /// Whether the noise is estimated from the data: from then on rows are judged.
     judges: bool,
 }
 

@@ -7,7 +7,7 @@
 //! ```text
 //! log p(rows | w) = - ½ Σ_channels (N log σ² + RSS/σ²) - ½ δᵀ P_w δ + ½ log |P_w| + ½ log |C_w|
 //! ```
-//! with P_w the prior's precision, C_w the joints' covariance after the fit and δ their departure from the prior's mean, on
+//! with P_w the prior's precision, C_w the joints' covariance after the fit and δ their deviation from the prior's mean, on
 //! the directions that the common frame leaves (MacKay 1992, Neural Computation 4, 415: Laplace's approximation).
 
 use crate::identify::initial_guess::{with_plates_of, with_plates_turned};
@@ -76,8 +76,8 @@ fn log_evidence(data: &Measurements, fit: &Fit<NoEffects>) -> f64 {
     let unit = DVector::from_fn(count, |k, _| fit.layout.parameters[k].tolerance.unwrap_or(1.0));
     let free = free_directions(fit, &unit);
     let prior = &fit.layout.prior;
-    let departure = fit.layout.departure(&fit.arm, &fit.arm);
-    let charge = departure.dot(&(&prior.precision * &departure));
+    let perturbation = fit.layout.perturbation(&fit.arm, &fit.arm);
+    let charge = perturbation.dot(&(&prior.precision * &perturbation));
     let precision = DMatrix::from_fn(count, count, |i, k| prior.precision[(i, k)] * unit[i] * unit[k]);
     let covariance = DMatrix::from_fn(count, count, |i, k| fit.covariance[(i, k)] / (unit[i] * unit[k]));
     let log_determinant = |matrix: &DMatrix<f64>| {

@@ -1,18 +1,18 @@
-//! Products of columns of numbers, formed in vectors of the machine, several columns at a time.
+//! Gram matrices: products of columns of numbers, formed in vectors of the machine, several columns at a time.
 
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Columns on the left and on the right whose products are formed at once: as many sums as registers hold.
 pub(crate) const TILE: (usize, usize) = (4, 2);
 
-/// Products of columns of `rows` cells: one per column of `left`, for each column of `right`.
-pub(crate) fn products(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
+/// leftᵀ right, of columns of `rows` cells: a product per column of `left`, for each column of `right`.
+pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
     if rows == 0 {
         return Vec::new();
     }
     let counts = (left.len() / rows, right.len() / rows);
     let mut result = vec![0.0; counts.0 * counts.1];
-    add_products(left, right, (rows, rows), rows, counts, &mut result);
+    add_cross_gram(left, right, (rows, rows), rows, counts, &mut result);
     result
 }
 
@@ -21,7 +21,7 @@ pub(crate) fn products(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
 /// # Shape and units
 /// Columns of as many cells as the strides say, of which the first `rows` count; the last may end there. `result`: the product
 /// of columns l and r at `r * counts.0 + l`.
-pub(crate) fn add_products(
+pub(crate) fn add_cross_gram(
     left: &[f64],
     right: &[f64],
     strides: (usize, usize),
@@ -30,11 +30,11 @@ pub(crate) fn add_products(
     result: &mut [f64],
 ) {
     let sides = (Columns { cells: left, stride: strides.0 }, Columns { cells: right, stride: strides.1 });
-    dispatch!(Level::new(), simd => add_products_in(simd, sides, rows, counts, result));
+    dispatch!(Level::new(), simd => add_cross_gram_in(simd, sides, rows, counts, result));
 }
 
 #[inline(always)]
-fn add_products_in<S: Simd>(
+fn add_cross_gram_in<S: Simd>(
     simd: S,
     sides: (Columns, Columns),
     rows: usize,
@@ -107,17 +107,17 @@ fn add_tile<S: Simd, const L: usize, const R: usize>(
     count: usize,
     result: &mut [f64],
 ) {
-    let lanes = S::f64s::LEN;
+    let width = S::f64s::LEN;
     let (lefts, rights): ([&[f64]; L], [&[f64]; R]) = (left.some(l, rows), right.some(r, rows));
     let mut sums = [[S::f64s::splat(simd, 0.0); R]; L];
-    let whole = rows - rows % lanes;
-    for at in (0..whole).step_by(lanes) {
+    let whole = rows - rows % width;
+    for at in (0..whole).step_by(width) {
         let mut b = [S::f64s::splat(simd, 0.0); R];
         for k in 0..R {
-            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + lanes]);
+            b[k] = S::f64s::from_slice(simd, &rights[k][at..at + width]);
         }
         for i in 0..L {
-            let a = S::f64s::from_slice(simd, &lefts[i][at..at + lanes]);
+            let a = S::f64s::from_slice(simd, &lefts[i][at..at + width]);
             for k in 0..R {
                 sums[i][k] = a.mul_add(b[k], sums[i][k]);
             }
@@ -136,12 +136,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_are_sums_over_the_rows() {
+    fn a_gram_matrix_holds_sums_over_the_rows() {
         let cell = |k: usize| (k as f64 * 0.7).sin();
         for (rows, count, others) in [(1, 1, 1), (19, 5, 3), (32, 9, 4)] {
             let (left, right): (Vec<f64>, Vec<f64>) =
                 ((0..rows * count).map(cell).collect(), (0..rows * others).map(|k| cell(k + 50)).collect());
-            let found = products(&left, &right, rows);
+            let found = cross_gram(&left, &right, rows);
             for r in 0..others {
                 for l in 0..count {
                     let sum: f64 = (0..rows).map(|i| left[l * rows + i] * right[r * rows + i]).sum();

@@ -33,7 +33,7 @@ pub struct Identifiability {
     pub rank: usize,
     /// Smallest singular value that counts, relative to the largest; columns scaled to length 1.
     pub smallest: f64,
-    /// What cannot be told.
+    /// What is not identifiable.
     pub unidentifiable: Vec<UnidentifiableParameter>,
 }
 
@@ -44,7 +44,7 @@ pub struct UnidentifiableParameter {
     pub parameter: String,
     /// The joint that it belongs to; empty where it belongs to none.
     pub joint: String,
-    /// Why it cannot be told.
+    /// Why it is not identifiable.
     pub why: String,
 }
 
@@ -214,9 +214,9 @@ fn analyse(triangle: &DMatrix<f64>, conditions: &DMatrix<f64>) -> Analysis {
     }
     let values = scaled.singular_values();
     let largest = values.max();
-    let told = || values.iter().copied().filter(|value| *value > RANK_TOLERANCE * largest);
-    let rank = told().count();
-    let smallest = told().fold(f64::INFINITY, f64::min) / largest;
+    let identifiable = || values.iter().copied().filter(|value| *value > RANK_TOLERANCE * largest);
+    let rank = identifiable().count();
+    let smallest = identifiable().fold(f64::INFINITY, f64::min) / largest;
     // Conditions as further rows, as heavy as data, so that the common frame does not count as unidentifiable.
     let mut held = conditions.transpose();
     for (mut column, s) in held.column_iter_mut().zip(&scale) {

@@ -1,7 +1,7 @@
 //! What the rows of a fit alone say of the joints' parameters, no prior in it: robots of one drawing can be put together by it.
 //!
 //! At the end of a fit the rows pull the parameters against the prior with equal force. With C the joints' covariance, P the
-//! prior's precision, δ the departure from the prior's mean, in the directions that the common frame leaves,
+//! prior's precision, δ the deviation from the prior's mean, in the directions that the common frame leaves,
 //!
 //! ```text
 //! information Λ = C⁻¹ - P      pull η = Λ θ + P δ
@@ -25,7 +25,7 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of a fit's rows; `None` where it has no free axes or nothing is told.
+    /// Of a fit's rows; `None` where it has no free axes or nothing is identifiable.
     pub fn of<E>(fit: &Fit<E>) -> Option<Self> {
         let count = fit.layout.joints.len();
         if count == 0 {
@@ -43,12 +43,12 @@ impl Information {
         let inverse = (free.transpose() * covariance * &free).cholesky()?.inverse();
         let matrix = inverse - free.transpose() * &precision * &free;
         let eigen = (0.5 * (&matrix + matrix.transpose())).symmetric_eigen();
-        let told = eigen.eigenvalues.map(|value| value.max(0.0));
-        let matrix = &eigen.eigenvectors * DMatrix::from_diagonal(&told) * eigen.eigenvectors.transpose();
+        let known = eigen.eigenvalues.map(|value| value.max(0.0));
+        let matrix = &eigen.eigenvectors * DMatrix::from_diagonal(&known) * eigen.eigenvectors.transpose();
         let change = fit.layout.difference(&fit.arm, &fit.arm);
         let change = DVector::from_fn(count, |k, _| change[k] / unit[k]);
-        let departure = fit.layout.departure(&fit.arm, &fit.arm).component_div(&unit);
-        let pull = &matrix * (free.transpose() * change) + free.transpose() * (precision * departure);
+        let perturbation = fit.layout.perturbation(&fit.arm, &fit.arm).component_div(&unit);
+        let pull = &matrix * (free.transpose() * change) + free.transpose() * (precision * perturbation);
         let whole = &free * matrix * free.transpose();
         Some(Self {
             parameters: parameters.iter().map(|parameter| parameter.name.clone()).collect(),

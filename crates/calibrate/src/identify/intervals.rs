@@ -15,8 +15,8 @@ const SAYS_NOTHING: f64 = 1e-9;
 impl<E> Fit<E> {
     /// Measured values beyond the parameters that the data pay for, and those that were [assumed](Self::assumed_degrees).
     pub fn degrees_of_freedom(&self) -> f64 {
-        let told = self.values.iter().sum::<f64>() - self.parameters_used.iter().sum::<f64>();
-        (told + self.assumed_degrees()).max(1.0)
+        let left = self.values.iter().sum::<f64>() - self.parameters_used.iter().sum::<f64>();
+        (left + self.assumed_degrees()).max(1.0)
     }
 
     /// Degrees of freedom of the noise that the data do not have: an assumed noise stands in for them (see

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase as _};
 /// Rows that are gathered: with forty columns 60 KB.
 const ROWS: usize = 192;
 
-/// A vector in each lane.
+/// A vector for each SIMD row.
 pub(crate) type Triple<S> = [<S as Simd>::f64s; 3];
 
 /// Whether a parameter moves a part of an observation at all.
@@ -34,8 +34,8 @@ fn depends_on(part: &Part, kind: ParameterKind) -> bool {
 /// Weighted rows `[J | r]`, column by column, and the sums of their products so far. Columns that are always 0 are left
 /// out.
 #[derive(Debug, Clone)]
-pub(crate) struct Panel {
-    /// Column of the panel for each parameter.
+pub(crate) struct JacobianBlock {
+    /// Column of the block for each parameter.
     places: Vec<Option<usize>>,
     /// Column of the residual; the ones after it are zero.
     residual: usize,
@@ -47,7 +47,7 @@ pub(crate) struct Panel {
     count: f64,
 }
 
-impl Panel {
+impl JacobianBlock {
     pub(crate) fn new(layout: &Layout, part: &Part) -> Self {
         let mut residual = 0usize;
         let place = |parameter: &Parameter| {
@@ -78,14 +78,9 @@ impl Panel {
         }
     }
 
-    /// Adds three values in each lane: `of` gives the derivatives by a parameter, `factor` is the root of the weights.
+    /// Adds three values of each SIMD row: `of` gives the derivatives by a parameter, `factor` is the root of the weights.
     #[inline(always)]
-    pub(crate) fn take_lanes<S: Simd>(
-        &mut self,
-        residual: Triple<S>,
-        factor: S::f64s,
-        of: impl Fn(usize) -> Triple<S>,
-    ) {
+    pub(crate) fn take_simd<S: Simd>(&mut self, residual: Triple<S>, factor: S::f64s, of: impl Fn(usize) -> Triple<S>) {
         self.make_room(3 * S::f64s::LEN);
         self.count += 3.0 * factor.as_slice().iter().map(|factor| factor * factor).sum::<f64>();
         let mut put = |column: usize, value: Triple<S>| {
@@ -146,7 +141,7 @@ mod tests {
         let scene = Scene::of(POSE, 1);
         let layout = Layout::new(&chain, &scene, &freedom, &Tolerances::default(), Vec::new());
         let n = layout.len();
-        let mut panel = Panel::new(&layout, &POSE.place());
+        let mut block = JacobianBlock::new(&layout, &POSE.place());
         let mut expected = vec![0.0; (n + 1) * (n + 1)];
         for observation in 0..50 {
             let weight = if observation % 7 == 0 { 0.3 } else { 1.0 };
@@ -158,7 +153,7 @@ mod tests {
                     (0..3).for_each(|row| jacobian[row * n + column] = 0.0);
                 }
             }
-            panel.take(&residual, &jacobian, weight);
+            block.take(&residual, &jacobian, weight);
             for (row, r) in jacobian.chunks_exact(n).zip(residual) {
                 let line: Vec<f64> = row.iter().copied().chain([r]).collect();
                 for i in 0..=n {
@@ -168,7 +163,7 @@ mod tests {
                 }
             }
         }
-        let found = panel.finish();
+        let found = block.finish();
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{a} {b}");
         for i in 0..n {
             near(found.gradient[i], expected[i * (n + 1) + n]);

@@ -48,7 +48,7 @@ const FOR_NOTHING: f64 = 6.0;
 const MOST_TRIALS: usize = 40;
 /// Noise below this share of the robot's size (and rad) is rounding, and has no sources.
 const EXACT: f64 = 1e-9;
-/// A source that could be this many times the whole noise is not told at all.
+/// A source that could be this many times the whole noise is not identifiable.
 const NOT_TOLD: f64 = 1e4;
 /// Chance of neighbours in the run that hang together so much, where none do.
 const FALSE_ORDER: f64 = 0.01;
@@ -266,7 +266,7 @@ impl<'a> Study<'a> {
             let tied = model.tied.without(k);
             let start = model.profile(k).beside(&model.best.numbers, 0.0);
             let Some(best) = self.reml.likeliest(&tied, &start, &[], GOOD) else { return model };
-            // What is told of it by the curvature alone need not hold.
+            // What is known of it by the curvature alone need not hold.
             if best.slope.deviance - model.best.slope.deviance >= FOR_NOTHING * model.tails(k) {
                 return model;
             }

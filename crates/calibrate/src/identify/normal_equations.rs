@@ -1,6 +1,6 @@
 //! Normal equations, accumulated over blocks of rows in threads; sums do not depend on how many threads there are.
 
-use crate::identify::jacobian_block::Panel;
+use crate::identify::jacobian_block::JacobianBlock;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::simd_residuals;
 use crate::identify::threads::{available, dealt};
@@ -96,14 +96,14 @@ impl<E: Effects> ResidualModel<'_, E> {
         scratch: &mut Scratch,
     ) -> Vec<Channel> {
         let columns = self.layout.len();
-        let mut panels: Vec<Panel> =
-            self.data.scene.channels.iter().map(|part| Panel::new(self.layout, part)).collect();
+        let mut jacobian_blocks: Vec<JacobianBlock> =
+            self.data.scene.channels.iter().map(|part| JacobianBlock::new(self.layout, part)).collect();
         if self.effects.are_none()
             && let Some(geometry) = scratch.geometry(arm, self.data)
         {
             let of = (&geometry, arm, self.layout, self.data);
-            dispatch!(Level::new(), simd => simd_residuals::rows(simd, of, weights, rows.clone(), squares, &mut panels));
-            return panels.into_iter().map(Panel::finish).collect();
+            dispatch!(Level::new(), simd => simd_residuals::rows(simd, of, weights, rows.clone(), squares, &mut jacobian_blocks));
+            return jacobian_blocks.into_iter().map(JacobianBlock::finish).collect();
         }
         let height = self.data.tallest_row();
         let mut residual = vec![0.0; height];
@@ -118,15 +118,15 @@ impl<E: Effects> ResidualModel<'_, E> {
                 for (part, height) in heights.into_iter().enumerate() {
                     let r = &residual[at..at + height];
                     squares[observation - first][part] = r.iter().map(|x| x * x).sum();
-                    let panel = series.channels[part].map(|channel| &mut panels[channel]);
-                    if let Some(panel) = panel.filter(|_| weights[observation] != 0.0) {
-                        panel.take(r, &jacobian[at * columns..(at + height) * columns], weights[observation]);
+                    let block = series.channels[part].map(|channel| &mut jacobian_blocks[channel]);
+                    if let Some(block) = block.filter(|_| weights[observation] != 0.0) {
+                        block.take(r, &jacobian[at * columns..(at + height) * columns], weights[observation]);
                     }
                     at += height;
                 }
             }
         }
-        panels.into_iter().map(Panel::finish).collect()
+        jacobian_blocks.into_iter().map(JacobianBlock::finish).collect()
     }
 
     /// Squared residual norms of every observation, lengths (m²) and angles (rad²), without derivatives.

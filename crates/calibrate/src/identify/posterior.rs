@@ -40,7 +40,7 @@ pub struct Posterior {
 pub struct KnownParameter {
     /// Its name, such as `elbow_joint.turn_x`.
     pub parameter: String,
-    /// Departure from the drawing, in the unit.
+    /// Deviation from the drawing, in the unit.
     pub change: f64,
     /// Standard deviation.
     pub std: f64,

@@ -103,7 +103,7 @@ impl Scratch {
         }
     }
 
-    /// The arm as lanes need it, where there are no effects.
+    /// The arm as the SIMD residuals need it, where there are no effects.
     pub(crate) fn geometry(&self, arm: &Arm, data: &Measurements) -> Option<Geometry> {
         Geometry::of(arm, &self.bases, data)
     }

@@ -55,7 +55,7 @@ impl Drawing {
     }
 
     /// What a robot's rows say in the coordinates: information and pull. `None` where other parameters were fitted to them.
-    pub fn told(&self, by: &Information) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    pub fn in_coordinates(&self, by: &Information) -> Option<(DMatrix<f64>, DVector<f64>)> {
         if by.parameters.len() != self.parameters.len() {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Residuals of geometry alone and their derivatives for several rows at a time: the lanes of a vector are rows.
+//! Residuals of geometry alone and their derivatives for several rows at a time, the SIMD rows: one in each lane of a vector of the machine.
 //!
 //! What is computed is that of [`ResidualModel::row_into`](crate::identify::residual::ResidualModel::row_into) for poses and positions without effects,
 //! arranged for speed. Each joint carries a frame (a, b, axis | centre), see [`AxisBasis`]; the way from one frame to the next
@@ -9,7 +9,7 @@
 //! turned about a    (a - a') × (p - c) + (c - c') × a'       moved along a    a - a'         ' after the motion
 //! ```
 
-use crate::identify::jacobian_block::{Panel, Triple};
+use crate::identify::jacobian_block::{JacobianBlock, Triple};
 use crate::observation::arm::{Arm, AxisBasis};
 use crate::observation::measurements::{Measurements, Series};
 use crate::observation::parameters::{Layout, ParameterKind};
@@ -42,7 +42,7 @@ struct Way {
     tip: Pose,
 }
 
-/// The arm's numbers as the lanes need them.
+/// The arm's numbers as the SIMD residuals need them.
 #[derive(Debug, Clone)]
 pub(crate) struct Geometry {
     /// To each tip.
@@ -52,9 +52,9 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// `None` for an arm without joints, for kinds that lanes do not know, and where some values are surer than others.
+    /// `None` for an arm without joints, for kinds without SIMD residuals, and where some values are surer than others.
     pub(crate) fn of(arm: &Arm, bases: &[AxisBasis], data: &Measurements) -> Option<Self> {
-        let unknown = data.scene.series.iter().any(|series| !series.kind.in_lanes());
+        let unknown = data.scene.series.iter().any(|series| !series.kind.has_simd_residuals());
         if arm.joints.is_empty() || unknown || data.observed.has_levels() {
             return None;
         }
@@ -89,7 +89,7 @@ impl Geometry {
     }
 }
 
-/// A frame in each lane: columns of the rotation, and the origin.
+/// A frame for each SIMD row: columns of the rotation, and the origin.
 #[derive(Clone, Copy)]
 struct Frame<S: Simd> {
     x: Triple<S>,
@@ -98,7 +98,7 @@ struct Frame<S: Simd> {
     origin: Triple<S>,
 }
 
-/// A joint in each lane: its frame before the motion, and what the motion did.
+/// A joint for each SIMD row: its frame before the motion, and what the motion did.
 #[derive(Clone, Copy)]
 struct Moved<S: Simd> {
     /// Directions a and b before less after.
@@ -132,7 +132,7 @@ fn dot<S: Simd>(a: Triple<S>, b: Triple<S>) -> S::f64s {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
-/// Rows of a matrix in each lane, times a vector.
+/// Rows of a matrix for each SIMD row, times a vector.
 #[inline(always)]
 fn times<S: Simd>(rows: [Triple<S>; 3], x: Triple<S>) -> Triple<S> {
     each::<S>(|k| dot::<S>(rows[k], x))
@@ -179,7 +179,7 @@ impl<S: Simd> Frame<S> {
     }
 }
 
-/// Computes these rows: squared residuals of their observations into `squares`, the rest into the panels of the channels.
+/// Computes these rows: squared residuals of their observations into `squares`, the rest into the blocks of the channels.
 #[inline(always)]
 pub(crate) fn rows<S: Simd>(
     simd: S,
@@ -187,9 +187,9 @@ pub(crate) fn rows<S: Simd>(
     weights: &[f64],
     rows: Range<usize>,
     squares: &mut [[f64; 2]],
-    panels: &mut [Panel],
+    blocks: &mut [JacobianBlock],
 ) {
-    let (lanes, observed) = (S::f64s::LEN, &data.observed);
+    let (simd_rows, observed) = (S::f64s::LEN, &data.observed);
     let zero = S::f64s::splat(simd, 0.0);
     let none = Moved::<S> {
         less: [[zero; 3]; 2],
@@ -203,8 +203,8 @@ pub(crate) fn rows<S: Simd>(
     let mut joints = vec![none; geometry.joints.len()];
     let instruments: Vec<Pose> = arm.instruments.iter().map(Pose::inverse).collect();
     let first = observed.of_row(rows.start).start;
-    for start in rows.clone().step_by(lanes) {
-        let count = lanes.min(rows.end - start);
+    for start in rows.clone().step_by(simd_rows) {
+        let count = simd_rows.min(rows.end - start);
         let row = |lane: usize| start + lane.min(count - 1);
         for (of_tip, way) in geometry.ways.iter().enumerate() {
             if geometry.ways.len() > 1 {
@@ -218,7 +218,7 @@ pub(crate) fn rows<S: Simd>(
                 if data.scene.tip_of(series.target) != of_tip {
                     continue;
                 }
-                // The observation of this series in each lane.
+                // The observation of this series in each SIMD row.
                 let mut at = [None::<usize>; 8];
                 for (lane, at) in at.iter_mut().enumerate().take(count) {
                     *at = observed.of_row(start + lane).find(|&observation| observed.series(observation) == index);
@@ -241,10 +241,10 @@ pub(crate) fn rows<S: Simd>(
                 let predicted = tip.point(target.translation.vector.into());
                 let residual = less::<S>(measured, predicted);
                 let factor = weight.sqrt();
-                let Some(place_panel) = series.channels[0].and_then(|channel| panels.get_mut(channel)) else {
+                let Some(place_block) = series.channels[0].and_then(|channel| blocks.get_mut(channel)) else {
                     continue;
                 };
-                place_panel.take_lanes::<S>(residual, factor, |parameter| {
+                place_block.take_simd::<S>(residual, factor, |parameter| {
                     let rate = place_rate(simd, geometry, layout.parameters[parameter].kind, &joints, predicted);
                     match rate {
                         Some(rate) => each::<S>(|k| -rate[k]),
@@ -253,7 +253,7 @@ pub(crate) fn rows<S: Simd>(
                 });
                 let place = dot::<S>(residual, residual);
                 let mut turn = zero;
-                if let Some(panel) = series.channels[1].and_then(|channel| panels.get_mut(channel)) {
+                if let Some(block) = series.channels[1].and_then(|channel| blocks.get_mut(channel)) {
                     let attitude = tip.behind(&se3::pose(target.rotation, Vector3::zeros()));
                     let measured: [Triple<S>; 3] = std::array::from_fn(|column| {
                         let axis = each::<S>(|k| number(3 + 3 * column + k));
@@ -263,7 +263,7 @@ pub(crate) fn rows<S: Simd>(
                     });
                     let (residual, right) = turned(simd, measured, &attitude);
                     turn = dot::<S>(residual, residual);
-                    panel.take_lanes::<S>(residual, factor, |parameter| {
+                    block.take_simd::<S>(residual, factor, |parameter| {
                         let rate = match layout.parameters[parameter].kind {
                             ParameterKind::Turn { joint, direction } => {
                                 times::<S>(right, joints[joint].less[direction])
@@ -384,7 +384,7 @@ fn place_rate<S: Simd>(
     })
 }
 
-/// Rotation vector of measured · predictedᵀ in each lane, and the inverse right Jacobian of SO(3) there, row by row.
+/// Rotation vector of measured · predictedᵀ in each SIMD row, and the inverse right Jacobian of SO(3) there, row by row.
 #[inline(always)]
 fn turned<S: Simd>(simd: S, measured: [Triple<S>; 3], predicted: &Frame<S>) -> (Triple<S>, [Triple<S>; 3]) {
     let axes = [predicted.x, predicted.y, predicted.z];
@@ -460,7 +460,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_sum_up_to_what_the_rows_do_one_by_one() {
+    fn simd_rows_sum_up_to_what_the_rows_do_one_by_one() {
         for chain in examples::all() {
             for (kind, targets) in [(POSE, 1), (POSITION, 3)] {
                 let options = SimulationOptions { kind, rows: 77, targets, turn: 0.02, ..Default::default() };
@@ -490,12 +490,12 @@ mod tests {
                 for arm in
                     [simulation.arm.clone(), Arm { instruments: vec![Pose::identity()], ..simulation.arm.clone() }]
                 {
-                    let lanes = ResidualModel { data, layout: &layout, effects: &NoEffects }.sums(&arm, &weights);
+                    let simd_rows = ResidualModel { data, layout: &layout, effects: &NoEffects }.sums(&arm, &weights);
                     let rows = ResidualModel { data, layout: &layout, effects: &RowByRow }.sums(&arm, &weights);
-                    for (one, other) in lanes.squares.iter().flatten().zip(rows.squares.iter().flatten()) {
+                    for (one, other) in simd_rows.squares.iter().flatten().zip(rows.squares.iter().flatten()) {
                         assert!((one.sqrt() - other.sqrt()).abs() < 1e-13, "{one} {other}");
                     }
-                    for (one, other) in lanes.channels.iter().zip(&rows.channels) {
+                    for (one, other) in simd_rows.channels.iter().zip(&rows.channels) {
                         let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
                         let size = |k: usize| other.matrix[k * layout.len() + k].sqrt() + 1e-300;
                         for (at, (a, b)) in one.matrix.iter().zip(&other.matrix).enumerate() {

@@ -146,8 +146,8 @@ struct State<E> {
 
 /// Fit the free numbers of `layout` to the data, starting at `arm`.
 ///
-/// Minimises Σ w |r|²/σ² + δᵀ P δ, σ estimated from the residuals by channel, δ the axes' departure from what is expected
-/// of them, P how firmly it is ([prior](crate::observation::prior)). The departure of the
+/// Minimises Σ w |r|²/σ² + δᵀ P δ, σ estimated from the residuals by channel, δ the axes' deviation from what is expected
+/// of them, P how firmly it is ([prior](crate::observation::prior)). The deviation of the
 /// targets, where the gauge asks for it, is taken from the `arm` given.
 ///
 /// # Shape and units
@@ -277,7 +277,7 @@ impl Solver<'_> {
 
     fn system<E: Effects>(&self, state: &State<E>, noise: &Noise) -> System {
         let n = self.layout.len();
-        let departure = self.layout.departure(&state.arm, &self.reference);
+        let perturbation = self.layout.perturbation(&state.arm, &self.reference);
         let mut matrix = DMatrix::<f64>::zeros(n, n);
         let mut gradient = DVector::<f64>::zeros(n);
         for (channel, sigma) in state.sums.channels.iter().zip(&noise.levels) {
@@ -300,7 +300,7 @@ impl Solver<'_> {
         matrix.fill_lower_triangle_with_upper_triangle();
         // The joints come first in the layout.
         let count = self.layout.joints.len();
-        let pull = &self.layout.prior.precision * departure;
+        let pull = &self.layout.prior.precision * perturbation;
         let mut block = matrix.view_mut((0, 0), (count, count));
         block += &self.layout.prior.precision;
         let mut joints = gradient.rows_mut(0, count);

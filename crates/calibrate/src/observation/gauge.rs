@@ -74,9 +74,9 @@ fn home_of(arm: &Arm, target: usize) -> &Pose {
     &arm.tips[arm.sits_on[target]].home
 }
 
-/// The conditions that hold the frame: their product with the departure from nominal is to be 0. Up to 6 columns for each frame.
+/// The conditions that hold the frame: their product with the deviation from nominal is to be 0. Up to 6 columns for each frame.
 ///
-/// They say that no common motion brings the axes nearer to nominal, each departure taken in its tolerance. Motions
+/// They say that no common motion brings the axes nearer to nominal, each deviation taken in its tolerance. Motions
 /// are those of the robot as drawn. What moves none of its axes (along the parallel axes of a SCARA) is settled by
 /// the targets, which stay where `reference` has them, unless there are effects: these act at places of the arm, so the
 /// data may tell it, and it is left free.

@@ -13,7 +13,7 @@ mod position;
 mod socket;
 
 use crate::observation::arm::{Arm, Perturbation};
-use crate::observation::measurements::{Problem, Series};
+use crate::observation::measurements::{MeasurementError, Series};
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
@@ -251,7 +251,7 @@ pub trait Observe: Sync {
 
     /// Whether it is the target's position, and orientation where there is that part, in the instrument's frame: the
     /// numbers are then x, y, z and the rotation matrix column by column, and rows can be computed several at a time.
-    fn in_lanes(&self) -> bool {
+    fn has_simd_residuals(&self) -> bool {
         false
     }
 
@@ -330,7 +330,7 @@ pub trait Observe: Sync {
     ///
     /// # Errors
     /// The cells are no such observation.
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem>;
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError>;
 
     /// The cells that the numbers are written as.
     fn to_cells(&self, values: &[f64]) -> Vec<f64> {

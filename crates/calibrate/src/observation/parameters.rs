@@ -414,14 +414,14 @@ impl Layout {
         self
     }
 
-    /// What the prior charges for an arm: δᵀ P δ of the axes' departure from what is expected; see [`Layout::difference`].
+    /// What the prior charges for an arm: δᵀ P δ of the axes' deviation from what is expected; see [`Layout::difference`].
     pub fn prior_cost(&self, arm: &Arm, reference: &Arm) -> f64 {
-        let departure = self.departure(arm, reference);
-        departure.dot(&(&self.prior.precision * &departure))
+        let perturbation = self.perturbation(arm, reference);
+        perturbation.dot(&(&self.prior.precision * &perturbation))
     }
 
-    /// How far the joints' parameters are from what is expected of them; see [`Layout::difference`].
-    pub fn departure(&self, arm: &Arm, reference: &Arm) -> DVector<f64> {
+    /// δ: how far the joints' parameters are from what is expected of them; see [`Layout::difference`].
+    pub fn perturbation(&self, arm: &Arm, reference: &Arm) -> DVector<f64> {
         let difference = self.difference(arm, reference);
         DVector::from_row_slice(&difference[self.joints.clone()]) - &self.prior.mean
     }

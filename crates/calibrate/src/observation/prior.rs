@@ -4,7 +4,7 @@
 //! link k, ok the error of joint k's zero, Sk its screw,
 //!
 //! ```text
-//! departure of axis i = across_i( base + Σ_{k ≤ i} δk + Σ_{k < i} ok Sk )
+//! perturbation of axis i = across_i( base + Σ_{k ≤ i} δk + Σ_{k < i} ok Sk )
 //! ```
 //! with the sums over the joints that carry axis i: in a tree those on the way to it.
 //! δk turns by `turn` about three axes through axis k's centre and shifts by `shift`; nothing is expected of the base.
@@ -56,7 +56,7 @@ const BEST_KNOWN: f64 = 1e-6;
 /// What is expected of the joints' parameters: a normal distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
-    /// Mean departure from the drawing, in the parameters' units: 0 where nothing was measured before.
+    /// Mean deviation from the drawing, in the parameters' units: 0 where nothing was measured before.
     pub mean: DVector<f64>,
     /// Inverse covariance, in units of 1 over the parameters' units.
     pub precision: DMatrix<f64>,
@@ -71,7 +71,7 @@ pub struct Prior {
 pub struct KnownBefore {
     /// Indices among the joints' parameters of a layout, each once.
     pub indices: Vec<usize>,
-    /// Mean departure from the drawing, in the parameters' units.
+    /// Mean deviation from the drawing, in the parameters' units.
     pub mean: DVector<f64>,
     /// Covariance, in the parameters' units; directions in which the common frame was held have none.
     pub covariance: DMatrix<f64>,

@@ -7,7 +7,7 @@ use crate::report::text::{correlations, table};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A parameter whose spread is more than this share of the prior's is told weakly.
+/// A parameter whose spread is more than this share of the prior's is known weakly.
 const WEAK: f64 = 0.5;
 /// Correlations above this are strong.
 const STRONG: f64 = 0.9;

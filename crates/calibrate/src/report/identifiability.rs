@@ -24,7 +24,7 @@ pub fn identifiability(found: &[Identifiability]) -> String {
     }
     let mut text = table(&rows);
     for one in found {
-        // One line for all that cannot be told for one reason.
+        // One line for all that is not identifiable for one reason.
         for together in one.unidentifiable.chunk_by(|a, b| a.why == b.why) {
             let names: Vec<&str> = together.iter().map(|unidentifiable| unidentifiable.parameter.as_str()).collect();
             let kind = one.scene.words();

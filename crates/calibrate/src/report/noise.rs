@@ -71,7 +71,7 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
         );
     }
     if noise.rows < noise.of_rows {
-        let _ = writeln!(text, "  told from {} of the {} rows, evenly spread", noise.rows, noise.of_rows);
+        let _ = writeln!(text, "  estimated from {} of the {} rows, evenly spread", noise.rows, noise.of_rows);
     }
     text
 }

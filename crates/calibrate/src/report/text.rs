@@ -308,7 +308,7 @@ fn several_lengths(scene: &Scene) -> bool {
     scene.channels.iter().filter(|part| part.unit == "m").count() > 1
 }
 
-/// The noise of the stage that was adopted, and what it was told from.
+/// The noise of the stage that was adopted, and what it was estimated from.
 struct Floor<'a> {
     noise: &'a Noise,
     parameters: &'a [f64],

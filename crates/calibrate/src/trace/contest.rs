@@ -36,12 +36,12 @@ impl Tracer<'_> {
     /// The sets of terms that are worth a fit.
     pub(crate) fn contenders(&self, state: &State, contested: Range<usize>) -> Vec<Vec<Candidate>> {
         let linear = self.linear(state);
-        let field = self.field(&linear);
+        let scorer = self.scorer(&linear);
         let mut sets = Vec::new();
         for index in contested {
-            let rest = state.loosely_without(&linear, &[index]);
-            let own = field.own(&rest, &state.chosen[index]);
-            let mut scored = field.score(&rest, &self.candidates);
+            let projector = state.loosely_without(&linear, &[index]);
+            let own = scorer.own(&projector, &state.chosen[index]);
+            let mut scored = scorer.score(&projector, &self.candidates);
             scored.retain(|other| other.gain.rank > 0 && other.gain.drop > CONTENDS * own.gain.drop);
             scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
             let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
@@ -53,7 +53,7 @@ impl Tracer<'_> {
                 if !seen.contains(&key(&other.candidate)) {
                     seen.push(key(&other.candidate));
                     let mut chosen = state.chosen.clone();
-                    chosen[index] = field.refined(&rest, &self.survey, &other.candidate).candidate;
+                    chosen[index] = scorer.refined(&projector, &self.survey, &other.candidate).candidate;
                     sets.push(chosen);
                 }
             }

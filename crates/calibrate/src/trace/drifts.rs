@@ -33,20 +33,20 @@ impl Tracer<'_> {
             })
             .collect();
         let linear = self.linear(state);
-        let field = self.field(&linear);
+        let scorer = self.scorer(&linear);
         let (others, residual) = state.parts(&linear, &own);
-        let rest = linear.loose().beside(&[&others], &residual);
+        let projector = linear.loose().beside(&[&others], &residual);
         let together = |terms: &[Candidate]| {
             let mut cells = Vec::new();
             for candidate in terms {
-                field.columns_into(&candidate.term, &mut cells);
+                scorer.columns_into(&candidate.term, &mut cells);
             }
             DMatrix::from_vec(residual.len(), cells.len() / residual.len(), cells)
         };
         let judged = |terms: &[Candidate]| {
             let scanned = terms.iter().map(|candidate| candidate.scanned).sum();
-            let gain = rest.gain_of(&together(terms));
-            field.judged(&rest, &Candidate { scanned, ..terms[0].clone() }, gain).delta_bic
+            let gain = projector.gain_of(&together(terms));
+            scorer.judged(&projector, &Candidate { scanned, ..terms[0].clone() }, gain).delta_bic
         };
         let had: Vec<Candidate> = own.iter().map(|&index| state.chosen[index].clone()).collect();
         let mut best = (judged(&had), had);
@@ -58,14 +58,14 @@ impl Tracer<'_> {
             }
             let mut places: Vec<f64> = Vec::new();
             while places.len() < MOST_STEPS {
-                let projector = rest.beside(&[&together(&terms)], &residual);
+                let with_terms = projector.beside(&[&together(&terms)], &residual);
                 let all = clock.all_places();
                 let stride = all.len().div_ceil(PLACES).max(1);
                 let step = |at: f64| drift(carrier, Driver::Steps { covariate: clock.column.clone(), at: vec![at] }, 1);
                 let tried: Vec<Candidate> = all.into_iter().step_by(stride).map(step).collect();
-                let scored = field.score(&projector, &tried);
+                let scored = scorer.score(&with_terms, &tried);
                 let Some(first) = scored.into_iter().max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic)) else { break };
-                let refined = field.refined(&projector, &self.survey, &first.candidate);
+                let refined = scorer.refined(&with_terms, &self.survey, &first.candidate);
                 let Driver::Steps { at, .. } = &refined.candidate.term.driver else { break };
                 if refined.delta_bic < LEAST_DELTA_BIC || places.contains(&at[0]) {
                     break;

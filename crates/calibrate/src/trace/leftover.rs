@@ -8,7 +8,7 @@ use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
 use crate::observation::measurements::Column;
 use crate::trace::projector::{Gain, Projector};
-use crate::trace::search::{Field, p_value};
+use crate::trace::search::{CandidateScorer, p_value};
 use crate::trace::select::Tracer;
 use denavit_model::nalgebra::DMatrix;
 use serde::Serialize;
@@ -94,10 +94,10 @@ pub fn carriers(survey: &Survey) -> Vec<Carrier> {
 }
 
 /// Tests every block against the model, takes the best, and again, until nothing is left.
-pub fn examine(tracer: &Tracer<'_>, field: &Field<'_>) -> Leftover {
-    let linear = field.linear;
-    let blocks = blocks(tracer, field);
-    let columns: Vec<DMatrix<f64>> = blocks.iter().map(|block| block.columns(field)).collect();
+pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
+    let linear = scorer.linear;
+    let blocks = blocks(tracer, scorer);
+    let columns: Vec<DMatrix<f64>> = blocks.iter().map(|block| block.columns(scorer)).collect();
     let tests = columns.len() as f64;
     let mut open: Vec<usize> = (0..columns.len()).collect();
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
@@ -164,8 +164,8 @@ impl Variable {
 
 impl Block {
     /// In units of the noise.
-    pub(crate) fn columns(&self, field: &Field<'_>) -> DMatrix<f64> {
-        let linear = field.linear;
+    pub(crate) fn columns(&self, scorer: &CandidateScorer<'_>) -> DMatrix<f64> {
+        let linear = scorer.linear;
         let Some(carrier) = linear.columns_of(self.carrier) else {
             return DMatrix::zeros(linear.residual.len(), 0);
         };
@@ -182,7 +182,7 @@ impl Block {
     }
 }
 
-fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
+fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
     let survey = &tracer.survey;
     let rows = tracer.data.len();
     let moving: Vec<usize> = survey.moving().collect();
@@ -214,7 +214,7 @@ fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
         if column.name().contains(crate::effects::driver::APPROACH) {
             continue;
         }
-        if let Some(values) = pieces(tracer, field, column) {
+        if let Some(values) = pieces(tracer, scorer, column) {
             functions.push((vec![Variable::Recorded(column.name().to_owned())], values));
         }
     }
@@ -241,7 +241,7 @@ fn blocks(tracer: &Tracer<'_>, field: &Field<'_>) -> Vec<Block> {
 }
 
 /// Straight pieces over a recorded quantity, knots where its values lie.
-fn pieces(tracer: &Tracer<'_>, field: &Field<'_>, column: &Column) -> Option<Vec<Vec<f64>>> {
+fn pieces(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>, column: &Column) -> Option<Vec<Vec<f64>>> {
     let recorded = |row: usize| tracer.data.covariates.row(row).value(column);
     let mut sorted: Vec<f64> = (0..tracer.data.len()).map(recorded).collect();
     sorted.sort_by(f64::total_cmp);
@@ -252,6 +252,6 @@ fn pieces(tracer: &Tracer<'_>, field: &Field<'_>, column: &Column) -> Option<Vec
     }
     let driver = Driver::Smooth { covariate: column.clone(), knots };
     let term = Term { kind: Kind::Drift, carrier: Carrier::Base, driver, coupling: Coupling::Each };
-    let count = term.driver.len(field.statics);
-    Some(field.driver_values(&term).chunks(count).map(<[f64]>::to_vec).collect())
+    let count = term.driver.len(scorer.statics);
+    Some(scorer.driver_values(&term).chunks(count).map(<[f64]>::to_vec).collect())
 }

@@ -102,12 +102,11 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let problem = ResidualModel { data, layout: &layout, effects: &probe };
     let columns = layout.len();
     let mut scratch = Scratch::new(&layout, &fit.arm);
-    let mut residual = vec![0.0; data.tallest_row()];
-    let mut jacobian = vec![0.0; data.tallest_row() * columns];
+    let (mut residual, mut jacobian) = (vec![0.0; data.tallest_row()], vec![0.0; data.tallest_row() * columns]);
     let kept = |observation: &usize| fit.weights[*observation] > 0.0;
     let values: usize =
         (0..data.observations()).filter(kept).map(|observation| data.series_of(observation).kind.height()).sum();
-    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · departure.
+    // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · perturbation.
     let prior =
         layout.prior.precision.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
     let priors = prior.nrows();
@@ -170,7 +169,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         }
     }
     if priors > 0 {
-        result.residual.rows_mut(values, priors).copy_from(&(&prior * layout.departure(&fit.arm, reference) / RELAXED));
+        let perturbation = &prior * layout.perturbation(&fit.arm, reference) / RELAXED;
+        result.residual.rows_mut(values, priors).copy_from(&perturbation);
         result.geometry.view_mut((values, 0), (priors, priors)).copy_from(&(&prior / RELAXED));
     }
     for (k, known) in lengths.iter().enumerate() {

@@ -4,7 +4,7 @@ use crate::effects::catalogue::Candidate;
 use crate::effects::driver::Driver;
 use crate::effects::model::Coupling;
 use crate::trace::linear::Linear;
-use crate::trace::search::Field;
+use crate::trace::search::CandidateScorer;
 use crate::trace::select::{State, Tracer};
 use serde::Serialize;
 
@@ -47,15 +47,21 @@ struct Along {
 
 impl Tracer<'_> {
     /// The portrait of one effect of a state; `bare`: geometry alone, linearised.
-    pub(crate) fn portrait(&self, field: &Field<'_>, bare: &Linear, state: &State, index: usize) -> Portrait {
+    pub(crate) fn portrait(
+        &self,
+        scorer: &CandidateScorer<'_>,
+        bare: &Linear,
+        state: &State,
+        index: usize,
+    ) -> Portrait {
         let candidate = &state.chosen[index];
         let coefficients = &state.fit.effects.effects[index].coefficients;
-        let values = field.driver_values(&candidate.term);
+        let values = scorer.driver_values(&candidate.term);
         let count = candidate.term.driver.len(self.statics);
-        let direction = strongest(field.linear, candidate, coefficients, &values, count);
-        let here = along(field.linear, candidate, coefficients, &values, count, direction);
+        let direction = strongest(scorer.linear, candidate, coefficients, &values, count);
+        let here = along(scorer.linear, candidate, coefficients, &values, count, direction);
         let there = along(bare, candidate, coefficients, &values, count, direction);
-        let after = projected(field.linear, &here, self.data.len());
+        let after = projected(scorer.linear, &here, self.data.len());
         let before = projected(bare, &there, self.data.len());
         let most = after.iter().flatten().map(|(_, felt)| *felt).fold(0.0, f64::max);
         let driver = self.abscissa(candidate, &values, count);

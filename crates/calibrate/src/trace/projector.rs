@@ -1,6 +1,6 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
-use crate::identify::gram::products;
+use crate::identify::gram::cross_gram;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A column of the model that is this nearly a sum of others adds nothing.
@@ -81,16 +81,16 @@ impl Projector {
     pub fn gains(&self, columns: &[f64], blocks: &[usize], least: f64) -> Vec<Gain> {
         let rows = self.residual.len();
         let rank = self.rank();
-        let shares = products(self.basis.as_slice(), columns, rows);
-        let along = products(self.residual.as_slice(), columns, rows);
+        let shares = cross_gram(self.basis.as_slice(), columns, rows);
+        let along = cross_gram(self.residual.as_slice(), columns, rows);
         let mut first = 0;
         let block_gain = |count: &usize| {
             let range = first..first + count;
             first = range.end;
             let raw = &columns[range.start * rows..range.end * rows];
             let share = &shares[range.start * rank..range.end * rank];
-            let of_shares = if rank == 0 { vec![0.0; count * count] } else { products(share, share, rank) };
-            gain(&products(raw, raw, rows), &of_shares, along[range].to_vec(), least)
+            let of_shares = if rank == 0 { vec![0.0; count * count] } else { cross_gram(share, share, rank) };
+            gain(&cross_gram(raw, raw, rows), &of_shares, along[range].to_vec(), least)
         };
         blocks.iter().map(block_gain).collect()
     }

@@ -5,7 +5,7 @@ use crate::effects::driver::{BumpShape, Driver};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
 use crate::trace::projector::Projector;
-use crate::trace::search::{Field, Scored};
+use crate::trace::search::{CandidateScorer, Scored};
 
 /// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what noise lets one tell.
 const HALVINGS: usize = 16;
@@ -16,7 +16,7 @@ const OUTLINE: f64 = 6.0;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-impl Field<'_> {
+impl CandidateScorer<'_> {
     /// The candidate with its scanned numbers where it explains most, scored.
     pub fn refined(&self, projector: &Projector, survey: &Survey, candidate: &Candidate) -> Scored {
         let score = |driver: Driver, scanned: usize| {

@@ -30,18 +30,18 @@ pub struct Scored {
     pub p_value: f64,
 }
 
-/// What the model can do, with geometry on a loose and on a firm prior.
+/// What the model can do, with geometry on a loose and on a firm prior: two projectors.
 ///
 /// An effect is claimed against loose geometry; of two that both pass, the one that needs less of it is the better.
 #[derive(Debug, Clone)]
-pub struct Rest {
+pub struct Projectors {
     /// Geometry far beyond its tolerances.
     pub loose: Projector,
     /// Geometry in its tolerances.
     pub firm: Projector,
 }
 
-impl Rest {
+impl Projectors {
     /// Geometry and these columns of effects (zero in the rows of the prior).
     pub fn new(linear: &Linear, effects: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
         let mut firm_residual = residual.clone();
@@ -54,9 +54,9 @@ impl Rest {
     }
 }
 
-/// What a search is made against.
+/// Scores candidates against the model linearised at a state.
 #[derive(Debug, Clone, Copy)]
-pub struct Field<'a> {
+pub struct CandidateScorer<'a> {
     /// Data.
     pub data: &'a Measurements,
     /// The chain and its masses.
@@ -80,11 +80,11 @@ impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
         let linear = self.linear(&self.refitted(Vec::new(), None));
-        self.scan(&self.field(&linear).score(linear.loose(), &self.candidates))
+        self.scan(&self.scorer(&linear).score(linear.loose(), &self.candidates))
     }
 }
 
-impl Field<'_> {
+impl CandidateScorer<'_> {
     /// The term's columns in units of the noise, appended to `out`; returns how many.
     pub fn columns_into(&self, term: &Term, out: &mut Vec<f64>) -> usize {
         let Some(carrier) = self.linear.columns_of(term.carrier) else { return 0 };
@@ -148,9 +148,9 @@ impl Field<'_> {
     }
 
     /// How much the criterion falls with geometry on its firm prior, less the kind's handicap.
-    pub fn firm_bic(&self, rest: &Rest, candidate: &Candidate) -> f64 {
-        let gain = rest.firm.gain_of(&self.columns(&candidate.term));
-        self.judged(&rest.firm, candidate, gain).delta_bic - handicap(candidate.term.kind)
+    pub fn firm_bic(&self, projectors: &Projectors, candidate: &Candidate) -> f64 {
+        let gain = projectors.firm.gain_of(&self.columns(&candidate.term));
+        self.judged(&projectors.firm, candidate, gain).delta_bic - handicap(candidate.term.kind)
     }
 
     /// Scores a gain: information criterion and F-test.

@@ -15,7 +15,7 @@ use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
-use crate::trace::search::{Field, Rest, Scored, carriers_of};
+use crate::trace::search::{CandidateScorer, Projectors, Scored, carriers_of};
 use crate::trace::{ScanCell, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
@@ -37,10 +37,10 @@ const LEAST_REJECTED: usize = 4;
 const MOST_LOCAL: usize = 3;
 /// Pull of a rejected row that comes back, in units of the noise.
 const BOUNDED: f64 = 4.0;
-/// Where structure is left that no entry explains, an effect that explains less than this share of it is not named.
-const MIMIC: f64 = 0.5;
-/// Nor is one that explains less than this many times what is left, if it adds nothing beside that structure.
-const MIMIC_BESIDE: f64 = 3.0;
+/// Where structure is left that no entry explains, an effect that explains less than this share of it is spurious and not named.
+const SPURIOUS: f64 = 0.5;
+/// So is one that explains less than this many times what is left, if it adds nothing beside that structure.
+const SPURIOUS_BESIDE: f64 = 3.0;
 
 /// The search and what it works with.
 pub struct Tracer<'a> {
@@ -72,9 +72,9 @@ pub struct Proposals {
 
 impl State {
     /// Geometry and all effects but those of these indices, and the residual that this would leave.
-    pub(crate) fn without(&self, linear: &Linear, left_out: &[usize]) -> Rest {
+    pub(crate) fn without(&self, linear: &Linear, left_out: &[usize]) -> Projectors {
         let (others, residual) = self.parts(linear, left_out);
-        Rest::new(linear, &others, &residual)
+        Projectors::new(linear, &others, &residual)
     }
 
     /// The same on loose geometry alone, which is all that finding scanned numbers takes.
@@ -133,19 +133,19 @@ impl<'a> Tracer<'a> {
         let (mut scan, mut passes) = (Vec::new(), 0);
         while state.chosen.len() < self.options.max_effects {
             let linear = self.linear(&state);
-            let rest = Rest::new(&linear, &linear.effects, &linear.residual);
-            let field = self.field(&linear);
-            let scored = field.score(&rest.loose, &self.candidates);
+            let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
+            let scorer = self.scorer(&linear);
+            let scored = scorer.score(&projectors.loose, &self.candidates);
             if scan.is_empty() {
                 scan = self.scan(&scored);
             }
-            let Some(best) = self.best(&field, &rest, &scored) else { break };
-            if !self.helps_held_out(&field, &best) {
+            let Some(best) = self.best(&scorer, &projectors, &scored) else { break };
+            if !self.helps_held_out(&scorer, &best) {
                 break;
             }
             let before = state.clone();
             state = self.added(&state, &best.candidate);
-            state = self.tidied(state);
+            state = self.pruned(state);
             if let Some(next) = self.separated(&state, COARSE) {
                 state = self.rescanned(next);
             }
@@ -162,10 +162,10 @@ impl<'a> Tracer<'a> {
         }
         let mut candidates = Vec::new();
         self.propose(&state, &mut candidates);
-        let (mut plain, _) = self.without_mimics(state.clone());
+        let (mut plain, _) = self.without_spurious(state.clone());
         for _ in 0..MOST_CONTESTS {
             let Some(next) = self.contested(&plain, 0..plain.chosen.len()) else { break };
-            (plain, _) = self.without_mimics(next);
+            (plain, _) = self.without_spurious(next);
         }
         if !same_terms(&plain.chosen, &state.chosen) {
             self.propose(&plain, &mut candidates);
@@ -190,9 +190,9 @@ impl<'a> Tracer<'a> {
             }
         }
         let linear = self.linear(state);
-        let rest = Rest::new(&linear, &linear.effects, &linear.residual);
-        let field = self.field(&linear);
-        let mut scored = field.score(&rest.loose, &self.candidates);
+        let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
+        let scorer = self.scorer(&linear);
+        let mut scored = scorer.score(&projectors.loose, &self.candidates);
         scored.retain(|scored| scored.gain.rank > 0 && scored.delta_bic > 0.0);
         scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         let mut seen: Vec<(Kind, Carrier)> = Vec::new();
@@ -202,7 +202,7 @@ impl<'a> Tracer<'a> {
                 seen.push(key);
                 let refined = seen.len() <= REFINED;
                 add(if refined {
-                    field.refined(&rest.loose, &self.survey, &scored.candidate).candidate
+                    scorer.refined(&projectors.loose, &self.survey, &scored.candidate).candidate
                 } else {
                     scored.candidate
                 });
@@ -240,10 +240,10 @@ impl<'a> Tracer<'a> {
             *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
         }
         let linear = self.linear(&open);
-        let rest = Rest::new(&linear, &linear.effects, &linear.residual);
-        let field = self.field(&linear);
-        let scored = field.score(&rest.loose, &self.candidates);
-        let best = self.best(&field, &rest, &scored)?;
+        let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
+        let scorer = self.scorer(&linear);
+        let scored = scorer.score(&projectors.loose, &self.candidates);
+        let best = self.best(&scorer, &projectors, &scored)?;
         let next = self.rescanned(self.added(state, &best.candidate));
         // Rows that the place as first scanned left out may come back.
         let next = self.refitted(next.chosen.clone(), Some(&next));
@@ -255,12 +255,17 @@ impl<'a> Tracer<'a> {
         linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers)
     }
 
-    pub(crate) fn field<'b>(&'b self, linear: &'b Linear) -> Field<'b> {
-        Field { data: self.data, statics: self.statics, linear }
+    pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
+        CandidateScorer { data: self.data, statics: self.statics, linear }
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
-    pub(crate) fn best(&self, field: &Field<'_>, rest: &Rest, scored: &[Scored]) -> Option<Scored> {
+    pub(crate) fn best(
+        &self,
+        scorer: &CandidateScorer<'_>,
+        projectors: &Projectors,
+        scored: &[Scored],
+    ) -> Option<Scored> {
         let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
         order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         let mut seen: Vec<(Kind, Carrier)> = Vec::new();
@@ -269,13 +274,13 @@ impl<'a> Tracer<'a> {
             let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
             if !seen.contains(&key) {
                 seen.push(key);
-                leaders.push(field.refined(&rest.loose, &self.survey, &scored.candidate));
+                leaders.push(scorer.refined(&projectors.loose, &self.survey, &scored.candidate));
             }
             if leaders.len() == REFINED {
                 break;
             }
         }
-        let firm = |scored: &Scored| field.firm_bic(rest, &scored.candidate);
+        let firm = |scored: &Scored| scorer.firm_bic(projectors, &scored.candidate);
         let judged = leaders.into_iter().filter(|scored| self.passes(scored)).map(|scored| (firm(&scored), scored));
         judged.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, scored)| scored)
     }
@@ -290,13 +295,13 @@ impl<'a> Tracer<'a> {
         (p_value * self.candidates.len() as f64).min(1.0)
     }
 
-    fn helps_held_out(&self, field: &Field<'_>, scored: &Scored) -> bool {
-        let linear = field.linear;
+    fn helps_held_out(&self, scorer: &CandidateScorer<'_>, scored: &Scored) -> bool {
+        let linear = scorer.linear;
         let clock = self.survey.clock.as_ref().map(|clock| clock.column.name());
         let follows_run = scored.candidate.term.driver.covariate().is_some_and(|name| Some(name) == clock);
         // A stretch of a file that moves one joint after the other holds all that there is of one: then every fifth row.
         let folds = if follows_run { &[Folds::Interleaved][..] } else { &[Folds::Stretches, Folds::Interleaved] };
-        let columns = field.columns(&scored.candidate.term);
+        let columns = scorer.columns(&scored.candidate.term);
         folds.iter().any(|&folds| {
             let without = held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds);
             let with = held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds);
@@ -311,7 +316,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Swaps, merges and drops until nothing changes.
-    fn tidied(&self, state: State) -> State {
+    fn pruned(&self, state: State) -> State {
         let mut state = self.rescanned(state);
         let before = state.chosen.clone();
         for _ in 0..4 {
@@ -332,15 +337,15 @@ impl<'a> Tracer<'a> {
             return state;
         }
         let linear = self.linear(&state);
-        let field = self.field(&linear);
+        let scorer = self.scorer(&linear);
         let mut chosen = state.chosen.clone();
         let mut moved = false;
         for (index, candidate) in chosen.iter_mut().enumerate() {
             if candidate.scanned > 0 {
-                let rest = state.loosely_without(&linear, &[index]);
-                let refined = field.refined(&rest, &self.survey, candidate);
+                let projector = state.loosely_without(&linear, &[index]);
+                let refined = scorer.refined(&projector, &self.survey, candidate);
                 if refined.candidate.scanned != candidate.scanned
-                    || refined.gain.drop > field.own(&rest, candidate).gain.drop + SAME_DROP
+                    || refined.gain.drop > scorer.own(&projector, candidate).gain.drop + SAME_DROP
                 {
                     *candidate = refined.candidate;
                     moved = true;
@@ -360,29 +365,30 @@ impl<'a> Tracer<'a> {
     /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
     fn improved(&self, state: &State) -> Option<State> {
         let linear = self.linear(state);
-        let field = self.field(&linear);
+        let scorer = self.scorer(&linear);
         for index in 0..state.chosen.len() {
-            let rest = state.without(&linear, &[index]);
-            let own = field.own(&rest.loose, &state.chosen[index]);
+            let projectors = state.without(&linear, &[index]);
+            let own = scorer.own(&projectors.loose, &state.chosen[index]);
             if own.delta_bic < LEAST_DELTA_BIC {
                 let mut chosen = state.chosen.clone();
                 chosen.remove(index);
                 return Some(self.followed(chosen, state));
             }
-            let scored = field.score(&rest.loose, &self.candidates);
-            let Some(best) = self.best(&field, &rest, &scored) else { continue };
-            let (found, had) = (field.firm_bic(&rest, &best.candidate), field.firm_bic(&rest, &state.chosen[index]));
+            let scored = scorer.score(&projectors.loose, &self.candidates);
+            let Some(best) = self.best(&scorer, &projectors, &scored) else { continue };
+            let (found, had) =
+                (scorer.firm_bic(&projectors, &best.candidate), scorer.firm_bic(&projectors, &state.chosen[index]));
             if found > had + SWAP_GAIN && best.candidate.term != state.chosen[index].term {
                 let mut chosen = state.chosen.clone();
                 chosen[index] = best.candidate;
                 return Some(self.followed(chosen, state));
             }
         }
-        self.merged(state, &field)
+        self.merged(state, &scorer)
     }
 
     /// Several effects at one place where a single candidate does as well.
-    fn merged(&self, state: &State, field: &Field<'_>) -> Option<State> {
+    fn merged(&self, state: &State, scorer: &CandidateScorer<'_>) -> Option<State> {
         for first in 0..state.chosen.len() {
             let joint = state.chosen[first].term.carrier.joint()?;
             let same: Vec<usize> = (0..state.chosen.len())
@@ -391,19 +397,20 @@ impl<'a> Tracer<'a> {
             if same.len() < 2 || same[0] != first {
                 continue;
             }
-            let rest = state.without(field.linear, &same);
+            let projectors = state.without(scorer.linear, &same);
             let mut columns = Vec::new();
             let mut scanned = 0;
             for &index in &same {
-                field.columns_into(&state.chosen[index].term, &mut columns);
+                scorer.columns_into(&state.chosen[index].term, &mut columns);
                 scanned += state.chosen[index].scanned;
             }
-            let total = field.linear.residual.len();
+            let total = scorer.linear.residual.len();
             let count = columns.len() / total;
-            let gain = rest.loose.gain_of(&DMatrix::from_vec(total, count, columns));
-            let together = field.judged(&rest.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
-            let scored = field.score(&rest.loose, &self.candidates);
-            let Some(best) = self.best(field, &rest, &scored) else { continue };
+            let gain = projectors.loose.gain_of(&DMatrix::from_vec(total, count, columns));
+            let together =
+                scorer.judged(&projectors.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
+            let scored = scorer.score(&projectors.loose, &self.candidates);
+            let Some(best) = self.best(scorer, &projectors, &scored) else { continue };
             if best.delta_bic > together.delta_bic {
                 let mut chosen: Vec<Candidate> =
                     (0..state.chosen.len()).filter(|k| !same.contains(k)).map(|k| state.chosen[k].clone()).collect();
@@ -414,12 +421,12 @@ impl<'a> Tracer<'a> {
         None
     }
 
-    /// Drops effects that only stand in for a structure that no entry describes, and says what is left.
-    fn without_mimics(&self, mut state: State) -> (State, Leftover) {
+    /// Drops spurious effects, which only stand in for a structure that no entry describes, and says what is left.
+    fn without_spurious(&self, mut state: State) -> (State, Leftover) {
         loop {
             let linear = self.linear(&state);
-            let field = self.field(&linear);
-            let leftover = leftover::examine(self, &field);
+            let scorer = self.scorer(&linear);
+            let leftover = leftover::examine(self, &scorer);
             if !leftover.structured || state.chosen.is_empty() {
                 return (state, leftover);
             }
@@ -427,11 +434,11 @@ impl<'a> Tracer<'a> {
             for index in 0..state.chosen.len() {
                 let (others, residual) = state.parts(&linear, &[index]);
                 let others = linear.loose().beside(&[&others], &residual);
-                let alone = field.own(&others, &state.chosen[index]);
-                let own = field.own(&others.beside(&[&leftover.columns], &residual), &state.chosen[index]);
-                let beside = !self.passes(&own) && alone.gain.drop < MIMIC_BESIDE * leftover.drop;
-                let mimic = beside || alone.gain.drop < MIMIC * leftover.drop;
-                if mimic && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
+                let alone = scorer.own(&others, &state.chosen[index]);
+                let own = scorer.own(&others.beside(&[&leftover.columns], &residual), &state.chosen[index]);
+                let beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
+                let spurious = beside || alone.gain.drop < SPURIOUS * leftover.drop;
+                if spurious && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
                     weakest = Some((own.delta_bic, index));
                 }
             }

@@ -149,7 +149,7 @@ fn thinned(data: &Measurements) -> Vec<usize> {
 fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> Leftover {
     let state = State { chosen: Vec::new(), fit: fit.clone() };
     let linear = tracer.linear(&state);
-    leftover::examine(tracer, &tracer.field(&linear))
+    leftover::examine(tracer, &tracer.scorer(&linear))
 }
 
 /// Causes that a joint's own curve may hide: its scale, the lines of its spectrum, its compliance, its play.

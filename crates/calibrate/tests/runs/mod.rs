@@ -137,17 +137,18 @@ impl Score {
         let difference = |arm: &Arm| fit.layout.difference(arm, &truth);
         let (expected, estimated) = (difference(&truth), difference(&fit.arm));
         // What the frame itself fixes (a SCARA's target along its parallel axes) is known without spread.
-        let told = || {
+        let identifiable = || {
             let reported = fit.layout.joints.clone().chain(fit.layout.targets.clone());
             reported.filter(|&k| fit.deviation(k) > FIXED_BY_FRAME)
         };
-        let inside = told().filter(|&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95)).count();
+        let inside =
+            identifiable().filter(|&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95)).count();
         let [position, orientation] = run.noise;
         let chi = |square: &[f64; 2]| square[0] / position.powi(2) + square[1] / orientation.powi(2);
         let values: f64 = fit.values.iter().sum();
         Self {
             inside: inside as f64,
-            parameters: told().count() as f64,
+            parameters: identifiable().count() as f64,
             chi_squared: fit.squares.iter().zip(&fit.weights).map(|(square, weight)| weight * chi(square)).sum(),
             degrees_of_freedom: fit.degrees_of_freedom(),
             load: run.rank.unwrap_or_default() as f64 / values,

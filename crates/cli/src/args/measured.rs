@@ -199,7 +199,7 @@ pub struct FreedomArguments {
 
 const IDENTIFY_EXAMPLES: &str = "\
 Prints the count 5h + 4r + 2t + n + 6 of Wu, Crawford and Roberts (h screws, r revolute joints, t slides, n scales) \
-for poses, positions and distances, and beside it the rank of the identification Jacobian; names what cannot be told and \
+for poses, positions and distances, and beside it the rank of the identification Jacobian; names what is not identifiable and \
 why; then the same for the D-H form.
 
 Examples:

@@ -45,7 +45,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         asked.effects = vec!["none".into()];
     }
     let mut options = search(&asked, &robot.chain)?;
-    let products = products(arguments, &robot, &tips)?;
+    let formats = output_formats(arguments, &robot, &tips)?;
     let asked_rows = rows_asked(arguments, &robot.chain, &tips)?;
     let Rows { data, test, columns, notes, origin } = rows(&asked_rows, &robot.chain)?;
     measured::mention(&notes);
@@ -66,7 +66,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     result.report.columns = columns;
     result.report.origin = origin;
     result.report.origin.files.extend(prior_read(&asked)?);
-    let texts = texts(arguments, &places, &products, &robot, &result)?;
+    let texts = texts(arguments, &places, &formats, &robot, &result)?;
     places.outputs.write(&texts)?;
     if !places.outputs.take_standard_output() {
         output::print(&text::report(&result))?;
@@ -137,8 +137,8 @@ fn dh_files(arguments: &CalibrateArguments) -> Vec<PathBuf> {
     tips.iter().map(|tip| path.with_file_name(format!("{stem}_{}.{extension}", tip.replace('/', "_")))).collect()
 }
 
-/// What some outputs are made of.
-struct Products<'a> {
+/// The forms that the calibrated robot is written in, where they are asked for.
+struct OutputFormats<'a> {
     /// The tree that a calibrated URDF is made of.
     urdf: Option<&'a denavit_model::Robot>,
     /// The format of the table.
@@ -148,8 +148,12 @@ struct Products<'a> {
 /// Formats that have a place for everything that a calibration may find: β, pitches and scales.
 const ROOMY: [&str; 5] = ["csv", "json", "md", "tex", "text"];
 
-/// Refuses what cannot be made before any work is done: each product is tried on the robot as drawn.
-fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot, tips: &Tips) -> Result<Products<'a>, Failure> {
+/// Refuses what cannot be made before any work is done: each format is tried on the robot as drawn.
+fn output_formats<'a>(
+    arguments: &CalibrateArguments,
+    robot: &'a Robot,
+    tips: &Tips,
+) -> Result<OutputFormats<'a>, Failure> {
     if tips.several() && !arguments.out_for.is_empty() {
         let message = "--out-for: a maker's file holds one arm; write the calibrated robot by --urdf";
         return Err(Failure::Argument(message.into()));
@@ -170,7 +174,7 @@ fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot, tips: &Tips) -
         }
         _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
     };
-    let Some(path) = &arguments.dh else { return Ok(Products { urdf, dh: None }) };
+    let Some(path) = &arguments.dh else { return Ok(OutputFormats { urdf, dh: None }) };
     if tips.several() && path == Path::new("-") {
         let message = "--dh -: there is a table for each tip; name a file, and each is written beside it";
         return Err(Failure::Argument(message.into()));
@@ -190,7 +194,7 @@ fn products<'a>(arguments: &CalibrateArguments, robot: &'a Robot, tips: &Tips) -
             Err(refused(&format!("{format} has no {what}, which the calibrated table of this robot needs")))
         }
         Err(Failure::Render(other)) => Err(refused(&other.to_string())),
-        tried => tried.map(|_| Products { urdf, dh: Some(format) }),
+        tried => tried.map(|_| OutputFormats { urdf, dh: Some(format) }),
     }
 }
 
@@ -204,7 +208,7 @@ fn chains(all: &Chain, tips: &Tips) -> Result<Vec<Chain>, Failure> {
 fn texts(
     arguments: &CalibrateArguments,
     places: &Places,
-    products: &Products,
+    formats: &OutputFormats,
     robot: &Robot,
     result: &Calibration,
 ) -> Result<Vec<(Slot, String)>, Failure> {
@@ -217,12 +221,12 @@ fn texts(
     if let Some(slot) = places.html {
         texts.push((slot, html::page(result)?));
     }
-    if let (Some(slot), Some(tree)) = (places.urdf, products.urdf) {
+    if let (Some(slot), Some(tree)) = (places.urdf, formats.urdf) {
         let written = urdf::with_chains(tree, &calibrated, arguments.robot.reading())?;
         output::remark(&written.notes);
         texts.push((slot, written.value));
     }
-    if let Some(format) = products.dh {
+    if let Some(format) = formats.dh {
         for (slot, chain) in places.dh.iter().zip(&calibrated) {
             texts.push((*slot, dh_table(format, chain, &arguments.robot.robot)?));
         }

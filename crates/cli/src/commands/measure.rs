@@ -14,7 +14,9 @@ use denavit_calibrate::calibration::monitor::{Monitor, MonitorOptions, RowStatus
 use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::observation::measurements::import::{ImportOptions, ImportProblem};
-use denavit_calibrate::observation::measurements::{DataError, DataNote, Measurements, Problem, Units, read_export};
+use denavit_calibrate::observation::measurements::{
+    DataError, DataNote, MeasurementError, Measurements, Units, read_export,
+};
 use denavit_calibrate::report::monitor as report;
 use denavit_load::measured::{corners, freedom};
 use denavit_model::Chain;
@@ -124,8 +126,11 @@ impl Reader<'_> {
 
 /// Whether there is only no row yet.
 fn no_rows_yet(error: &DataError) -> bool {
-    let none = |problem: &Problem| {
-        matches!(problem, Problem::NoRows | Problem::NoHeader | Problem::Import(ImportProblem::NoRows))
+    let none = |problem: &MeasurementError| {
+        matches!(
+            problem,
+            MeasurementError::NoRows | MeasurementError::NoHeader | MeasurementError::Import(ImportProblem::NoRows)
+        )
     };
     error.problems.iter().all(|problem| none(&problem.problem))
 }

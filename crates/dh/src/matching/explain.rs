@@ -4,7 +4,7 @@ use super::axes::Guess;
 use super::fit::{Fit, Free, GOES_NOWHERE, State};
 use super::vendor::{DhNumber, VendorNumber};
 use super::{
-    BestFits, Difference, Explanation, Nature, NumberMatch, Placement, Problem, RowMatch, Verdict, nearest_quarter,
+    BestFits, Difference, Explanation, Matching, Nature, NumberMatch, Placement, RowMatch, Verdict, nearest_quarter,
 };
 use crate::conventions::RowLabel;
 
@@ -24,7 +24,7 @@ const LEFT: f64 = 1e-9;
 /// Least damping of a fit over all numbers: what two axes 1e-4 rad from parallel say of d is not followed.
 const HELD: f64 = 1e-8;
 
-impl Problem<'_> {
+impl Matching<'_> {
     /// The state with the robot's own numbers, and where the vendor's do not serve, the fewest that must change.
     pub(super) fn explained(&self, fits: &BestFits, placement: &Placement) -> (State, Option<Explanation>) {
         if Verdict::of(placement.position_error) <= Verdict::Rounded {
@@ -74,7 +74,7 @@ impl Problem<'_> {
         });
         let (support, state) = single.unwrap_or_else(|| self.fewest(&fit, &order, whole, enough));
         let left = error(&state);
-        let state = self.tidied(&guess.senses, state, left, &self.only(&support));
+        let state = self.pruned(&guess.senses, state, left, &self.only(&support));
         let differences = self.differences(support, &state);
         let placement = self.placement(&guess.senses, &state);
         Some((state, Explanation { differences, placement }))

@@ -65,8 +65,8 @@ impl Rows {
 
 /// Reversed senses and zeros that a match needed.
 pub fn needed(found: &Match) -> usize {
-    let told = |zero: f64| usize::from(zero.abs() > 1e-3);
-    found.placement.joints.iter().map(|joint| usize::from(joint.sense == Sense::Reversed) + told(joint.zero)).sum()
+    let mentioned = |zero: f64| usize::from(zero.abs() > 1e-3);
+    found.placement.joints.iter().map(|joint| usize::from(joint.sense == Sense::Reversed) + mentioned(joint.zero)).sum()
 }
 
 /// What the robot's lengths read when rounded to the places that the vendor wrote, six at the most, beside the vendor's.

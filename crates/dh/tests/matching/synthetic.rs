@@ -92,8 +92,8 @@ fn robot_of(rows: &[RowOf], convention: Convention, base: [f64; 6], tool: [f64; 
 }
 
 fn needed(found: &Match) -> usize {
-    let told = |zero: f64| usize::from(zero.abs() > 1e-6);
-    found.placement.joints.iter().map(|joint| usize::from(joint.sense == Sense::Reversed) + told(joint.zero)).sum()
+    let mentioned = |zero: f64| usize::from(zero.abs() > 1e-6);
+    found.placement.joints.iter().map(|joint| usize::from(joint.sense == Sense::Reversed) + mentioned(joint.zero)).sum()
 }
 
 proptest! {

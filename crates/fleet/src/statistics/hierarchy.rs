@@ -7,7 +7,7 @@
 //! ```
 //! Σ is learned by expectation and maximisation (Dempster, Laird, Rubin 1977) with the mean integrated out, so that few robots do
 //! not look more alike than they are. It is learned in two steps. First how well the series is made: the drawing's covariance
-//! with a factor of its own for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), with S what the robots' departures give by
+//! with a factor of its own for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), with S what the robots' deviations give by
 //! themselves: T counts as κ robots, and κ is the one with which each robot is best predicted by all the others. The weights uᵢ
 //! (Lange, Little, Taylor 1989) keep a robot that is unlike all others from passing for the spread of the series. They make the
 //! normal robots' covariance too small by a known factor, which is given back at the end ([`consistency`]): Σ is the covariance of
@@ -15,7 +15,7 @@
 
 use denavit_model::nalgebra::{DMatrix, DVector};
 
-/// Degrees of freedom of a robot's departure: normal in the middle, but for robots that had an accident.
+/// Degrees of freedom of a robot's deviation: normal in the middle, but for robots that had an accident.
 const TAILS: f64 = 8.0;
 /// Robots that the drawing's pattern may count as; the last: nothing else counts.
 const COUNTS_AS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 128.0, f64::INFINITY];
@@ -31,7 +31,7 @@ pub const LEAST_ROBOTS: usize = 3;
 
 /// What a robot's rows say: information Λ and pull η.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct RobotInformation {
     /// Λ.
     pub information: DMatrix<f64>,
     /// η.
@@ -62,7 +62,7 @@ pub struct Hierarchy {
 struct Round {
     mean: DVector<f64>,
     mean_covariance: DMatrix<f64>,
-    /// Expected square of each robot's departure, weighed.
+    /// Expected square of each robot's deviation, weighed.
     squares: Vec<DMatrix<f64>>,
     weights: Vec<f64>,
     /// Of how many directions the rows tell, on the average.
@@ -82,7 +82,7 @@ impl Round {
 impl Hierarchy {
     /// Learns it. `sources`: for each kind of error what its standard deviation by the drawing moves, a column for each.
     /// `None`: fewer than [`LEAST_ROBOTS`].
-    pub fn of(robots: &[&Told], sources: &[DMatrix<f64>]) -> Option<Self> {
+    pub fn of(robots: &[&RobotInformation], sources: &[DMatrix<f64>]) -> Option<Self> {
         if robots.len() < LEAST_ROBOTS {
             return None;
         }
@@ -124,17 +124,17 @@ impl Hierarchy {
         };
         let tried = COUNTS_AS.iter().filter_map(|&counts_as| {
             let found = Self { counts_as, ..start.clone() }.learned(robots, &drawing)?;
-            Some((found.foretold(robots, &drawing)?, found))
+            Some((found.predicted(robots, &drawing)?, found))
         });
         tried.reduce(|best, next| if next.0 >= best.0 { next } else { best }).map(|(_, found)| found)
     }
 
     /// The same learned on from here without one of the robots: the drawing's pattern, and what it counts as, stay.
-    pub fn without(&self, robots: &[&Told], left_out: usize, sources: &[DMatrix<f64>]) -> Option<Self> {
+    pub fn without(&self, robots: &[&RobotInformation], left_out: usize, sources: &[DMatrix<f64>]) -> Option<Self> {
         if robots.len() <= LEAST_ROBOTS {
             return None;
         }
-        let others: Vec<&Told> = all_but(robots, left_out).copied().collect();
+        let others: Vec<&RobotInformation> = all_but(robots, left_out).copied().collect();
         let weights = all_but(&self.weights, left_out).copied().collect();
         let drawing = covariance(sources, &vec![1.0; sources.len()], self.mean.len());
         Self { weights, ..self.clone() }.learned(&others, &drawing)
@@ -146,7 +146,7 @@ impl Hierarchy {
     }
 
     /// Expectation and maximisation until nothing changes.
-    fn learned(mut self, robots: &[&Told], drawing: &DMatrix<f64>) -> Option<Self> {
+    fn learned(mut self, robots: &[&RobotInformation], drawing: &DMatrix<f64>) -> Option<Self> {
         let mut informed = 0.0;
         for _ in 0..MOST_STEPS {
             let round = round(robots, &self.shape, drawing, &self.weights)?;
@@ -171,7 +171,7 @@ impl Hierarchy {
     }
 
     /// Log probability of each robot's rows by all the others, summed: one step is taken back for each.
-    fn foretold(&self, robots: &[&Told], drawing: &DMatrix<f64>) -> Option<f64> {
+    fn predicted(&self, robots: &[&RobotInformation], drawing: &DMatrix<f64>) -> Option<f64> {
         let round = round(robots, &self.shape, drawing, &self.weights)?;
         let total = round.square() * robots.len() as f64;
         let of_drawing = inverse(drawing)?;
@@ -182,12 +182,12 @@ impl Hierarchy {
                 (precision + own, pull + pulled)
             });
         let mut sum = 0.0;
-        for (robot, told) in robots.iter().enumerate() {
+        for (robot, measured) in robots.iter().enumerate() {
             let others = robots.len() - 1;
             let among = self.together(&((&total - &round.squares[robot]) / others as f64), others);
             let mean_covariance = inverse(&(&precision - &round.of_mean[robot].0))?;
             let mean = &mean_covariance * (&pull - &round.of_mean[robot].1);
-            sum += log_probability(told, &mean, &(among + mean_covariance))?;
+            sum += log_probability(measured, &mean, &(among + mean_covariance))?;
         }
         Some(sum)
     }
@@ -206,20 +206,20 @@ fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     matrix.clone().cholesky().map(|factor| factor.inverse())
 }
 
-/// The mean at this covariance, and each robot's departure from it.
-fn round(robots: &[&Told], among: &DMatrix<f64>, drawing: &DMatrix<f64>, weights: &[f64]) -> Option<Round> {
+/// The mean at this covariance, and each robot's deviation from it.
+fn round(robots: &[&RobotInformation], among: &DMatrix<f64>, drawing: &DMatrix<f64>, weights: &[f64]) -> Option<Round> {
     let size = among.nrows();
     let precision = inverse(among)?;
     let (mut of_all, mut pull) = (inverse(drawing)?, DVector::zeros(size));
     let mut own = Vec::with_capacity(robots.len());
     let mut of_mean = Vec::with_capacity(robots.len());
     let mut informed = 0.0;
-    for (told, weight) in robots.iter().zip(weights) {
+    for (measured, weight) in robots.iter().zip(weights) {
         let precision = &precision * *weight;
-        let covariance = inverse(&(&told.information + &precision))?;
+        let covariance = inverse(&(&measured.information + &precision))?;
         let along = &covariance * &precision;
         informed += (size as f64 - along.trace()) / robots.len() as f64;
-        let adds = (&precision - &precision * &along, along.tr_mul(&told.pull));
+        let adds = (&precision - &precision * &along, along.tr_mul(&measured.pull));
         of_all += &adds.0;
         pull += &adds.1;
         own.push(covariance);
@@ -228,12 +228,12 @@ fn round(robots: &[&Told], among: &DMatrix<f64>, drawing: &DMatrix<f64>, weights
     let mean_covariance = inverse(&of_all)?;
     let mean = &mean_covariance * pull;
     let mut round = Round { mean, mean_covariance, squares: Vec::new(), weights: Vec::new(), informed, of_mean };
-    for ((told, weight), covariance) in robots.iter().zip(weights).zip(own) {
-        let off = &covariance * (&told.pull - &told.information * &round.mean);
-        let by_mean = &covariance * &told.information;
+    for ((measured, weight), covariance) in robots.iter().zip(weights).zip(own) {
+        let off = &covariance * (&measured.pull - &measured.information * &round.mean);
+        let by_mean = &covariance * &measured.information;
         let square = &covariance + &off * off.transpose() + &by_mean * &round.mean_covariance * by_mean.transpose();
-        let departure = (&precision * &square).trace();
-        round.weights.push((TAILS + size as f64) / (TAILS + departure));
+        let deviation = (&precision * &square).trace();
+        round.weights.push((TAILS + size as f64) / (TAILS + deviation));
         round.squares.push(square * *weight);
     }
     Some(round)
@@ -267,15 +267,15 @@ fn consistency(informed: f64) -> f64 {
 }
 
 /// Logarithm of the probability of a robot's rows where it is drawn with this mean and covariance, up to what is the same for
-/// all of them, with the tails of a robot's departure.
-fn log_probability(told: &Told, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
-    let eigen = told.information.clone().symmetric_eigen();
+/// all of them, with the tails of a robot's deviation.
+fn log_probability(measured: &RobotInformation, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
+    let eigen = measured.information.clone().symmetric_eigen();
     let least = eigen.eigenvalues.max() * ROUNDING;
     let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > least).collect();
     let roots = DVector::from_fn(kept.len(), |k, _| eigen.eigenvalues[kept[k]].sqrt());
     let directions = eigen.eigenvectors.select_columns(&kept);
     // The rows as independent numbers of standard deviation 1.
-    let read = directions.tr_mul(&(&told.pull - &told.information * mean)).component_div(&roots);
+    let read = directions.tr_mul(&(&measured.pull - &measured.information * mean)).component_div(&roots);
     let mut spread = directions.transpose() * covariance * &directions;
     for i in 0..kept.len() {
         for k in 0..kept.len() {
@@ -302,7 +302,7 @@ mod tests {
     }
 
     /// Robots with this covariance about a mean of 3, 0, 0, 0; each is measured in directions of its own.
-    fn robots(seed: u64, count: usize, root: &DMatrix<f64>) -> (Vec<DVector<f64>>, Vec<Told>) {
+    fn robots(seed: u64, count: usize, root: &DMatrix<f64>) -> (Vec<DVector<f64>>, Vec<RobotInformation>) {
         measured_by(seed, count, root, 6, 2.0)
     }
 
@@ -313,7 +313,7 @@ mod tests {
         root: &DMatrix<f64>,
         rows: usize,
         gain: f64,
-    ) -> (Vec<DVector<f64>>, Vec<Told>) {
+    ) -> (Vec<DVector<f64>>, Vec<RobotInformation>) {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let mut normal = |rows: usize, columns: usize| {
             DMatrix::from_fn(rows, columns, |_, _| random.sample::<f64, _>(StandardNormal))
@@ -322,7 +322,7 @@ mod tests {
             let truth = root * normal(SIZE, 1).column(0) + first(3.0);
             let design = normal(rows, SIZE) * gain;
             let read = &design * &truth + normal(rows, 1).column(0);
-            (truth, Told { information: design.tr_mul(&design), pull: design.tr_mul(&read) })
+            (truth, RobotInformation { information: design.tr_mul(&design), pull: design.tr_mul(&read) })
         };
         (0..count).map(one).unzip()
     }
@@ -346,8 +346,8 @@ mod tests {
                 0.0, 0.0, 0.0, 0.2,
             ],
         );
-        let (_, told) = robots(3, 2000, &root);
-        let found = Hierarchy::of(&told.iter().collect::<Vec<_>>(), &sources()).unwrap();
+        let (_, measured) = robots(3, 2000, &root);
+        let found = Hierarchy::of(&measured.iter().collect::<Vec<_>>(), &sources()).unwrap();
         let truth = &root * root.transpose();
         assert!((&found.among - &truth).norm() < 0.06 * truth.norm(), "{} {truth}", found.among);
         assert!((&found.mean - first(3.0)).norm() < 0.1, "{}", found.mean);
@@ -363,8 +363,8 @@ mod tests {
         for (rows, gain) in [(8, 50.0), (6, 4.0)] {
             let mut ratios = [0.0; SIZE];
             for seed in 0..RUNS {
-                let (_, told) = measured_by(100 + u64::from(seed), 1000, &root, rows, gain);
-                let found = Hierarchy::of(&told.iter().collect::<Vec<_>>(), &sources()).unwrap();
+                let (_, measured) = measured_by(100 + u64::from(seed), 1000, &root, rows, gain);
+                let found = Hierarchy::of(&measured.iter().collect::<Vec<_>>(), &sources()).unwrap();
                 for (k, ratio) in ratios.iter_mut().enumerate() {
                     *ratio += (found.among[(k, k)].sqrt() / root[(k, k)] - 1.0) / f64::from(RUNS);
                 }
@@ -397,27 +397,27 @@ mod tests {
         let root = DMatrix::identity(SIZE, SIZE) * 0.3;
         let (mut alone, mut together, mut beside, mut weight) = (0.0, 0.0, 0.0, 0.0_f64);
         for seed in 0..20 {
-            let (truth, mut told) = robots(seed, 12, &root);
-            let error = |told: &[Told]| {
-                let all: Vec<&Told> = told.iter().collect();
+            let (truth, mut measured) = robots(seed, 12, &root);
+            let error = |measured: &[RobotInformation]| {
+                let all: Vec<&RobotInformation> = measured.iter().collect();
                 let found = Hierarchy::of(&all, &sources()).unwrap();
                 let of = |robot: usize| {
                     let (mean, covariance) = found.without(&all, robot, &sources()).unwrap().next();
                     let precision = inverse(&covariance).unwrap();
-                    let known = inverse(&(&told[robot].information + &precision)).unwrap();
-                    (known * (&told[robot].pull + precision * mean) - &truth[robot]).norm_squared()
+                    let known = inverse(&(&measured[robot].information + &precision)).unwrap();
+                    (known * (&measured[robot].pull + precision * mean) - &truth[robot]).norm_squared()
                 };
                 ((0..11).map(of).sum::<f64>(), found.weights[11])
             };
             let own = |robot: usize| {
-                (inverse(&told[robot].information).unwrap() * &told[robot].pull - &truth[robot]).norm_squared()
+                (inverse(&measured[robot].information).unwrap() * &measured[robot].pull - &truth[robot]).norm_squared()
             };
             alone += (0..11).map(own).sum::<f64>();
-            together += error(&told).0;
+            together += error(&measured).0;
             let knocked = DVector::from_element(SIZE, 10.0);
-            let knock = &told[11].information * knocked;
-            told[11].pull += knock;
-            let (square, counted) = error(&told);
+            let knock = &measured[11].information * knocked;
+            measured[11].pull += knock;
+            let (square, counted) = error(&measured);
             beside += square;
             weight = weight.max(counted);
         }
@@ -427,16 +427,16 @@ mod tests {
 
     #[test]
     fn directions_that_nobody_measures_stay_as_drawn() {
-        let told: Vec<Told> = (0..5)
-            .map(|robot| Told {
+        let measured: Vec<RobotInformation> = (0..5)
+            .map(|robot| RobotInformation {
                 information: DMatrix::from_fn(SIZE, SIZE, |i, k| if i == 0 && k == 0 { 1e6 } else { 0.0 }),
                 pull: first(1e6 * (1.0 + 0.01 * f64::from(robot))),
             })
             .collect();
-        let found = Hierarchy::of(&told.iter().collect::<Vec<_>>(), &sources()).unwrap();
+        let found = Hierarchy::of(&measured.iter().collect::<Vec<_>>(), &sources()).unwrap();
         let (mean, covariance) = found.next();
         assert!((mean[0] - 1.02).abs() < 0.02 && mean[3].abs() < 1e-9, "{mean}");
         assert!((1.0..3.0).contains(&covariance[(3, 3)]) && covariance[(0, 0)] < covariance[(3, 3)], "{covariance}");
-        assert!(Hierarchy::of(&told[..2].iter().collect::<Vec<_>>(), &sources()).is_none());
+        assert!(Hierarchy::of(&measured[..2].iter().collect::<Vec<_>>(), &sources()).is_none());
     }
 }

@@ -66,8 +66,8 @@ fn values<T: DataType>(
     let (mut levels, mut values) = (Vec::new(), Vec::new());
     let mut rows = 0;
     while rows < count {
-        let told = (full > 0).then_some(&mut levels);
-        let (more, _, _) = reader.read_records(count - rows, told, None, &mut values)?;
+        let wanted = (full > 0).then_some(&mut levels);
+        let (more, _, _) = reader.read_records(count - rows, wanted, None, &mut values)?;
         if more == 0 {
             return Err(ParquetError::EOF(format!("it ends after {rows} of {count} rows")));
         }

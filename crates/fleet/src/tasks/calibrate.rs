@@ -96,12 +96,12 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
     Ok(found)
 }
 
-fn information_rows(told: &Information) -> Vec<Vec<Cell>> {
+fn information_rows(information: &Information) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
-    for (i, parameter) in told.parameters.iter().enumerate() {
-        rows.push(vec![parameter.as_str().into(), Cell::Empty, told.pull[i].into()]);
-        for (k, other) in told.parameters[..=i].iter().enumerate() {
-            rows.push(vec![parameter.as_str().into(), other.as_str().into(), told.matrix[(i, k)].into()]);
+    for (i, parameter) in information.parameters.iter().enumerate() {
+        rows.push(vec![parameter.as_str().into(), Cell::Empty, information.pull[i].into()]);
+        for (k, other) in information.parameters[..=i].iter().enumerate() {
+            rows.push(vec![parameter.as_str().into(), other.as_str().into(), information.matrix[(i, k)].into()]);
         }
     }
     rows

@@ -19,7 +19,7 @@ use thiserror::Error;
 /// How strong an effect is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Strength {
-    /// What it moves the measured values by, root mean square over the rows, m (see [`granted`]).
+    /// What it moves the measured values by, root mean square over the rows, m (see [`specified_effects`]).
     Moves(f64),
     /// Its coefficient, SI; several of one unit: the length of their vector.
     Coefficient(f64),
@@ -40,12 +40,12 @@ pub struct EffectSpecification {
     pub strength: Strength,
 }
 
-/// Why a wish cannot be granted.
+/// Why a specified effect cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("\"{wish}\": {why}")]
+#[error("\"{specification}\": {why}")]
 pub struct EffectSpecificationError {
     /// As written.
-    wish: String,
+    specification: String,
     /// What is wrong, and the mend.
     why: String,
 }
@@ -54,7 +54,7 @@ impl FromStr for EffectSpecification {
     type Err = EffectSpecificationError;
 
     fn from_str(text: &str) -> Result<Self, EffectSpecificationError> {
-        let wrong = |why: String| EffectSpecificationError { wish: text.into(), why };
+        let wrong = |why: String| EffectSpecificationError { specification: text.into(), why };
         let form = || wrong("write KIND@PLACE=STRENGTH, such as joint_compliance@elbow_joint=0.3mm".into());
         let (what, strength) = text.rsplit_once('=').ok_or_else(form)?;
         let (kind, place) = what.split_once('@').ok_or_else(form)?;
@@ -90,10 +90,10 @@ impl FromStr for EffectSpecification {
 
 impl EffectSpecification {
     fn wrong(&self, why: String) -> EffectSpecificationError {
-        EffectSpecificationError { wish: self.text.clone(), why }
+        EffectSpecificationError { specification: self.text.clone(), why }
     }
 
-    /// The term that the wish means on these data: the catalogue's first one of this kind at this place, its open
+    /// The term that the specification means on these data: the catalogue's first one of this kind at this place, its open
     /// numbers set.
     fn term(&self, survey: &Survey) -> Result<Term, EffectSpecificationError> {
         let chain = &survey.statics.chain;
@@ -171,16 +171,16 @@ impl EffectSpecification {
     }
 }
 
-/// The model of several wishes for a run that was simulated without effects: strengths are those on its rows.
+/// The model of several specified effects for a run that was simulated without effects: strengths are those on its rows.
 ///
 /// The run must have the columns that the effects follow. An effect that follows a temperature, say, moves the values from
 /// where they are at its mean: the rest sits in instrument and target. Where a kind has several numbers (a phase, a direction) they are
 /// drawn by the seed.
 ///
 /// # Errors
-/// A wish cannot be granted on this robot or with these columns.
-pub fn granted(
-    wishes: &[EffectSpecification],
+/// An effect cannot be simulated on this robot or with these columns.
+pub fn specified_effects(
+    specifications: &[EffectSpecification],
     statics: &Statics,
     run: &Simulation,
     seed: u64,
@@ -188,13 +188,13 @@ pub fn granted(
     let data = with_run_order(run.data.clone());
     let survey = Survey::of(statics, &data, Vec::new());
     let mut effects = Vec::new();
-    for (index, wish) in wishes.iter().enumerate() {
-        let term = wish.term(&survey)?;
+    for (index, specification) in specifications.iter().enumerate() {
+        let term = specification.term(&survey)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(1 << 32 | index as u64);
-        let direction = direction(wish, &term, statics, &mut random)?;
+        let direction = direction(specification, &term, statics, &mut random)?;
         let mut effect = Effect { term, coefficients: direction };
-        match wish.strength {
+        match specification.strength {
             Strength::Coefficient(value) => scale(&mut effect, value),
             Strength::Moves(wanted) => {
                 // Small first, so that the second pass finds the effect linear.
@@ -202,9 +202,8 @@ pub fn granted(
                 for _ in 0..2 {
                     let moved = moves(&run.arm, statics, &effect, &data);
                     if moved == 0.0 || !moved.is_finite() {
-                        return Err(
-                            wish.wrong("the effect moves nothing that is measured; choose another place".into())
-                        );
+                        return Err(specification
+                            .wrong("the effect moves nothing that is measured; choose another place".into()));
                     }
                     scale(&mut effect, wanted / moved);
                 }
@@ -223,7 +222,7 @@ fn scale(effect: &mut Effect, factor: f64) {
 
 /// Coefficients of length 1 in a drawn direction; a single one is positive.
 fn direction(
-    wish: &EffectSpecification,
+    specification: &EffectSpecification,
     term: &Term,
     statics: &Statics,
     random: &mut ChaCha8Rng,
@@ -233,9 +232,9 @@ fn direction(
         return Ok(vec![1.0; count]);
     }
     let units: Vec<&str> = (0..count).map(|index| term.coefficient_name(statics, index).1).collect();
-    if matches!(wish.strength, Strength::Coefficient(_)) && units.iter().any(|unit| *unit != units[0]) {
+    if matches!(specification.strength, Strength::Coefficient(_)) && units.iter().any(|unit| *unit != units[0]) {
         let why = "it has coefficients in rad and in m; say what it moves the measured values by, such as 0.3mm";
-        return Err(wish.wrong(why.into()));
+        return Err(specification.wrong(why.into()));
     }
     // Turns act over the arm's size: about as much as shifts.
     let size = if units.contains(&"rad") && units.contains(&"m") { statics.chain.size() } else { 1.0 };
@@ -289,12 +288,12 @@ mod tests {
             for entry in KINDS {
                 let Some(first) = (entry.terms)(&survey).into_iter().next() else { continue };
                 let place = first.term.carrier.place(&chain);
-                let wish: EffectSpecification = format!("{}@{place}=0.3mm", entry.name).parse().unwrap();
-                match granted(std::slice::from_ref(&wish), &statics, &run, 7) {
+                let specification: EffectSpecification = format!("{}@{place}=0.3mm", entry.name).parse().unwrap();
+                match specified_effects(std::slice::from_ref(&specification), &statics, &run, 7) {
                     Ok(model) => {
                         let moved = moves(&run.arm, &statics, &model.effects[0], &data);
                         assert!((moved - 3e-4).abs() < 3e-6, "{} on {}: {moved}", entry.name, chain.name());
-                        assert_eq!(model, granted(&[wish], &statics, &run, 7).unwrap());
+                        assert_eq!(model, specified_effects(&[specification], &statics, &run, 7).unwrap());
                     }
                     Err(error) => assert!(error.to_string().contains("moves nothing that is measured"), "{error}"),
                 }
@@ -306,7 +305,7 @@ mod tests {
     fn what_a_kind_leaves_open_can_be_set() {
         let chain = examples::puma_like();
         let (statics, run) = (Statics::of_chain(&chain), run(&chain));
-        let of = |text: &str| granted(&[text.parse().unwrap()], &statics, &run, 0).unwrap().effects.remove(0);
+        let of = |text: &str| specified_effects(&[text.parse().unwrap()], &statics, &run, 0).unwrap().effects.remove(0);
         let [first, second] = [0, 1].map(|joint: usize| chain.joints()[joint].name.clone());
         let effect = of(&format!("transmission_error@{first}:order=3=2e-4"));
         assert_eq!(effect.term.driver, Driver::Harmonic { joint: 0, order: 3.0 });

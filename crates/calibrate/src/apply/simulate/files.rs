@@ -1,7 +1,7 @@
 //! Simulated measurement files: rows to fit, rows of the same robot measured later, and what they were made of.
 
 use super::columns::{NoColumn, columns};
-use super::effect_specification::{EffectSpecification, EffectSpecificationError, granted};
+use super::effect_specification::{EffectSpecification, EffectSpecificationError, specified_effects};
 use super::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
 use crate::effects::driver::Statics;
 use crate::effects::survey::with_run_order;
@@ -126,7 +126,7 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     let bare = simulate(chain, &options, &NoEffects);
     let recorded = with_run_order(bare.data.clone());
     let mut model = effects.bound(&|name| recorded.column(name))?;
-    model.effects.extend(granted(&asked.specifications, statics, &bare, options.seed)?.effects);
+    model.effects.extend(specified_effects(&asked.specifications, statics, &bare, options.seed)?.effects);
     let run = simulate(chain, &options, &model);
     let enough = |found: usize, wanted: usize| match contact {
         _ if found >= wanted => Ok(()),

@@ -172,7 +172,8 @@ struct Integrated {
 /// Sums of a part, or of all.
 struct Sums {
     gradient: DVector<f64>,
-    products: DMatrix<f64>,
+    /// Of the sources, whitened.
+    gram: DMatrix<f64>,
     along: DMatrix<f64>,
     scores: Vec<f64>,
     lag: (f64, f64),
@@ -233,7 +234,7 @@ impl Reml {
         let (sources, columns) = (self.sources, self.columns);
         let mut total = Sums {
             gradient: DVector::zeros(sources),
-            products: DMatrix::zeros(sources, sources),
+            gram: DMatrix::zeros(sources, sources),
             along: DMatrix::zeros(columns, sources),
             scores: Vec::new(),
             lag: (0.0, 0.0),
@@ -242,7 +243,7 @@ impl Reml {
         };
         for sums in sums {
             total.gradient += sums.gradient;
-            total.products += sums.products;
+            total.gram += sums.gram;
             total.along += sums.along;
             total.scores.extend(sums.scores);
             total.lag = (total.lag.0 + sums.lag.0, total.lag.1 + sums.lag.1);
@@ -253,7 +254,7 @@ impl Reml {
         Some(Slope {
             deviance: integrated.deviance,
             gradient: total.gradient,
-            information: total.products - total.along.transpose() * &inverse * &total.along,
+            information: total.gram - total.along.transpose() * &inverse * &total.along,
             scores: DMatrix::from_vec(sources, rows, total.scores),
             lag: total.lag,
             powers: total.powers,
@@ -397,7 +398,7 @@ impl Reml {
         let left = DVector::from_column_slice(&whitened.cells[columns * values..(columns + 1) * values]) - x * beta;
         let mut sums = Sums {
             gradient: DVector::zeros(sources),
-            products: DMatrix::zeros(sources, sources),
+            gram: DMatrix::zeros(sources, sources),
             along: DMatrix::zeros(columns, sources),
             scores: vec![0.0; sources * part.rows.len()],
             lag: (0.0, 0.0),
@@ -450,7 +451,7 @@ impl Reml {
                 (0..sources).filter(|&k| wanted[k] && row.factors.iter().any(|of| of.source == k)).collect();
             for &k in &here {
                 for &l in &here {
-                    sums.products[(k, l)] += moved[k].iter().zip(&moved[l]).map(|(a, b)| a * b).sum::<f64>();
+                    sums.gram[(k, l)] += moved[k].iter().zip(&moved[l]).map(|(a, b)| a * b).sum::<f64>();
                 }
             }
             for column in 0..columns {

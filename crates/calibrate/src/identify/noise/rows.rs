@@ -11,7 +11,7 @@ use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitiv
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use denavit_model::{Quantity, se3};
 
-/// Directions of the free numbers that are told less than this share of the best told one are the common frame's.
+/// Directions of the free numbers that are known less than this share of the best known one are the common frame's.
 const TOLD_NOTHING: f64 = 1e-11;
 /// Where there are many free numbers, most of them of curves, a direction of which the data tell less than this beside its prior is left
 /// where it is: it uses up less than a hundredth of a value.
@@ -140,7 +140,7 @@ fn sources_of<E: Effects>(fit: &Fit<E>, data: &Measurements) -> Vec<Source> {
         unit_size: 1.0,
     };
     let mut sources: Vec<Source> = data.scene.channels.iter().enumerate().map(level).collect();
-    if data.scene.series.iter().any(|series| series.kind.in_lanes()) {
+    if data.scene.series.iter().any(|series| series.kind.has_simd_residuals()) {
         sources.push(Source { place: Place::Range, name: "range".into(), unit: "m", unit_size: 1.0 });
         sources.push(Source { place: Place::Angle, name: "angle".into(), unit: "rad", unit_size: 1.0 });
     }
@@ -255,7 +255,7 @@ fn beams<E: Effects>(
     place: Place,
 ) -> Vec<(usize, Vector3<f64>)> {
     let mut found = Vec::new();
-    for observation in data.of_row(row).filter(|&observation| data.series_of(observation).kind.in_lanes()) {
+    for observation in data.of_row(row).filter(|&observation| data.series_of(observation).kind.has_simd_residuals()) {
         let seen = problem.seen(arm, observation, scratch);
         let instrument = seen.instrument();
         let sight = seen.predicted - instrument.inverse().translation.vector;
@@ -316,8 +316,8 @@ fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_
     let (mut prior, mut pull) = (DMatrix::zeros(count, count), DVector::zeros(count));
     let joints = layout.joints.len();
     prior.view_mut((0, 0), (joints, joints)).copy_from(&layout.prior.precision);
-    let departure = layout.departure(&fit.arm, &fit.arm);
-    pull.rows_mut(0, joints).copy_from(&-(&layout.prior.precision * departure));
+    let perturbation = layout.perturbation(&fit.arm, &fit.arm);
+    pull.rows_mut(0, joints).copy_from(&-(&layout.prior.precision * perturbation));
     for known in layout.known_lengths(&data.scene, &fit.arm) {
         for (i, a) in &known.columns {
             pull[*i] -= a * known.residual;
@@ -338,7 +338,7 @@ fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_
     (prior, pull)
 }
 
-/// The rows with the free numbers in directions that are told, each as well as the others.
+/// The rows with the free numbers in directions that are identifiable, each as well as the others.
 fn reduced(raw: Vec<Raw>, prior: DMatrix<f64>, pull: DVector<f64>, sources: &[Source]) -> Option<(Reml, usize)> {
     let count = pull.len();
     let mut information = DMatrix::zeros(count, count);

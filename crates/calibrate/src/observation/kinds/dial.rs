@@ -6,7 +6,7 @@
 
 use super::plane::{in_plane, normal, plane_columns, through};
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
-use crate::observation::measurements::Problem;
+use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Matrix3, Vector3};
@@ -83,7 +83,7 @@ impl Observe for Dial {
         vec!["dial".into()]
     }
 
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         values.push(cells[0]);
         Ok(0.0)
     }

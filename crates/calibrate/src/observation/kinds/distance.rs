@@ -4,7 +4,7 @@
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
 use crate::observation::least_squares::least_squares;
-use crate::observation::measurements::Problem;
+use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -89,9 +89,9 @@ impl Observe for Distance {
         vec!["distance".into()]
     }
 
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         if cells[0] <= 0.0 {
-            return Err(Problem::NotPositive(cells[0]));
+            return Err(MeasurementError::NotPositive(cells[0]));
         }
         values.push(cells[0]);
         Ok(0.0)

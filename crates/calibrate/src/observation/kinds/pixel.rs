@@ -12,7 +12,7 @@
 use super::ObservationKind;
 use super::{Discrepancy, Disturbance, Follows, Observe, POSE, Part, Rows, Seen, Unknowns};
 use crate::observation::board::{Camera, board_pose};
-use crate::observation::measurements::{Problem, Series};
+use crate::observation::measurements::{MeasurementError, Series};
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
@@ -186,7 +186,7 @@ impl Observe for Pixel {
         vec![format!("u{corner}"), format!("v{corner}")]
     }
 
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         values.extend_from_slice(cells);
         Ok(0.0)
     }

@@ -4,7 +4,7 @@
 //! joint readings are the measurement. The ball's radius is part of where the plane is found.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
-use crate::observation::measurements::Problem;
+use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix2, Matrix3, Point3, Rotation3, Vector2, Vector3};
 use denavit_model::{Pose, se3};
@@ -128,7 +128,7 @@ impl Observe for Plane {
         Vec::new()
     }
 
-    fn of_cells(&self, _cells: &[f64], _values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, _cells: &[f64], _values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         Ok(0.0)
     }
 

@@ -4,7 +4,7 @@
 //! x, y, z and the rotation matrix column by column.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns, position};
-use crate::observation::measurements::{Problem, QUATERNION_TOLERANCE};
+use crate::observation::measurements::{MeasurementError, QUATERNION_TOLERANCE};
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::se3;
@@ -64,7 +64,7 @@ impl Observe for Pose {
         }
     }
 
-    fn in_lanes(&self) -> bool {
+    fn has_simd_residuals(&self) -> bool {
         true
     }
 
@@ -92,11 +92,11 @@ impl Observe for Pose {
         ["x", "y", "z", "qx", "qy", "qz", "qw"].map(|name| format!("{name}{target}")).into()
     }
 
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         let quaternion = Quaternion::new(cells[6], cells[3], cells[4], cells[5]);
         let length = quaternion.norm();
         if length.is_nan() || (length - 1.0).abs() > QUATERNION_TOLERANCE {
-            return Err(Problem::NotAUnitQuaternion { length });
+            return Err(MeasurementError::NotAUnitQuaternion { length });
         }
         values.extend_from_slice(&cells[..3]);
         values.extend(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix().matrix().iter());

@@ -3,7 +3,7 @@
 //! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m what is read, p the target.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
-use crate::observation::measurements::Problem;
+use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 
@@ -89,7 +89,7 @@ impl Observe for Position {
         instrument_columns(seen, layout, rows);
     }
 
-    fn in_lanes(&self) -> bool {
+    fn has_simd_residuals(&self) -> bool {
         true
     }
 
@@ -113,7 +113,7 @@ impl Observe for Position {
         true
     }
 
-    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         values.extend_from_slice(cells);
         Ok(0.0)
     }

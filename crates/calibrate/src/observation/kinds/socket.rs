@@ -3,7 +3,7 @@
 //! r = s - p, m, base frame, with s the socket and p the ball. Nothing is read: the joint readings are the measurement.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
-use crate::observation::measurements::Problem;
+use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::Layout;
 use denavit_model::nalgebra::{Matrix3, Vector3};
 
@@ -56,7 +56,7 @@ impl Observe for Socket {
         Vec::new()
     }
 
-    fn of_cells(&self, _cells: &[f64], _values: &mut Vec<f64>) -> Result<f64, Problem> {
+    fn of_cells(&self, _cells: &[f64], _values: &mut Vec<f64>) -> Result<f64, MeasurementError> {
         Ok(0.0)
     }
 

@@ -1,7 +1,7 @@
 //! What each column of a measurement file is.
 
+use super::measurement_error::MeasurementError;
 use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
-use super::problem::Problem;
 use crate::observation::board::Sight;
 use crate::observation::kinds::{KINDS, ObservationKind, PIXEL};
 use denavit_model::{Coordinate, Quantity, Tips};
@@ -71,14 +71,14 @@ impl Header {
         coordinates: &[Coordinate],
         sight: Option<&Sight>,
         tips: Option<&Tips>,
-    ) -> Result<Self, Vec<Problem>> {
+    ) -> Result<Self, Vec<MeasurementError>> {
         let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
         let mut groups = groups(&names, &targets);
         match sight {
             Some(sight) => groups.extend(corners(&names, sight, &mut problems)),
             None if groups.is_empty() && targets.is_empty() && !pixels(&names).is_empty() => {
-                return Err(vec![Problem::PixelsWithoutCamera]);
+                return Err(vec![MeasurementError::PixelsWithoutCamera]);
             }
             None => {}
         }
@@ -92,7 +92,7 @@ impl Header {
         for (name, role) in names.iter().zip(&roles) {
             if *role == Role::Other {
                 let suggested = problems.iter().any(
-                    |problem| matches!(problem, Problem::NothingMeasured { suggestion: Some(other) } if other == name),
+                    |problem| matches!(problem, MeasurementError::NothingMeasured { suggestion: Some(other) } if other == name),
                 );
                 let near = || near_miss(name, &names, coordinates).filter(|_| !suggested);
                 problems.extend(unknown_joint(name, coordinates).or_else(near));
@@ -101,7 +101,7 @@ impl Header {
         problems.extend(orientation_left_out(&names, &roles));
         let tip = tips.and_then(|_| names.iter().position(|name| name == "tip"));
         if let (Some(tips), None) = (tips, tip) {
-            problems.push(Problem::NoTipColumn { tips: tip_names(tips) });
+            problems.push(MeasurementError::NoTipColumn { tips: tip_names(tips) });
         }
         if !problems.is_empty() {
             return Err(problems);
@@ -120,27 +120,27 @@ pub(super) fn tip_names(tips: &Tips) -> String {
 ///
 /// # Errors
 /// The columns are separated by something else than commas: nothing else can be said then.
-pub(super) fn naming(names: &[String]) -> Result<Vec<Problem>, Vec<Problem>> {
+pub(super) fn naming(names: &[String]) -> Result<Vec<MeasurementError>, Vec<MeasurementError>> {
     if let [only] = names {
         for (separator, word) in [(';', "semicolons"), ('\t', "tabs"), (' ', "spaces")] {
             if only.contains(separator) {
-                return Err(vec![Problem::Separator { found: only.clone(), separator: word }]);
+                return Err(vec![MeasurementError::Separator { found: only.clone(), separator: word }]);
             }
         }
     }
     let mut problems = Vec::new();
     for (index, name) in names.iter().enumerate() {
         if name.is_empty() {
-            problems.push(Problem::NamelessColumn(index + 1));
+            problems.push(MeasurementError::NamelessColumn(index + 1));
         } else if names[..index].contains(name) {
-            problems.push(Problem::DuplicateColumn(name.clone()));
+            problems.push(MeasurementError::DuplicateColumn(name.clone()));
         }
     }
     Ok(problems)
 }
 
 /// Names of the targets: what follows x, y, z; digits alone.
-fn targets(names: &[String], problems: &mut Vec<Problem>) -> Vec<String> {
+fn targets(names: &[String], problems: &mut Vec<MeasurementError>) -> Vec<String> {
     let mut targets: Vec<String> = Vec::new();
     for name in names {
         let Some(suffix) = name.strip_prefix(['x', 'y', 'z']) else { continue };
@@ -153,7 +153,7 @@ fn targets(names: &[String], problems: &mut Vec<Problem>) -> Vec<String> {
         let present = columns.iter().find(|column| names.contains(column)).cloned().unwrap_or_default();
         for missing in columns.iter().filter(|column| !names.contains(column)) {
             let group = columns.join(", ");
-            problems.push(Problem::Incomplete { missing: missing.clone(), present: present.clone(), group });
+            problems.push(MeasurementError::Incomplete { missing: missing.clone(), present: present.clone(), group });
         }
     }
     targets
@@ -192,14 +192,18 @@ fn pixels(names: &[String]) -> Vec<String> {
 }
 
 /// The corners of a board that a row may hold.
-fn corners(names: &[String], sight: &Sight, problems: &mut Vec<Problem>) -> Vec<Group> {
+fn corners(names: &[String], sight: &Sight, problems: &mut Vec<MeasurementError>) -> Vec<Group> {
     let at = |wanted: &str| names.iter().position(|name| name == wanted);
     let mut groups = Vec::new();
     for number in pixels(names) {
         let columns = PIXEL.columns(&number);
         if let Some(missing) = columns.iter().find(|column| at(column).is_none()) {
             let present = columns.iter().find(|column| *column != missing).cloned().unwrap_or_default();
-            problems.push(Problem::Incomplete { missing: missing.clone(), present, group: columns.join(", ") });
+            problems.push(MeasurementError::Incomplete {
+                missing: missing.clone(),
+                present,
+                group: columns.join(", "),
+            });
             continue;
         }
         let corner = match (ON_BOARD.map(at), at("corner")) {
@@ -207,18 +211,18 @@ fn corners(names: &[String], sight: &Sight, problems: &mut Vec<Problem>) -> Vec<
             ([Some(x), Some(y)], _) => CornerOf::Placed([x, y]),
             (_, Some(column)) => CornerOf::Numbered(column),
             _ => {
-                problems.push(Problem::WhichCorner);
+                problems.push(MeasurementError::WhichCorner);
                 continue;
             }
         };
         if sight.board.is_none() && !matches!(corner, CornerOf::Placed(_)) {
-            problems.push(Problem::NoBoard);
+            problems.push(MeasurementError::NoBoard);
             return Vec::new();
         }
         groups.push(Group { kind: PIXEL, target: sight.on_tip().into(), columns, label: None, corner: Some(corner) });
     }
     if groups.is_empty() && problems.is_empty() {
-        problems.push(Problem::NoPixels);
+        problems.push(MeasurementError::NoPixels);
     }
     groups
 }
@@ -259,7 +263,13 @@ fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<
 }
 
 /// What is wrong with the measured columns.
-fn measured(names: &[String], roles: &[Role], groups: &[Group], targets: &[String], problems: &mut Vec<Problem>) {
+fn measured(
+    names: &[String],
+    roles: &[Role],
+    groups: &[Group],
+    targets: &[String],
+    problems: &mut Vec<MeasurementError>,
+) {
     let has = |wanted: &str| names.iter().any(|name| name == wanted);
     if groups.is_empty() && targets.is_empty() && pixels(names).is_empty() {
         let other = |wanted: &str| {
@@ -268,22 +278,27 @@ fn measured(names: &[String], roles: &[Role], groups: &[Group], targets: &[Strin
             })
         };
         let suggestion = ["distance", "x", "x1"].iter().find_map(|wanted| other(wanted)).map(|(name, _)| name.clone());
-        problems.push(Problem::NothingMeasured { suggestion });
+        problems.push(MeasurementError::NothingMeasured { suggestion });
     }
     let Some(present) = QUATERNION.iter().find(|name| has(name)) else { return };
     for missing in QUATERNION.iter().filter(|name| !has(name)) {
-        problems.push(Problem::Incomplete {
+        problems.push(MeasurementError::Incomplete {
             missing: (*missing).into(),
             present: (*present).into(),
             group: "qx, qy, qz, qw".into(),
         });
     }
     if targets.len() > 1 {
-        problems.push(Problem::QuaternionOfSeveral(targets.len()));
+        problems.push(MeasurementError::QuaternionOfSeveral(targets.len()));
     }
 }
 
-fn missing_joint(coordinate: &Coordinate, names: &[String], roles: &[Role], coordinates: &[Coordinate]) -> Problem {
+fn missing_joint(
+    coordinate: &Coordinate,
+    names: &[String],
+    roles: &[Role],
+    coordinates: &[Coordinate],
+) -> MeasurementError {
     let free = names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str());
     no_column(coordinate, free, coordinates)
 }
@@ -293,22 +308,22 @@ pub(super) fn no_column<'a>(
     coordinate: &Coordinate,
     free: impl Iterator<Item = &'a str>,
     coordinates: &[Coordinate],
-) -> Problem {
-    Problem::MissingJoint {
+) -> MeasurementError {
+    MeasurementError::MissingJoint {
         joint: coordinate.name.clone(),
         suggestion: nearest(&coordinate.name, free),
         joints: coordinates.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
     }
 }
 
-fn unknown_joint(column: &str, coordinates: &[Coordinate]) -> Option<Problem> {
+fn unknown_joint(column: &str, coordinates: &[Coordinate]) -> Option<MeasurementError> {
     let (joint, quantity) = column.rsplit_once('.')?;
     let known = OF_JOINTS.contains(&quantity);
     if !known || coordinates.iter().any(|coordinate| coordinate.name == joint) {
         return None;
     }
     let suggestion = nearest(joint, coordinates.iter().map(|coordinate| coordinate.name.as_str()));
-    Some(Problem::ColumnOfUnknownJoint { column: column.into(), joint: joint.into(), suggestion })
+    Some(MeasurementError::ColumnOfUnknownJoint { column: column.into(), joint: joint.into(), suggestion })
 }
 
 /// The candidate that is most like a name, if one is like it at all.

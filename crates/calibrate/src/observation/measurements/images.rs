@@ -2,7 +2,7 @@
 
 use super::Measurements;
 use super::header::{CornerOf, Group, Header, Role};
-use super::problem::Problem;
+use super::measurement_error::MeasurementError;
 use super::read::number;
 use super::scene::Series;
 use crate::observation::board::{Camera, Corner, Sight};
@@ -49,7 +49,7 @@ impl<'a> Images<'a> {
         of: &Group,
         record: &csv::StringRecord,
         factors: &[f64],
-    ) -> Result<Corner, Problem> {
+    ) -> Result<Corner, MeasurementError> {
         let (label, at) = match &of.corner {
             Some(CornerOf::Placed(columns)) => {
                 let cell = |column: usize| number(&header.names[column], &record[column]).map(|v| v * factors[column]);
@@ -63,7 +63,7 @@ impl<'a> Images<'a> {
         let wrong = || {
             let last = self.sight.board.map_or(0, |board| board.corners() - 1);
             let board = self.sight.board.map_or_else(String::new, |board| board.to_string());
-            Problem::NoSuchCorner { corner: label.clone(), board, last }
+            MeasurementError::NoSuchCorner { corner: label.clone(), board, last }
         };
         let at = at.ok_or_else(wrong)?;
         Ok(Corner { label, at, camera: self.camera.clone() })
@@ -75,12 +75,12 @@ impl<'a> Images<'a> {
     }
 
     /// What is wrong with a pixel that the image has not.
-    pub fn outside(&self, columns: &[String], pixel: [f64; 2]) -> Option<Problem> {
+    pub fn outside(&self, columns: &[String], pixel: [f64; 2]) -> Option<MeasurementError> {
         let [width, height] = self.sight.lens.size?;
         // Corners are found to parts of a pixel, at the edge as well.
         let outside = |(value, size): (f64, f64)| value < -1.0 || value > size + 1.0;
         let which = (0..2).find(|&k| outside((pixel[k], [width, height][k])))?;
-        Some(Problem::OutsideImage { column: columns[which].clone(), value: pixel[which], width, height })
+        Some(MeasurementError::OutsideImage { column: columns[which].clone(), value: pixel[which], width, height })
     }
 }
 

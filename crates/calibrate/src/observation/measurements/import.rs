@@ -220,8 +220,8 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
         Err(Fault { problem: ImportProblem::NoRows, .. }) if !asked => return Ok(untouched()),
         Err(fault) => return Err(fault),
     };
-    let told = cells.names.iter().any(|name| names_a_joint(name, chain));
-    if !asked && !cells.is_sheet && !told && cells.separator == Some(',') {
+    let named = cells.names.iter().any(|name| names_a_joint(name, chain));
+    if !asked && !cells.is_sheet && !named && cells.separator == Some(',') {
         return Ok(untouched());
     }
     let mut work = Work { grid: &cells, chain, units, taken: cells.notes.clone() };

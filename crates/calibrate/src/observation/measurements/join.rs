@@ -1,6 +1,6 @@
 //! Several files in one fit, and the rows of some setups apart from the others.
 
-use super::{Covariate, DataError, DataProblem, Label, Measurements, Problem, Scene, Target, label_of};
+use super::{Covariate, DataError, DataProblem, Label, MeasurementError, Measurements, Scene, Target, label_of};
 use crate::observation::kinds::{ObservationKind, SOCKET};
 use denavit_model::{Chain, Quantity};
 use std::io::Read;
@@ -184,7 +184,8 @@ pub fn read_socket(
         let line = reader.position().line() - 1;
         if record.len() != coordinates.len() {
             let joints = coordinates.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ");
-            problems.add(line, Problem::NotReadings { found: record.len(), expected: coordinates.len(), joints });
+            problems
+                .add(line, MeasurementError::NotReadings { found: record.len(), expected: coordinates.len(), joints });
             continue;
         }
         let mut reading = Vec::new();
@@ -201,7 +202,7 @@ pub fn read_socket(
         }
     }
     if data.is_empty() && problems.found.is_empty() {
-        problems.add(0, Problem::NoRows);
+        problems.add(0, MeasurementError::NoRows);
     }
     if !problems.found.is_empty() {
         return Err(problems.error());

@@ -1,7 +1,7 @@
 //! Columns whose names are nearly names that have a meaning: read as something else they would be lost without a word.
 
 use super::header::Role;
-use super::problem::Problem;
+use super::measurement_error::MeasurementError;
 use denavit_model::Coordinate;
 
 /// Covariates with a meaning: s, °C, kg at the tip link's origin.
@@ -41,7 +41,7 @@ fn plain(name: &str) -> String {
 }
 
 /// Whether a column that means nothing is nearly one that does.
-pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]) -> Option<Problem> {
+pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]) -> Option<MeasurementError> {
     let own = plain(name);
     let of_joints = coordinates.iter().flat_map(|c| OF_JOINTS.map(|word| format!("{}.{word}", c.name)));
     let known = KNOWN_VALUES.iter().chain(&KNOWN_COVARIATES).map(|known| (*known).to_owned()).chain(of_joints);
@@ -53,17 +53,17 @@ pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]
     let known = known.iter().find(|known| own == plain(known)).or_else(|| known.iter().find(typed))?.clone();
     // Several targets are numbered: X beside x1 is no slip of the first of them.
     let numbered = known.len() == 1 && !names.contains(&known) && names.iter().any(|name| name == "x1");
-    (!numbered).then(|| Problem::NearMiss { column: name.into(), known })
+    (!numbered).then(|| MeasurementError::NearMiss { column: name.into(), known })
 }
 
 /// Columns that together look like an orientation, under names that mean nothing.
-pub(super) fn orientation_left_out(names: &[String], roles: &[Role]) -> Option<Problem> {
+pub(super) fn orientation_left_out(names: &[String], roles: &[Role]) -> Option<MeasurementError> {
     let others: Vec<&String> =
         names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name).collect();
     ORIENTATIONS.iter().find_map(|(group, mend)| {
         let found =
             group.iter().map(|wanted| others.iter().find(|name| plain(name) == *wanted).map(|name| name.as_str()));
         let found: Vec<&str> = found.collect::<Option<_>>()?;
-        Some(Problem::OrientationLeftOut { columns: found.join(", "), mend })
+        Some(MeasurementError::OrientationLeftOut { columns: found.join(", "), mend })
     })
 }

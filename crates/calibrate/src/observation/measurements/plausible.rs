@@ -1,7 +1,7 @@
 //! Whether measured data can belong to the chain, and what a user must know of them.
 
 use super::Measurements;
-use super::problem::Problem;
+use super::measurement_error::MeasurementError;
 use super::read::DataNote;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Quantity};
@@ -45,9 +45,9 @@ pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
 }
 
 /// Problems that only the values as a whole show: units, nothing seen.
-pub(super) fn problems(data: &Measurements, chain: &Chain) -> Vec<(u64, Problem)> {
+pub(super) fn problems(data: &Measurements, chain: &Chain) -> Vec<(u64, MeasurementError)> {
     if data.scene.targets.is_empty() {
-        return vec![(0, Problem::NothingSeen)];
+        return vec![(0, MeasurementError::NothingSeen)];
     }
     let mut problems = readings_in_other_units(data, chain);
     if problems.is_empty() {
@@ -56,7 +56,7 @@ pub(super) fn problems(data: &Measurements, chain: &Chain) -> Vec<(u64, Problem)
     problems
 }
 
-fn readings_in_other_units(data: &Measurements, chain: &Chain) -> Vec<(u64, Problem)> {
+fn readings_in_other_units(data: &Measurements, chain: &Chain) -> Vec<(u64, MeasurementError)> {
     let mut problems = Vec::new();
     for (index, coordinate) in chain.coordinates().iter().enumerate() {
         let (lower, upper) = coordinate.range();
@@ -73,16 +73,16 @@ fn readings_in_other_units(data: &Measurements, chain: &Chain) -> Vec<(u64, Prob
         let Some((row, value)) = far.filter(|(_, value)| value.abs() > factor * bound) else { continue };
         let joint = coordinate.name.clone();
         let problem = if slides {
-            Problem::LooksLikeMillimetres { joint, value, lower, upper }
+            MeasurementError::LooksLikeMillimetres { joint, value, lower, upper }
         } else {
-            Problem::LooksLikeDegrees { joint, value, lower, upper }
+            MeasurementError::LooksLikeDegrees { joint, value, lower, upper }
         };
         problems.push((data.lines[row] as u64, problem));
     }
     problems
 }
 
-fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<Problem> {
+fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<MeasurementError> {
     let reach = 2.0 * chain.reach_beyond(0, &denavit_model::nalgebra::Point3::origin());
     let all = || (0..data.observations()).map(|at| (data.series_of(at).kind, data.observed.values(at)));
     let places = || all().filter_map(|(kind, values)| kind.position(values));
@@ -94,7 +94,7 @@ fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<Problem>
     if places().next().is_none() {
         (what, span) = ("distances", high - low);
     }
-    (span > BEYOND_REACH * reach.max(1e-3)).then_some(Problem::BeyondReach { what, span, reach })
+    (span > BEYOND_REACH * reach.max(1e-3)).then_some(MeasurementError::BeyondReach { what, span, reach })
 }
 
 /// Findings that are no failure.

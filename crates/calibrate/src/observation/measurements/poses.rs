@@ -2,7 +2,7 @@
 
 use super::header::{naming, no_column};
 use super::import::{ImportOptions, Imported};
-use super::problem::{DataError, Problem};
+use super::measurement_error::{DataError, MeasurementError};
 use super::read::{Problems, header_row, in_our_form, line_of, number, rows_of, unreadable};
 use super::units::Units;
 use super::{Covariate, QUATERNION_TOLERANCE};
@@ -134,7 +134,7 @@ fn read_contract(
                         });
                     }
                 } else {
-                    problems.add(line, Problem::Ragged { found: record.len(), expected: names.len() });
+                    problems.add(line, MeasurementError::Ragged { found: record.len(), expected: names.len() });
                 }
             }
             Ok(false) => break,
@@ -145,7 +145,7 @@ fn read_contract(
         }
     }
     if poses.lines.is_empty() && problems.found.is_empty() {
-        problems.add(0, Problem::NoRows);
+        problems.add(0, MeasurementError::NoRows);
     }
     if !problems.found.is_empty() {
         return Err(problems.error());
@@ -156,7 +156,7 @@ fn read_contract(
     Ok(poses)
 }
 
-fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>, Vec<Problem>> {
+fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>, Vec<MeasurementError>> {
     let mut problems = naming(names)?;
     let coordinates = chain.coordinates();
     let within = |list: &[&str], name: &String| list.iter().position(|known| known == name);
@@ -177,7 +177,7 @@ fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>,
     let has_pose = has(|role| matches!(role, Role::Place(_) | Role::Turn(_)));
     if with_poses && !has_joints && !has_pose && problems.is_empty() {
         let joints = coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
-        problems.push(Problem::NeitherJointsNorPose { joints });
+        problems.push(MeasurementError::NeitherJointsNorPose { joints });
     }
     if has_joints || !with_poses {
         let free: Vec<&str> =
@@ -194,7 +194,7 @@ fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>,
         let group: Vec<&str> = PLACE.iter().chain(turn).copied().collect();
         let present = group.iter().find(|name| names.iter().any(|known| known == *name));
         for missing in group.iter().filter(|name| names.iter().all(|known| known != *name)) {
-            problems.push(Problem::Incomplete {
+            problems.push(MeasurementError::Incomplete {
                 missing: (*missing).into(),
                 present: present.map_or_else(String::new, |name| (*name).into()),
                 group: group.join(", "),
@@ -246,7 +246,7 @@ impl Poses {
             let rotation = if has(|role| matches!(role, Role::Turn(_))) {
                 rotation(turn).unwrap_or_else(|length| {
                     if good {
-                        problems.add(line, Problem::NotAUnitQuaternion { length });
+                        problems.add(line, MeasurementError::NotAUnitQuaternion { length });
                     }
                     Rotation3::identity()
                 })

@@ -5,9 +5,9 @@ use super::header::{CornerOf, Header, Role, quantity_of, tip_names};
 use super::images::{self, Images};
 use super::import::{ImportOptions, Imported, import};
 use super::join::in_setup;
+use super::measurement_error::{DataError, DataProblem, MeasurementError};
 use super::near_miss::KNOWN_COVARIATES;
 use super::plausible;
-use super::problem::{DataError, DataProblem, Problem};
 use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene, Target, target_on};
 use denavit_model::nalgebra::{Matrix3, Vector3};
@@ -124,7 +124,7 @@ pub fn read_export(
     let mut head = Vec::new();
     let mut input = input;
     if let Err(error) = input.by_ref().take(HEAD).read_to_end(&mut head) {
-        return Err(Problems::new(source).only(0, Problem::Unreadable(error.to_string())));
+        return Err(Problems::new(source).only(0, MeasurementError::Unreadable(error.to_string())));
     }
     if head.len() as u64 == HEAD && begins_in_our_form(&head, chain, units, options) {
         return read_contract(source, head.chain(input), chain, units, options);
@@ -159,10 +159,10 @@ pub(super) fn in_our_form(
 ) -> Result<Imported, DataError> {
     let mut bytes = Vec::new();
     if let Err(error) = input.read_to_end(&mut bytes) {
-        return Err(Problems::new(source).only(0, Problem::Unreadable(error.to_string())));
+        return Err(Problems::new(source).only(0, MeasurementError::Unreadable(error.to_string())));
     }
     import(&bytes, chain, units, options)
-        .map_err(|fault| Problems::new(source).only(fault.line as u64, Problem::Import(fault.problem)))
+        .map_err(|fault| Problems::new(source).only(fault.line as u64, MeasurementError::Import(fault.problem)))
 }
 
 fn read_contract(
@@ -232,7 +232,7 @@ pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> R
             let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
             return Ok((names, reader.position().line() - 1));
         }
-        Ok(false) => (0, Problem::NoHeader),
+        Ok(false) => (0, MeasurementError::NoHeader),
         Err(error) => (line_of(&error), unreadable(&error)),
     };
     Err(Problems::new(source).only(line, problem))
@@ -310,11 +310,11 @@ pub(super) fn line_of(error: &csv::Error) -> u64 {
     error.position().map_or(0, csv::Position::line)
 }
 
-pub(super) fn unreadable(error: &csv::Error) -> Problem {
+pub(super) fn unreadable(error: &csv::Error) -> MeasurementError {
     match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => Problem::Unreadable("the text is not UTF-8".into()),
-        csv::ErrorKind::Io(error) => Problem::Unreadable(error.to_string()),
-        _ => Problem::Unreadable(error.to_string()),
+        csv::ErrorKind::Utf8 { .. } => MeasurementError::Unreadable("the text is not UTF-8".into()),
+        csv::ErrorKind::Io(error) => MeasurementError::Unreadable(error.to_string()),
+        _ => MeasurementError::Unreadable(error.to_string()),
     }
 }
 
@@ -330,7 +330,7 @@ impl<'a> Problems<'a> {
         Self { source, found: Vec::new(), more: 0 }
     }
 
-    pub fn add(&mut self, line: u64, problem: Problem) {
+    pub fn add(&mut self, line: u64, problem: MeasurementError) {
         if self.found.len() < MOST_PROBLEMS {
             self.found.push(DataProblem { file: self.source.into(), line, problem });
         } else {
@@ -342,7 +342,7 @@ impl<'a> Problems<'a> {
         DataError { problems: self.found, more: self.more }
     }
 
-    pub fn only(mut self, line: u64, problem: Problem) -> DataError {
+    pub fn only(mut self, line: u64, problem: MeasurementError) -> DataError {
         self.add(line, problem);
         self.error()
     }
@@ -423,7 +423,7 @@ impl<'a> Table<'a> {
     fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
         let expected = self.header.names.len();
         if record.len() != expected {
-            problems.add(line, Problem::Ragged { found: record.len(), expected });
+            problems.add(line, MeasurementError::Ragged { found: record.len(), expected });
             return;
         }
         if !self.at_tip(record, line, problems) {
@@ -480,7 +480,7 @@ impl<'a> Table<'a> {
                 Role::Value(group, column) => cells[group][column] = Some(value),
                 Role::Spread(of) => {
                     if value <= 0.0 && !cell.is_empty() {
-                        problems.add(line, Problem::NotADeviation { column: name.clone(), value });
+                        problems.add(line, MeasurementError::NotADeviation { column: name.clone(), value });
                     }
                     match of {
                         Some((group, column)) => spreads[group][column] = value,
@@ -489,7 +489,7 @@ impl<'a> Table<'a> {
                 }
                 Role::Locate => {
                     if value != 0.0 && value != 1.0 {
-                        problems.add(line, Problem::NotAFlag(value));
+                        problems.add(line, MeasurementError::NotAFlag(value));
                     }
                     locate = value != 0.0;
                 }
@@ -522,7 +522,7 @@ impl<'a> Table<'a> {
         let found = record.get(column).unwrap_or("");
         let known = tips.position(found);
         if known.is_none() {
-            problems.add(line, Problem::NotATip { found: found.into(), tips: tip_names(tips) });
+            problems.add(line, MeasurementError::NotATip { found: found.into(), tips: tip_names(tips) });
         }
         self.tip = known.unwrap_or(0);
         known.is_some()
@@ -549,7 +549,7 @@ impl<'a> Table<'a> {
             return;
         }
         if there.len() < cells.len() {
-            problems.add(line, Problem::PartOfTarget { target: of.target.clone() });
+            problems.add(line, MeasurementError::PartOfTarget { target: of.target.clone() });
             return;
         }
         let mut values = Vec::new();
@@ -580,7 +580,7 @@ impl<'a> Table<'a> {
             [Some(u), Some(v)] => [u, v],
             _ => {
                 let corner = of.columns[0][1..].to_owned();
-                problems.add(line, Problem::PartOfCorner { corner, columns: of.columns.join(", ") });
+                problems.add(line, MeasurementError::PartOfCorner { corner, columns: of.columns.join(", ") });
                 return;
             }
         };
@@ -609,7 +609,7 @@ impl<'a> Table<'a> {
             series
         };
         if self.data.observed.since_row_began().any(|observation| self.data.observed.series(observation) == series) {
-            problems.add(line, Problem::CornerTwice { corner: label });
+            problems.add(line, MeasurementError::CornerTwice { corner: label });
             return;
         }
         self.data.observed.push(series, &[u, v]);
@@ -667,7 +667,7 @@ impl<'a> Table<'a> {
 
     fn finish(mut self, chain: &Chain, mut problems: Problems<'_>) -> Result<Loaded, DataError> {
         if self.data.lines.is_empty() && problems.found.is_empty() {
-            problems.add(0, Problem::NoRows);
+            problems.add(0, MeasurementError::NoRows);
         }
         for column in std::mem::take(&mut self.others) {
             column.finish(&mut self.data, &mut problems);
@@ -690,7 +690,7 @@ impl<'a> Table<'a> {
         if self.images.is_some() && !self.data.observed.is_empty() {
             match images::range(&self.data) {
                 Some(range) => self.data.scene.set_range(range),
-                None => problems.add(0, Problem::NoBoardPose),
+                None => problems.add(0, MeasurementError::NoBoardPose),
             }
         }
         plausible::drop_targets(&mut self.data, &mut notes);
@@ -708,10 +708,10 @@ impl<'a> Table<'a> {
 }
 
 /// The first row that is said to be of another tip than the chain's.
-fn another_tip(data: &Measurements, chain: &Chain) -> Option<(u64, Problem)> {
+fn another_tip(data: &Measurements, chain: &Chain) -> Option<(u64, MeasurementError)> {
     let named = data.labels.iter().find(|label| label.name == "tip")?;
     let row = named.values.iter().position(|tip| !tip.is_empty() && tip != chain.tip())?;
-    let problem = Problem::AnotherTip { found: named.values[row].clone(), tip: chain.tip().into() };
+    let problem = MeasurementError::AnotherTip { found: named.values[row].clone(), tip: chain.tip().into() };
     Some((data.lines[row] as u64, problem))
 }
 
@@ -738,7 +738,7 @@ impl OtherColumn {
             let side = |value: &f64| *value == 0.0 || value.abs() == 1.0;
             let odd = self.name.ends_with(".approach").then(|| self.numbers.iter().position(|value| !side(value)));
             if let Some(row) = odd.flatten() {
-                let problem = Problem::NotASide { column: self.name, value: self.numbers[row] };
+                let problem = MeasurementError::NotASide { column: self.name, value: self.numbers[row] };
                 problems.add(data.lines[row] as u64, problem);
                 return;
             }
@@ -747,7 +747,8 @@ impl OtherColumn {
         };
         let numeric = self.texts.iter().filter(|text| text.parse::<f64>().is_ok_and(f64::is_finite)).count();
         if self.must_be_numeric || row > 0 && 2 * numeric > self.texts.len() {
-            problems.add(line, number(&self.name, &text).err().unwrap_or(Problem::Empty { column: self.name }));
+            problems
+                .add(line, number(&self.name, &text).err().unwrap_or(MeasurementError::Empty { column: self.name }));
         } else {
             data.labels.push(Label { name: self.name, values: self.texts });
         }
@@ -755,13 +756,13 @@ impl OtherColumn {
 }
 
 /// A finite number.
-pub(super) fn number(column: &str, cell: &str) -> Result<f64, Problem> {
+pub(super) fn number(column: &str, cell: &str) -> Result<f64, MeasurementError> {
     if cell.is_empty() {
-        return Err(Problem::Empty { column: column.into() });
+        return Err(MeasurementError::Empty { column: column.into() });
     }
     match cell.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(Problem::NotFinite {
+        Ok(_) => Err(MeasurementError::NotFinite {
             column: column.into(),
             text: cell.into(),
             mend: if column.starts_with(['x', 'y', 'z']) && column[1..].chars().all(|c| c.is_ascii_digit()) {
@@ -770,6 +771,6 @@ pub(super) fn number(column: &str, cell: &str) -> Result<f64, Problem> {
                 "correct the cell or remove the row"
             },
         }),
-        Err(_) => Err(Problem::NotANumber { column: column.into(), text: cell.into() }),
+        Err(_) => Err(MeasurementError::NotANumber { column: column.into(), text: cell.into() }),
     }
 }

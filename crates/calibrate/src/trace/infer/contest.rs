@@ -87,9 +87,9 @@ pub struct Contest<'a> {
     pub members: &'a [Member],
 }
 
-/// Products of all channels together.
+/// Gram matrix of all channels together.
 #[derive(Debug, Clone)]
-pub struct Products {
+pub struct TotalGram {
     matrix: Vec<f64>,
     right: Vec<f64>,
     square: f64,
@@ -98,7 +98,7 @@ pub struct Products {
     size: usize,
 }
 
-impl Products {
+impl TotalGram {
     /// Of all channels.
     pub fn of(gram: &Gram) -> Self {
         let mut sum = Self {
@@ -149,7 +149,7 @@ impl Contest<'_> {
     }
 
     /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
-    pub fn ground(&self, products: &Products, setting: &Setting) -> Option<Ground> {
+    pub fn ground(&self, gram: &TotalGram, setting: &Setting) -> Option<Ground> {
         let mut index: Vec<usize> = (0..self.always).collect();
         let mut prior = vec![0.0; self.always];
         let mut log_prior = 0.0;
@@ -164,7 +164,7 @@ impl Contest<'_> {
                 log_prior += precision.ln();
             }
         }
-        let mut first = products.plain;
+        let mut first = gram.plain;
         let mut held: Vec<(Range<usize>, usize)> = Vec::new();
         for (curve, waves) in self.waves.iter().enumerate() {
             if let Some(kernel) = setting.curves[curve].checked_sub(1) {
@@ -187,7 +187,7 @@ impl Contest<'_> {
         let mut matrix = vec![0.0; size * size];
         for i in 0..size {
             for k in 0..=i {
-                matrix[i * size + k] = products.cell(index[i], index[k]);
+                matrix[i * size + k] = gram.cell(index[i], index[k]);
             }
             matrix[i * size + i] += prior[i];
         }
@@ -214,14 +214,14 @@ impl Contest<'_> {
         let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
         let base = odds + 0.5 * (log_prior - factor.log_determinant() + 2.0 * log_scale);
         let right: Vec<f64> = (0..size)
-            .map(|i| (products.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }) * scale[i])
+            .map(|i| (gram.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }) * scale[i])
             .collect();
         let half = factor.forward(&right);
         let columns: Vec<usize> = self.members.iter().flat_map(|member| member.columns.clone()).collect();
         let shares: Vec<Vec<f64>> = columns
             .iter()
             .map(|&column| {
-                let along: Vec<f64> = (0..size).map(|i| products.cell(index[i], column) * scale[i]).collect();
+                let along: Vec<f64> = (0..size).map(|i| gram.cell(index[i], column) * scale[i]).collect();
                 factor.forward(&along)
             })
             .collect();
@@ -229,14 +229,14 @@ impl Contest<'_> {
         let mut schur = vec![0.0; width * width];
         for i in 0..width {
             for k in 0..=i {
-                let left = products.cell(columns[i], columns[k]) - dot(&shares[i], &shares[k]);
+                let left = gram.cell(columns[i], columns[k]) - dot(&shares[i], &shares[k]);
                 schur[i * width + k] = left;
                 schur[k * width + i] = left;
             }
         }
-        let right = columns.iter().zip(&shares).map(|(&c, share)| products.right[c] - dot(share, &half)).collect();
-        let left = products.square + self.charge - dot(&half, &half);
-        (left > 0.0 && base.is_finite()).then_some(Ground { schur, right, width, base, left, count: products.count })
+        let right = columns.iter().zip(&shares).map(|(&c, share)| gram.right[c] - dot(share, &half)).collect();
+        let left = gram.square + self.charge - dot(&half, &half);
+        (left > 0.0 && base.is_finite()).then_some(Ground { schur, right, width, base, left, count: gram.count })
     }
 
     /// The score of a set at a setting.
@@ -362,7 +362,7 @@ impl Contest<'_> {
     /// Searches from several starts, and finds the settings that suit the sets which matter.
     ///
     /// Returns every set seen, and the settings.
-    pub fn run(&self, products: &Products, starts: &[Vec<usize>]) -> (Seen, Vec<Setting>) {
+    pub fn run(&self, gram: &TotalGram, starts: &[Vec<usize>]) -> (Seen, Vec<Setting>) {
         let mut settings: Vec<Setting> = Vec::new();
         let mut grounds: Vec<Ground> = Vec::new();
         let add = |setting: Setting, grounds: &mut Vec<Ground>, settings: &mut Vec<Setting>| -> Option<usize> {
@@ -372,7 +372,7 @@ impl Contest<'_> {
             if settings.len() >= MOST_SETTINGS {
                 return None;
             }
-            let ground = self.ground(products, &setting)?;
+            let ground = self.ground(gram, &setting)?;
             settings.push(setting);
             grounds.push(ground);
             Some(settings.len() - 1)
@@ -485,7 +485,7 @@ mod tests {
             channels: &[0; VALUES],
             weights: &[1.0; VALUES],
         };
-        let products = Products::of(&Gram::of(&columns, &waves, &readings));
+        let gram = TotalGram::of(&Gram::of(&columns, &waves, &readings));
         let precision = DMatrix::from_diagonal(&DVector::from_fn(7, |k, _| 0.1 + 0.05 * k as f64));
         let kernels = vec![vec![Kernel { log_variance: -1.0, log_length: -1.5 }]];
         let members: Vec<Member> =
@@ -542,15 +542,15 @@ mod tests {
         };
         let bare = contest.bare();
         let full = Setting { curves: vec![1], unnamed: Some((0, 2)) };
-        let reference = contest.at(&contest.ground(&products, &bare).unwrap(), &[]) - written(&bare, &[]);
+        let reference = contest.at(&contest.ground(&gram, &bare).unwrap(), &[]) - written(&bare, &[]);
         for setting in [bare, Setting { curves: vec![1], unnamed: None }, full] {
-            let ground = contest.ground(&products, &setting).unwrap();
+            let ground = contest.ground(&gram, &setting).unwrap();
             for set in [vec![], vec![1], vec![0, 2], vec![0, 1, 2]] {
                 let found = contest.at(&ground, &set) - written(&setting, &set) - reference;
                 assert!(found.abs() < 1e-8, "{setting:?} {set:?}: off by {found}");
             }
         }
-        let (seen, settings) = contest.run(&products, &[vec![0, 2]]);
+        let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
         assert_eq!((best.as_slice(), &settings[*at]), (&[1][..], &contest.bare()));
     }

@@ -21,7 +21,7 @@ use crate::trace::infer::model::{Hyperparameters, Kernel};
 use crate::trace::infer::replicates;
 use crate::trace::leftover::Block;
 use crate::trace::linear::{Linear, linearise};
-use crate::trace::search::Field;
+use crate::trace::search::CandidateScorer;
 use denavit_model::nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -343,10 +343,10 @@ impl Round {
                 plain.push(column);
             }
         }
-        let field = Field { data, statics: &fit.effects.statics, linear: &linear };
+        let scorer = CandidateScorer { data, statics: &fit.effects.statics, linear: &linear };
         let mut ranges = Vec::new();
-        let columns = candidates.unwrap_or_default().iter().map(|candidate| field.columns(&candidate.term));
-        for columns in columns.chain(others.iter().map(|block| block.columns(&field))) {
+        let columns = candidates.unwrap_or_default().iter().map(|candidate| scorer.columns(&candidate.term));
+        for columns in columns.chain(others.iter().map(|block| block.columns(&scorer))) {
             ranges.push(plain.len()..plain.len() + columns.ncols());
             plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
         }
@@ -648,12 +648,12 @@ fn prior(
     let joints = fit.layout.joints.len();
     let firm = &fit.layout.prior.precision;
     precision.view_mut((0, 0), (joints, joints)).copy_from(firm);
-    let departure = fit.layout.departure(&fit.arm, reference);
+    let perturbation = fit.layout.perturbation(&fit.arm, reference);
     let mut pull = vec![0.0; plain.len()];
     let mut charge = 0.0;
     for i in 0..joints {
-        pull[i] = -(0..joints).map(|k| firm[(i, k)] * departure[k]).sum::<f64>();
-        charge -= pull[i] * departure[i];
+        pull[i] = -(0..joints).map(|k| firm[(i, k)] * perturbation[k]).sum::<f64>();
+        charge -= pull[i] * perturbation[i];
     }
     // The common frame is held as in a fit: these rows come last in the linearisation.
     let held = linear.geometry.nrows() - linear.values() - if joints > 0 { joints } else { 0 };

@@ -62,7 +62,7 @@ impl Posterior {
 
     /// The whole covariance, row by row.
     pub fn covariances(&self) -> Vec<f64> {
-        crate::identify::gram::products(&self.root, &self.root, self.size)
+        crate::identify::gram::cross_gram(&self.root, &self.root, self.size)
     }
 }
 

@@ -5,14 +5,14 @@
 //! taken per row and pair of joints, and the waves are multiplied with that.
 
 use crate::effects::curve::Waves;
-use crate::identify::gram::products;
+use crate::identify::gram::cross_gram;
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
 const ROWS: usize = 256;
 /// No more sums than this are held at once.
-const LANES: usize = 8;
+const PARTIAL_SUMS: usize = 8;
 
 /// The linearised model, value by value, in units of the noise.
 #[derive(Debug, Clone, Copy)]
@@ -100,11 +100,11 @@ impl Gram {
             stretches.push(from..to);
             from = to;
         }
-        // A sum of its own for each lane of stretches, added in order: no sum depends on which thread was the faster.
-        let lanes = stretches.len().clamp(1, LANES);
-        let of_lane = |lane: usize| {
+        // Partial sums, each of every `parts`th stretch, added in order: no sum depends on which thread was the faster.
+        let parts = stretches.len().clamp(1, PARTIAL_SUMS);
+        let partial = |part: usize| {
             let mut sums = vec![Channel::zeros(size); channels];
-            for range in stretches.iter().skip(lane).step_by(lanes) {
+            for range in stretches.iter().skip(part).step_by(parts) {
                 look();
                 for (channel, sums) in sums.iter_mut().enumerate() {
                     add_stretch(columns, waves, readings, range.clone(), channel, sums);
@@ -112,8 +112,8 @@ impl Gram {
             }
             sums
         };
-        let mut done = dealt(0..lanes, available().min(lanes), || (), |(), lane| of_lane(lane)).into_iter();
-        let mut channels = done.next().expect("there is a lane");
+        let mut done = dealt(0..parts, available().min(parts), || (), |(), part| partial(part)).into_iter();
+        let mut channels = done.next().expect("there is a part");
         for part in done {
             for (sum, part) in channels.iter_mut().zip(part) {
                 sum.add(&part, 1.0);
@@ -141,13 +141,13 @@ fn add_stretch(
     let cells: Vec<f64> = columns.plain.iter().flat_map(|column| pick(column)).collect();
     sums.square += explained.iter().map(|y| y * y).sum::<f64>();
     sums.count += own.iter().map(|&value| columns.weights[value]).sum::<f64>();
-    let of_plain = products(&cells, &cells, own.len());
+    let of_plain = cross_gram(&cells, &cells, own.len());
     for row in 0..plain {
         for column in 0..=row {
             sums.matrix[row * size + column] += of_plain[row * plain + column];
         }
     }
-    for (sum, part) in sums.right.iter_mut().zip(products(&cells, &explained, own.len())) {
+    for (sum, part) in sums.right.iter_mut().zip(cross_gram(&cells, &explained, own.len())) {
         *sum += part;
     }
     // From here on one line per row: the place of each value's row among them.
@@ -191,7 +191,7 @@ fn add_stretch(
             let other = if column < plain { &cells[column * own.len()..(column + 1) * own.len()] } else { &explained };
             per_row(&joints[i], other, out);
         }
-        for (line, cells) in products(&driven, own_waves, count).chunks_exact(plain + 1).enumerate() {
+        for (line, cells) in cross_gram(&driven, own_waves, count).chunks_exact(plain + 1).enumerate() {
             let row = first + line;
             for (sum, cell) in sums.matrix[row * size..].iter_mut().zip(&cells[..plain]) {
                 *sum += cell;
@@ -204,7 +204,7 @@ fn add_stretch(
             per_row(&joints[i], &joints[j], &mut scale);
             let scaled: Vec<f64> =
                 own_waves.chunks_exact(count).flat_map(|wave| wave.iter().zip(&scale).map(|(b, s)| b * s)).collect();
-            let block = products(other_waves, &scaled, count);
+            let block = cross_gram(other_waves, &scaled, count);
             for (line, cells) in block.chunks_exact(waves[j].len()).enumerate() {
                 let row = first + line;
                 for (sum, cell) in sums.matrix[row * size + column..].iter_mut().zip(cells) {

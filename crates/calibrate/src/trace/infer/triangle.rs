@@ -1,7 +1,7 @@
 //! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory, and in blocks so that what is read
 //! once is used for several sums.
 
-use crate::identify::gram::add_products;
+use crate::identify::gram::add_cross_gram;
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
@@ -78,7 +78,14 @@ impl Triangle {
             let many = to - from;
             let mut known = vec![0.0; many * count];
             if from > first {
-                add_products(&rows[first..], &columns[first..], (size, size), from - first, (many, count), &mut known);
+                add_cross_gram(
+                    &rows[first..],
+                    &columns[first..],
+                    (size, size),
+                    from - first,
+                    (many, count),
+                    &mut known,
+                );
             }
             for (index, column) in columns.chunks_exact_mut(size).enumerate() {
                 for row in 0..many {
@@ -97,7 +104,7 @@ fn against(rows: &[f64], block: &[f64], (from, to): (usize, usize), size: usize)
     let (many, count) = (to - from, rows.len() / size);
     let mut known = vec![0.0; many * count];
     if from > 0 {
-        add_products(block, rows, (size, size), from, (many, count), &mut known);
+        add_cross_gram(block, rows, (size, size), from, (many, count), &mut known);
     }
     known
 }
@@ -138,16 +145,16 @@ fn solve_row(row: &mut [f64], block: &[f64], known: &[f64], from: usize, size: u
 /// Σ a b in vectors of the machine, two sums at a time.
 #[inline(always)]
 fn dot_in<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> f64 {
-    let lanes = S::f64s::LEN;
+    let width = S::f64s::LEN;
     let count = a.len().min(b.len());
     let (a, b) = (&a[..count], &b[..count]);
     let mut sums = [S::f64s::splat(simd, 0.0); 4];
-    let whole = count - count % (4 * lanes);
-    for at in (0..whole).step_by(4 * lanes) {
+    let whole = count - count % (4 * width);
+    for at in (0..whole).step_by(4 * width) {
         for (k, sum) in sums.iter_mut().enumerate() {
-            let from = at + k * lanes;
-            let left = S::f64s::from_slice(simd, &a[from..from + lanes]);
-            *sum = left.mul_add(S::f64s::from_slice(simd, &b[from..from + lanes]), *sum);
+            let from = at + k * width;
+            let left = S::f64s::from_slice(simd, &a[from..from + width]);
+            *sum = left.mul_add(S::f64s::from_slice(simd, &b[from..from + width]), *sum);
         }
     }
     let rest: f64 = a[whole..].iter().zip(&b[whole..]).map(|(a, b)| a * b).sum();

@@ -13,7 +13,7 @@ pub struct DataProblem {
     /// Line, counted from 1; 0 for the file as a whole.
     pub line: u64,
     /// What is wrong.
-    pub problem: Problem,
+    pub problem: MeasurementError,
 }
 
 fn place(file: &str, line: u64) -> String {
@@ -55,7 +55,7 @@ impl fmt::Display for DataError {
 /// What is wrong.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-pub enum Problem {
+pub enum MeasurementError {
     /// An export that cannot be brought into the contract's form.
     #[error(transparent)]
     Import(#[from] super::import::ImportProblem),
