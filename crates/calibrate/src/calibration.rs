@@ -46,6 +46,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Readings of one joint that differ by more than this are two postures, rad or m.
@@ -183,9 +184,9 @@ pub struct Calibration {
     /// Rounded readings, where there are any.
     pub rounding: Option<Rounding>,
     /// The rows fitted.
-    pub train: Measurements,
+    pub train: Arc<Measurements>,
     /// The rows held out.
-    pub test: Option<Measurements>,
+    pub test: Option<Arc<Measurements>>,
 }
 
 impl Calibration {
@@ -343,11 +344,11 @@ pub fn calibrate_and_tell(
         curves,
         identifiability: identifiable,
         rounding,
-        train,
-        test,
+        train: Arc::new(train),
+        test: test.map(Arc::new),
     };
     result.report.placements = Some(rows::placements(&result));
-    result.report.rows = Rows::of(&result, &held_out);
+    result.report.rows = Rows::of(&result);
     Ok(result)
 }
 
@@ -377,10 +378,12 @@ fn rows_of(
     test: Option<Measurements>,
     options: &CalibrateOptions,
 ) -> Result<(Measurements, Option<Measurements>), CalibrateError> {
-    let data = with_run_order(data);
+    // Nothing but effects and error curves follows the order, and a million rows are large enough without it.
+    let in_order = options.trace.is_some() || options.curves.is_some();
+    let data = if in_order { with_run_order(data) } else { data };
     let (train, test) = match (test, options.hold_out) {
         (Some(test), _) => {
-            let test = with_run_order_after(test, &data);
+            let test = if in_order { with_run_order_after(test, &data) } else { test };
             (data, Some(test))
         }
         (None, Some(hold_out)) => split(&data, hold_out)?,
