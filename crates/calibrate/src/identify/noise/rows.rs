@@ -5,7 +5,7 @@ use super::{Place, Source};
 use crate::effects::curve::Curve;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -75,12 +75,12 @@ impl<E: Effects> Effects for WithJoints<'_, E> {
         self.model.perturb(row, arm, out)
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
         let own = out.len() - self.joints;
-        self.model.sensitivities(row, arm, state, &mut out[..own]);
+        self.model.sensitivities(row, arm, at, &mut out[..own]);
         let on_the_way = &arm.tips[self.data.tip_of(row.index())].joints;
         for (joint, out) in out[own..].iter_mut().enumerate().filter(|(joint, _)| on_the_way[*joint]) {
-            out.twist = se3::adjoint_times(&state.before[joint], &arm.joints[joint].screw.twist());
+            out.twist = se3::adjoint_times(&at.state.before[joint], &arm.joints[joint].screw.twist());
         }
     }
 
