@@ -15,7 +15,7 @@ use denavit_calibrate::effects::{EffectModel, Statics};
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::identify::residual_statistics::residuals;
 use denavit_calibrate::identify::solve::{FitOptions, fit};
-use denavit_calibrate::observation::arm::{Perturbation, Row, RowState};
+use denavit_calibrate::observation::arm::{Perturbation, Perturbed, Row};
 use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::observation::parameters::{Effects, Parameter, Sensitivity};
 use denavit_calibrate::trace::TraceOptions;
@@ -38,7 +38,7 @@ impl Effects for Held {
         self.0.perturb(row, arm, out)
     }
 
-    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _state: &RowState, _out: &mut [Sensitivity]) {}
+    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _at: Perturbed<'_>, _out: &mut [Sensitivity]) {}
 
     fn stepped(&self, _step: &[f64]) -> Self {
         self.clone()

@@ -22,6 +22,7 @@ mod simd_residuals;
 pub mod solve;
 pub mod stop;
 pub mod threads;
+pub(crate) mod triangle;
 
 use self::initial_guess::nominal_fit;
 use self::posterior::{Earlier, expecting};

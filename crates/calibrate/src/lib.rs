@@ -26,7 +26,7 @@ pub use denavit_export::kinematics_yaml;
 pub use identify::residual::ResidualModel;
 pub use identify::solve::{Fit, FitOptions, Noise};
 pub use identify::{Identification, IdentifyOptions, identify};
-pub use observation::arm::{Arm, Perturbation, Row, RowState};
+pub use observation::arm::{Arm, Perturbation, Perturbed, Row, RowState};
 pub use observation::kinds::ObservationKind;
 pub use observation::measurements::{Measurements, Scene};
 pub use observation::parameters::{

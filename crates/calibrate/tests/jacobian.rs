@@ -5,7 +5,7 @@ use denavit_calibrate::identify::residual::Scratch;
 use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, PLANE, POSE, POSITION};
 use denavit_calibrate::observation::parameters::Sensitivity;
 use denavit_calibrate::{
-    Arm, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Perturbation, ResidualModel, Row, RowState,
+    Arm, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Perturbation, Perturbed, ResidualModel, Row,
     Tolerances,
 };
 use denavit_model::nalgebra::{Vector3, Vector6};
@@ -40,8 +40,8 @@ impl Effects for Everything {
         true
     }
 
-    fn sensitivities(&self, row: Row<'_>, _arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
-        out[0].twist = se3::adjoint_times(&state.before[self.joint], &self.carrier) * row.reading()[0].sin();
+    fn sensitivities(&self, row: Row<'_>, _arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
+        out[0].twist = se3::adjoint_times(&at.state.before[self.joint], &self.carrier) * row.reading()[0].sin();
         out[1].target = Vector3::new(0.0, 1.0, 0.0);
         out[2].anchor = Vector3::new(1.0, 0.0, 0.0);
         out[3].scale = 1.0;

@@ -4,7 +4,7 @@ use crate::effects::carrier::{Action, Carrier};
 use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Conditions, Driver, Posture, Statics};
-use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::arm::{Arm, Perturbation, Perturbed, Row, RowState};
 use crate::observation::measurements::{Measurements, MissingColumn};
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::Vector6;
@@ -63,24 +63,25 @@ impl Term {
         self.coefficients_of(statics, self.driver.len(statics))
     }
 
-    /// What coefficient `index` multiplies: (direction, value of the driver) pairs.
-    fn pairs(&self, directions: usize, values: usize, index: usize) -> Vec<(usize, usize)> {
-        match self.coupling {
-            Coupling::Paired => (0..directions.min(values)).map(|k| (k, k)).collect(),
-            Coupling::Each => vec![(index / values, index % values)],
+    /// Takes the actions of a unit of every coefficient: its index, the action, the amount for these values of the driver.
+    pub(crate) fn each_action(
+        &self,
+        directions: &[Vec<Action>],
+        values: &[f64],
+        mut take: impl FnMut(usize, &Action, f64),
+    ) {
+        for (direction, actions) in directions.iter().enumerate() {
+            for (index, value) in values.iter().enumerate() {
+                let coefficient = match self.coupling {
+                    Coupling::Each => direction * values.len() + index,
+                    Coupling::Paired if direction == index => 0,
+                    Coupling::Paired => continue,
+                };
+                for action in actions {
+                    take(coefficient, action, *value);
+                }
+            }
         }
-    }
-
-    /// The actions, each with its amount, of a unit of every coefficient, for these values of the driver.
-    pub fn actions(&self, directions: &[Vec<Action>], values: &[f64]) -> Vec<Vec<(Action, f64)>> {
-        let count = if self.coupling == Coupling::Paired { 1 } else { directions.len() * values.len() };
-        (0..count)
-            .map(|index| {
-                let pairs = self.pairs(directions.len(), values.len(), index);
-                let of_pair = |(d, v): (usize, usize)| directions[d].iter().map(move |action| (*action, values[v]));
-                pairs.into_iter().flat_map(of_pair).collect()
-            })
-            .collect()
     }
 
     /// Name of coefficient `index` and its unit as a pair: unit of the carrier per unit of the driver.
@@ -154,19 +155,24 @@ impl EffectModel {
         joints: &[ChainJoint],
         out: &mut Perturbation,
     ) -> Posture {
-        let mut posture = self.statics.posture(conditions, None);
+        self.bend(conditions, joints, out).unwrap_or_else(|| self.statics.posture(conditions, None))
+    }
+
+    /// The same; `None` where nothing hangs on how the arm stands.
+    fn bend(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) -> Option<Posture> {
+        if !self.effects.iter().any(|effect| effect.term.driver.needs_posture()) {
+            self.add_steady(conditions, joints, out);
+            return None;
+        }
         let mut steady = Perturbation::none(joints.len());
-        self.add_steady(conditions, joints, &posture, &mut steady);
+        self.add_steady(conditions, joints, &mut steady);
+        let mut posture = self.statics.posture(conditions, None);
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
             .effects
             .iter()
             .filter(|effect| effect.term.driver.needs_posture())
             .map(|effect| (effect, self.directions(&effect.term, joints)))
             .collect();
-        if bending.is_empty() {
-            out.add(&steady);
-            return posture;
-        }
         let bent = |posture: &Posture| {
             let mut next = steady.clone();
             for (effect, directions) in &bending {
@@ -182,24 +188,31 @@ impl EffectModel {
             given = next;
             if moved < STILL {
                 out.add(&given);
-                return posture;
+                return Some(posture);
             }
             posture = self.statics.posture(conditions, Some(&given));
         }
         out.add(&bent(&posture));
-        posture
+        Some(posture)
+    }
+
+    /// How the arm stands where the effects do this to it, as drivers look at it; nothing where none does.
+    fn stood(&self, conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
+        let drivers = || self.effects.iter().map(|effect| &effect.term.driver);
+        if drivers().any(Driver::feels_gravity) {
+            self.statics.posture(conditions, Some(by))
+        } else if drivers().any(Driver::needs_posture) {
+            self.statics.posture(conditions, None)
+        } else {
+            Posture::default()
+        }
     }
 
     /// What does not hang on how the arm stands under gravity.
-    fn add_steady(
-        &self,
-        conditions: &Conditions<'_>,
-        joints: &[ChainJoint],
-        posture: &Posture,
-        out: &mut Perturbation,
-    ) {
+    fn add_steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) {
+        let nowhere = Posture::default();
         for effect in self.effects.iter().filter(|effect| !effect.term.driver.needs_posture()) {
-            self.add_effect(effect, &self.directions(&effect.term, joints), conditions, posture, out);
+            self.add_effect(effect, &self.directions(&effect.term, joints), conditions, &nowhere, out);
         }
         for curve in &self.curves {
             let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
@@ -216,11 +229,9 @@ impl EffectModel {
         out: &mut Perturbation,
     ) {
         let values = self.values(&effect.term, conditions, posture);
-        for (actions, coefficient) in effect.term.actions(directions, &values).iter().zip(&effect.coefficients) {
-            for (action, amount) in actions {
-                action.add_to(amount * coefficient, out);
-            }
-        }
+        effect.term.each_action(directions, &values, |coefficient, action, amount| {
+            action.add_to(amount * effect.coefficients[coefficient], out);
+        });
     }
 
     fn directions(&self, term: &Term, joints: &[ChainJoint]) -> Vec<Vec<Action>> {
@@ -285,26 +296,24 @@ impl Effects for EffectModel {
             return false;
         }
         let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
-        self.add_perturbation(&conditions, &arm.joints, out);
+        self.bend(&conditions, &arm.joints, out);
         true
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
         if self.effects.is_empty() {
             return;
         }
         let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
-        let posture = self.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()));
-        let mut column = 0;
+        let posture = self.stood(&conditions, at.by);
+        let mut first = 0;
         for effect in &self.effects {
             let directions = self.directions(&effect.term, &arm.joints);
             let values = self.values(&effect.term, &conditions, &posture);
-            for actions in effect.term.actions(&directions, &values) {
-                for (action, amount) in &actions {
-                    add_sensitivity(action, *amount, state, &mut out[column]);
-                }
-                column += 1;
-            }
+            effect.term.each_action(&directions, &values, |coefficient, action, amount| {
+                add_sensitivity(action, amount, at.state, &mut out[first + coefficient]);
+            });
+            first += effect.coefficients.len();
         }
     }
 

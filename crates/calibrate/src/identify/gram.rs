@@ -2,8 +2,11 @@
 
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
-/// Columns on the left and on the right whose products are formed at once: as many sums as registers hold.
+/// Columns on the left and on the right whose products are formed at once: as many sums as sixteen registers hold.
 pub(crate) const TILE: (usize, usize) = (4, 2);
+/// The same of machines with vectors of eight numbers, which have thirty-two.
+const WIDE: (usize, usize) = (4, 4);
+const WIDE_VECTOR: usize = 8;
 
 /// leftᵀ right, of columns of `rows` cells: a product per column of `left`, for each column of `right`.
 pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
@@ -38,21 +41,36 @@ fn add_cross_gram_in<S: Simd>(
     simd: S,
     sides: (Columns, Columns),
     rows: usize,
+    counts: (usize, usize),
+    result: &mut [f64],
+) {
+    if S::f64s::LEN < WIDE_VECTOR {
+        add_cross_gram_by::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, counts, result);
+    } else {
+        add_cross_gram_by::<S, { WIDE.0 }, { WIDE.1 }>(simd, sides, rows, counts, result);
+    }
+}
+
+#[inline(always)]
+fn add_cross_gram_by<S: Simd, const L: usize, const R: usize>(
+    simd: S,
+    sides: (Columns, Columns),
+    rows: usize,
     (count, others): (usize, usize),
     result: &mut [f64],
 ) {
-    let (whole, whole_others) = (count - count % TILE.0, others - others % TILE.1);
-    for r in (0..whole_others).step_by(TILE.1) {
-        for l in (0..whole).step_by(TILE.0) {
-            add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, result);
+    let (whole, whole_others) = (count - count % L, others - others % R);
+    for r in (0..whole_others).step_by(R) {
+        for l in (0..whole).step_by(L) {
+            add_tile::<S, L, R>(simd, sides, rows, (l, r), count, result);
         }
         for l in whole..count {
-            add_tile::<S, 1, { TILE.1 }>(simd, sides, rows, (l, r), count, result);
+            add_tile::<S, 1, R>(simd, sides, rows, (l, r), count, result);
         }
     }
     for r in whole_others..others {
-        for l in (0..whole).step_by(TILE.0) {
-            add_tile::<S, { TILE.0 }, 1>(simd, sides, rows, (l, r), count, result);
+        for l in (0..whole).step_by(L) {
+            add_tile::<S, L, 1>(simd, sides, rows, (l, r), count, result);
         }
         for l in whole..count {
             add_tile::<S, 1, 1>(simd, sides, rows, (l, r), count, result);
@@ -73,9 +91,17 @@ pub(crate) fn add_gram(cells: &[f64], stride: usize, rows: usize, sums: &mut [f6
 fn add_gram_in<S: Simd>(simd: S, cells: &[f64], stride: usize, rows: usize, sums: &mut [f64]) {
     let count = cells.len() / stride;
     let sides = (Columns { cells, stride }, Columns { cells, stride });
-    for r in (0..count).step_by(TILE.1) {
-        for l in (0..r + TILE.1).step_by(TILE.0) {
-            add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, sums);
+    if S::f64s::LEN < WIDE_VECTOR {
+        for r in (0..count).step_by(TILE.1) {
+            for l in (0..r + TILE.1).step_by(TILE.0) {
+                add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, sums);
+            }
+        }
+    } else {
+        for r in (0..count).step_by(WIDE.1) {
+            for l in (0..r + WIDE.1).step_by(WIDE.0) {
+                add_tile::<S, { WIDE.0 }, { WIDE.1 }>(simd, sides, rows, (l, r), count, sums);
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Residuals of one row and their derivatives with respect to every parameter, in closed form.
 
 use crate::identify::simd_residuals::Geometry;
-use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
+use crate::observation::arm::{Arm, AxisBasis, Perturbation, Perturbed, Row, RowState};
 use crate::observation::kinds::{Discrepancy, Follows, Rows, Seen};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, Layout, ParameterKind, Sensitivity};
@@ -230,7 +230,7 @@ impl<E: Effects> ResidualModel<'_, E> {
 
     /// Twist of the tip per unit of each joint and effect parameter.
     fn twists(&self, arm: &Arm, at: Row<'_>, scratch: &mut Scratch) {
-        let Scratch { state, sensitivities, twists, bases, axes, .. } = scratch;
+        let Scratch { state, perturbation, sensitivities, twists, bases, axes } = scratch;
         let on_the_way = &arm.tips[self.data.tip_of(at.index())].joints;
         if !self.layout.joints.is_empty() {
             for (axis, ((before, after), basis)) in
@@ -264,7 +264,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         }
         if !sensitivities.is_empty() {
             sensitivities.fill(Sensitivity::default());
-            self.effects.sensitivities(at, arm, state, sensitivities);
+            self.effects.sensitivities(at, arm, Perturbed { state, by: perturbation }, sensitivities);
             for (column, sensitivity) in self.layout.effects.clone().zip(sensitivities.iter()) {
                 let twist = &sensitivity.twist;
                 twists.set(column, &omega(twist), &Vector3::new(twist[3], twist[4], twist[5]));

@@ -439,7 +439,7 @@ mod tests {
     use crate::observation::kinds::{POSE, POSITION};
     use crate::observation::measurements::Measurements;
     use crate::observation::parameters::{Effects, Parameter, Sensitivity};
-    use crate::{Arm, Freedom, Layout, NoEffects, Perturbation, ResidualModel, Row, RowState, Tolerances};
+    use crate::{Arm, Freedom, Layout, NoEffects, Perturbation, Perturbed, ResidualModel, Row, Tolerances};
     use denavit_model::{Pose, examples};
 
     /// Nothing, but asked row by row.
@@ -453,7 +453,7 @@ mod tests {
         fn perturb(&self, _row: Row<'_>, _arm: &Arm, _out: &mut Perturbation) -> bool {
             false
         }
-        fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _state: &RowState, _out: &mut [Sensitivity]) {}
+        fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _at: Perturbed<'_>, _out: &mut [Sensitivity]) {}
         fn stepped(&self, _step: &[f64]) -> Self {
             Self
         }

@@ -251,6 +251,15 @@ pub struct RowState {
     turns: [Vec<f64>; 3],
 }
 
+/// Where the arm stands in one row, and what its effects do to it there.
+#[derive(Debug, Clone, Copy)]
+pub struct Perturbed<'a> {
+    /// Where it stands.
+    pub state: &'a RowState,
+    /// What the effects do; all zero where there is nothing.
+    pub by: &'a Perturbation,
+}
+
 /// One row of measured data: what a driver may look at. It gives no way to the measured values.
 #[derive(Debug, Clone, Copy)]
 pub struct Row<'a> {

@@ -1,6 +1,6 @@
 //! The numbers that a fit may change, and their order.
 
-use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
+use crate::observation::arm::{Arm, AxisBasis, Perturbation, Perturbed, Row};
 use crate::observation::frames::Frames;
 use crate::observation::measurements::{KnownLength, Measurements, MissingColumn, Scene};
 use crate::observation::prior::{KnownBefore, Prior};
@@ -521,8 +521,8 @@ pub trait Effects: Clone + Sync {
     /// What the effects do to this arm in a row, into `out`, which comes all zero; `false` if nothing.
     fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool;
 
-    /// How the prediction moves per unit of each parameter, into `out`, which comes all zero.
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]);
+    /// How the prediction moves per unit of each parameter where the arm stands as perturbed, into `out`, which comes all zero.
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]);
 
     /// The effects with the columns of these rows in place of those that they follow; needed wherever rows are not those (or
     /// a part of those) that the effects were made with.
@@ -555,7 +555,7 @@ impl Effects for NoEffects {
         false
     }
 
-    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _state: &RowState, _out: &mut [Sensitivity]) {}
+    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _at: Perturbed<'_>, _out: &mut [Sensitivity]) {}
 
     fn stepped(&self, _step: &[f64]) -> Self {
         *self

@@ -20,6 +20,5 @@ pub mod maximum;
 pub mod model;
 pub mod named;
 mod replicates;
-mod triangle;
 
 pub use curves::{CurveOptions, fit_curves};

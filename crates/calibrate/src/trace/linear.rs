@@ -5,18 +5,22 @@ use crate::effects::driver::Posture;
 use crate::effects::model::{EffectModel, add_sensitivity};
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::identify::threads::{available, dealt};
+use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use crate::trace::projector::Projector;
 use crate::trace::search::postures;
-use denavit_model::nalgebra::{DMatrix, DVector};
+use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
 use std::sync::OnceLock;
 
 /// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
 /// sensible size cannot do.
 const RELAXED: f64 = 10.0;
+
+/// Rows that one thread takes at a time.
+const ROWS_AT_ONCE: usize = 128;
 
 /// Residual and derivatives in units of the noise; rows of the relaxed prior and of the
 /// conditions on the common frame come after those of the data.
@@ -38,8 +42,9 @@ pub struct Linear {
     pub channels: Vec<usize>,
     /// The weight that each value has in residual and columns.
     pub weights: Vec<f64>,
-    /// The arm in every data row, as the model has it give way.
-    pub postures: Vec<Posture>,
+    /// Effects and arm about which it was linearised.
+    at: (EffectModel, Arm),
+    postures: OnceLock<Vec<Posture>>,
     of_geometry: Geometry,
 }
 
@@ -71,12 +76,12 @@ impl Effects for Probe<'_> {
         self.model.perturb(row, arm, out)
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
         let own = out.len() - self.directions.len();
-        self.model.sensitivities(row, arm, state, &mut out[..own]);
+        self.model.sensitivities(row, arm, at, &mut out[..own]);
         for (direction, out) in self.directions.iter().zip(&mut out[own..]) {
             for action in direction {
-                add_sensitivity(action, 1.0, state, out);
+                add_sensitivity(action, 1.0, at.state, out);
             }
         }
     }
@@ -101,11 +106,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let layout = fit.layout.with_effects(probe.parameters());
     let problem = ResidualModel { data, layout: &layout, effects: &probe };
     let columns = layout.len();
-    let mut scratch = Scratch::new(&layout, &fit.arm);
-    let (mut residual, mut jacobian) = (vec![0.0; data.tallest_row()], vec![0.0; data.tallest_row() * columns]);
-    let kept = |observation: &usize| fit.weights[*observation] > 0.0;
-    let values: usize =
-        (0..data.observations()).filter(kept).map(|observation| data.series_of(observation).kind.height()).sum();
+    let stretches = stretches(&problem, fit);
+    let values = stretches.iter().map(|stretch| stretch.residual.len()).sum();
     // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · perturbation.
     let prior =
         layout.prior.precision.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
@@ -127,46 +129,25 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         rows: Vec::with_capacity(values),
         channels: Vec::with_capacity(values),
         weights: Vec::with_capacity(values),
-        postures: postures(model, &fit.arm, data),
+        at: (model.clone(), fit.arm.clone()),
+        postures: OnceLock::new(),
         of_geometry: Geometry::default(),
     };
-    let mut at = 0;
-    for row in 0..data.len() {
-        if !data.of_row(row).any(|observation| kept(&observation)) {
-            continue;
-        }
-        problem.row_into(&fit.arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
-        let mut line = 0;
-        for observation in data.of_row(row) {
-            let series = data.series_of(observation);
-            let height = series.kind.height();
-            if !kept(&observation) {
-                line += height;
-                continue;
-            }
-            let weight = fit.weights[observation].sqrt();
-            for k in 0..height {
-                let channel = series.channels[usize::from(k >= series.kind.place().height)];
-                let sigma = channel.map_or(1.0, |channel| fit.noise.levels[channel]);
-                let factor = weight / sigma;
-                let cells = &jacobian[line * columns..(line + 1) * columns];
-                result.residual[at] = residual[line] * factor;
-                for (column, &from) in geometry_columns.iter().enumerate() {
-                    result.geometry[(at, column)] = cells[from] * factor;
-                }
-                for (column, cell) in cells[layout.effects.start..first].iter().enumerate() {
-                    result.effects[(at, column)] = cell * factor;
-                }
-                for (column, cell) in cells[first..last].iter().enumerate() {
-                    result.carriers[(at, column)] = cell * factor;
-                }
-                result.rows.push(row);
-                result.channels.push(channel.unwrap_or(0));
-                result.weights.push(fit.weights[observation]);
-                at += 1;
-                line += 1;
-            }
-        }
+    let mut from = 0;
+    for stretch in stretches {
+        let count = stretch.residual.len();
+        result.residual.rows_mut(from, count).copy_from_slice(&stretch.residual);
+        let cells = DMatrixView::from_slice(&stretch.cells, columns, count);
+        let put = |to: &mut DMatrix<f64>, column: usize, own: usize| {
+            to.column_mut(column).rows_mut(from, count).tr_copy_from(&cells.row(own));
+        };
+        geometry_columns.iter().enumerate().for_each(|(k, &own)| put(&mut result.geometry, k, own));
+        (0..own).for_each(|k| put(&mut result.effects, k, layout.effects.start + k));
+        (0..last - first).for_each(|k| put(&mut result.carriers, k, first + k));
+        result.rows.extend(stretch.rows);
+        result.channels.extend(stretch.channels);
+        result.weights.extend(stretch.weights);
+        from += count;
     }
     if priors > 0 {
         let perturbation = &prior * layout.perturbation(&fit.arm, reference) / RELAXED;
@@ -193,7 +174,68 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     result
 }
 
+/// Some rows of a fit, in units of the noise: what is kept of them, value by value.
+struct Stretch {
+    residual: Vec<f64>,
+    /// Derivatives by all parameters, value by value.
+    cells: Vec<f64>,
+    rows: Vec<usize>,
+    channels: Vec<usize>,
+    weights: Vec<f64>,
+}
+
+/// All rows of a fit, stretch by stretch.
+fn stretches<E: Effects>(problem: &ResidualModel<'_, E>, fit: &Fit<EffectModel>) -> Vec<Stretch> {
+    let rows = problem.data.len();
+    let all = (0..rows).step_by(ROWS_AT_ONCE).map(|from| from..(from + ROWS_AT_ONCE).min(rows));
+    let threads = available().min(rows.div_ceil(ROWS_AT_ONCE));
+    dealt(all, threads, || Scratch::new(problem.layout, &fit.arm), |scratch, rows| stretch(problem, fit, rows, scratch))
+}
+
+fn stretch<E: Effects>(
+    problem: &ResidualModel<'_, E>,
+    fit: &Fit<EffectModel>,
+    rows: std::ops::Range<usize>,
+    scratch: &mut Scratch,
+) -> Stretch {
+    let (data, columns) = (problem.data, problem.layout.len());
+    let (mut residual, mut jacobian) = (vec![0.0; data.tallest_row()], vec![0.0; data.tallest_row() * columns]);
+    let mut found = Stretch { residual: vec![], cells: vec![], rows: vec![], channels: vec![], weights: vec![] };
+    for row in rows {
+        if !data.of_row(row).any(|observation| fit.weights[observation] > 0.0) {
+            continue;
+        }
+        problem.row_into(&fit.arm, row, scratch, &mut residual, Some(&mut jacobian));
+        let mut first = 0;
+        for observation in data.of_row(row) {
+            let series = data.series_of(observation);
+            let lines = first..first + series.kind.height();
+            first = lines.end;
+            let weight = fit.weights[observation];
+            if weight <= 0.0 {
+                continue;
+            }
+            for (k, line) in lines.enumerate() {
+                let channel = series.channels[usize::from(k >= series.kind.place().height)];
+                let factor = weight.sqrt() / channel.map_or(1.0, |channel| fit.noise.levels[channel]);
+                found.residual.push(residual[line] * factor);
+                found.cells.extend(jacobian[line * columns..(line + 1) * columns].iter().map(|cell| cell * factor));
+                found.rows.push(row);
+                found.channels.push(channel.unwrap_or(0));
+                found.weights.push(weight);
+            }
+        }
+    }
+    found
+}
+
 impl Linear {
+    /// The arm in every row of the data that it was linearised on, as the model has it give way.
+    pub fn postures(&self, data: &Measurements) -> &[Posture] {
+        let (model, arm) = &self.at;
+        self.postures.get_or_init(|| postures(model, arm, data))
+    }
+
     /// Values measured and kept.
     pub fn values(&self) -> usize {
         self.rows.len()

@@ -16,6 +16,8 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Candidates whose columns are projected together.
 const BATCH: usize = 16;
+/// Postures that one thread takes at a time.
+const ROWS_FOR_A_THREAD: usize = 128;
 
 /// A candidate's result.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,13 +69,15 @@ pub struct CandidateScorer<'a> {
 
 /// The arm in every row of the data, as the model has it give way.
 pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
-    (0..data.len())
-        .map(|index| {
-            let row = Row::new(data, index);
-            let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
-            model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
-        })
-        .collect()
+    let at = |index: usize| {
+        let row = Row::new(data, index);
+        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
+        model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
+    };
+    let threads = available().min(data.len().div_ceil(ROWS_FOR_A_THREAD));
+    let stretches = (0..data.len()).step_by(ROWS_FOR_A_THREAD);
+    let of_stretch = |from: usize| (from..(from + ROWS_FOR_A_THREAD).min(data.len())).map(at).collect::<Vec<_>>();
+    dealt(stretches, threads, || (), |(), from| of_stretch(from)).into_iter().flatten().collect()
 }
 
 impl Tracer<'_> {
@@ -118,7 +122,7 @@ impl CandidateScorer<'_> {
     /// Values of the term's driver, row by row.
     pub fn driver_values(&self, term: &Term) -> Vec<f64> {
         let mut values = Vec::new();
-        for (index, posture) in self.linear.postures.iter().enumerate() {
+        for (index, posture) in self.linear.postures(self.data).iter().enumerate() {
             let row = Row::new(self.data, index);
             let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
             term.driver.values_into(self.statics, &conditions, posture, &mut values);

@@ -11,9 +11,10 @@
 //! much as forming A. The matrix of second derivatives is the average information of Gilmour, Thompson and Cullis, Biometrics 51
 //! (1995), 1440; variances are not below 0 (projected Newton steps, Bertsekas 1982).
 
-use crate::identify::gram::{TILE, add_gram};
+use crate::identify::gram::{TILE, add_gram, cross_gram};
 use crate::identify::threads::in_parallel;
-use denavit_model::nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn};
+use crate::identify::triangle::{Triangle, dot};
+use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
 
 /// Rows are worked on in parts of about so many values: their columns stay near the processor.
 const VALUES_OF_A_PART: usize = 384;
@@ -165,8 +166,19 @@ struct Whitened {
 /// What β is integrated out by.
 struct Integrated {
     deviance: f64,
-    factor: Cholesky<f64, Dyn>,
-    beta: DVector<f64>,
+    factor: Triangle,
+    /// L⁻¹ of the gradient.
+    half: Vec<f64>,
+}
+
+impl Integrated {
+    /// A⁻¹, and β = A⁻¹ g.
+    fn solved(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let columns = self.half.len();
+        let root = self.factor.inverse_columns();
+        let beta = root.chunks_exact(columns).map(|column| dot(column, &self.half));
+        (DMatrix::from_vec(columns, columns, cross_gram(&root, &root, columns)), DVector::from_iterator(columns, beta))
+    }
 }
 
 /// Sums of a part, or of all.
@@ -228,9 +240,9 @@ impl Reml {
     fn slope_of(&self, variances: &[f64], wanted: &[bool]) -> Option<Slope> {
         let whitened = self.whitened(variances)?;
         let integrated = self.integrated(&whitened)?;
-        let inverse = integrated.factor.inverse();
+        let (inverse, beta) = integrated.solved();
         let both: Vec<(&Part, &Whitened)> = self.parts.iter().zip(&whitened).collect();
-        let sums = each_part(&both, |(part, whitened)| self.sums(part, whitened, wanted, &inverse, &integrated.beta));
+        let sums = each_part(&both, |(part, whitened)| self.sums(part, whitened, wanted, &inverse, &beta));
         let (sources, columns) = (self.sources, self.columns);
         let mut total = Sums {
             gradient: DVector::zeros(sources),
@@ -363,25 +375,24 @@ impl Reml {
     fn integrated(&self, parts: &[Whitened]) -> Option<Integrated> {
         let columns = self.columns;
         let width = width_of(columns);
-        let mut matrix = self.prior.clone();
+        // Row by row, the lower triangle.
+        let mut matrix = self.prior.as_slice().to_vec();
         let mut gradient = self.pull.clone();
         let (mut squares, mut log_determinant) = (0.0, 0.0);
         for part in parts {
             for k in 0..columns {
                 for i in 0..=k {
-                    matrix[(i, k)] += part.gram[k * width + i];
+                    matrix[k * columns + i] += part.gram[k * width + i];
                 }
                 gradient[k] += part.gram[columns * width + k];
             }
             squares += part.gram[columns * width + columns];
             log_determinant += part.log_determinant;
         }
-        matrix.fill_lower_triangle_with_upper_triangle();
-        let factor = matrix.cholesky()?;
-        let beta = factor.solve(&gradient);
-        let of_columns: f64 = factor.l_dirty().diagonal().iter().map(|value| 2.0 * value.ln()).sum();
-        let deviance = log_determinant + of_columns + squares - gradient.dot(&beta);
-        deviance.is_finite().then_some(Integrated { deviance, factor, beta })
+        let factor = Triangle::factor(matrix, columns)?;
+        let half = factor.forward(gradient.as_slice());
+        let deviance = log_determinant + factor.log_determinant() + squares - dot(&half, &half);
+        deviance.is_finite().then_some(Integrated { deviance, factor, half })
     }
 
     fn sums(

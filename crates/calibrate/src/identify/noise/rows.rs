@@ -5,21 +5,23 @@ use super::{Place, Source};
 use crate::effects::curve::Curve;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::observation::arm::{Arm, Perturbation, Row, RowState};
+use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use denavit_model::{Quantity, se3};
 
 /// Directions of the free numbers that are known less than this share of the best known one are the common frame's.
-const TOLD_NOTHING: f64 = 1e-11;
+const UNKNOWN: f64 = 1e-11;
 /// Where there are many free numbers, most of them of curves, a direction of which the data tell less than this beside its prior is left
-/// where it is: it uses up less than a hundredth of a value.
-const TOLD_LITTLE: f64 = 0.01;
+/// where it is: it uses up less than a tenth of a value, all of them together some thousandth of all values.
+const HARDLY_KNOWN: f64 = 0.1;
 /// So many are many.
 const MANY: usize = 80;
 /// The work of one step, as values times the square of the free numbers, at most: beyond it rows are left out.
 const MOST_WORK: usize = 4_000_000;
+/// But no rows are left out of fewer values than this for each free number.
+const VALUES_PER_NUMBER: usize = 5;
 /// Rows, at most.
 pub const MOST_ROWS: usize = 5000;
 /// A target nearer to the instrument than this share of its usual distance has no direction.
@@ -73,12 +75,12 @@ impl<E: Effects> Effects for WithJoints<'_, E> {
         self.model.perturb(row, arm, out)
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, state: &RowState, out: &mut [Sensitivity]) {
+    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
         let own = out.len() - self.joints;
-        self.model.sensitivities(row, arm, state, &mut out[..own]);
+        self.model.sensitivities(row, arm, at, &mut out[..own]);
         let on_the_way = &arm.tips[self.data.tip_of(row.index())].joints;
         for (joint, out) in out[own..].iter_mut().enumerate().filter(|(joint, _)| on_the_way[*joint]) {
-            out.twist = se3::adjoint_times(&state.before[joint], &arm.joints[joint].screw.twist());
+            out.twist = se3::adjoint_times(&at.state.before[joint], &arm.joints[joint].screw.twist());
         }
     }
 
@@ -107,8 +109,9 @@ pub(super) fn prepared<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[
     }
     let sources = sources_of(fit, data);
     let free = fit.layout.len() + curves.iter().map(|held| held.curve.waves.len()).sum::<usize>();
-    let of_a_row = data.values().div_ceil(data.len()) * free * free;
-    let most = (MOST_WORK / of_a_row.max(1)).max(2 * free).min(MOST_ROWS);
+    let height = data.values().div_ceil(data.len());
+    let least = (VALUES_PER_NUMBER * free).div_ceil(height);
+    let most = (MOST_WORK / (height * free * free).max(1)).max(least).min(MOST_ROWS);
     let chosen = spread(&all, most);
     let mut raw = raw_rows(fit, data, curves, &sources, &chosen);
     let units = scaled(&mut raw, fit, &sources);
@@ -351,7 +354,7 @@ fn reduced(raw: Vec<Raw>, prior: DMatrix<f64>, pull: DVector<f64>, sources: &[So
     let scaled = DMatrix::from_fn(count, count, |i, k| information[(i, k)] * scale[i] * scale[k]);
     let eigen = scaled.symmetric_eigen();
     let largest = eigen.eigenvalues.max();
-    let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > TOLD_NOTHING * largest).collect();
+    let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > UNKNOWN * largest).collect();
     let mut directions = DMatrix::from_fn(count, kept.len(), |i, k| {
         scale[i] * eigen.eigenvectors[(i, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
     });
@@ -359,7 +362,7 @@ fn reduced(raw: Vec<Raw>, prior: DMatrix<f64>, pull: DVector<f64>, sources: &[So
         // In these directions rows and prior together tell 1; what the prior tells of it are these eigenvalues.
         let shares = (directions.transpose() * &prior * &directions).symmetric_eigen();
         let by_rows: Vec<usize> =
-            (0..shares.eigenvalues.len()).filter(|&k| 1.0 - shares.eigenvalues[k] > TOLD_LITTLE).collect();
+            (0..shares.eigenvalues.len()).filter(|&k| 1.0 - shares.eigenvalues[k] > HARDLY_KNOWN).collect();
         directions *= shares.eigenvectors.select_columns(&by_rows);
     }
     let prior = directions.transpose() * prior * &directions;

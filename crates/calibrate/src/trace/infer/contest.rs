@@ -11,9 +11,9 @@
 //! *setting*. Each set is scored at the setting that suits it best.
 
 use crate::effects::curve::Waves;
+use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Kernel;
-use crate::trace::infer::triangle::{Triangle, dot};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -9,9 +9,9 @@
 //! held frame) are the same for all models of one robot and one file.
 
 use crate::effects::curve::Waves;
+use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Hyperparameters;
-use crate::trace::infer::triangle::{Triangle, dot};
 use denavit_model::nalgebra::DMatrix;
 
 /// A model whose products are formed.
