@@ -137,12 +137,12 @@ pub enum CalibrateError {
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
-    /// Effects act in one chain.
+    /// Gravity is known on other ways than those to the tips of the rows.
     #[error(
-        "{0}: effects and error curves are looked for in one chain, and these rows are of several tips; fit the geometry of all \
-         (‹effects› none), or calibrate one tip at a time"
+        "{0}: effects and error curves are looked for on the ways to all tips of the rows, and what gravity acts on was given \
+         for others; see `Statics::placed_tips`"
     )]
-    EffectsOfSeveralTips(String),
+    StaticsOfOtherTips(String),
     /// A tip that nothing is known of.
     #[error("{file}: no row is of tip \"{tip}\"; measure some, or name the other tips alone")]
     NoRowsOfTip {
@@ -253,7 +253,7 @@ pub fn calibrate_and_tell(
 ) -> Result<Calibration, CalibrateError> {
     let mut begin = |stage| if progress(stage).is_break() { Err(CalibrateError::Stopped) } else { Ok(()) };
     let (data, test, stale) = fresh(data, test);
-    let (train, test) = rows_of(data, test, options)?;
+    let (train, test) = rows_of(data, test, statics, options)?;
     begin(Progress::Geometry)?;
     within_proportion(chain)?;
     let identification = identify(chain, &train, &options.identify);
@@ -376,6 +376,7 @@ fn counted(options: &TraceOptions, identification: &Identification) -> TraceOpti
 fn rows_of(
     data: Measurements,
     test: Option<Measurements>,
+    statics: &Statics,
     options: &CalibrateOptions,
 ) -> Result<(Measurements, Option<Measurements>), CalibrateError> {
     // Nothing but effects and error curves follows the order, and a million rows are large enough without it.
@@ -389,7 +390,7 @@ fn rows_of(
         (None, Some(hold_out)) => split(&data, hold_out)?,
         (None, None) => (data, None),
     };
-    tips::check(&train, options)?;
+    tips::check(&train, statics, options)?;
     enough(&train)?;
     if let Some(test) = &test {
         not_the_same(&train, test)?;

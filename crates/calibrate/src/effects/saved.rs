@@ -312,7 +312,7 @@ mod tests {
         let again = again.bound(&time).unwrap();
         assert_eq!(again, model);
         let recorded = recorded();
-        let conditions = Conditions { reading: &[0.3, 0.8], recorded: recorded.row(0) };
+        let conditions = Conditions { reading: &[0.3, 0.8], recorded: recorded.row(0), tip: 0 };
         let chain = &model.statics.chain;
         assert_eq!(again.fk(chain, &conditions), model.fk(chain, &conditions));
         assert!(

@@ -122,13 +122,12 @@ impl WrittenDriver {
 
     /// How many values the driver will have.
     pub fn len(&self, statics: &Statics) -> usize {
-        let joints = statics.chain.joints().len();
         match self {
             Self::Harmonic { .. } | Self::MomentAcross(_) => 2,
-            Self::TorqueTerms { joint, links } => 2 * (*links).min(joints - joint),
+            Self::TorqueTerms { joint, links } => 2 * statics.carried(*joint, *links).count(),
             Self::Cantilever(_) => 6,
             Self::Overturning | Self::EndMoment(_) => 3,
-            Self::Velocities => joints,
+            Self::Velocities => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
             _ => 1,

@@ -67,9 +67,6 @@ pub enum FilesError {
     /// Effects where nothing is read.
     #[error("effects are not simulated with readings on planes; take a dial gauge, whose readings show them")]
     EffectsInContact,
-    /// Effects act in one chain.
-    #[error("effects are simulated in one chain; simulate one tip at a time, or leave the effects out")]
-    EffectsOfSeveralTips,
     /// What is measured with one tip alone.
     #[error("{0} are simulated at one tip; simulate one tip at a time, or measure poses, positions or distances")]
     KindOfSeveralTips(&'static str),
@@ -107,9 +104,6 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     let any_effect = !asked.specifications.is_empty() || !effects.effects.is_empty();
     if contact && options.kind.numbers() == 0 && any_effect {
         return Err(FilesError::EffectsInContact);
-    }
-    if options.tips.is_some() && any_effect {
-        return Err(FilesError::EffectsOfSeveralTips);
     }
     if options.tips.is_some() && (contact || options.kind.of_a_board()) {
         return Err(FilesError::KindOfSeveralTips(options.kind.plural()));
