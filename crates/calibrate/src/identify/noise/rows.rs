@@ -21,7 +21,7 @@ const MANY: usize = 80;
 /// The work of one step, as values times the square of the free numbers, at most: beyond it rows are left out.
 const MOST_WORK: usize = 4_000_000;
 /// But no rows are left out of fewer values than this for each free number.
-const VALUES_PER_NUMBER: usize = 5;
+const VALUES_PER_NUMBER: usize = 3;
 /// Rows, at most.
 pub const MOST_ROWS: usize = 5000;
 /// A target nearer to the instrument than this share of its usual distance has no direction.

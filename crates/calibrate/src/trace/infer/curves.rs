@@ -18,7 +18,7 @@ use crate::trace::infer::deflection;
 use crate::trace::infer::evidence::{Model, Posterior};
 use crate::trace::infer::gaps;
 use crate::trace::infer::gram::{Columns, Gram};
-use crate::trace::infer::maximum;
+use crate::trace::infer::maximum::{self, NEGLIGIBLE};
 use crate::trace::infer::model::{Hyperparameters, Kernel};
 use crate::trace::infer::replicates;
 use crate::trace::leftover::Block;
@@ -109,8 +109,8 @@ pub(crate) fn fit_curves_near(
         let round = Round::new(data, &state, reference);
         let model = round.model();
         let reached = match found.as_ref().map(|(_, last)| last).or(begun.as_ref()) {
-            None => maximum::from_afar(&model, round.known(&state, near).as_ref()),
-            Some(last) => maximum::from_near(&model, last),
+            None => maximum::from_afar(&model, round.known(&state, near).as_ref(), NEGLIGIBLE),
+            Some(last) => maximum::from_near(&model, last, NEGLIGIBLE),
         };
         let Some((score, hyper)) = reached else { break };
         let (hyper, kept) = asked_for(&model, score, hyper, options);
