@@ -29,6 +29,10 @@ fn main() {
         let place = |effect: &denavit_calibrate::calibration::contract::EffectEntry| {
             effect.joint.clone().or(effect.place.clone()).unwrap_or_default()
         };
+        for effect in found.report.effects.iter().chain(&found.report.one_of) {
+            let kind = &effect.kind;
+            println!("  {kind} at {}: {:.3}, again {:.2}", place(effect), effect.probability, effect.found_again);
+        }
         let mut names: Vec<String> =
             found.report.effects.iter().map(|effect| format!("{} at {}", effect.kind, place(effect))).collect();
         names.sort();

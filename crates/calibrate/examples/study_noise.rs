@@ -8,10 +8,11 @@ use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::identify::noise::{Component, NoiseModel, noise_model};
 use denavit_calibrate::observation::kinds::{ObservationKind, POSE, POSITION};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Chain, examples};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StudentT};
+use rand_distr::{Distribution, StandardNormal, StudentT};
 use std::collections::BTreeMap;
 
 /// What the noise is made of, m and rad.
@@ -33,6 +34,8 @@ pub struct World {
     pub repeatability: [f64; 6],
     /// Degrees of freedom of Student's t that the noise of positions follows; `None`: normal.
     pub tails: Option<f64>,
+    /// From the point about which a probe's orientation errs to the target, in the target's axes, m.
+    pub lever: [f64; 3],
 }
 
 const WHITE: World = World {
@@ -44,6 +47,7 @@ const WHITE: World = World {
     angle: 0.0,
     repeatability: [0.0; 6],
     tails: None,
+    lever: [0.0; 3],
 };
 
 /// Every world of the table.
@@ -58,6 +62,21 @@ pub fn worlds() -> Vec<World> {
         World { name: "joints 1 to 3, poses", kind: POSE, repeatability: [6e-5, 6e-5, 6e-5, 0.0, 0.0, 0.0], ..WHITE },
         World { name: "all joints alike, poses", kind: POSE, position: 1e-5, repeatability: [4e-5; 6], ..WHITE },
         World {
+            name: "poses of a probe that turns about a point 0.5 m off",
+            kind: POSE,
+            lever: [0.3, 0.0, -0.4],
+            ..WHITE
+        },
+        World {
+            name: "the same, joints alike",
+            kind: POSE,
+            position: 1e-5,
+            orientation: 6e-5,
+            lever: [0.3, 0.0, -0.4],
+            repeatability: [4e-5; 6],
+            ..WHITE
+        },
+        World {
             name: "joint 2 and angle",
             position: 1e-5,
             angle: 4e-5,
@@ -69,18 +88,31 @@ pub fn worlds() -> Vec<World> {
 
 /// Rows of a robot that is off by its tolerances, measured in a world.
 pub fn file(chain: &Chain, world: &World, rows: usize, seed: u64) -> Measurements {
+    let turns = world.lever != [0.0; 3];
     let options = SimulationOptions {
         kind: world.kind,
         rows,
         seed,
         noise_position: if world.tails.is_some() { 0.0 } else { world.position },
-        noise_orientation: world.orientation,
+        noise_orientation: if turns { 0.0 } else { world.orientation },
         noise_range: world.range,
         noise_angle: world.angle,
         repeatability: world.repeatability.to_vec(),
         ..SimulationOptions::default()
     };
     let mut data = simulate(chain, &options, &NoEffects).data;
+    if turns {
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x1e4e5);
+        for observation in 0..data.observations() {
+            let values = data.observed.values_mut(observation);
+            let target = Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(&values[3..12]));
+            let draw = |_, _| world.orientation * Distribution::<f64>::sample(&StandardNormal, &mut random);
+            let off = Vector3::from_fn(draw);
+            let moved = off.cross(&(target * Vector3::from(world.lever)));
+            values[..3].iter_mut().zip(moved.iter()).for_each(|(value, moved)| *value += moved);
+            values[3..12].copy_from_slice((Rotation3::from_scaled_axis(off) * target).matrix().as_slice());
+        }
+    }
     if let Some(freedom) = world.tails {
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7a11);
         let student = StudentT::new(freedom).unwrap();
@@ -132,15 +164,15 @@ pub struct Tally {
     pub sum: f64,
 }
 
-/// Runs of one world, source by source; and the number of files that claim something that is not there, and an order of the run.
+/// Runs of one world, source by source; and the number of files that claim something that is not there, an order of the run, a lever.
 pub fn tallied(
     chain: &Chain,
     world: &World,
     rows: usize,
     seeds: std::ops::Range<u64>,
-) -> (BTreeMap<String, Tally>, [usize; 2]) {
+) -> (BTreeMap<String, Tally>, [usize; 3]) {
     let mut tallies: BTreeMap<String, Tally> = BTreeMap::new();
-    let mut wrong = [0, 0];
+    let mut wrong = [0; 3];
     for seed in seeds {
         let noise = found(chain, &file(chain, world, rows, 7_000 + seed));
         let mut any = false;
@@ -159,6 +191,7 @@ pub fn tallied(
         }
         wrong[0] += usize::from(any);
         wrong[1] += usize::from(noise.run_order.is_some_and(|order| order.claimed));
+        wrong[2] += usize::from(noise.lever.is_some());
     }
     (tallies, wrong)
 }
@@ -173,7 +206,7 @@ fn main() {
     println!("|---|---|---|---|---|---|");
     for (_, world) in worlds().iter().enumerate().filter(|(index, _)| only.is_none_or(|only| only == *index)) {
         let started = std::time::Instant::now();
-        let (tallies, [wrong, order]) = tallied(&chain, world, rows, 0..runs as u64);
+        let (tallies, [wrong, order, lever]) = tallied(&chain, world, rows, 0..runs as u64);
         for (name, tally) in tallies {
             let share = |count: usize| 100.0 * count as f64 / tally.files as f64;
             println!(
@@ -186,7 +219,7 @@ fn main() {
             );
         }
         println!(
-            "{}: {wrong} of {runs} files claim a source that is not there, {order} an order of the run; {:.2} s a file",
+            "{}: {wrong} of {runs} files claim a source that is not there, {order} an order of the run, {lever} a lever; {:.2} s a file",
             world.name,
             started.elapsed().as_secs_f64() / runs as f64
         );

@@ -8,7 +8,7 @@ use denavit_calibrate::identify::noise::reml::{Factor, LEAST_LEVEL, Reml, RowBlo
 use denavit_model::examples::puma_like;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
-use study::{World, tallied, worlds};
+use study::{World, file, found, tallied, worlds};
 
 #[derive(Deserialize)]
 struct Row {
@@ -81,9 +81,9 @@ fn world(name: &str) -> World {
 #[test]
 fn white_noise_claims_nothing_but_its_size() {
     for name in ["white", "white, poses", "white, t with 5 degrees of freedom"] {
-        let (tallies, [wrong, order]) = tallied(&puma_like(), &world(name), 120, 0..6);
+        let (tallies, [wrong, order, lever]) = tallied(&puma_like(), &world(name), 120, 0..6);
         // One clean file in a hundred may claim a source, and one an order of the run.
-        assert!(wrong == 0 && order <= 1, "{name}: {wrong} {order} {tallies:?}");
+        assert!(wrong == 0 && order <= 1 && lever == 0, "{name}: {wrong} {order} {lever} {tallies:?}");
         let position = &tallies["position"];
         assert_eq!(position.claimed, 6, "{name}: {position:?}");
         assert!(position.inside >= 4, "{name}: {position:?}");
@@ -102,5 +102,29 @@ fn what_noise_is_made_of_is_found_within_its_interval() {
     }
     for joint in ["joint_4", "joint_5", "joint_6"] {
         assert!(joints[joint].claimed <= 1, "{joint}: {joints:?}");
+    }
+}
+
+#[test]
+fn a_probe_that_turns_about_a_point_of_its_own_is_found_with_its_lever() {
+    for name in ["poses of a probe that turns about a point 0.5 m off", "the same, joints alike"] {
+        let world = world(name);
+        let mut off = 0.0;
+        for seed in 0..5 {
+            let noise = found(&puma_like(), &file(&puma_like(), &world, 120, 7_000 + seed));
+            let lever = noise.lever.unwrap_or_else(|| panic!("{name}, file {seed}: no lever"));
+            println!("{name}: {lever:?}");
+            for ((value, std), truth) in lever.value.iter().zip(lever.std).zip(world.lever) {
+                assert!(std < 0.1, "{lever:?}");
+                off += ((value - truth) / std).powi(2);
+            }
+            let position = noise.components.iter().find(|of| of.name == "position").unwrap();
+            assert!(
+                position.claimed && position.low < 4e-5,
+                "what the lever makes is no noise of positions: {position:?}"
+            );
+        }
+        // χ² of fifteen degrees of freedom: one in a thousand has more than 37.7.
+        assert!(off < 37.7, "{name}: {off}");
     }
 }

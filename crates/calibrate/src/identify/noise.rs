@@ -10,13 +10,15 @@
 //! unit of coordinate j. The variances are estimated together by restricted maximum likelihood ([`reml`]). A source is *claimed* where
 //! the likelihood without it, all others free, is too much smaller: the ratio is then half a χ² of one degree of freedom, for a variance is
 //! not below 0 (Self and Liang, Journal of the American Statistical Association 82 (1987), 605), and is asked for as many sources as were tried
-//! (Bonferroni). Intervals are those of the profile likelihood; of what is not claimed the upper bound is given. Rows with heavy tails
+//! (Bonferroni). Positions may hang together with orientations ([`lever`]). Intervals are those of the profile likelihood; of what is not claimed the upper bound is given. Rows with heavy tails
 //! make a normal likelihood too sure: ratios are divided by the variance of the rows' own scores over that of normal ones, where it is
 //! larger.
 
+mod lever;
 pub mod reml;
 mod rows;
 
+pub use self::lever::Lever;
 use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
 pub use self::rows::HeldCurve;
 use crate::identify::solve::Fit;
@@ -85,6 +87,9 @@ pub struct NoiseModel {
     pub of_rows: usize,
     /// The sources that were tried.
     pub components: Vec<Component>,
+    /// How the noise of positions hangs together with that of orientations; left out where it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lever: Option<Lever>,
     /// Whether neighbours in the run hang together; left out where there are too few.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_order: Option<RunOrder>,
@@ -144,7 +149,11 @@ pub fn noise_model<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[Held
         return None;
     }
     let prepared = rows::prepared(fit, data, curves)?;
-    let judged = judge(&prepared.reml, &prepared.sources)?;
+    let (mut judged, variances) = judge(&prepared.reml, &prepared.sources)?;
+    let arms = prepared.arms.as_ref().filter(|arms| variances[arms.source] > 0.0);
+    if let Some((lever, reml)) = arms.and_then(|arms| arms.found(&prepared.reml, &variances)) {
+        judged = NoiseModel { lever: Some(lever), ..judge(&reml, &prepared.sources)?.0 };
+    }
     Some(NoiseModel { rows: prepared.rows, of_rows: prepared.of, ..judged })
 }
 
@@ -152,11 +161,11 @@ fn is_level(source: &Source) -> bool {
     matches!(source.place, Place::Level(_))
 }
 
-/// The sources' variances, intervals and claims.
+/// The sources' variances, intervals and claims; and the variances of the model without what goes for nothing.
 ///
 /// A claim is asked of all sources together. Sizes and intervals are those of the model without what goes for nothing, which has room for
 /// less than it: a variance is not below 0, so one that is not there would always take something from those that are.
-fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
+fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     let count = sources.len();
     let levels = sources.iter().filter(|source| is_level(source)).count();
     let start: Vec<f64> = sources
@@ -210,7 +219,9 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<NoiseModel> {
     let slope = &model.best.slope;
     let (squares, fourth) = slope.powers;
     let kurtosis = reml.values() as f64 * fourth / (squares * squares);
-    Some(NoiseModel { rows: 0, of_rows: 0, components, run_order: run_order(slope), kurtosis })
+    let variances = model.tied.variances(&model.best.numbers);
+    let noise = NoiseModel { rows: 0, of_rows: 0, components, lever: None, run_order: run_order(slope), kurtosis };
+    Some((noise, variances))
 }
 
 /// One repeatability for all joints that turn, in the stead of one for each; `None` where there is one joint alone.

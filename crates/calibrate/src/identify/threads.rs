@@ -35,6 +35,19 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R 
     dealt(items.iter(), available().min(items.len()), || (), |(), item| work(item))
 }
 
+/// Two pieces of work side by side, where there is a thread for the second.
+pub(crate) fn both<A, B: Send>(one: impl FnOnce() -> A, other: impl FnOnce() -> B + Send) -> (A, B) {
+    if available() == 1 {
+        return (one(), other());
+    }
+    std::thread::scope(|scope| {
+        let other = scope.spawn(carried(other));
+        let one = catch_unwind(AssertUnwindSafe(one));
+        let other = other.join();
+        (one.unwrap_or_else(|panic| resume_unwind(panic)), other.unwrap_or_else(|panic| resume_unwind(panic)))
+    })
+}
+
 /// The work done on each item, in the order of the items, by `threads` threads, the calling one included. An item is dealt
 /// out as soon as a thread is free; each thread begins with what `start` makes.
 pub fn dealt<I: Iterator + Send, S, R: Send>(

@@ -63,6 +63,16 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
     if !bounds.is_empty() {
         let _ = writeln!(text, "  not seen in these data, and with 95 % below: {}", bounds.join(", "));
     }
+    if let Some(lever) = &noise.lever {
+        let [x, y, z] = lever.value.map(|length| length * 1e3);
+        let [a, b, c] = lever.std.map(|length| length * 1e3);
+        let _ = writeln!(
+            text,
+            "  what is off in orientation is off in position, too, as if it turned about a point away from the target by \
+             {:.1} ± {a:.1}, {:.1} ± {b:.1}, {:.1} ± {c:.1} mm in the target's axes",
+            -x, -y, -z
+        );
+    }
     if let Some(order) = noise.run_order.filter(|order| order.claimed) {
         let _ = writeln!(
             text,

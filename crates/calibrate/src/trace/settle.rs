@@ -8,6 +8,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::identify::solve::Fit;
+use crate::identify::threads::{both, in_parallel};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
@@ -39,12 +40,12 @@ pub(crate) fn trace(
     options: &TraceOptions,
 ) -> Trace {
     let survey = Survey::of(statics, data, options.gear_ratios.clone());
-    let curves = fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
     let rows = thinned(data);
     let part = data.subset(&rows);
     let thin = on_rows(geometric, data, &rows);
     let tracer = Tracer::new(statics, &part, &thin, options);
-    let found = tracer.run();
+    let all_curves = || fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
+    let (curves, found) = both(all_curves, || tracer.run());
     let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
@@ -58,19 +59,20 @@ pub(crate) fn trace(
         (plain, beside)
     };
     // Beside each model that the search ended with there are other curves.
-    let first = if rows.len() == data.len() {
-        curves.clone()
-    } else {
-        let plain = on_rows(&geometric.with_model(statics), data, &rows);
-        fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
+    let new = |(index, state): &(usize, &State)| {
+        let met = found.states[..*index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
+        !state.chosen.is_empty() && !met
     };
-    let mut near = vec![first];
-    for (index, state) in found.states.iter().enumerate() {
-        let met = found.states[..index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
-        if !state.chosen.is_empty() && !met {
-            near.push(with(&state.chosen, &state.fit, &part, &tracer.survey).1);
+    let models = [None].into_iter().chain(found.states.iter().enumerate().filter(new).map(|(_, state)| Some(state)));
+    let models: Vec<Option<&State>> = models.collect();
+    let near = in_parallel(&models, |model| match model {
+        Some(state) => with(&state.chosen, &state.fit, &part, &tracer.survey).1,
+        None if rows.len() == data.len() => curves.clone(),
+        None => {
+            let plain = on_rows(&geometric.with_model(statics), data, &rows);
+            fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
         }
-    }
+    });
     let mut proposed = found.candidates;
     for curve in near.iter().flat_map(|near| &near.fit.effects.curves) {
         for candidate in own_causes(&tracer.candidates, curve) {

@@ -217,6 +217,23 @@ impl Reml {
         Self { parts, columns, sources: least.len(), prior, pull, values, least }
     }
 
+    /// The same rows with other factors, each row's changed in its place.
+    pub(super) fn refactored(&self, change: impl Fn(usize, &mut Vec<Factor>)) -> Self {
+        let mut changed = self.clone();
+        for (index, row) in changed.parts.iter_mut().flat_map(|part| &mut part.rows).enumerate() {
+            change(index, &mut row.factors);
+        }
+        changed
+    }
+
+    /// The same with `more` sources beside, of which `change` adds the factors.
+    pub(super) fn with_sources(self, more: usize, change: impl Fn(usize, &mut Vec<Factor>)) -> Self {
+        let mut changed = self.refactored(change);
+        changed.sources += more;
+        changed.least.resize(changed.sources, 0.0);
+        changed
+    }
+
     /// Number of values.
     pub fn values(&self) -> usize {
         self.values

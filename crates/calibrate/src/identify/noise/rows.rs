@@ -1,5 +1,6 @@
 //! What a fit leaves of each row, with the columns of its free numbers and of every source of noise.
 
+use super::lever::Arms;
 use super::reml::{Factor, LEAST_LEVEL, Reml, RowBlock};
 use super::{Place, Source};
 use crate::effects::curve::Curve;
@@ -10,7 +11,7 @@ use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
 use denavit_model::Quantity;
-use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
 /// Directions of the free numbers that are known less than this share of the best known one are the common frame's.
 const UNKNOWN: f64 = 1e-11;
@@ -22,7 +23,7 @@ const MANY: usize = 80;
 /// The work of one step, as values times the square of the free numbers, at most: beyond it rows are left out.
 const MOST_WORK: usize = 4_000_000;
 /// But no rows are left out of fewer values than this for each free number.
-const VALUES_PER_NUMBER: usize = 5;
+const VALUES_PER_NUMBER: usize = 3;
 /// Rows, at most.
 pub const MOST_ROWS: usize = 5000;
 /// A target nearer to the instrument than this share of its usual distance has no direction.
@@ -42,6 +43,8 @@ pub struct HeldCurve<'a> {
 pub(super) struct Prepared {
     pub reml: Reml,
     pub sources: Vec<Source>,
+    /// What a lever between orientations and positions does; `None` where there are none, or not in the base's axes.
+    pub arms: Option<Arms>,
     /// Rows used.
     pub rows: usize,
     /// Rows there are.
@@ -57,6 +60,8 @@ struct Raw {
     /// Of its values, which series they are.
     series: Vec<usize>,
     row: usize,
+    /// For each observation with an orientation base_from_target, and where its place and its turn begin among the values.
+    turned: Vec<(Rotation3<f64>, [usize; 2])>,
 }
 
 /// The rows of a fit; `None` where nothing is left of them, or nothing is known of their noise.
@@ -76,9 +81,10 @@ pub(super) fn prepared<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[
     let units = scaled(&mut raw, fit, &sources);
     let of_size = |(source, unit_size)| Source { unit_size, ..source };
     let sources: Vec<Source> = sources.into_iter().zip(units).map(of_size).collect();
+    let arms = arms(&raw, fit, data, &sources);
     let (prior, pull) = held_by(fit, data, curves);
     let (reml, rows) = reduced(raw, prior, pull, &sources)?;
-    Some(Prepared { reml, sources, rows, of: all.len() })
+    Some(Prepared { reml, sources, arms, rows, of: all.len() })
 }
 
 /// Of these rows at most so many, spread evenly, in pairs of neighbours so that the order of the run is still seen.
@@ -201,9 +207,47 @@ fn raw_rows<E: Effects>(
         }
         let residual = lines.iter().map(|&(line, channel, ..)| residual[line] * over(channel)).collect();
         let series = lines.iter().map(|line| data.observed.series(line.2)).collect();
-        found.push(Raw { residual, columns, factors, series, row });
+        let start = |observation: usize, at: usize| lines.iter().position(|line| line.2 == observation && line.3 == at);
+        let of_pose = |observation: usize| {
+            let seen = problem.seen(arm, observation, &scratch);
+            seen.series.kind.turn()?;
+            let place = start(observation, 0)?;
+            let turn = start(observation, seen.series.kind.place().height)?;
+            Some((seen.tip.rotation * arm.targets[seen.series.target].rotation, [place, turn]))
+        };
+        let turned = data.of_row(row).filter_map(of_pose).collect();
+        found.push(Raw { residual, columns, factors, series, row, turned });
     }
     found
+}
+
+/// What a lever does in every row; `None` where there is no noise of orientations, or where positions are weighed by axes of their own.
+fn arms<E: Effects>(rows: &[Raw], fit: &Fit<E>, data: &Measurements, sources: &[Source]) -> Option<Arms> {
+    let channel = data.scene.channels.iter().position(|part| part.by_turn)?;
+    let source = sources.iter().position(|source| source.place == Place::Level(channel))?;
+    let weighed = |row: &Raw| data.of_row(row.row).any(|observation| data.observed.level(observation).is_some());
+    if rows.iter().any(weighed) {
+        return None;
+    }
+    let place = data.scene.series.iter().find(|series| series.kind.turn().is_some())?.channels[0]?;
+    let unit = fit.noise.levels[place] / fit.noise.levels[channel];
+    let of_row = |row: &Raw| {
+        let own = row.factors.iter().find(|factor| factor.source == source)?;
+        let h = row.residual.len();
+        let arm = |axis: usize| {
+            let mut cells = vec![0.0; own.cells.len()];
+            for (from, [place, turn]) in &row.turned {
+                let lever = from * Vector3::ith(axis, 1.0);
+                for (cells, noise) in cells.chunks_exact_mut(h).zip(own.cells.chunks_exact(h)) {
+                    let turn = Vector3::from_column_slice(&noise[*turn..turn + 3]);
+                    cells[*place..place + 3].copy_from_slice(turn.cross(&lever).as_slice());
+                }
+            }
+            cells
+        };
+        (!row.turned.is_empty()).then(|| [0, 1, 2].map(arm))
+    };
+    Some(Arms { source, unit, rows: rows.iter().map(of_row).collect() })
 }
 
 /// For each observation in the instrument's frame the directions of a unit of noise: 1 m along the line of sight, or 1 rad about

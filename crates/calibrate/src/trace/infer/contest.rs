@@ -87,45 +87,6 @@ pub struct Contest<'a> {
     pub members: &'a [Member],
 }
 
-/// Gram matrix of all channels together.
-#[derive(Debug, Clone)]
-pub struct TotalGram {
-    matrix: Vec<f64>,
-    right: Vec<f64>,
-    square: f64,
-    count: f64,
-    plain: usize,
-    size: usize,
-}
-
-impl TotalGram {
-    /// Of all channels.
-    pub fn of(gram: &Gram) -> Self {
-        let mut sum = Self {
-            matrix: vec![0.0; gram.size * gram.size],
-            right: vec![0.0; gram.size],
-            square: 0.0,
-            count: 0.0,
-            plain: gram.plain,
-            size: gram.size,
-        };
-        for channel in &gram.channels {
-            for (sum, cell) in
-                sum.matrix.iter_mut().zip(&channel.matrix).chain(sum.right.iter_mut().zip(&channel.right))
-            {
-                *sum += cell;
-            }
-            sum.square += channel.square;
-            sum.count += channel.count;
-        }
-        sum
-    }
-
-    fn cell(&self, i: usize, k: usize) -> f64 {
-        self.matrix[i.max(k) * self.size + i.min(k)]
-    }
-}
-
 /// Candidates with everything else of a setting taken out.
 #[derive(Debug, Clone)]
 pub struct Ground {
@@ -149,7 +110,7 @@ impl Contest<'_> {
     }
 
     /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
-    pub fn ground(&self, gram: &TotalGram, setting: &Setting) -> Option<Ground> {
+    pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Ground> {
         let mut index: Vec<usize> = (0..self.always).collect();
         let mut prior = vec![0.0; self.always];
         let mut log_prior = 0.0;
@@ -362,7 +323,7 @@ impl Contest<'_> {
     /// Searches from several starts, and finds the settings that suit the sets which matter.
     ///
     /// Returns every set seen, and the settings.
-    pub fn run(&self, gram: &TotalGram, starts: &[Vec<usize>]) -> (Seen, Vec<Setting>) {
+    pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<Setting>) {
         let mut settings: Vec<Setting> = Vec::new();
         let mut grounds: Vec<Ground> = Vec::new();
         let add = |setting: Setting, grounds: &mut Vec<Ground>, settings: &mut Vec<Setting>| -> Option<usize> {
@@ -482,10 +443,9 @@ mod tests {
             plain: &borrowed,
             joints: &[&joint],
             rows: &rows,
-            channels: &[0; VALUES],
             weights: &[1.0; VALUES],
         };
-        let gram = TotalGram::of(&Gram::of(&columns, &waves, &readings));
+        let gram = Gram::of(&columns, &waves, &readings);
         let precision = DMatrix::from_diagonal(&DVector::from_fn(7, |k, _| 0.1 + 0.05 * k as f64));
         let kernels = vec![vec![Kernel { log_variance: -1.0, log_length: -1.5 }]];
         let members: Vec<Member> =

@@ -1,6 +1,8 @@
 //! Joint error curves, fitted together with geometry, frames and the effects that are known: linearise, maximise the marginal
 //! likelihood, step, and again.
 
+mod left_over;
+
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Candidate;
 use crate::effects::curve::{Curve, Waves};
@@ -16,7 +18,7 @@ use crate::trace::infer::deflection;
 use crate::trace::infer::evidence::{Model, Posterior};
 use crate::trace::infer::gaps;
 use crate::trace::infer::gram::{Columns, Gram};
-use crate::trace::infer::maximum;
+use crate::trace::infer::maximum::{self, NEGLIGIBLE};
 use crate::trace::infer::model::{Hyperparameters, Kernel};
 use crate::trace::infer::replicates;
 use crate::trace::leftover::Block;
@@ -107,8 +109,8 @@ pub(crate) fn fit_curves_near(
         let round = Round::new(data, &state, reference);
         let model = round.model();
         let reached = match found.as_ref().map(|(_, last)| last).or(begun.as_ref()) {
-            None => maximum::from_afar(&model, round.known(&state, near).as_ref()),
-            Some(last) => maximum::from_near(&model, last),
+            None => maximum::from_afar(&model, round.known(&state, near).as_ref(), NEGLIGIBLE),
+            Some(last) => maximum::from_near(&model, last, NEGLIGIBLE),
         };
         let Some((score, hyper)) = reached else { break };
         let (hyper, kept) = asked_for(&model, score, hyper, options);
@@ -267,6 +269,10 @@ fn asked_for(
 /// One linearisation with its products.
 pub(super) struct Round {
     linear: Linear,
+    /// What is to be explained, the plain columns and those of the curves' joints.
+    explained: Vec<f64>,
+    plain: Vec<Vec<f64>>,
+    joints: Vec<Vec<f64>>,
     /// The values in units of which everything is, summed logarithms.
     log_units: f64,
     /// Of all values.
@@ -375,7 +381,6 @@ impl Round {
             plain: &borrowed(&plain),
             joints: &borrowed(&joints),
             rows: &linear.rows,
-            channels: &linear.channels,
             weights: &linear.weights,
         };
         let parts = by_part(&columns, state, data.len(), parts);
@@ -384,6 +389,9 @@ impl Round {
         let log_units = log_units(&linear, &fit.noise);
         Self {
             linear,
+            explained,
+            plain,
+            joints,
             log_units,
             gram,
             parts,
@@ -525,29 +533,18 @@ impl Round {
             }
             share *= 0.5;
         };
-        fit.arm = arm;
-        fit.effects = effects;
+        (fit.arm, fit.effects) = (arm, effects);
         // Noise of each channel from what is left over the values that are left.
-        let covariances = posterior.covariances();
-        let noise = (-hyper.log_noise).exp();
-        let mut left = fit.noise.levels.clone();
-        let mut used = vec![0.0; left.len()];
-        let mut counts = vec![0.0; left.len()];
-        for (channel, sums) in self.gram.channels.iter().enumerate() {
-            let size = self.gram.size;
-            for i in 0..size {
-                let range = i * size..i * size + i + 1;
-                let twice: f64 = covariances[range.clone()].iter().zip(&sums.matrix[range]).map(|(a, b)| a * b).sum();
-                let own = covariances[i * size + i] * sums.matrix[i * size + i];
-                used[channel] += (2.0 * twice - own) * noise;
-            }
-            let free = (sums.count - used[channel]).max(1.0);
-            left[channel] *= (sums.misfit(&posterior.mean) / free).max(f64::MIN_POSITIVE).sqrt();
-            counts[channel] = sums.count;
+        let left_over = self.left_over(data, state, &posterior, (-hyper.log_noise).exp());
+        let fit = &mut state.fit;
+        let mut levels = fit.noise.levels.clone();
+        for (level, channel) in levels.iter_mut().zip(&left_over) {
+            let free = (channel.count - channel.used).max(1.0);
+            *level *= (channel.misfit / free).max(f64::MIN_POSITIVE).sqrt();
         }
-        fit.noise = Noise { levels: left };
-        fit.parameters_used = used;
-        fit.values = counts;
+        fit.noise = Noise { levels };
+        fit.parameters_used = left_over.iter().map(|channel| channel.used).collect();
+        fit.values = left_over.iter().map(|channel| channel.count).collect();
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
     }
@@ -578,7 +575,6 @@ fn by_part(columns: &Columns<'_>, state: &State, rows: usize, parts: usize) -> V
             plain,
             joints,
             rows: &pick(columns.rows, &own),
-            channels: &pick(columns.channels, &own),
             weights: &pick(columns.weights, &own),
         };
         Gram::of(&columns, &state.waves, &state.readings)

@@ -14,7 +14,7 @@ use crate::observation::arm::Row;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
 use crate::trace::infer::evidence::Model;
-use crate::trace::infer::maximum;
+use crate::trace::infer::maximum::{self, ROUGH};
 use crate::trace::infer::model::Hyperparameters;
 use crate::trace::search::postures;
 use denavit_model::nalgebra::DMatrix;
@@ -95,7 +95,7 @@ pub(super) fn asked_for(
     known: Option<&Hyperparameters>,
 ) -> (Vec<bool>, Option<Hyperparameters>) {
     let mut kept = vec![true; blocks.len()];
-    let Some((mut score, mut hyper)) = maximum::from_afar(model, known) else {
+    let Some((mut score, mut hyper)) = maximum::from_afar(model, known, ROUGH) else {
         return (vec![false; blocks.len()], None);
     };
     loop {
@@ -115,7 +115,7 @@ pub(super) fn asked_for(
             .take(WEAKEST)
             .filter_map(|(_, block)| {
                 let prior = without(block);
-                maximum::from_near(&under(model, &prior), &hyper).map(|(reached, hyper)| (reached, block, hyper))
+                maximum::from_near(&under(model, &prior), &hyper, ROUGH).map(|(reached, hyper)| (reached, block, hyper))
             })
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((reached, block, next)) = best.filter(|(reached, ..)| score - reached < least) else { break };

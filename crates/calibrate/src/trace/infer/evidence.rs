@@ -112,12 +112,7 @@ impl Model<'_> {
             first += waves.len();
         }
         let precision = (-hyper.log_noise).exp();
-        let (mut misfit, mut count) = (0.0, 0.0);
-        for channel in &self.gram.channels {
-            misfit += channel.misfit(&posterior.mean) * precision;
-            count += channel.count;
-        }
-        gradient[0] = 0.5 * (misfit + used - count);
+        gradient[0] = 0.5 * (self.gram.misfit(&posterior.mean) * precision + used - self.gram.count);
         Some((factored.score, gradient))
     }
 
@@ -155,17 +150,12 @@ impl Model<'_> {
     fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
         let (size, plain) = (self.gram.size, self.gram.plain);
         let noise = (-hyper.log_noise).exp();
-        let mut matrix = vec![0.0; size * size];
-        let mut right = vec![0.0; size];
-        right[..plain].copy_from_slice(self.pull);
-        let (mut count, mut square) = (0.0, self.charge);
-        for channel in &self.gram.channels {
-            for (sum, cell) in matrix.iter_mut().zip(&channel.matrix).chain(right.iter_mut().zip(&channel.right)) {
-                *sum += cell * noise;
-            }
-            count += channel.count;
-            square += channel.square * noise;
+        let mut matrix: Vec<f64> = self.gram.matrix.iter().map(|cell| cell * noise).collect();
+        let mut right: Vec<f64> = self.gram.right.iter().map(|cell| cell * noise).collect();
+        for (sum, pull) in right.iter_mut().zip(self.pull) {
+            *sum += pull;
         }
+        let square = self.charge + self.gram.square * noise;
         for i in 0..plain {
             for k in 0..=i {
                 matrix[i * size + k] += self.precision[(i, k)];
@@ -207,7 +197,8 @@ impl Model<'_> {
         let factor = Triangle::factor(matrix, size)?;
         let half = factor.forward(&right);
         let log_determinant = factor.log_determinant() - 2.0 * log_scale;
-        let score = 0.5 * (log_prior - log_determinant - count * hyper.log_noise - square + dot(&half, &half));
+        let score =
+            0.5 * (log_prior - log_determinant - self.gram.count * hyper.log_noise - square + dot(&half, &half));
         score.is_finite().then_some(Factored { score, factor, half, scale })
     }
 }
@@ -231,18 +222,5 @@ impl Factored {
             mean.push(dot(&column[index..], &self.half[index..]));
         }
         Posterior { mean, root, size }
-    }
-}
-
-impl crate::trace::infer::gram::Channel {
-    /// |y - X m|² by the products alone.
-    pub fn misfit(&self, mean: &[f64]) -> f64 {
-        let size = mean.len();
-        let mut sum = self.square;
-        for i in 0..size {
-            let row = &self.matrix[i * size..i * size + i];
-            sum += mean[i] * (2.0 * dot(row, &mean[..i]) + self.matrix[i * size + i] * mean[i] - 2.0 * self.right[i]);
-        }
-        sum
     }
 }

@@ -8,6 +8,7 @@ use crate::effects::curve::Waves;
 use crate::identify::gram::cross_gram;
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
+use crate::identify::triangle::dot;
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
 const ROWS: usize = 256;
@@ -25,15 +26,13 @@ pub struct Columns<'a> {
     pub joints: &'a [&'a [f64]],
     /// The row of each value, ascending.
     pub rows: &'a [usize],
-    /// 0 or 1: lengths and turns.
-    pub channels: &'a [usize],
     /// Each value's weight.
     pub weights: &'a [f64],
 }
 
-/// Products of one channel's values.
+/// Products of all columns.
 #[derive(Debug, Clone)]
-pub struct Channel {
+pub struct Gram {
     /// Lower triangle, row by row: plain columns first, then curve by curve.
     pub matrix: Vec<f64>,
     /// With what is to be explained.
@@ -42,22 +41,15 @@ pub struct Channel {
     pub square: f64,
     /// Values, weighted.
     pub count: f64,
-}
-
-/// Products of all columns by channel.
-#[derive(Debug, Clone)]
-pub struct Gram {
-    /// Lengths, and turns where poses are measured.
-    pub channels: Vec<Channel>,
     /// How many columns are plain.
     pub plain: usize,
     /// How many columns there are.
     pub size: usize,
 }
 
-impl Channel {
-    fn zeros(size: usize) -> Self {
-        Self { matrix: vec![0.0; size * size], right: vec![0.0; size], square: 0.0, count: 0.0 }
+impl Gram {
+    fn zeros(plain: usize, size: usize) -> Self {
+        Self { matrix: vec![0.0; size * size], right: vec![0.0; size], square: 0.0, count: 0.0, plain, size }
     }
 
     fn add(&mut self, other: &Self, weight: f64) {
@@ -67,21 +59,15 @@ impl Channel {
         self.square += other.square * weight;
         self.count += other.count * weight;
     }
-}
 
-impl Gram {
     /// The sum of the products of several parts of the values, each so many times.
     ///
     /// # Panics
     /// There is no part.
     pub fn weighted(parts: &[Self], weights: &[f64]) -> Self {
-        let channels = parts.iter().map(|part| part.channels.len()).max().expect("there is a part");
-        let (plain, size) = (parts[0].plain, parts[0].size);
-        let mut sum = Self { channels: vec![Channel::zeros(size); channels], plain, size };
+        let mut sum = Self::zeros(parts[0].plain, parts[0].size);
         for (part, weight) in parts.iter().zip(weights) {
-            for (channel, part) in sum.channels.iter_mut().zip(&part.channels) {
-                channel.add(part, *weight);
-            }
+            sum.add(part, *weight);
         }
         sum
     }
@@ -90,7 +76,6 @@ impl Gram {
     pub fn of(columns: &Columns<'_>, waves: &[Waves], readings: &[Vec<f64>]) -> Self {
         let plain = columns.plain.len();
         let size = plain + waves.iter().map(Waves::len).sum::<usize>();
-        let channels = columns.channels.iter().max().map_or(1, |last| last + 1);
         // Stretches of values that cover whole rows.
         let mut stretches = Vec::new();
         let mut from = 0;
@@ -103,23 +88,31 @@ impl Gram {
         // Partial sums, each of every `parts`th stretch, added in order: no sum depends on which thread was the faster.
         let parts = stretches.len().clamp(1, PARTIAL_SUMS);
         let partial = |part: usize| {
-            let mut sums = vec![Channel::zeros(size); channels];
+            let mut sums = Self::zeros(plain, size);
             for range in stretches.iter().skip(part).step_by(parts) {
                 look();
-                for (channel, sums) in sums.iter_mut().enumerate() {
-                    add_stretch(columns, waves, readings, range.clone(), channel, sums);
-                }
+                add_stretch(columns, waves, readings, range.clone(), &mut sums);
             }
             sums
         };
         let mut done = dealt(0..parts, available().min(parts), || (), |(), part| partial(part)).into_iter();
-        let mut channels = done.next().expect("there is a part");
-        for part in done {
-            for (sum, part) in channels.iter_mut().zip(part) {
-                sum.add(&part, 1.0);
-            }
+        let mut sum = done.next().expect("there is a part");
+        done.for_each(|part| sum.add(&part, 1.0));
+        sum
+    }
+
+    /// The product of two columns.
+    pub fn cell(&self, i: usize, k: usize) -> f64 {
+        self.matrix[i.max(k) * self.size + i.min(k)]
+    }
+
+    /// |y - X m|² by the products alone.
+    pub fn misfit(&self, mean: &[f64]) -> f64 {
+        let mut sum = self.square;
+        for (i, row) in self.matrix.chunks_exact(self.size).enumerate() {
+            sum += mean[i] * (2.0 * dot(&row[..i], &mean[..i]) + row[i] * mean[i] - 2.0 * self.right[i]);
         }
-        Self { channels, plain, size }
+        sum
     }
 }
 
@@ -127,36 +120,30 @@ fn add_stretch(
     columns: &Columns<'_>,
     waves: &[Waves],
     readings: &[Vec<f64>],
-    range: std::ops::Range<usize>,
-    channel: usize,
-    sums: &mut Channel,
+    own: std::ops::Range<usize>,
+    sums: &mut Gram,
 ) {
-    let own: Vec<usize> = range.filter(|&value| columns.channels[value] == channel).collect();
-    if own.is_empty() {
-        return;
-    }
-    let pick = |column: &[f64]| own.iter().map(|&value| column[value]).collect::<Vec<f64>>();
     let (plain, size) = (columns.plain.len(), sums.right.len());
-    let explained = pick(columns.explained);
-    let cells: Vec<f64> = columns.plain.iter().flat_map(|column| pick(column)).collect();
+    let explained = &columns.explained[own.clone()];
+    let cells: Vec<f64> = columns.plain.iter().flat_map(|column| &column[own.clone()]).copied().collect();
     sums.square += explained.iter().map(|y| y * y).sum::<f64>();
-    sums.count += own.iter().map(|&value| columns.weights[value]).sum::<f64>();
+    sums.count += columns.weights[own.clone()].iter().sum::<f64>();
     let of_plain = cross_gram(&cells, &cells, own.len());
     for row in 0..plain {
         for column in 0..=row {
             sums.matrix[row * size + column] += of_plain[row * plain + column];
         }
     }
-    for (sum, part) in sums.right.iter_mut().zip(cross_gram(&cells, &explained, own.len())) {
+    for (sum, part) in sums.right.iter_mut().zip(cross_gram(&cells, explained, own.len())) {
         *sum += part;
     }
     // From here on one line per row: the place of each value's row among them.
     let mut rows: Vec<usize> = Vec::new();
-    let place: Vec<usize> = own
+    let place: Vec<usize> = columns.rows[own.clone()]
         .iter()
-        .map(|&value| {
-            if rows.last() != Some(&columns.rows[value]) {
-                rows.push(columns.rows[value]);
+        .map(|row| {
+            if rows.last() != Some(row) {
+                rows.push(*row);
             }
             rows.len() - 1
         })
@@ -167,7 +154,7 @@ fn add_stretch(
             out[place] += a * b;
         }
     };
-    let joints: Vec<Vec<f64>> = columns.joints.iter().map(|column| pick(column)).collect();
+    let joints: Vec<&[f64]> = columns.joints.iter().map(|column| &column[own.clone()]).collect();
     let waves_at: Vec<Vec<f64>> = waves
         .iter()
         .zip(readings)
@@ -188,8 +175,8 @@ fn add_stretch(
         let many = waves[i].len();
         let mut driven = vec![0.0; (plain + 1) * count];
         for (column, out) in driven.chunks_exact_mut(count).enumerate() {
-            let other = if column < plain { &cells[column * own.len()..(column + 1) * own.len()] } else { &explained };
-            per_row(&joints[i], other, out);
+            let other = if column < plain { &cells[column * own.len()..(column + 1) * own.len()] } else { explained };
+            per_row(joints[i], other, out);
         }
         for (line, cells) in cross_gram(&driven, own_waves, count).chunks_exact(plain + 1).enumerate() {
             let row = first + line;
@@ -201,7 +188,7 @@ fn add_stretch(
         let mut column = plain;
         for (j, other_waves) in waves_at.iter().enumerate().take(i + 1) {
             let mut scale = vec![0.0; count];
-            per_row(&joints[i], &joints[j], &mut scale);
+            per_row(joints[i], joints[j], &mut scale);
             let scaled: Vec<f64> =
                 own_waves.chunks_exact(count).flat_map(|wave| wave.iter().zip(&scale).map(|(b, s)| b * s)).collect();
             let block = cross_gram(other_waves, &scaled, count);
@@ -224,7 +211,6 @@ mod tests {
     #[test]
     fn products_are_those_of_the_columns_written_out() {
         let rows: Vec<usize> = (0..600).flat_map(|row| [row; 6]).collect();
-        let channels: Vec<usize> = (0..rows.len()).map(|value| (value % 6) / 3).collect();
         let cell = |value: usize, k: usize| ((value * 7 + k * 13) as f64 * 0.61).sin();
         let column = |k: usize| -> Vec<f64> { (0..rows.len()).map(|value| cell(value, k)).collect() };
         let (y, plain, joints) = (column(0), [column(1), column(2)], [column(3), column(4)]);
@@ -237,7 +223,6 @@ mod tests {
             plain: &plain.each_ref().map(Vec::as_slice),
             joints: &joints.each_ref().map(Vec::as_slice),
             rows: &rows,
-            channels: &channels,
             weights: &weights,
         };
         let gram = Gram::of(&columns, &waves, &readings);
@@ -248,18 +233,19 @@ mod tests {
             }
             cells
         };
-        for channel in 0..2 {
-            let own: Vec<usize> = (0..rows.len()).filter(|&value| channels[value] == channel).collect();
-            let sums = &gram.channels[channel];
-            assert_eq!(sums.count, own.len() as f64);
-            for a in 0..gram.size {
-                let right: f64 = own.iter().map(|&value| written(value)[a] * y[value]).sum();
-                assert!((sums.right[a] - right).abs() < 1e-9);
-                for b in 0..=a {
-                    let sum: f64 = own.iter().map(|&value| written(value)[a] * written(value)[b]).sum();
-                    assert!((sums.matrix[a * gram.size + b] - sum).abs() < 1e-9, "{a} {b}");
-                }
+        assert_eq!(gram.count, rows.len() as f64);
+        let all = || (0..rows.len()).map(|value| (value, written(value)));
+        for a in 0..gram.size {
+            let right: f64 = all().map(|(value, own)| own[a] * y[value]).sum();
+            assert!((gram.right[a] - right).abs() < 1e-9);
+            for b in 0..=a {
+                let sum: f64 = all().map(|(_, own)| own[a] * own[b]).sum();
+                assert!((gram.cell(b, a) - sum).abs() < 1e-9, "{a} {b}");
             }
         }
+        let mean: Vec<f64> = (0..gram.size).map(|k| cell(k, 31)).collect();
+        let left = |(value, own): (usize, Vec<f64>)| y[value] - own.iter().zip(&mean).map(|(x, m)| x * m).sum::<f64>();
+        let misfit: f64 = all().map(|own| left(own).powi(2)).sum();
+        assert!((gram.misfit(&mean) - misfit).abs() < 1e-8 * misfit);
     }
 }

@@ -5,7 +5,9 @@ use crate::trace::infer::model::{Hyperparameters, Kernel, LARGEST};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A gain of the logarithm that changes no probability by more than a hundredth.
-const NEGLIGIBLE: f64 = 0.01;
+pub const NEGLIGIBLE: f64 = 0.01;
+/// The same where all that is asked is whether a gain is one of several units.
+pub const ROUGH: f64 = 0.1;
 /// Steps of the search; it needs some twenty.
 const MOST_STEPS: usize = 60;
 /// No step changes a hyperparameter by more than this factor's logarithm.
@@ -49,8 +51,12 @@ impl Bounds {
     }
 }
 
-/// The maximum from the best of a few starts, of which one may be known.
-pub fn from_afar(model: &Model<'_>, known: Option<&Hyperparameters>) -> Option<(f64, Hyperparameters)> {
+/// The maximum from the best of a few starts, of which one may be known; a step that gains less than `negligible` is the last.
+pub fn from_afar(
+    model: &Model<'_>,
+    known: Option<&Hyperparameters>,
+    negligible: f64,
+) -> Option<(f64, Hyperparameters)> {
     let bounds = Bounds::new(model);
     let curves = model.waves.len().max(1) as f64;
     let start = |share: f64, length: f64| {
@@ -68,16 +74,21 @@ pub fn from_afar(model: &Model<'_>, known: Option<&Hyperparameters>) -> Option<(
             Some((model.score(&at)?, at))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    climb(model, &best.1, &bounds)
+    climb(model, &best.1, &bounds, negligible)
 }
 
-/// The maximum near a start.
-pub fn from_near(model: &Model<'_>, start: &Hyperparameters) -> Option<(f64, Hyperparameters)> {
-    climb(model, start, &Bounds::new(model))
+/// The same near a start.
+pub fn from_near(model: &Model<'_>, start: &Hyperparameters, negligible: f64) -> Option<(f64, Hyperparameters)> {
+    climb(model, start, &Bounds::new(model), negligible)
 }
 
 /// Quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno) between bounds, uphill.
-fn climb(model: &Model<'_>, start: &Hyperparameters, bounds: &Bounds) -> Option<(f64, Hyperparameters)> {
+fn climb(
+    model: &Model<'_>,
+    start: &Hyperparameters,
+    bounds: &Bounds,
+    negligible: f64,
+) -> Option<(f64, Hyperparameters)> {
     let mut at = DVector::from_vec(bounds.clamped(start.to_vec()));
     let count = at.len();
     let score = |at: &DVector<f64>| model.score_and_gradient(&Hyperparameters::from_slice(at.as_slice()));
@@ -126,7 +137,7 @@ fn climb(model: &Model<'_>, start: &Hyperparameters, bounds: &Bounds) -> Option<
         }
         let gain = reached - value;
         (at, value, gradient) = (next, reached, slope);
-        if gain < NEGLIGIBLE {
+        if gain < negligible {
             break;
         }
     }

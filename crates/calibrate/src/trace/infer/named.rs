@@ -10,7 +10,7 @@ use crate::identify::solve::Fit;
 use crate::identify::threads::in_parallel;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::trace::infer::contest::{Contest, Ground, Member, Seen, TotalGram, Unnamed, rivals_of_best};
+use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::{Kernel, LARGEST};
@@ -139,7 +139,7 @@ pub(crate) fn judge(
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
     let starts: Vec<Vec<usize>> =
         question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
-    let (seen, settings) = contest.run(&TotalGram::of(&round.gram), &starts);
+    let (seen, settings) = contest.run(&round.gram, &starts);
     let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Vec::new() };
     let names: Vec<(Kind, String)> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
     let mass = |holds: &dyn Fn(&[usize]) -> bool| mass(&seen, holds);
@@ -151,9 +151,8 @@ pub(crate) fn judge(
     kept.sort_unstable();
     kept.dedup();
     let again = |gram: &Gram| -> Vec<usize> {
-        let total = TotalGram::of(gram);
         let grounds: Vec<Ground> =
-            kept.iter().filter_map(|&setting| contest.ground(&total, &settings[setting])).collect();
+            kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting])).collect();
         let mut seen = Seen::new();
         for start in &which {
             contest.climb(&grounds, &mut seen, start);

@@ -1,0 +1,148 @@
+//! Noise of positions that hangs together with that of orientations: a probe turns about a point of its own, and what is off by its turn is
+//! also off in place, by the lever from that point to the target.
+//!
+//! With ω the noise of an orientation and R base_from_target, ω × (R ℓ) is added to that of the position, ℓ constant in the target's axes.
+//! Whether there is a lever is a score test at ℓ = 0, which takes one evaluation: the derivative of a row's covariance by ℓ_k is
+//!
+//! ```text
+//! B₀ B_kᵀ + B_k B₀ᵀ = ½ (B₀ + B_k)(B₀ + B_k)ᵀ - ½ (B₀ - B_k)(B₀ - B_k)ᵀ
+//! ```
+//! with B₀ what orientations alone add and B_k what a lever along axis k does: halves of the slopes by two sources that are not there.
+//! Where it is claimed, scoring steps find it.
+
+use super::FALSE_CLAIMS;
+use super::reml::{Factor, Reml, Slope};
+use denavit_model::nalgebra::{DMatrix, Matrix3, Vector3};
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Scoring steps; each gains some two digits.
+const STEPS: usize = 6;
+/// A step of this share of the lever's standard deviation is the last.
+const SETTLED: f64 = 0.05;
+
+/// What a lever along each axis of the target does in every row.
+#[derive(Debug, Clone)]
+pub(super) struct Arms {
+    /// The source that is the noise of orientations.
+    pub source: usize,
+    /// Length of a lever at which orientations alone make positions as uncertain as they are, m.
+    pub unit: f64,
+    /// Row by row, axis by axis: columns as those of the source's factor; none for rows without it.
+    pub rows: Vec<Option<[Vec<f64>; 3]>>,
+}
+
+/// The point about which the noise turns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Lever {
+    /// From that point to the target, in the target's axes, m.
+    pub value: [f64; 3],
+    /// Standard deviations, m.
+    pub std: [f64; 3],
+    /// Probability of as much where position and orientation are independent.
+    pub p_value: f64,
+}
+
+impl Arms {
+    /// The lever, and the rows with it in the noise of orientations; `None` where chance may have made it.
+    ///
+    /// `variances`: the likeliest, without it.
+    pub fn found(&self, reml: &Reml, variances: &[f64]) -> Option<(Lever, Reml)> {
+        let first = self.scored(reml, variances, &Vector3::zeros())?;
+        let chi = ChiSquared::new(3.0).expect("three degrees of freedom are positive");
+        let p_value = chi.sf(first.ratio);
+        if p_value.is_nan() || p_value >= FALSE_CLAIMS {
+            return None;
+        }
+        let (mut at, mut scored) = (first.step, first);
+        for _ in 0..STEPS {
+            scored = self.scored(reml, variances, &at)?;
+            at += scored.step;
+            if scored.step.component_div(&scored.std).amax() < SETTLED {
+                break;
+            }
+        }
+        let lever = Lever { value: (at * self.unit).into(), std: (scored.std * self.unit).into(), p_value };
+        at.iter().all(|value| value.is_finite()).then(|| (lever, self.with(reml, &at)))
+    }
+
+    /// The rows with this lever, in its unit, in the noise of orientations.
+    fn with(&self, reml: &Reml, lever: &Vector3<f64>) -> Reml {
+        reml.refactored(|row, factors| {
+            let (Some(arms), Some(own)) = (&self.rows[row], own_factor(factors, self.source)) else { return };
+            for (arm, length) in arms.iter().zip(lever.iter()) {
+                own.cells.iter_mut().zip(arm).for_each(|(cell, arm)| *cell += length * arm);
+            }
+        })
+    }
+
+    /// Score and information of the lever at one, all that is not zero of the variances free beside it.
+    fn scored(&self, reml: &Reml, variances: &[f64], lever: &Vector3<f64>) -> Option<Scored> {
+        let sources = variances.len();
+        let with = self.with(reml, lever).with_sources(6, |row, factors| {
+            let (Some(arms), Some(own)) = (&self.rows[row], own_factor(factors, self.source)) else { return };
+            let own = own.cells.clone();
+            for (axis, arm) in arms.iter().enumerate() {
+                for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let cells = own.iter().zip(arm).map(|(own, arm)| own + sign * arm).collect();
+                    factors.push(Factor { source: sources + 2 * axis + side, cells });
+                }
+            }
+        });
+        let mut all = variances.to_vec();
+        all.resize(sources + 6, 0.0);
+        let slope = with.slope(&all)?;
+        let nuisance: Vec<usize> = (0..sources).filter(|&k| variances[k] > 0.0).collect();
+        let weight = 0.5 * variances[self.source];
+        Scored::of(&slope, &nuisance, sources, weight)
+    }
+}
+
+fn own_factor(factors: &mut [Factor], source: usize) -> Option<&mut Factor> {
+    factors.iter_mut().find(|factor| factor.source == source)
+}
+
+/// One scoring step.
+#[derive(Debug, Clone, Copy)]
+struct Scored {
+    step: Vector3<f64>,
+    std: Vector3<f64>,
+    /// χ² of three degrees of freedom where there is no lever.
+    ratio: f64,
+}
+
+impl Scored {
+    /// `first`: the first of six sources, two for each axis.
+    fn of(slope: &Slope, nuisance: &[usize], first: usize, weight: f64) -> Option<Self> {
+        // Numbers: those variances, then the lever's three.
+        let count = nuisance.len();
+        let mut numbers = DMatrix::zeros(count + 3, slope.gradient.len());
+        for (number, &source) in nuisance.iter().enumerate() {
+            numbers[(number, source)] = 1.0;
+        }
+        for axis in 0..3 {
+            numbers[(count + axis, first + 2 * axis)] = weight;
+            numbers[(count + axis, first + 2 * axis + 1)] = -weight;
+        }
+        let gradient = &numbers * &slope.gradient;
+        let information = &numbers * &slope.information * numbers.transpose();
+        let inverse = information.try_inverse()?;
+        let block: Matrix3<f64> = inverse.fixed_view::<3, 3>(count, count).into_owned();
+        let whole = &inverse * gradient;
+        let step: Vector3<f64> = -whole.fixed_rows::<3>(count).into_owned();
+        let variance = block * 2.0;
+        // The rows' own scores may vary more than those of normal ones.
+        let influence = inverse.rows(count, 3) * &numbers * &slope.scores;
+        let mean = influence.column_mean();
+        let mut spread = Matrix3::zeros();
+        for column in influence.column_iter() {
+            let off = column - &mean;
+            spread += Matrix3::from_fn(|i, k| off[i] * off[k]);
+        }
+        let along = variance.try_inverse()? * step;
+        let normal = step.dot(&along);
+        let tails = (along.dot(&(spread * along)) / normal).max(1.0);
+        let ratio = normal / if tails.is_finite() { tails } else { 1.0 };
+        Some(Self { step, std: variance.diagonal().map(|own| (own * tails.max(1.0)).max(0.0).sqrt()), ratio })
+    }
+}
