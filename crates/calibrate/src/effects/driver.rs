@@ -1,15 +1,15 @@
 //! What drives an effect: functions of a row's readings, of gravity, and of what was recorded beside them.
 //!
 //! No driver sees a measured value. What a driver follows beside the readings is a [`Column`], which is only there where every
-//! row has a value for it. A new driver is a variant of [`Driver`] and of [`super::written::WrittenDriver`], its arm in
-//! [`Driver::values_into`] (and in [`Driver::len`] and [`Driver::unit`]), and an entry that uses it in
-//! [`super::catalogue::KINDS`]; the test `every_driver_gives_as_many_values_as_it_says` then covers it.
+//! row has a value for it. A new driver is a variant of [`Driver`], its arms in [`Driver::values_into`], [`Driver::len`],
+//! [`Driver::joint`], [`Driver::named_by`] and [`Driver::unit`], and an entry that uses it in [`super::catalogue::KINDS`]; the
+//! test `every_driver_gives_as_many_values_as_it_says` then covers it.
 
 use crate::effects::carrier::{axis_points, link_points, points_of};
 use crate::effects::gravity::{Load, Masses};
 use crate::observation::arm::{AxisBasis, Perturbation, Row, RowState};
 use crate::observation::measurements::covariates::PAYLOAD;
-use crate::observation::measurements::{Column, MissingColumn, RecordedRow};
+use crate::observation::measurements::{Column, RecordedRow};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,11 @@ const TWIST_TO_BEND: f64 = 1.3;
 const UPRIGHT: f64 = 0.999;
 
 /// What drives an effect. Joints are counted from 0, base to tip.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Driver {
+///
+/// `C`: what stands for a recorded quantity, a column of the data at hand, or a name before it is bound to one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Driver<C = Column> {
     /// 1.
     Constant,
     /// The joint's value, rad or m.
@@ -80,18 +83,20 @@ pub enum Driver {
         /// Read from the order of the rows, for the file does not say.
         from_rows: bool,
         /// Where it is recorded.
-        side: Column,
+        #[serde(skip)]
+        side: C,
     },
     /// The side to which gravity pushes a joint, +1 or -1.
     GravitySide(usize),
     /// Every joint's velocity, rad/s or m/s; a joint that stands still in every row needs none.
-    Velocities(Vec<JointVelocity>),
+    #[serde(skip)]
+    Velocities(Vec<JointVelocity<C>>),
     /// A recorded quantity.
-    Covariate(Column),
+    Covariate(C),
     /// 1 - exp(-(value - from)/constant) of a recorded quantity.
     Decay {
         /// The quantity.
-        covariate: Column,
+        covariate: C,
         /// Where it starts.
         from: f64,
         /// Time constant, in the quantity's unit.
@@ -100,14 +105,14 @@ pub enum Driver {
     /// For each place: 1 from there on, 0 before.
     Steps {
         /// The recorded quantity.
-        covariate: Column,
+        covariate: C,
         /// Places, ascending.
         at: Vec<f64>,
     },
     /// Straight lines between knots: one value per knot but the first.
     Smooth {
         /// The recorded quantity.
-        covariate: Column,
+        covariate: C,
         /// Knots, ascending.
         knots: Vec<f64>,
     },
@@ -115,11 +120,11 @@ pub enum Driver {
 
 /// Where a joint's velocity is recorded: as that of the coordinate that moves it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct JointVelocity {
+pub struct JointVelocity<C = Column> {
     /// The joint.
     pub joint: usize,
     /// Its coordinate's velocity, rad/s or m/s.
-    pub of_coordinate: Column,
+    pub of_coordinate: C,
 }
 
 /// The outline of a bump over u = (value - at)/width.
@@ -346,7 +351,7 @@ impl Statics {
     }
 }
 
-impl Driver {
+impl<C> Driver<C> {
     /// How many values it has.
     pub fn len(&self, statics: &Statics) -> usize {
         match self {
@@ -361,6 +366,93 @@ impl Driver {
         }
     }
 
+    /// The joint that it follows, where it follows one.
+    pub fn joint(&self) -> Option<usize> {
+        match *self {
+            Self::Reading(joint)
+            | Self::Harmonic { joint, .. }
+            | Self::Bump { joint, .. }
+            | Self::Torque(joint)
+            | Self::TorqueTerms { joint, .. }
+            | Self::MomentAcross(joint)
+            | Self::Cantilever(joint)
+            | Self::EndMoment(joint)
+            | Self::Approach { joint, .. }
+            | Self::GravitySide(joint) => Some(joint),
+            _ => None,
+        }
+    }
+
+    /// Whether its values depend on how far the arm has given way.
+    pub fn feels_gravity(&self) -> bool {
+        matches!(
+            self,
+            Self::Torque(_)
+                | Self::TorqueTerms { .. }
+                | Self::MomentAcross(_)
+                | Self::Cantilever(_)
+                | Self::EndMoment(_)
+                | Self::Overturning
+        )
+    }
+
+    /// Whether its values depend on how the arm stands, or on its load.
+    pub fn needs_posture(&self) -> bool {
+        self.feels_gravity() || matches!(self, Self::GravitySide(_))
+    }
+
+    /// Every column that it follows; a payload is none of them, for nothing given is nothing carried.
+    pub fn columns(&self) -> Vec<&C> {
+        match self {
+            Self::Covariate(column)
+            | Self::Approach { side: column, .. }
+            | Self::Decay { covariate: column, .. }
+            | Self::Steps { covariate: column, .. }
+            | Self::Smooth { covariate: column, .. } => vec![column],
+            Self::Velocities(moving) => moving.iter().map(|joint| &joint.of_coordinate).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The same with others in the place of the columns that it follows.
+    ///
+    /// # Errors
+    /// Those of `named`.
+    pub fn named_by<D, E>(&self, mut named: impl FnMut(&C) -> Result<D, E>) -> Result<Driver<D>, E> {
+        Ok(match self {
+            Self::Constant => Driver::Constant,
+            Self::Reading(joint) => Driver::Reading(*joint),
+            Self::Harmonic { joint, order } => Driver::Harmonic { joint: *joint, order: *order },
+            Self::Bump { joint, at, width, shape } => {
+                Driver::Bump { joint: *joint, at: *at, width: *width, shape: *shape }
+            }
+            Self::Torque(joint) => Driver::Torque(*joint),
+            Self::TorqueTerms { joint, links } => Driver::TorqueTerms { joint: *joint, links: *links },
+            Self::MomentAcross(joint) => Driver::MomentAcross(*joint),
+            Self::Cantilever(joint) => Driver::Cantilever(*joint),
+            Self::EndMoment(joint) => Driver::EndMoment(*joint),
+            Self::Overturning => Driver::Overturning,
+            Self::Approach { joint, from_rows, side } => {
+                Driver::Approach { joint: *joint, from_rows: *from_rows, side: named(side)? }
+            }
+            Self::GravitySide(joint) => Driver::GravitySide(*joint),
+            Self::Velocities(moving) => {
+                let of = |JointVelocity { joint, of_coordinate }: &JointVelocity<C>| {
+                    Ok(JointVelocity { joint: *joint, of_coordinate: named(of_coordinate)? })
+                };
+                Driver::Velocities(moving.iter().map(of).collect::<Result<_, _>>()?)
+            }
+            Self::Covariate(covariate) => Driver::Covariate(named(covariate)?),
+            Self::Decay { covariate, from, constant } => {
+                Driver::Decay { covariate: named(covariate)?, from: *from, constant: *constant }
+            }
+            Self::Steps { covariate, at } => Driver::Steps { covariate: named(covariate)?, at: at.clone() },
+            Self::Smooth { covariate, knots } => Driver::Smooth { covariate: named(covariate)?, knots: knots.clone() },
+        })
+    }
+}
+
+impl Driver {
     /// Its values in one row, appended to `out`.
     pub fn values_into(&self, statics: &Statics, conditions: &Conditions<'_>, posture: &Posture, out: &mut Vec<f64>) {
         let joints = statics.chain.joints();
@@ -425,41 +517,6 @@ impl Driver {
         }
     }
 
-    /// The joint that it follows, where it follows one.
-    pub fn joint(&self) -> Option<usize> {
-        match *self {
-            Self::Reading(joint)
-            | Self::Harmonic { joint, .. }
-            | Self::Bump { joint, .. }
-            | Self::Torque(joint)
-            | Self::TorqueTerms { joint, .. }
-            | Self::MomentAcross(joint)
-            | Self::Cantilever(joint)
-            | Self::EndMoment(joint)
-            | Self::Approach { joint, .. }
-            | Self::GravitySide(joint) => Some(joint),
-            _ => None,
-        }
-    }
-
-    /// Whether its values depend on how far the arm has given way.
-    pub fn feels_gravity(&self) -> bool {
-        matches!(
-            self,
-            Self::Torque(_)
-                | Self::TorqueTerms { .. }
-                | Self::MomentAcross(_)
-                | Self::Cantilever(_)
-                | Self::EndMoment(_)
-                | Self::Overturning
-        )
-    }
-
-    /// Whether its values depend on how the arm stands, or on its load.
-    pub fn needs_posture(&self) -> bool {
-        self.feels_gravity() || matches!(self, Self::GravitySide(_))
-    }
-
     /// Unit of one value: what a coefficient is per.
     pub fn unit(&self, chain: &Chain) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
@@ -495,42 +552,6 @@ impl Driver {
                 Some(covariate.name())
             }
             _ => None,
-        }
-    }
-
-    /// Every column that it follows; a payload is none of them, for nothing given is nothing carried.
-    pub fn columns(&self) -> Vec<&Column> {
-        match self {
-            Self::Covariate(column)
-            | Self::Approach { side: column, .. }
-            | Self::Decay { covariate: column, .. }
-            | Self::Steps { covariate: column, .. }
-            | Self::Smooth { covariate: column, .. } => vec![column],
-            Self::Velocities(moving) => moving.iter().map(|joint| &joint.of_coordinate).collect(),
-            _ => Vec::new(),
-        }
-    }
-
-    /// Puts other columns in the place of those that it follows.
-    ///
-    /// # Errors
-    /// Those of `column`.
-    pub fn rebind(
-        &mut self,
-        column: &mut dyn FnMut(&Column) -> Result<Column, MissingColumn>,
-    ) -> Result<(), MissingColumn> {
-        let mut put = |own: &mut Column| -> Result<(), MissingColumn> {
-            *own = column(own)?;
-            Ok(())
-        };
-        match self {
-            Self::Covariate(own)
-            | Self::Approach { side: own, .. }
-            | Self::Decay { covariate: own, .. }
-            | Self::Steps { covariate: own, .. }
-            | Self::Smooth { covariate: own, .. } => put(own),
-            Self::Velocities(moving) => moving.iter_mut().try_for_each(|joint| put(&mut joint.of_coordinate)),
-            _ => Ok(()),
         }
     }
 }
@@ -607,8 +628,11 @@ mod tests {
                 driver.values_into(&statics, &conditions, &posture, &mut values);
                 assert_eq!(values.len(), driver.len(&statics), "{driver:?}");
                 assert!(values.iter().all(|value| value.is_finite()), "{driver:?}");
-                let written = WrittenDriver::of(&driver);
-                assert_eq!(written.len(&statics), values.len(), "{driver:?}");
+                let text = serde_json::to_string(&WrittenDriver::of(&driver)).unwrap();
+                // What is not a number is none in a file.
+                let read = serde_json::from_str::<WrittenDriver>(&text).ok().filter(|_| !text.contains("null"));
+                let written = read.unwrap_or_else(|| WrittenDriver::of(&driver));
+                assert_eq!(written.named(&statics.chain).len(&statics), values.len(), "{text}");
             }
         }
     }

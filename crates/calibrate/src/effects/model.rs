@@ -28,7 +28,7 @@ pub enum Coupling {
 
 /// Where it acts × what drives it: a term of the model without its numbers.
 ///
-/// `D`: the driver, bound to the columns that it follows, or a [`WrittenDriver`](crate::effects::WrittenDriver) as a file has it.
+/// `D`: the driver, bound to the columns that it follows, with their names alone, or a [`WrittenDriver`](crate::effects::WrittenDriver) as a file has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Term<D = Driver> {
     /// The engineer's name for it.
@@ -321,7 +321,7 @@ impl Effects for EffectModel {
     fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
         let mut bound = self.clone();
         for effect in &mut bound.effects {
-            effect.term.driver.rebind(&mut |column| data.column(column.name()))?;
+            effect.term.driver = effect.term.driver.named_by(|column| data.column(column.name()))?;
         }
         Ok(bound)
     }

@@ -110,9 +110,9 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     }
     options.covariates = columns(&asked.columns, chain, options.rows, 0, options.seed)?;
     for effect in &effects.effects {
-        for column in effect.term.driver.needed(chain) {
-            if !recorded::given_by_run(&column, &options.covariates) {
-                return Err(FilesError::NotRecorded { kind: effect.term.kind.name(), column });
+        for column in effect.term.driver.columns() {
+            if !recorded::given_by_run(column, &options.covariates) {
+                return Err(FilesError::NotRecorded { kind: effect.term.kind.name(), column: column.clone() });
             }
         }
     }
