@@ -48,6 +48,20 @@ impl Calibration {
     }
 }
 
+impl Calibration {
+    /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
+    pub fn first_and_last(&self) -> [StageResiduals; 2] {
+        let geometry = self.identification.stages();
+        let of_geometry = |index: usize| {
+            let (name, _, fit) = geometry[index];
+            StageResiduals::of(name, fit, &self.train, None)
+        };
+        let beyond = beyond(self.curves.as_ref(), self.trace.as_ref());
+        let last = beyond.last().map(|stage| StageResiduals::of(&stage.name, stage.fit, &self.train, None));
+        [of_geometry(0), last.unwrap_or_else(|| of_geometry(geometry.len() - 1))]
+    }
+}
+
 /// Residuals of the fitted rows that were kept.
 pub(super) fn kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Vec<Residual> {
     each_kept(fit, train).collect()

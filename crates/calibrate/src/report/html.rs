@@ -33,10 +33,7 @@ pub enum PageError {
 /// # Errors
 /// A plot has values that are not finite.
 pub fn page(result: &Calibration) -> Result<String, PageError> {
-    let stages = result.residuals();
-    let (Some(before), Some(after)) = (stages.first(), stages.last()) else {
-        return Err(PlotError.into());
-    };
+    let [before, after] = &result.first_and_last();
     let joint_plots: Vec<Plot> = (0..result.train.joints.len())
         .map(|coordinate| plots::against_joint(&result.train, coordinate, before, after))
         .collect::<Result<_, _>>()?;
@@ -160,8 +157,8 @@ fn on_robot(result: &Calibration, before: &StageResiduals, after: &StageResidual
     let skeleton = skeleton(arm);
     let (mut places, mut first, mut last) = (Vec::new(), Vec::new(), Vec::new());
     for residual in after.train.iter().filter(|residual| scene.series[residual.series].kind.place().height == 3) {
-        let twin = before.train.iter().find(|other| other.observation == residual.observation);
-        let Some(twin) = twin else { continue };
+        let twin = before.train.binary_search_by_key(&residual.observation, |other| other.observation);
+        let Ok(twin) = twin.map(|at| &before.train[at]) else { continue };
         let of_tip = &arm.tips[result.train.tip_of(residual.row)];
         let tip = of_tip.fk(&arm.nominal, result.train.reading(residual.row));
         places.push(
