@@ -58,16 +58,48 @@ impl HashedFile {
     }
 }
 
-/// The files with their hashes, and the day.
-pub(super) fn origin(asked: &RowsAsked) -> Result<Origin, MeasuredError> {
+/// The bytes of a file, hashed while somebody else reads them: a large one is read once.
+pub(super) struct Hashing<'a> {
+    file: &'a DataFile,
+    input: Box<dyn Read + 'a>,
+    hash: Sha256,
+}
+
+impl<'a> Hashing<'a> {
+    pub fn of(file: &'a DataFile) -> Self {
+        Self { file, input: file.content.open(), hash: Sha256::new() }
+    }
+
+    /// The hash of all, of what nobody asked for too.
+    ///
+    /// # Errors
+    /// The rest cannot be read.
+    pub fn finish(mut self) -> Result<HashedFile, MeasuredError> {
+        let name = &self.file.name;
+        std::io::copy(&mut self, &mut std::io::sink())
+            .map_err(|error| MeasuredError::Unreadable { file: name.clone(), error })?;
+        Ok(HashedFile { file: name.clone(), sha256: base16ct::lower::encode_string(&self.hash.finalize()) })
+    }
+}
+
+impl Read for Hashing<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.input.read(buffer)?;
+        self.hash.update(&buffer[..count]);
+        Ok(count)
+    }
+}
+
+/// The files with their hashes, and the day; `hashed`: of those to fit, in sockets and to judge by, in this order.
+pub(super) fn origin(asked: &RowsAsked, hashed: Vec<HashedFile>) -> Origin {
     let sockets = asked.sockets.iter().map(|(_, file)| (file, FileUse::Socket));
     let fitted = asked.data.iter().map(|file| (file, FileUse::Fit)).chain(sockets);
     let all = || fitted.clone().chain(asked.test.iter().map(|file| (file, FileUse::Test)));
     let read = |file: HashedFile, used| FileRead { file: file.file, used, sha256: file.sha256 };
     let mut files: Vec<FileRead> = Vec::new();
-    for (file, used) in all() {
+    for ((file, used), hashed) in all().zip(hashed) {
         if file.bag.is_empty() {
-            files.push(read(HashedFile::of_data(file)?, used));
+            files.push(read(hashed, used));
         }
         files.extend(file.bag.iter().map(|part| read(part.clone(), used)));
     }
@@ -76,7 +108,7 @@ pub(super) fn origin(asked: &RowsAsked) -> Result<Origin, MeasuredError> {
             files.push(camera);
         }
     }
-    Ok(Origin { date: Some(today()), files, ..Origin::default() })
+    Origin { date: Some(today()), files, ..Origin::default() }
 }
 
 /// The file of an earlier calibration as the origin lists it.
@@ -110,7 +142,14 @@ mod tests {
             test: Some(file("later.csv", b"abc")),
             ..RowsAsked::default()
         };
-        let found = origin(&asked).unwrap();
+        let hash = |file: &DataFile| {
+            let mut input = Hashing::of(file);
+            // Somebody reads a part of it.
+            let _ = input.read(&mut [0; 2]).unwrap();
+            input.finish().unwrap()
+        };
+        let found =
+            origin(&asked, [&asked.data[0], &asked.sockets[0].1, asked.test.as_ref().unwrap()].map(hash).into());
         // FIPS 180-4, appendix B.1, and of nothing.
         let (abc, nothing) = (
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
@@ -132,7 +171,8 @@ mod tests {
         let camera = Some(HashedFile::of("webcam.yaml", b""));
         let first = DataFile { bag, camera: camera.clone(), ..file("run", b"rows made of it") };
         let second = DataFile { camera, ..file("corners.csv", b"") };
-        let found = origin(&RowsAsked { data: vec![first], test: Some(second), ..RowsAsked::default() }).unwrap();
+        let hashes = [&first, &second].map(hash).into();
+        let found = origin(&RowsAsked { data: vec![first], test: Some(second), ..RowsAsked::default() }, hashes);
         let read: Vec<_> = found.files.iter().map(|read| (&read.file[..], read.used, &read.sha256[..])).collect();
         let expected = [
             (part, FileUse::Fit, abc),

@@ -3,7 +3,7 @@
 use super::MeasuredError;
 use super::content::Content;
 use super::distance::known_distance;
-use super::origin::{HashedFile, origin};
+use super::origin::{HashedFile, Hashing, origin};
 use denavit_calibrate::calibration::contract::Origin;
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
@@ -63,8 +63,11 @@ pub struct Rows {
 /// A file that cannot be read, a label that no row has, nothing to fit.
 pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     let (mut columns, mut notes, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+    let mut hashed = Vec::new();
     let mut read = |file: &DataFile| {
-        let loaded = measurements::read_export(&file.name, file.content.open(), chain, file.units, &file.import)?;
+        let mut input = Hashing::of(file);
+        let loaded = measurements::read_export(&file.name, &mut input, chain, file.units, &file.import)?;
+        hashed.push(input.finish()?);
         notes.extend(loaded.notes.iter().map(|note| format!("{}: {note}", file.name)));
         Ok::<_, MeasuredError>((loaded.data, loaded.columns))
     };
@@ -75,13 +78,19 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         }
         parts.push(if asked.data.len() > 1 { data.of_setup(&setup) } else { data });
     }
+    let mut of_sockets = Vec::new();
     for (label, file) in &asked.sockets {
-        parts.push(read_socket(&file.name, file.content.open(), label, chain, file.units)?);
+        let mut input = Hashing::of(file);
+        parts.push(read_socket(&file.name, &mut input, label, chain, file.units)?);
+        of_sockets.push(input.finish()?);
     }
     let Some(mut data) = Measurements::joined(parts) else {
         return Err(MeasuredError::Option("there is nothing to fit; name a file by ‹data› or ‹socket›".into()));
     };
     let mut test = asked.test.as_ref().map(|file| Ok::<_, MeasuredError>(read(file)?.0)).transpose()?;
+    // In the order in which the files are listed: to fit, in sockets, to judge by.
+    hashed.splice(asked.data.len()..asked.data.len(), of_sockets);
+    let origin = origin(asked, hashed);
     // Errors in pixels are lengths at one distance, in all rows.
     if let (Some(range), Some(test)) = (data.scene.range(), test.as_mut()) {
         test.scene.set_range(range);
@@ -90,7 +99,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         know(word, &mut data, test.as_mut())?;
     }
     if asked.hold_out_setups.is_empty() {
-        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes, origin: origin(asked)? });
+        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes, origin });
     }
     let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
         MeasuredError::Option(format!(
@@ -101,7 +110,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         let message = "‹hold-out-setups›: nothing is left to fit; name fewer setups";
         return Err(MeasuredError::Option(message.into()));
     }
-    Ok(Rows { data: train, test: Some(held), columns, notes, origin: origin(asked)? })
+    Ok(Rows { data: train, test: Some(held), columns, notes, origin })
 }
 
 /// A name for the setup of each file: the file's own without folder and extension; with them where two are called alike, and
