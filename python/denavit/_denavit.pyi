@@ -224,4 +224,6 @@ def simulate(
     board: str | None,
     on_hand: bool,
     pixel_noise: float,
+    sight_noise: tuple[float, float],
+    repeatability: list[float],
 ) -> tuple[str, str | None, str]: ...

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -277,6 +277,9 @@ class Chain(Shown, Frozen):
         board: str | None = None,
         on_hand: bool = False,
         pixel_noise: float = 0.2,
+        range_noise: float = 0.0,
+        angle_noise: float = 0.0,
+        repeatability: float | Mapping[str, float] = 0.0,
     ) -> Simulation:
         """Make measurements of a robot that differs from its drawing, for trials and teaching; `denavit simulate`.
 
@@ -298,6 +301,10 @@ class Chain(Shown, Frozen):
             board: The board that the camera sees: squares across and down, and the edge of a square, such as ``7x5:30mm``.
             on_hand: The camera sits on the hand and the board stands still, not the other way round.
             pixel_noise: Of each component of a pixel, standard deviation, px.
+            range_noise: Along the instrument's line of sight beside `noise`, standard deviation, m.
+            angle_noise: Of the direction in which the instrument sees the target beside `noise`, standard deviation, rad.
+            repeatability: How well joints come back to their readings, standard deviation, rad (m for slides): one number for
+                all, or a number for each joint that does not come back exactly, by name.
 
         Examples:
             >>> import denavit as dn
@@ -309,7 +316,8 @@ class Chain(Shown, Frozen):
         from denavit.run import simulate
 
         chosen = (measure, targets, seed, geometry_error, noise, outliers, effect, effects, columns)
-        return simulate(self, rows, q, test, *chosen, camera, board, on_hand, pixel_noise)
+        seen = (camera, board, on_hand, pixel_noise)
+        return simulate(self, rows, q, test, *chosen, *seen, (range_noise, angle_noise), repeatability)
 
     def to_yourdfpy(self) -> Any:
         """The robot as `yourdfpy` reads it; of URDF sources only."""

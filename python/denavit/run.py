@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -119,8 +119,17 @@ def simulate(
     board: str | None,
     on_hand: bool,
     pixel_noise: float,
+    sight_noise: tuple[float, float],
+    repeatability: float | Mapping[str, float],
 ) -> Simulation:
     """See `Chain.simulate`."""
+    names = [coordinate.name for coordinate in chain.coordinates]
+    if isinstance(repeatability, Mapping):
+        if unknown := [name for name in repeatability if name not in names]:
+            raise ArgumentError(f'repeatability: no joint is called "{unknown[0]}"; there are {", ".join(names)}')
+        spreads = [float(repeatability.get(name, 0.0)) for name in names]
+    else:
+        spreads = [float(repeatability)] * len(names)
     saved = None if effects is None else effects.effects_json
     lens = camera_file(camera, board, on_hand)
     data, later, truth = _denavit.simulate(
@@ -141,6 +150,8 @@ def simulate(
         board,
         on_hand,
         pixel_noise,
+        sight_noise,
+        spreads,
     )
     name = f"<simulated {chain.name}>"
     told = Told(camera=lens, board=board, on_hand=on_hand)

@@ -104,7 +104,7 @@ pub fn plan<'py>(
 
 /// Files of a simulated run: rows to fit, rows measured later, what they were made of.
 #[pyfunction]
-#[pyo3(signature = (chain, rows, test_rows, measure, targets, seed, geometry_error, noise, outliers, effects, saved, columns, q, camera, board, on_hand, pixel_noise))]
+#[pyo3(signature = (chain, rows, test_rows, measure, targets, seed, geometry_error, noise, outliers, effects, saved, columns, q, camera, board, on_hand, pixel_noise, sight_noise, repeatability))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
 pub fn simulate(
     py: Python<'_>,
@@ -125,11 +125,17 @@ pub fn simulate(
     board: Option<String>,
     on_hand: bool,
     pixel_noise: f64,
+    sight_noise: (f64, f64),
+    repeatability: Vec<f64>,
 ) -> PyResult<(String, Option<String>, String)> {
     let nominal = &chain.chain;
     moving(&chain.file, nominal).map_err(|failure| measured(&failure))?;
     let [shift, turn] = spreads("geometry_error", geometry_error)?;
     let [noise_position, noise_orientation] = spreads("noise", noise)?;
+    let [noise_range, noise_angle] = spreads("(range_noise, angle_noise)", sight_noise)?;
+    if let Some(size) = repeatability.iter().find(|size| !(size.is_finite() && **size >= 0.0)) {
+        return Err(argument(format!("repeatability is {size}; write numbers of 0 or more, rad, and m for slides")));
+    }
     if !(0.0..=1.0).contains(&outliers) {
         return Err(argument(format!("outliers is {outliers}; it is a share of the rows, write 0 to 1")));
     }
@@ -159,9 +165,10 @@ pub fn simulate(
         shift,
         noise_position,
         noise_orientation,
-        noise_range: 0.0,
-        noise_angle: 0.0,
-        repeatability: Vec::new(),
+        noise_range,
+        noise_angle,
+        // Nothing is drawn where every joint comes back.
+        repeatability: if repeatability.iter().all(|size| *size == 0.0) { Vec::new() } else { repeatability },
         outliers,
         covariates: Vec::new(),
         readings: Some(readings),

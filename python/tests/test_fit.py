@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -268,6 +269,32 @@ def test_commands_without_effects_are_inverse_kinematics_of_the_calibrated_chain
     np.testing.assert_allclose(geometric.chain.fk(commands.q), geometric.nominal.fk(q), atol=1e-6)
 
 
+def test_noise_is_made_of_what_is_asked_for(drawn: dn.Chain) -> None:
+    def off(**words: Any) -> float:
+        run = drawn.simulate(150, seed=3, noise=(1e-6, 1e-6), **words)
+        left = dn.calibrate(drawn, run.data, effects=None).residuals
+        return float(np.sqrt(np.mean(np.square(left.place))))
+
+    alone = off()
+    assert alone == off(range_noise=0.0, angle_noise=0.0, repeatability=0.0)
+    assert alone < 2e-6
+    sources: list[dict[str, Any]] = [
+        {"range_noise": 1e-4},
+        {"angle_noise": 1e-4},
+        {"repeatability": 1e-4},
+        {"repeatability": {"elbow_joint": 1e-4}},
+    ]
+    for words in sources:
+        assert 1e-5 < off(**words) < 1e-3, words
+    assert off(repeatability={"elbow_joint": 1e-4}) < off(repeatability=1e-4)
+    with pytest.raises(dn.ArgumentError, match='no joint is called "elbow"; there are shoulder_pan_joint, '):
+        off(repeatability={"elbow": 1e-4})
+    with pytest.raises(dn.ArgumentError, match="repeatability is -1; write numbers of 0 or more"):
+        off(repeatability=-1.0)
+    with pytest.raises(dn.ArgumentError, match="write two numbers of 0 or more, m and rad"):
+        off(range_noise=-1.0)
+
+
 def test_error_curves_are_functions(drawn: dn.Chain) -> None:
     q = drawn.sample(300, seed=11)
     specification = "transmission_error@elbow_joint:order=3=0.4mm"
@@ -475,5 +502,7 @@ def test_both_hands_of_a_robot_are_one_fit(tmp_path: Path) -> None:
         assert np.allclose(together, single.chain.fk(q), atol=2e-5)
     with pytest.raises(dn.ArgumentError, match='the chain ends at "left_hand"'):
         dn.calibrate(chains["left_hand"], data, tips=["right_hand"])
-    with pytest.raises(dn.CalibrationError, match="looked for in one chain"):
-        dn.calibrate(chains["left_hand"], data, tips=hands, effects=["backlash"])
+    # Effects are looked for in both arms, and those of the chain's tip go with the chain.
+    traced = dn.calibrate(chains["left_hand"], data, tips=hands, effects=["backlash"])
+    assert not traced.effects
+    assert json.loads(traced.effects_json)["joints"] == joints[:7]
