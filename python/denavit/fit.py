@@ -250,8 +250,8 @@ def calibrate(
         hold_out: Without `test`: share of the rows to keep for judging.
         hold_out_setups: Setups, or placements of sockets, to keep for judging.
         tips: Several tips of the robot that are measured, the chain's among them, such as both hands: they are one fit, and
-            joints that they share are fitted once. A column ``tip`` of the data names the tip of each row. Of several tips
-            the geometry alone is fitted. ``fit.robot`` is calibrated as a whole, ``fit.chain`` ends at the chain's tip.
+            joints that they share are fitted once. A column ``tip`` of the data names the tip of each row.
+            ``fit.robot`` is calibrated as a whole, ``fit.chain`` and its effects end at the chain's tip.
         seed: Of the choice of rows held out.
         socket: Bare joint readings (no header, a column per joint) taken with a ball on the tip in a socket, by label; or read
             them with ``Measurements.read(file, socket=label)`` and give them as `data`.

@@ -124,9 +124,9 @@ impl Fit {
         poe::json(&self.result.arm().chain_to(0), &[])
     }
 
-    /// The effects as JSON, as `denavit calibrate --effects-out` writes them.
+    /// The effects as JSON, as `denavit calibrate --effects-out` writes them; of several tips those of the chain's.
     fn effects(&self) -> String {
-        self.result.effects(&self.statics).to_json()
+        self.result.effects(&self.statics).to_tip(self.tips.position(&self.tip).unwrap_or(0)).to_json()
     }
 
     /// Each stage: name, residuals on the fitted rows that were kept, residuals on the held-out rows.
@@ -167,8 +167,7 @@ pub fn calibrate(
     let asked = SearchAsked {
         scales: search.scales,
         pitches: search.pitches,
-        // What can be looked for: of several tips the geometry alone.
-        effects: if tips.several() && search.effects == ["auto"] { vec!["none".into()] } else { search.effects },
+        effects: search.effects,
         max_effects: search.max_effects,
         gear_ratios: search.gear_ratios,
         prior: search.prior.map(prior_file),
@@ -190,12 +189,10 @@ pub fn calibrate(
     };
     let read = py.detach(|| self::rows(&asked, nominal));
     let Rows { data, test, columns, notes, origin } = read.map_err(|failure| measured(&failure))?;
-    let statics = if tips.several() {
-        Statics::of_chain(nominal)
-    } else {
+    if !tips.several() {
         options.other_chains = other_chains(&chain.loaded, nominal, &data);
-        chain.loaded.statics(nominal, reading(chain.exact))
-    };
+    }
+    let statics = chain.loaded.statics_to(nominal, &tips, reading(chain.exact));
     let result = fitted(py, Work { chain: nominal.clone(), statics: statics.clone(), data, test, options }, progress)?;
     let mut result = result.map_err(|failure| calibration(&failure.to_string(), &file))?;
     result.report.columns = columns;

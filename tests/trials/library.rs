@@ -65,7 +65,7 @@ fn knots_of_a_users_own_may_be_any() {
     let temperature = recorded.column("one row", 1, "temperature").unwrap();
     for knots in [vec![], vec![20.0], vec![20.0, 20.0], vec![30.0, 10.0, 20.0], vec![f64::NAN, 1.0]] {
         let driver = Driver::Smooth { covariate: temperature.clone(), knots: knots.clone() };
-        let conditions = Conditions { reading: &[0.0; 6], recorded: recorded.row(0) };
+        let conditions = Conditions { reading: &[0.0; 6], recorded: recorded.row(0), tip: 0 };
         let mut values = Vec::new();
         driver.values_into(&statics, &conditions, &Posture::default(), &mut values);
         assert_eq!(values.len(), driver.len(&statics), "{knots:?}");

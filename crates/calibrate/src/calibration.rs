@@ -46,6 +46,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Readings of one joint that differ by more than this are two postures, rad or m.
@@ -136,12 +137,12 @@ pub enum CalibrateError {
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
-    /// Effects act in one chain.
+    /// Gravity is known on other ways than those to the tips of the rows.
     #[error(
-        "{0}: effects and error curves are looked for in one chain, and these rows are of several tips; fit the geometry of all \
-         (‹effects› none), or calibrate one tip at a time"
+        "{0}: effects and error curves are looked for on the ways to all tips of the rows, and what gravity acts on was given \
+         for others; see `Statics::placed_tips`"
     )]
-    EffectsOfSeveralTips(String),
+    StaticsOfOtherTips(String),
     /// A tip that nothing is known of.
     #[error("{file}: no row is of tip \"{tip}\"; measure some, or name the other tips alone")]
     NoRowsOfTip {
@@ -183,9 +184,9 @@ pub struct Calibration {
     /// Rounded readings, where there are any.
     pub rounding: Option<Rounding>,
     /// The rows fitted.
-    pub train: Measurements,
+    pub train: Arc<Measurements>,
     /// The rows held out.
-    pub test: Option<Measurements>,
+    pub test: Option<Arc<Measurements>>,
 }
 
 impl Calibration {
@@ -252,7 +253,7 @@ pub fn calibrate_and_tell(
 ) -> Result<Calibration, CalibrateError> {
     let mut begin = |stage| if progress(stage).is_break() { Err(CalibrateError::Stopped) } else { Ok(()) };
     let (data, test, stale) = fresh(data, test);
-    let (train, test) = rows_of(data, test, options)?;
+    let (train, test) = rows_of(data, test, statics, options)?;
     begin(Progress::Geometry)?;
     within_proportion(chain)?;
     let identification = identify(chain, &train, &options.identify);
@@ -343,11 +344,11 @@ pub fn calibrate_and_tell(
         curves,
         identifiability: identifiable,
         rounding,
-        train,
-        test,
+        train: Arc::new(train),
+        test: test.map(Arc::new),
     };
     result.report.placements = Some(rows::placements(&result));
-    result.report.rows = Rows::of(&result, &held_out);
+    result.report.rows = Rows::of(&result);
     Ok(result)
 }
 
@@ -375,18 +376,21 @@ fn counted(options: &TraceOptions, identification: &Identification) -> TraceOpti
 fn rows_of(
     data: Measurements,
     test: Option<Measurements>,
+    statics: &Statics,
     options: &CalibrateOptions,
 ) -> Result<(Measurements, Option<Measurements>), CalibrateError> {
-    let data = with_run_order(data);
+    // Nothing but effects and error curves follows the order, and a million rows are large enough without it.
+    let in_order = options.trace.is_some() || options.curves.is_some();
+    let data = if in_order { with_run_order(data) } else { data };
     let (train, test) = match (test, options.hold_out) {
         (Some(test), _) => {
-            let test = with_run_order_after(test, &data);
+            let test = if in_order { with_run_order_after(test, &data) } else { test };
             (data, Some(test))
         }
         (None, Some(hold_out)) => split(&data, hold_out)?,
         (None, None) => (data, None),
     };
-    tips::check(&train, options)?;
+    tips::check(&train, statics, options)?;
     enough(&train)?;
     if let Some(test) = &test {
         not_the_same(&train, test)?;

@@ -8,6 +8,8 @@ pub mod curve;
 pub mod driver;
 pub mod gravity;
 pub mod model;
+mod one_tip;
+pub mod probe;
 pub mod recorded;
 pub mod reference_robot;
 pub mod saved;

@@ -2,18 +2,23 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
+use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, specified_effects};
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::driver::Statics;
+use denavit_calibrate::effects::survey::{Survey, with_run_order};
+use denavit_calibrate::effects::{Conditions, Effect, EffectModel, KINDS, SavedEffects, Statics};
 use denavit_calibrate::identify::identifiability::identifiability;
 use denavit_calibrate::identify::residual::Scratch;
+use denavit_calibrate::observation::arm::{Perturbation, RowState};
 use denavit_calibrate::observation::gauge;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Measurements, Units, read, read_export, write};
+use denavit_calibrate::observation::measurements::{Measurements, RecordedRow, Units, read, read_export, write};
+use denavit_calibrate::observation::parameters::Effects as _;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
-use denavit_model::{Chain, Reading, Tips, se3, urdf};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::{Chain, PlacedRobot, Reading, Tips, se3, urdf};
 use std::sync::Arc;
 
 const TWO_ARMS: &str = include_str!("two_arms.urdf");
@@ -282,7 +287,7 @@ fn a_setup_may_see_one_arm_alone_and_rows_may_leave_the_other_arm_out() {
 }
 
 #[test]
-fn held_out_rows_are_judged_by_tip_and_effects_are_refused() {
+fn held_out_rows_are_judged_by_tip() {
     let (chain, tips, _) = both(TWO_ARMS);
     let run = simulate(&chain, &options(&tips, 150, 31), &NoEffects);
     let statics = Statics::of_chain(&chain);
@@ -303,13 +308,178 @@ fn held_out_rows_are_judged_by_tip_and_effects_are_refused() {
     assert!(text.contains("base to left_hand, right_hand") && text.contains("by tip"), "{text}");
     let page = denavit_calibrate::report::html::page(&result).unwrap();
     assert!(page.contains("table to right_hand, as calibrated"));
+    // What gravity acts on must be known on the ways to both.
     let effects =
         CalibrateOptions { trace: Some(TraceOptions::new(IdentifyOptions::axes(&chain))), ..geometry.clone() };
     let error = calibrate(&chain, &statics, run.data.clone(), None, &effects).unwrap_err().to_string();
-    assert!(error.contains("effects and error curves are looked for in one chain"), "{error}");
+    assert!(error.contains("Statics::placed_tips"), "{error}");
     let left: Vec<usize> = (0..run.data.len()).filter(|&row| run.data.tip_of(row) == 0).collect();
     let error = calibrate(&chain, &statics, run.data.subset(&left), None, &geometry).unwrap_err().to_string();
     assert_eq!(error, "simulation: no row is of tip \"right_hand\"; measure some, or name the other tips alone");
+}
+
+/// Both hands, and what gravity acts on.
+fn weighed(text: &str) -> (Chain, Arc<Tips>, Statics) {
+    let (chain, tips, _) = both(text);
+    let robot = urdf::read("robot", text).unwrap();
+    let statics = Statics::placed_tips(&PlacedRobot::new(&robot, Reading::Intended), &chain, &tips);
+    (chain, tips, statics)
+}
+
+#[test]
+fn a_torso_carries_both_arms() {
+    for text in [TWO_ARMS, BAXTER] {
+        let (chain, tips, mut statics) = weighed(text);
+        // On a torso that stands askew every joint is loaded.
+        statics.masses.gravity = Vector3::new(3.0, -4.0, -8.0);
+        let q: Vec<f64> = (0..chain.coordinates().len()).map(|k| 0.7 * (k as f64).sin()).collect();
+        let at = |q: &[f64], tip: usize| {
+            statics.posture(&Conditions { reading: q, recorded: RecordedRow::nothing(), tip }, None)
+        };
+        let energy = |q: &[f64]| -> f64 {
+            let posture = at(q, 0);
+            let points = statics.masses.points.iter();
+            let heights = points.map(|p| (p.mass, posture.state.after[p.joint] * p.centre));
+            heights.map(|(mass, centre)| -mass * statics.masses.gravity.dot(&centre.coords)).sum()
+        };
+        for (joint, moving) in chain.joints().iter().enumerate() {
+            let moved = |by: f64| {
+                let mut q = q.clone();
+                q[moving.coordinate] += by;
+                energy(&q)
+            };
+            let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            for tip in 0..tips.all().len() {
+                let torque = statics.torque(&at(&q, tip), joint) * moving.scale;
+                assert!((torque + slope).abs() < 1e-5 * (1.0 + slope.abs()), "{}: {torque} {slope}", moving.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn effects_have_their_derivatives_in_rows_of_their_arm_and_none_in_the_others() {
+    let (chain, tips, statics) = weighed(TWO_ARMS);
+    let run = simulate(&chain, &options(&tips, 8, 3), &NoEffects);
+    let data = with_run_order(run.data.clone());
+    let survey = Survey::of(&statics, &data, Vec::new());
+    let mut seen: Vec<(String, usize)> = Vec::new();
+    for entry in KINDS {
+        for candidate in (entry.terms)(&survey) {
+            let term = candidate.term;
+            let place = (format!("{:?} {:?}", term.kind, term.carrier), term.driver.len(&statics));
+            if seen.contains(&place) {
+                continue;
+            }
+            seen.push(place.clone());
+            let model = EffectModel::of_terms(&statics, std::slice::from_ref(&term));
+            let freedom = Freedom::axes(chain.joints().len());
+            let layout = Layout::new(&chain, &data.scene, &freedom, &Tolerances::default(), model.parameters());
+            let (height, columns, step) = (data.tallest_row(), layout.len(), 1e-7);
+            for row in 0..data.len() {
+                let with = |index: usize, by: f64| {
+                    let mut model = model.clone();
+                    model.effects[0].coefficients[index] = by;
+                    let mut residual = vec![0.0; height];
+                    ResidualModel { data: &data, layout: &layout, effects: &model }.row_into(
+                        &run.arm,
+                        row,
+                        &mut Scratch::new(&layout, &run.arm),
+                        &mut residual,
+                        None,
+                    );
+                    residual
+                };
+                let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
+                let problem = ResidualModel { data: &data, layout: &layout, effects: &model };
+                let mut scratch = Scratch::new(&layout, &run.arm);
+                problem.row_into(&run.arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
+                let off = term.carrier.joint().is_some_and(|joint| !tips[data.tip_of(row)].joints[joint]);
+                for index in 0..model.effects[0].coefficients.len() {
+                    let (ahead, behind) = (with(index, step), with(index, -step));
+                    for line in 0..problem.height_of(row) {
+                        let found = jacobian[line * columns + layout.effects.start + index];
+                        let expected = (ahead[line] - behind[line]) / (2.0 * step);
+                        let apart = (found - expected).abs();
+                        assert!(apart < 1e-5 * (1.0 + expected.abs()), "{place:?}: {found} {expected}");
+                        assert!(!off || found == 0.0, "{place:?}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(seen.len() > 60, "{}", seen.len());
+}
+
+#[test]
+fn effects_of_one_tip_act_as_they_do_among_those_of_all() {
+    let (chain, tips, statics) = weighed(TWO_ARMS);
+    let data = with_run_order(simulate(&chain, &options(&tips, 8, 3), &NoEffects).data);
+    let survey = Survey::of(&statics, &data, Vec::new());
+    let mut effects: Vec<Effect> = Vec::new();
+    for candidate in KINDS.iter().flat_map(|entry| (entry.terms)(&survey)) {
+        let term = candidate.term;
+        let alike = |other: &Effect| {
+            other.term.kind == term.kind
+                && other.term.carrier == term.carrier
+                && std::mem::discriminant(&other.term.driver) == std::mem::discriminant(&term.driver)
+        };
+        if term.driver.columns().is_empty() && !effects.iter().any(alike) {
+            let coefficients = (0..term.coefficients(&statics)).map(|k| 1e-6 * (1.0 + k as f64)).collect();
+            effects.push(Effect { term, coefficients });
+        }
+    }
+    let model = EffectModel::new(statics, effects);
+    let arm = Arm::new(&chain, &data.scene);
+    for (index, tip) in tips.all().iter().enumerate() {
+        // The other arm hangs as at home.
+        let q: Vec<f64> =
+            tip.coordinates.iter().enumerate().map(|(k, own)| if *own { 0.3 + 0.1 * k as f64 } else { 0.0 }).collect();
+        let own: Vec<f64> = q.iter().zip(&tip.coordinates).filter(|(_, own)| **own).map(|(q, _)| *q).collect();
+        let conditions = |reading| Conditions { reading, recorded: RecordedRow::nothing(), tip: 0 };
+        let alone = model.to_tip(index).fk(&tip.chain(&chain).unwrap(), &conditions(&own));
+        let mut perturbation = Perturbation::none(chain.joints().len());
+        model.add_perturbation(&Conditions { tip: index, ..conditions(&q) }, chain.joints(), &mut perturbation);
+        let mut state = RowState::default();
+        arm.state_into(&q, index, Some(&perturbation), &mut state);
+        let (turned, moved) = se3::difference(&alone, &state.tip);
+        assert!(turned < 1e-12 && moved < 1e-12, "{}: {turned} {moved}", tip.name);
+        assert!((alone.translation.vector - tip.fk(&chain, &q).translation.vector).norm() > 1e-6);
+        // As a file has it, too.
+        let text = model.to_tip(index).to_json();
+        let statics = model.to_tip(index).statics;
+        SavedEffects::from_json("effects.json", &text, &statics).unwrap();
+    }
+}
+
+#[test]
+fn compliance_of_one_arm_is_found_at_its_joint() {
+    for (text, rows, place) in [(TWO_ARMS, 300, "left_shoulder_lift"), (BAXTER, 300, "right_s1")] {
+        let (chain, tips, statics) = weighed(text);
+        let asked = options(&tips, rows, 11);
+        let bare = simulate(&chain, &asked, &NoEffects);
+        let soft: EffectSpecification = format!("joint_compliance@{place}=0.4mm").parse().unwrap();
+        let model = specified_effects(&[soft], &statics, &bare, 1).unwrap();
+        let mut data = simulate(&chain, &asked, &model).data;
+        if text == TWO_ARMS {
+            // Cells of the other arm are left empty.
+            let n = chain.coordinates().len();
+            for row in 0..data.len() {
+                let moved = &tips[data.tip_of(row)].coordinates;
+                (0..n).filter(|&k| !moved[k]).for_each(|k| data.readings[row * n + k] = 0.0);
+            }
+        }
+        let geometry = CalibrateOptions::geometry(&chain);
+        let effects = CalibrateOptions { trace: Some(TraceOptions::new(geometry.identify.clone())), ..geometry };
+        let result = calibrate(&chain, &statics, data, None, &effects).unwrap();
+        let found: Vec<(&str, Option<&str>)> =
+            result.report.effects.iter().map(|effect| (&effect.kind[..], effect.joint.as_deref())).collect();
+        assert_eq!(found, [("joint_compliance", Some(place))]);
+        let truth = model.effects[0].coefficients[0];
+        let value = &result.trace.as_ref().unwrap().findings[0].values[0];
+        assert!((value.value - truth).abs() < 4.5 * value.std.unwrap(), "{} {truth}", value.value);
+        assert!(!result.report.unexplained.structured);
+    }
 }
 
 #[test]

@@ -39,8 +39,9 @@ pub fn robot_with_tips(arguments: &RobotArguments<SeveralTips>) -> Result<Measur
     output::remark(&noted.notes);
     let (chain, tips) = noted.value;
     moving(&arguments.robot, &chain)?;
-    let statics = if tips.several() { Statics::of_chain(&chain) } else { loaded.statics(&chain, arguments.reading()) };
-    Ok(MeasuredRobot { robot: Robot { loaded, chain, statics }, tips: Arc::new(tips) })
+    let tips = Arc::new(tips);
+    let statics = loaded.statics_to(&chain, &tips, arguments.reading());
+    Ok(MeasuredRobot { robot: Robot { loaded, chain, statics }, tips })
 }
 
 /// Reads the robot that the arguments choose.

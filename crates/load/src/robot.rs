@@ -7,6 +7,7 @@ use denavit_dh::{Convention, Table};
 use denavit_model::notes::{Note, Noted};
 use denavit_model::tree::ChainListing;
 use denavit_model::{Chain, PlacedRobot, Reading, Robot, Tips};
+use std::sync::Arc;
 
 /// A robot as its source gives it.
 #[derive(Debug, Clone)]
@@ -118,9 +119,14 @@ impl Loaded {
 
     /// What gravity acts on, angles read as for the chain.
     pub fn statics(&self, chain: &Chain, reading: Reading) -> Statics {
+        self.statics_to(chain, &Arc::new(Tips::only(chain)), reading)
+    }
+
+    /// The same on the ways to several tips.
+    pub fn statics_to(&self, chain: &Chain, tips: &Arc<Tips>, reading: Reading) -> Statics {
         match self {
-            Self::Robot(robot) => Statics::placed(&PlacedRobot::new(robot, reading), chain),
-            Self::Table { .. } | Self::Poe(_) => Statics::of_chain(chain),
+            Self::Robot(robot) => Statics::placed_tips(&PlacedRobot::new(robot, reading), chain, tips),
+            Self::Table { .. } | Self::Poe(_) => Statics::of_tips(chain, tips),
         }
     }
 

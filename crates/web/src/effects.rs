@@ -70,7 +70,7 @@ pub fn act(source: &RobotText, effect: &str, q: &[Vec<f64>]) -> Result<Value, St
             return Err(format!("{} finite joint values are wanted", chain.coordinates().len()));
         }
         let drawn = chain.fk(reading);
-        let acted = model.fk(&chain, &Conditions { reading, recorded: RecordedRow::nothing() });
+        let acted = model.fk(&chain, &Conditions { reading, recorded: RecordedRow::nothing(), tip: 0 });
         let apart = (acted.translation.vector - drawn.translation.vector).norm();
         let numbers = |pose: &denavit_model::Pose| pose.to_homogeneous().as_slice().to_vec();
         rows.push(json!({ "drawn": numbers(&drawn), "acted": numbers(&acted), "apart_m": apart }));

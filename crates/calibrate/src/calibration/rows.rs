@@ -2,15 +2,18 @@
 //! who knows the cell checks first.
 
 use crate::calibration::Calibration;
-use crate::identify::residual_statistics::{Residual, each_residual};
+use crate::effects::model::EffectModel;
+use crate::identify::residual_statistics::{Residual, bound_later, each_residual, placed};
 use crate::identify::solve::Fit;
+use crate::observation::arm::Arm;
 use crate::observation::board::Corner;
-use crate::observation::measurements::{Measurements, Scene};
-use crate::observation::parameters::Effects;
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Effects, NoEffects};
 use denavit_model::Pose;
 use denavit_model::nalgebra::UnitQuaternion;
 use serde::ser::SerializeSeq as _;
 use serde::{Serialize, Serializer};
+use std::sync::Arc;
 
 /// One observation and what the adopted model leaves of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,51 +69,60 @@ pub struct Placements {
     pub points: Vec<Placed>,
 }
 
-/// What the adopted model leaves of every observation, fitted rows first. An entry is made when it is asked for: the rows
-/// may be a million.
+/// What the adopted model leaves of every observation, fitted rows first. An entry is computed when it is asked for: the rows
+/// may be a million, and most that are calibrated with so many never look at them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rows {
     parts: Vec<Left>,
 }
 
-/// What is left of the observations of one file.
+/// What is left of the observations of one file: what it is computed from.
 #[derive(Debug, Clone, PartialEq)]
 struct Left {
-    scene: Scene,
+    data: Arc<Measurements>,
+    arm: Arm,
+    /// For `data`; none where geometry alone was adopted.
+    effects: Option<EffectModel>,
+    /// Observations rejected as gross errors, ascending.
+    rejected: Vec<usize>,
     held_out: bool,
-    observations: Vec<LeftOf>,
-    /// The lengths, then the rotation where there is one, observation by observation.
-    numbers: Vec<f64>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct LeftOf {
-    line: usize,
-    series: u32,
-    rejected: bool,
 }
 
 impl Rows {
-    /// Of a calibration; `held_out`: the residuals of its held-out rows at the adopted stage.
-    pub(super) fn of(result: &Calibration, held_out: &[Residual]) -> Self {
-        let mut fitted = Left::new(&result.train, false);
+    /// Of a calibration.
+    pub(super) fn of(result: &Calibration) -> Self {
         match result.beyond_geometry() {
-            Some(fit) => fitted.add_all(fit, &result.train),
-            None => fitted.add_all(result.without_effects(), &result.train),
+            Some(fit) => Self::left_by(fit, result, Some),
+            None => Self::left_by(result.without_effects(), result, |_| None),
         }
-        let judged = result.test.as_ref().map(|test| {
-            let mut judged = Left::new(test, true);
-            for residual in held_out {
-                judged.add(residual, test, false);
-            }
-            judged
+    }
+
+    fn left_by<E: Effects>(
+        fit: &Fit<E>,
+        Calibration { train, test, .. }: &Calibration,
+        model: impl Fn(E) -> Option<EffectModel>,
+    ) -> Self {
+        let rejected = fit.weights.iter().enumerate().filter(|(_, weight)| **weight == 0.0);
+        let fitted = Left {
+            data: train.clone(),
+            arm: fit.arm.clone(),
+            effects: model(fit.effects.clone()),
+            rejected: rejected.map(|(observation, _)| observation).collect(),
+            held_out: false,
+        };
+        let judged = test.as_ref().map(|test| Left {
+            data: test.clone(),
+            arm: placed(fit, train, test).expect("the held-out rows were placed when the stage was judged"),
+            effects: model(bound_later(&fit.effects, train, test).expect("effects were bound when it was judged")),
+            rejected: Vec::new(),
+            held_out: true,
         });
         Self { parts: std::iter::once(fitted).chain(judged).collect() }
     }
 
     /// Number of observations.
     pub fn len(&self) -> usize {
-        self.parts.iter().map(|part| part.observations.len()).sum()
+        self.parts.iter().map(Left::len).sum()
     }
 
     /// Whether there is none.
@@ -133,54 +145,36 @@ impl Serialize for Rows {
 }
 
 impl Left {
-    fn new(data: &Measurements, held_out: bool) -> Self {
-        let (count, values) = (data.observations(), data.values());
-        let (observations, numbers) = (Vec::with_capacity(count), Vec::with_capacity(values));
-        Self { scene: data.scene.clone(), held_out, observations, numbers }
-    }
-
-    fn add_all<E: Effects>(&mut self, fit: &Fit<E>, data: &Measurements) {
-        each_residual(&fit.arm, &fit.effects, data, |residual| {
-            self.add(&residual, data, fit.weights[residual.observation] == 0.0);
-        });
-    }
-
-    fn add(&mut self, residual: &Residual, data: &Measurements, rejected: bool) {
-        let series = u32::try_from(residual.series).unwrap_or(u32::MAX);
-        self.observations.push(LeftOf { line: data.lines[residual.row], series, rejected });
-        let kind = self.scene.series[residual.series].kind;
-        self.numbers.extend(residual.place.iter().take(kind.place().height));
-        if kind.turn().is_some() {
-            self.numbers.extend(residual.turn.iter());
-        }
+    fn len(&self) -> usize {
+        let rows = (0..self.data.len()).filter(|&row| !self.data.locate[row]);
+        rows.map(|row| self.data.of_row(row).len()).sum()
     }
 
     fn entries(&self) -> impl Iterator<Item = RowEntry> {
-        let mut numbers = &self.numbers[..];
-        self.observations.iter().map(move |left| {
-            let kind = self.scene.series[left.series as usize].kind;
-            let (place, rest) = numbers.split_at(kind.place().height);
-            let (turn, rest) = rest.split_at(if kind.turn().is_some() { 3 } else { 0 });
-            numbers = rest;
-            self.entry(left, place, turn)
-        })
+        let residuals: Box<dyn Iterator<Item = Residual>> = match &self.effects {
+            Some(effects) => Box::new(each_residual(&self.arm, effects, &self.data)),
+            None => Box::new(each_residual(&self.arm, &NoEffects, &self.data)),
+        };
+        residuals.map(|residual| self.entry(&residual))
     }
 
-    fn entry(&self, left: &LeftOf, place: &[f64], turn: &[f64]) -> RowEntry {
-        let series = &self.scene.series[left.series as usize];
+    fn entry(&self, left: &Residual) -> RowEntry {
+        let scene = &self.data.scene;
+        let series = &scene.series[left.series];
         let name = |names: &[String], index: usize| if names.len() > 1 { names[index].clone() } else { String::new() };
         let corner = series.corner.as_ref();
+        let place: Vec<f64> = left.place.iter().take(series.kind.place().height).copied().collect();
         let pixels = |corner: &Corner| place.iter().map(|length| length / corner.camera.metres_per_pixel()).collect();
         RowEntry {
             pixels: corner.map_or_else(Vec::new, pixels),
             corner: corner.map_or_else(String::new, |corner| corner.label.clone()),
-            line: left.line,
-            setup: name(&self.scene.setups, series.setup),
-            target: name(&self.scene.targets, series.target),
+            line: self.data.lines[left.row],
+            setup: name(&scene.setups, series.setup),
+            target: name(&scene.targets, series.target),
             held_out: self.held_out,
-            rejected: left.rejected,
-            place: place.to_vec(),
-            turn: turn.to_vec(),
+            rejected: self.rejected.binary_search(&left.observation).is_ok(),
+            place,
+            turn: if series.kind.turn().is_some() { left.turn.as_slice().to_vec() } else { Vec::new() },
         }
     }
 }

@@ -40,7 +40,7 @@ impl StageResiduals {
 impl Calibration {
     /// Residuals, stage by stage: computed when they are asked for, as nobody keeps those of a million rows.
     pub fn residuals(&self) -> Vec<StageResiduals> {
-        let (train, test) = (&self.train, self.test.as_ref());
+        let (train, test) = (&*self.train, self.test.as_deref());
         let geometry = self.identification.stages().into_iter();
         let geometry = geometry.map(|(name, _, fit)| StageResiduals::of(name, fit, train, test));
         let beyond = beyond(self.curves.as_ref(), self.trace.as_ref()).into_iter();
@@ -50,17 +50,12 @@ impl Calibration {
 
 /// Residuals of the fitted rows that were kept.
 pub(super) fn kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Vec<Residual> {
-    let mut kept = Vec::new();
-    each_kept(fit, train, |residual| kept.push(residual));
-    kept
+    each_kept(fit, train).collect()
 }
 
-fn each_kept<E: Effects>(fit: &Fit<E>, train: &Measurements, mut take: impl FnMut(Residual)) {
-    each_residual(&fit.arm, &fit.effects, train, |residual| {
-        if fit.weights[residual.observation] > 0.0 {
-            take(residual);
-        }
-    });
+fn each_kept<'a, E: Effects>(fit: &'a Fit<E>, train: &'a Measurements) -> impl Iterator<Item = Residual> {
+    let kept = move |residual: &Residual| fit.weights[residual.observation] > 0.0;
+    each_residual(&fit.arm, &fit.effects, train).filter(kept)
 }
 
 impl Identification {
@@ -97,7 +92,7 @@ impl<'a> Stages<'a> {
 
     fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
         let mut sums = ErrorSums::new(&self.train.scene);
-        each_kept(fit, self.train, |residual| sums.add(&residual));
+        each_kept(fit, self.train).for_each(|residual| sums.add(&residual));
         let train_lengths = lengths_found(&fit.arm, &fit.effects, self.train);
         let mut test_lengths = Vec::new();
         let mut held_out = Vec::new();

@@ -2,15 +2,16 @@
 
 use super::{CalibrateError, CalibrateOptions};
 use crate::calibration::contract::TipEntry;
+use crate::effects::driver::Statics;
 use crate::identify::residual_statistics::{Errors, Residual, errors};
 use crate::observation::measurements::Measurements;
 use denavit_model::{Chain, Tip};
 
 /// Refuses what cannot be done with several tips.
-pub(super) fn check(train: &Measurements, options: &CalibrateOptions) -> Result<(), CalibrateError> {
+pub(super) fn check(train: &Measurements, statics: &Statics, options: &CalibrateOptions) -> Result<(), CalibrateError> {
     let Some(tips) = train.scene.tips() else { return Ok(()) };
-    if options.trace.is_some() || options.curves.is_some() {
-        return Err(CalibrateError::EffectsOfSeveralTips(train.source.clone()));
+    if (options.trace.is_some() || options.curves.is_some()) && statics.tips != *tips {
+        return Err(CalibrateError::StaticsOfOtherTips(train.source.clone()));
     }
     let unseen = (0..tips.all().len()).find(|&tip| rows(train, tip) == 0);
     unseen.map_or(Ok(()), |tip| {

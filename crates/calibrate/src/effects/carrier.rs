@@ -3,9 +3,10 @@
 //! A new carrier is a variant of [`Carrier`], its arm in [`Carrier::directions`] and in [`Carrier::place`], and an entry
 //! that uses it in [`super::catalogue::KINDS`]; the test `every_direction_does_what_its_action_says` then covers it.
 
+use crate::effects::driver::{LinkEnd, Statics};
 use crate::observation::arm::{AxisBasis, Perturbation};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
-use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw};
+use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw, Tips};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -126,21 +127,36 @@ pub fn axis_points(chain: &Chain) -> Vec<Point3<f64>> {
     points
 }
 
+/// Points on the ways to all tips, one per joint and one for each tip: `of` gives those of the chain to one tip.
+pub(super) fn points_of(chain: &Chain, tips: &Tips, of: impl Fn(&Chain) -> Vec<Point3<f64>>) -> Vec<Point3<f64>> {
+    let joints = chain.joints().len();
+    let mut points = vec![None; joints + tips.all().len()];
+    for (index, tip) in tips.all().iter().enumerate() {
+        let slots = (0..joints).filter(|&joint| tip.joints[joint]).chain([joints + index]);
+        for (slot, point) in slots.zip(of(&tip.chain(chain).expect("a part of a chain is a chain"))) {
+            points[slot].get_or_insert(point);
+        }
+    }
+    points.into_iter().map(|point| point.unwrap_or_else(Point3::origin)).collect()
+}
+
 impl Carrier {
-    /// The directions of the carrier on an arm: each a sum of actions that share one coefficient.
+    /// The directions of the carrier on an arm in rows of a tip: each a sum of actions that share one coefficient. A joint
+    /// that is not on the way to the tip has as many, which do nothing.
     ///
-    /// `points` as [`link_points`] gives them; axes are those of `joints`, actual ones where they are known. Directions
-    /// across an axis are those of the `nominal` one, carried along, so that a small change of the axis turns them by
-    /// little.
-    pub fn directions(
-        &self,
-        nominal: &[ChainJoint],
-        joints: &[ChainJoint],
-        points: &[Point3<f64>],
-    ) -> Vec<Vec<Action>> {
+    /// Axes are those of `joints`, actual ones where they are known. Directions across an axis are those of the nominal one,
+    /// carried along, so that a small change of the axis turns them by little.
+    pub fn directions(&self, statics: &Statics, joints: &[ChainJoint], tip: usize) -> Vec<Vec<Action>> {
+        let (nominal, points) = (statics.chain.joints(), &statics.points);
+        let on_the_way = |joint: usize| statics.tips[tip].joints[joint];
+        if let Some(joint) = self.joint().filter(|&joint| !on_the_way(joint)) {
+            let own = statics.tips.all().iter().position(|tip| tip.joints[joint]);
+            return own.map_or_else(Vec::new, |own| vec![Vec::new(); self.directions(statics, joints, own).len()]);
+        }
         let across = |i: usize| AxisBasis::of(&nominal[i].screw).carried(&nominal[i].screw, &joints[i].screw);
         let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
-        let n = joints.len();
+        let first = statics.on_the_way(tip).next().unwrap_or(joints.len());
+        let end_of = |i: usize| statics.link_end(i, tip).expect("a joint that is not on the way has been dealt with");
         let twist = |slot: usize, twist: Vector6<f64>| vec![Action::Twist { slot, twist }];
         match *self {
             Self::Joint(i) => vec![twist(i, joints[i].screw.twist())],
@@ -155,29 +171,39 @@ impl Carrier {
                 vec![twist(i, shift(&across.a)), twist(i, shift(&across.b))]
             }
             Self::LinkEnd(i) => {
-                let end = points[i + 1];
-                let turns = unit.iter().map(|u| twist(i + 1, turn(u, &end)));
-                turns.chain(unit.iter().map(|u| twist(i + 1, shift(u)))).collect()
+                let LinkEnd { slot, point } = end_of(i);
+                let turns = unit.iter().map(|u| twist(slot, turn(u, &point)));
+                turns.chain(unit.iter().map(|u| twist(slot, shift(u)))).collect()
             }
-            Self::LinkEndTurn(i) => unit.iter().map(|u| twist(i + 1, turn(u, &points[i + 1]))).collect(),
+            Self::LinkEndTurn(i) => {
+                let LinkEnd { slot, point } = end_of(i);
+                unit.iter().map(|u| twist(slot, turn(u, &point))).collect()
+            }
             Self::LinkLength(i) => {
-                vec![twist(i + 1, shift(&(points[i + 1] - points[i])))]
+                let LinkEnd { slot, point } = end_of(i);
+                vec![twist(slot, shift(&(point - points[i])))]
             }
             Self::Lengths => {
-                let first = Action::Twist { slot: 0, twist: shift(&points[0].coords) };
-                let links = (0..n).map(|i| Action::Twist { slot: i + 1, twist: shift(&(points[i + 1] - points[i])) });
-                vec![std::iter::once(first).chain(links).collect()]
+                let start = points.get(first).map_or_else(Vector3::zeros, |point| point.coords);
+                let links = statics.on_the_way(tip).map(|i| {
+                    let LinkEnd { slot, point } = end_of(i);
+                    Action::Twist { slot, twist: shift(&(point - points[i])) }
+                });
+                vec![std::iter::once(Action::Twist { slot: first, twist: shift(&start) }).chain(links).collect()]
             }
             Self::Base => {
-                let turns = unit.iter().map(|u| twist(0, turn(u, &Point3::origin())));
-                turns.chain(unit.iter().map(|u| twist(0, shift(u)))).collect()
+                let turns = unit.iter().map(|u| twist(first, turn(u, &Point3::origin())));
+                turns.chain(unit.iter().map(|u| twist(first, shift(u)))).collect()
             }
-            Self::BaseTurn => unit.iter().map(|u| twist(0, turn(u, &Point3::origin()))).collect(),
+            Self::BaseTurn => unit.iter().map(|u| twist(first, turn(u, &Point3::origin()))).collect(),
             Self::Target => unit.iter().map(|u| vec![Action::Target(*u)]).collect(),
             Self::Anchor => unit.iter().map(|u| vec![Action::Anchor(*u)]).collect(),
             Self::Scale => vec![vec![Action::Scale]],
             Self::Reading => vec![vec![Action::Reading]],
-            Self::AllJoints => (0..n).map(|i| twist(i, joints[i].screw.twist())).collect(),
+            Self::AllJoints => {
+                let moved = |i: usize| if on_the_way(i) { twist(i, joints[i].screw.twist()) } else { Vec::new() };
+                (0..joints.len()).map(moved).collect()
+            }
         }
     }
 
@@ -278,7 +304,7 @@ mod tests {
             let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
             for carrier in all(chain.joints().len()) {
                 for (index, direction) in
-                    carrier.directions(chain.joints(), chain.joints(), &axis_points(&chain)).iter().enumerate()
+                    carrier.directions(&Statics::of_chain(&chain), chain.joints(), 0).iter().enumerate()
                 {
                     let mut perturbation = Perturbation::none(chain.joints().len());
                     for action in direction {
@@ -307,7 +333,7 @@ mod tests {
         let chain = examples::planar_arm();
         let arm = Arm::new(&chain, &crate::Scene::default());
         let mut perturbation = Perturbation::none(chain.joints().len());
-        for action in &Carrier::Lengths.directions(chain.joints(), chain.joints(), &axis_points(&chain))[0] {
+        for action in &Carrier::Lengths.directions(&Statics::of_chain(&chain), chain.joints(), 0)[0] {
             action.add_to(0.01, &mut perturbation);
         }
         let (mut still, mut stretched) = (RowState::default(), RowState::default());

@@ -254,14 +254,14 @@ fn transmission_error(survey: &Survey) -> Vec<Candidate> {
 }
 
 fn joint_compliance(survey: &Survey) -> Vec<Candidate> {
-    let joints = survey.statics.chain.joints().len();
     survey
         .moving()
         .filter(|&i| survey.statics.feels_gravity(i))
         .flat_map(|i| {
             let mut terms = vec![each(Kind::JointCompliance, Carrier::Joint(i), Driver::Torque(i))];
             if !survey.statics.masses.from_inertials {
-                let depths: Vec<usize> = (1..=joints - i).filter(|&links| links <= 2 || links == joints - i).collect();
+                let beyond = survey.statics.carried(i, usize::MAX).count();
+                let depths: Vec<usize> = (1..=beyond).filter(|&links| links <= 2 || links == beyond).collect();
                 terms.extend(depths.into_iter().map(|links| {
                     each(Kind::JointCompliance, Carrier::Joint(i), Driver::TorqueTerms { joint: i, links })
                 }));
@@ -287,7 +287,10 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
 }
 
 fn joint_coupling(survey: &Survey) -> Vec<Candidate> {
-    let pairs = survey.moving().flat_map(|i| survey.moving().filter(move |&j| j != i).map(move |j| (i, j)));
+    // In every row that shows the one, the other has its reading.
+    let shown = |i: usize, j: usize| survey.statics.tips.all().iter().all(|tip| !tip.joints[i] || tip.joints[j]);
+    let others = |i: usize| survey.moving().filter(move |&j| j != i && shown(i, j)).map(move |j| (i, j));
+    let pairs = survey.moving().flat_map(others);
     pairs.map(|(i, j)| each(Kind::JointCoupling, Carrier::Joint(i), Driver::Reading(j))).collect()
 }
 
@@ -438,7 +441,7 @@ mod tests {
                 for candidate in terms {
                     assert_eq!(candidate.term.kind, entry.kind);
                     let q = vec![0.2; chain.coordinates().len()];
-                    let conditions = Conditions { reading: &q, recorded: data.covariates.row(7) };
+                    let conditions = Conditions { reading: &q, recorded: data.covariates.row(7), tip: 0 };
                     let posture = statics.posture(&conditions, None);
                     let mut values = Vec::new();
                     candidate.term.driver.values_into(&statics, &conditions, &posture, &mut values);

@@ -3,7 +3,7 @@
 use crate::effects::carrier::axis_points;
 use crate::observation::arm::RowState;
 use denavit_model::nalgebra::{Point3, Vector3};
-use denavit_model::{Chain, PlacedRobot};
+use denavit_model::{Chain, PlacedRobot, Tips};
 use std::collections::HashMap;
 
 /// m/s².
@@ -48,9 +48,9 @@ impl Masses {
     /// Masses of the links beyond each joint of the chain, other joints of the tree at zero; gravity is -z of the root.
     ///
     /// Links without `inertial` weigh nothing; if none beyond the first joint has one, [`Masses::stand_in`] is used.
-    pub fn of(placed: &PlacedRobot, chain: &Chain) -> Self {
+    pub fn of(placed: &PlacedRobot, chain: &Chain, tips: &Tips) -> Self {
         let robot = placed.robot();
-        let Some(base) = robot.link_index(chain.base()) else { return Self::stand_in(chain) };
+        let Some(base) = robot.link_index(chain.base()) else { return Self::stand_in(chain, tips) };
         let base_from_root = placed.pose(base).inverse();
         let in_chain: HashMap<&str, usize> =
             chain.joints().iter().enumerate().map(|(index, joint)| (joint.name.as_str(), index)).collect();
@@ -66,28 +66,43 @@ impl Masses {
             }
         }
         if points.is_empty() {
-            return Self { gravity: base_from_root.rotation * down(), ..Self::stand_in(chain) };
+            return Self { gravity: base_from_root.rotation * down(), ..Self::stand_in(chain, tips) };
         }
         points.sort_by_key(|point| point.joint);
         Self { points, gravity: base_from_root.rotation * down(), from_inertials: true }
     }
 
     /// A rod along each link, heavier towards the base as arms are: mass in proportion to the reach from there on.
-    pub fn stand_in(chain: &Chain) -> Self {
-        let points = axis_points(chain);
-        let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
-        let masses = (0..lengths.len()).map(|joint| {
-            let beyond: f64 = lengths[joint..].iter().sum();
-            let centre = Point3::from((points[joint].coords + points[joint + 1].coords) * 0.5);
-            PointMass { joint, mass: STAND_IN_DENSITY * beyond, centre }
-        });
-        Self { points: masses.collect(), gravity: down(), from_inertials: false }
+    ///
+    /// Where the ways to two tips part, the joints before have the rods of the first.
+    pub fn stand_in(chain: &Chain, tips: &Tips) -> Self {
+        let mut masses: Vec<PointMass> = Vec::new();
+        for tip in tips.all() {
+            let points = axis_points(&tip.chain(chain).expect("a part of a chain is a chain"));
+            let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
+            let on_the_way = (0..tip.joints.len()).filter(|&joint| tip.joints[joint]);
+            for (own, joint) in on_the_way.enumerate() {
+                if masses.iter().all(|known| known.joint != joint) {
+                    let beyond: f64 = lengths[own..].iter().sum();
+                    let centre = Point3::from((points[own].coords + points[own + 1].coords) * 0.5);
+                    masses.push(PointMass { joint, mass: STAND_IN_DENSITY * beyond, centre });
+                }
+            }
+        }
+        Self { points: masses, gravity: down(), from_inertials: false }
     }
 
     /// Loads on every joint in a row.
     ///
-    /// `points`: one per joint, base frame at home, m; `payload` (kg) hangs at the tip's origin.
-    pub fn loads(&self, points: &[Point3<f64>], state: &RowState, payload: f64) -> Vec<Load> {
+    /// `points`: one per joint, base frame at home, m; `carriers`: for each joint the one that carries it; `payload` (kg)
+    /// hangs at the tip's origin, on a joint.
+    pub fn loads(
+        &self,
+        points: &[Point3<f64>],
+        carriers: &[Option<usize>],
+        state: &RowState,
+        payload: Option<(usize, f64)>,
+    ) -> Vec<Load> {
         let n = state.before.len();
         // Mass and first moment about the base origin of everything from the tip down to joint i.
         let mut mass = vec![0.0; n];
@@ -97,14 +112,17 @@ impl Masses {
             mass[point.joint] += point.mass;
             first[point.joint] += centre.coords * point.mass;
         }
-        if payload != 0.0 && n > 0 {
-            mass[n - 1] += payload;
-            first[n - 1] += state.tip.translation.vector * payload;
+        if let Some((joint, payload)) = payload.filter(|(_, payload)| *payload != 0.0) {
+            mass[joint] += payload;
+            first[joint] += state.tip.translation.vector * payload;
         }
-        for joint in (0..n.saturating_sub(1)).rev() {
-            mass[joint] += mass[joint + 1];
-            let beyond = first[joint + 1];
-            first[joint] += beyond;
+        // No joint stands before what carries it.
+        for joint in (0..n).rev() {
+            if let Some(carrier) = carriers[joint] {
+                mass[carrier] += mass[joint];
+                let beyond = first[joint];
+                first[carrier] += beyond;
+            }
         }
         (0..n)
             .map(|joint| {
@@ -129,12 +147,12 @@ mod tests {
     #[test]
     fn a_rod_held_level_weighs_half_its_length() {
         let chain = examples::planar_arm();
-        let mut masses = Masses::stand_in(&chain);
+        let mut masses = Masses::stand_in(&chain, &Tips::only(&chain));
         masses.gravity = Vector3::new(0.0, -STANDARD_GRAVITY, 0.0);
         let mut state = RowState::default();
         Arm::new(&chain, &crate::Scene::default()).state_into(&[0.0, 0.0], 0, None, &mut state);
         let points = axis_points(&chain);
-        let loads = masses.loads(&axis_points(&chain), &state, 2.0);
+        let loads = masses.loads(&points, &[None, Some(0)], &state, Some((1, 2.0)));
         let length = (points[2] - points[1]).norm();
         let mass = STAND_IN_DENSITY * length;
         let expected = -STANDARD_GRAVITY * (mass * length / 2.0 + 2.0 * length);
@@ -158,7 +176,7 @@ mod tests {
             let placed = PlacedRobot::new(&robot, reading);
             let chain = placed.chain(None, None).unwrap().value;
             let place = chain.home().translation.vector;
-            let (masses, points) = (Masses::of(&placed, &chain), link_points(&placed, &chain));
+            let (masses, points) = (Masses::of(&placed, &chain, &Tips::only(&chain)), link_points(&placed, &chain));
             assert!((masses.points[0].centre.coords - place).norm() < 1e-15, "{reading:?}");
             assert!((points[1].coords - place).norm() < 1e-15, "{reading:?}");
         }

@@ -28,7 +28,7 @@ pub enum Coupling {
 
 /// Where it acts × what drives it: a term of the model without its numbers.
 ///
-/// `D`: the driver, bound to the columns that it follows, or a [`WrittenDriver`](crate::effects::WrittenDriver) as a file has it.
+/// `D`: the driver, bound to the columns that it follows, with their names alone, or a [`WrittenDriver`](crate::effects::WrittenDriver) as a file has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Term<D = Driver> {
     /// The engineer's name for it.
@@ -47,7 +47,7 @@ impl<D> Term<D> {
         let joints = statics.chain.joints();
         match self.coupling {
             Coupling::Paired => 1,
-            Coupling::Each => self.carrier.directions(joints, joints, &statics.points).len() * values,
+            Coupling::Each => self.carrier.directions(statics, joints, 0).len() * values,
         }
     }
 
@@ -96,7 +96,8 @@ impl Term {
             (Driver::Steps { .. }, _) => format!("step_{}", value + 1),
             (Driver::Smooth { .. }, _) => format!("knot_{}", value + 2),
             (Driver::TorqueTerms { joint, .. }, _) => {
-                format!("link_{}_{}", joint + value / 2 + 1, ["a", "b"][value % 2])
+                let link = statics.carried(*joint, value / 2 + 1).last().unwrap_or(*joint);
+                format!("link_{}_{}", link + 1, ["a", "b"][value % 2])
             }
             _ => "coefficient".to_string(),
         };
@@ -171,7 +172,7 @@ impl EffectModel {
             .effects
             .iter()
             .filter(|effect| effect.term.driver.needs_posture())
-            .map(|effect| (effect, self.directions(&effect.term, joints)))
+            .map(|effect| (effect, self.directions(&effect.term, joints, conditions.tip)))
             .collect();
         let bent = |posture: &Posture| {
             let mut next = steady.clone();
@@ -212,7 +213,7 @@ impl EffectModel {
     fn add_steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) {
         let nowhere = Posture::default();
         for effect in self.effects.iter().filter(|effect| !effect.term.driver.needs_posture()) {
-            self.add_effect(effect, &self.directions(&effect.term, joints), conditions, &nowhere, out);
+            self.add_effect(effect, &self.directions(&effect.term, joints, conditions.tip), conditions, &nowhere, out);
         }
         for curve in &self.curves {
             let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
@@ -234,8 +235,8 @@ impl EffectModel {
         });
     }
 
-    fn directions(&self, term: &Term, joints: &[ChainJoint]) -> Vec<Vec<Action>> {
-        term.carrier.directions(self.statics.chain.joints(), joints, &self.statics.points)
+    fn directions(&self, term: &Term, joints: &[ChainJoint], tip: usize) -> Vec<Vec<Action>> {
+        term.carrier.directions(&self.statics, joints, tip)
     }
 
     fn values(&self, term: &Term, conditions: &Conditions<'_>, posture: &Posture) -> Vec<f64> {
@@ -244,7 +245,7 @@ impl EffectModel {
         values
     }
 
-    /// base_from_tip of a chain (nominal or calibrated) with the effects that move the arm; m.
+    /// base_from_tip of a chain of one tip (nominal or calibrated) with the effects that move the arm; m.
     ///
     /// Effects of target, anchor and instrument do not move the tip and are left out.
     ///
@@ -295,7 +296,7 @@ impl Effects for EffectModel {
         if self.effects.is_empty() && self.curves.is_empty() {
             return false;
         }
-        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
+        let conditions = Conditions::of(row);
         self.bend(&conditions, &arm.joints, out);
         true
     }
@@ -304,11 +305,11 @@ impl Effects for EffectModel {
         if self.effects.is_empty() {
             return;
         }
-        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
+        let conditions = Conditions::of(row);
         let posture = self.stood(&conditions, at.by);
         let mut first = 0;
         for effect in &self.effects {
-            let directions = self.directions(&effect.term, &arm.joints);
+            let directions = self.directions(&effect.term, &arm.joints, conditions.tip);
             let values = self.values(&effect.term, &conditions, &posture);
             effect.term.each_action(&directions, &values, |coefficient, action, amount| {
                 add_sensitivity(action, amount, at.state, &mut out[first + coefficient]);
@@ -320,7 +321,7 @@ impl Effects for EffectModel {
     fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
         let mut bound = self.clone();
         for effect in &mut bound.effects {
-            effect.term.driver.rebind(&mut |column| data.column(column.name()))?;
+            effect.term.driver = effect.term.driver.named_by(|column| data.column(column.name()))?;
         }
         Ok(bound)
     }

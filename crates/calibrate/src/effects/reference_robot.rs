@@ -7,9 +7,10 @@ use crate::effects::driver::Statics;
 use crate::effects::gravity::{Masses, PointMass};
 use denavit_export::poe::PoeFile;
 use denavit_export::sources::{self, SourceError};
-use denavit_model::Chain;
 use denavit_model::nalgebra::{Point3, Vector3};
+use denavit_model::{Chain, Tips};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// [`Statics`] as a file has them: m, rad, kg.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,7 +83,9 @@ impl ReferenceRobot {
             gravity: Vector3::from(self.gravity),
             from_inertials: self.masses_from_inertials,
         };
-        Ok(Statics { chain, masses, points: self.points.iter().map(|point| Point3::from(*point)).collect() })
+        let points = self.points.iter().map(|point| Point3::from(*point)).collect();
+        let tips = Arc::new(Tips::only(&chain));
+        Ok(Statics::new(chain, tips, masses, points))
     }
 }
 

@@ -10,7 +10,7 @@
 //! those of the robot at hand.
 
 use crate::effects::curve::Curve;
-use crate::effects::driver::Statics;
+use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::{Effect, EffectModel, Term};
 use crate::effects::reference_robot::{ReferenceRobot, apart};
 use crate::effects::written::WrittenDriver;
@@ -128,7 +128,7 @@ pub struct SavedEffects {
     /// The nominal chain and its masses.
     pub statics: Statics,
     /// The effects.
-    pub effects: Vec<Effect<WrittenDriver>>,
+    pub effects: Vec<Effect<Driver<String>>>,
     /// Error curves of joints, no cause claimed.
     pub curves: Vec<Curve>,
 }
@@ -138,7 +138,7 @@ impl EffectModel {
     pub fn saved(&self) -> SavedEffects {
         let written = |Effect { term, coefficients }: &Effect| {
             let Term { kind, carrier, driver, coupling } = term;
-            let driver = WrittenDriver::of(driver);
+            let driver = WrittenDriver::of(driver).named(&self.statics.chain);
             let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
             Effect { term, coefficients: coefficients.clone() }
         };
@@ -164,9 +164,9 @@ impl SavedEffects {
     /// Those of `column`, which is asked for each name.
     pub fn bound(self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Result<EffectModel, MissingColumn> {
         let Self { statics, effects, curves } = self;
-        let bound = |Effect { term, coefficients }: Effect<WrittenDriver>| {
+        let bound = |Effect { term, coefficients }: Effect<Driver<String>>| {
             let Term { kind, carrier, driver, coupling } = term;
-            let driver = driver.bound(&statics.chain, column)?;
+            let driver = driver.named_by(|name| column(name))?;
             Ok::<_, MissingColumn>(Effect { term: Term { kind, carrier, driver, coupling }, coefficients })
         };
         let effects = effects.into_iter().map(bound).collect::<Result<_, _>>()?;
@@ -183,9 +183,9 @@ impl SavedEffects {
     /// The names of all that they follow, each once.
     pub fn needed(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
-        for name in self.effects.iter().flat_map(|effect| effect.term.driver.needed(&self.statics.chain)) {
-            if !names.contains(&name) {
-                names.push(name);
+        for name in self.effects.iter().flat_map(|effect| effect.term.driver.columns()) {
+            if !names.contains(name) {
+                names.push(name.clone());
             }
         }
         names
@@ -195,8 +195,11 @@ impl SavedEffects {
     pub fn to_json(&self) -> String {
         let effects = self.effects.iter().map(|effect| {
             let entry = effect.term.kind.entry();
+            let Term { kind, carrier, driver, coupling } = &effect.term;
+            let driver = WrittenDriver::of(driver);
+            let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
             SavedEffect {
-                effect: effect.clone(),
+                effect: Effect { term, coefficients: effect.coefficients.clone() },
                 formula: entry.formula.into(),
                 units: entry.units.into(),
                 source: entry.source.into(),
@@ -249,6 +252,9 @@ impl SavedEffects {
             if let Some(why) = effect.term.driver.fault() {
                 return Err(bad(why));
             }
+            let Effect { term: Term { kind: of_kind, carrier, driver, coupling }, coefficients } = effect;
+            let term = Term { kind: of_kind, carrier, driver: driver.named(&statics.chain), coupling };
+            let effect = Effect { term, coefficients };
             let wanted = effect.term.coefficients_of(statics, effect.term.driver.len(statics));
             if effect.coefficients.len() != wanted {
                 return Err(bad(format!("{} coefficients are given; give {wanted}", effect.coefficients.len())));
@@ -312,7 +318,7 @@ mod tests {
         let again = again.bound(&time).unwrap();
         assert_eq!(again, model);
         let recorded = recorded();
-        let conditions = Conditions { reading: &[0.3, 0.8], recorded: recorded.row(0) };
+        let conditions = Conditions { reading: &[0.3, 0.8], recorded: recorded.row(0), tip: 0 };
         let chain = &model.statics.chain;
         assert_eq!(again.fk(chain, &conditions), model.fk(chain, &conditions));
         assert!(

@@ -57,7 +57,8 @@ impl Survey {
     pub fn of(statics: &Statics, data: &Measurements, gear_ratios: Vec<Option<f64>>) -> Self {
         let rows: Vec<usize> = (0..data.len()).filter(|&row| !data.locate[row]).collect();
         let range = |joint: &denavit_model::ChainJoint| {
-            rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &row| {
+            let seen = rows.iter().filter(|&&row| data.moves_its_tip(row, joint.coordinate));
+            seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &row| {
                 let value = joint.value(data.reading(row));
                 (low.min(value), high.max(value))
             })
@@ -249,7 +250,12 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
         let mut values = Vec::with_capacity(rows);
         let readings: Vec<f64> = (0..rows).map(|row| data.reading(row)[index]).collect();
         let still = still(&readings);
-        for here in readings {
+        for (row, here) in readings.into_iter().enumerate() {
+            // A cell that was left empty, as it may be where the joint does not move the tip, reads 0.
+            if here == 0.0 && !data.moves_its_tip(row, index) {
+                values.push(side);
+                continue;
+            }
             if let Some(last) = last {
                 side = side_after(here - last, still, side);
             }

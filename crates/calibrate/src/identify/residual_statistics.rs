@@ -8,6 +8,7 @@ use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Point3, Vector3};
 use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
+use std::ops::Range;
 use thiserror::Error;
 
 /// Root mean square, mean and largest of the errors of one sort, m or rad: norms of what has three components.
@@ -155,21 +156,59 @@ impl Residual {
 /// The arm's targets, instruments and points are those of `data`: see [`placed`].
 pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
     let mut found = Vec::with_capacity(data.observations());
-    each_residual(arm, effects, data, |residual| found.push(residual));
+    found.extend(each_residual(arm, effects, data));
     found
 }
 
 /// As [`residuals`], one after the other: of a million rows they need not all be kept.
-pub fn each_residual<E: Effects>(arm: &Arm, effects: &E, data: &Measurements, mut take: impl FnMut(Residual)) {
-    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
-    for row in (0..data.len()).filter(|&row| !data.locate[row]) {
-        stand(arm, effects, data, row, &mut state, &mut perturbation);
-        for observation in data.of_row(row) {
-            let (series, values) = (data.series_of(observation), data.observed.values(observation));
-            let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
-            let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
-            take(Residual { row, observation, series: data.observed.series(observation), place, turn });
-        }
+pub fn each_residual<'a, E: Effects>(
+    arm: &'a Arm,
+    effects: &'a E,
+    data: &'a Measurements,
+) -> impl Iterator<Item = Residual> {
+    EachResidual {
+        arm,
+        effects,
+        data,
+        state: RowState::default(),
+        perturbation: Perturbation::none(arm.joints.len()),
+        row: 0,
+        next_row: 0,
+        observations: 0..0,
+    }
+}
+
+struct EachResidual<'a, E> {
+    arm: &'a Arm,
+    effects: &'a E,
+    data: &'a Measurements,
+    /// Where the arm stands in `row`, and what effects do there.
+    state: RowState,
+    perturbation: Perturbation,
+    row: usize,
+    next_row: usize,
+    /// Those of the row that are still to come.
+    observations: Range<usize>,
+}
+
+impl<E: Effects> Iterator for EachResidual<'_, E> {
+    type Item = Residual;
+
+    fn next(&mut self) -> Option<Residual> {
+        let (arm, data) = (self.arm, self.data);
+        let observation = loop {
+            if let Some(observation) = self.observations.next() {
+                break observation;
+            }
+            self.row = (self.next_row..data.len()).find(|&row| !data.locate[row])?;
+            self.next_row = self.row + 1;
+            stand(arm, self.effects, data, self.row, &mut self.state, &mut self.perturbation);
+            self.observations = data.of_row(self.row);
+        };
+        let (series, values) = (data.series_of(observation), data.observed.values(observation));
+        let seen = Seen::new(arm, &self.state.tip, &self.perturbation, series, values, false);
+        let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
+        Some(Residual { row: self.row, observation, series: data.observed.series(observation), place, turn })
     }
 }
 

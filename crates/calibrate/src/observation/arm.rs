@@ -283,6 +283,11 @@ impl<'a> Row<'a> {
         self.data.reading(self.index)
     }
 
+    /// Index of the tip that it is of.
+    pub fn tip(&self) -> usize {
+        self.data.tip_of(self.index)
+    }
+
     /// Joint readings of another row of the same run.
     pub fn reading_at(&self, row: usize) -> &'a [f64] {
         self.data.reading(row)

@@ -166,7 +166,7 @@ fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
     };
     let values = |data: &Measurements| data.covariate(clock).map(|column| column.values.clone()).unwrap_or_default();
     let last = values(&result.train).into_iter().fold(f64::NEG_INFINITY, f64::max);
-    match result.test.as_ref().map(values) {
+    match result.test.as_deref().map(values) {
         Some(test) if test.iter().all(|value| *value > last) => {
             "the held-out rows come after the fitted ones: drift is taken to stay as it was at the end\n"
         }

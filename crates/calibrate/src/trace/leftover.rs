@@ -151,6 +151,13 @@ fn gains(projector: &Projector, columns: &[DMatrix<f64>], open: &[usize], free: 
 }
 
 impl Variable {
+    fn joint(&self) -> Option<usize> {
+        match self {
+            Self::Joint(joint) => Some(*joint),
+            Self::Recorded(_) => None,
+        }
+    }
+
     fn place(&self, tracer: &Tracer<'_>, share: f64) -> Structure {
         match self {
             Self::Joint(joint) => {
@@ -186,6 +193,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
     let survey = &tracer.survey;
     let rows = tracer.data.len();
     let moving: Vec<usize> = survey.moving().collect();
+    let tips = &survey.statics.tips;
     let waves = |joint: usize, counts: &[f64]| -> Vec<Vec<f64>> {
         let (low, high) = survey.ranges[joint];
         let moving = &tracer.statics.chain.joints()[joint];
@@ -203,7 +211,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
     let mut functions: Vec<(Vec<Variable>, Vec<Vec<f64>>)> = Vec::new();
     for (index, &joint) in moving.iter().enumerate() {
         functions.push((vec![Variable::Joint(joint)], waves(joint, &WAVES)));
-        for &other in &moving[index + 1..] {
+        for &other in moving[index + 1..].iter().filter(|&&other| tips.carries(joint, other)) {
             let (a, b) = (waves(joint, &PAIR_WAVES), waves(other, &PAIR_WAVES));
             let products =
                 a.iter().zip(&b).map(|(a, b)| a.iter().flat_map(|x| b.iter().map(move |y| x * y)).collect()).collect();
@@ -233,7 +241,13 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
         let flat: Vec<f64> = values.into_iter().flatten().collect();
         let recorded = matches!(variables[0], Variable::Recorded(_));
         let carriers = moving.iter().map(|&joint| Carrier::Joint(joint)).chain(recorded.then_some(Carrier::Base));
-        for carrier in carriers {
+        // Where one arm errs the other's readings have no part.
+        let one_way = |carrier: &Carrier| {
+            let own = carrier.joint().into_iter().chain(variables.iter().filter_map(Variable::joint));
+            let own: Vec<usize> = own.collect();
+            tips.all().iter().any(|tip| own.iter().all(|&joint| tip.joints[joint]))
+        };
+        for carrier in carriers.filter(one_way) {
             blocks.push(Block { carrier, variables: variables.clone(), values: flat.clone(), per_row });
         }
     }

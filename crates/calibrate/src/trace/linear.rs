@@ -1,15 +1,16 @@
 //! The model at its fitted state, linearised and in units of the noise: what every candidate is tested against.
 
-use crate::effects::carrier::{Action, Carrier};
+use crate::effects::carrier::Carrier;
 use crate::effects::driver::Posture;
-use crate::effects::model::{EffectModel, add_sensitivity};
+use crate::effects::model::EffectModel;
+use crate::effects::probe::Probe;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
 use crate::identify::threads::{available, dealt};
-use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
+use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
-use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use crate::observation::parameters::Effects;
 use crate::trace::projector::Projector;
 use crate::trace::search::postures;
 use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
@@ -55,54 +56,18 @@ struct Geometry {
     firm: OnceLock<Projector>,
 }
 
-/// The model as it is, and beside it every carrier's directions as free numbers.
-#[derive(Debug, Clone)]
-struct Probe<'a> {
-    model: &'a EffectModel,
-    directions: Vec<Vec<Action>>,
-}
-
-impl Effects for Probe<'_> {
-    fn parameters(&self) -> Vec<Parameter> {
-        let mut parameters = self.model.parameters();
-        for _ in &self.directions {
-            let kind = ParameterKind::Effect { index: parameters.len() };
-            parameters.push(Parameter { name: String::new(), kind, unit: "", tolerance: None });
-        }
-        parameters
-    }
-
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        self.model.perturb(row, arm, out)
-    }
-
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
-        let own = out.len() - self.directions.len();
-        self.model.sensitivities(row, arm, at, &mut out[..own]);
-        for (direction, out) in self.directions.iter().zip(&mut out[own..]) {
-            for action in direction {
-                add_sensitivity(action, 1.0, at.state, out);
-            }
-        }
-    }
-
-    fn stepped(&self, _step: &[f64]) -> Self {
-        self.clone()
-    }
-}
-
 /// Linearises a fit about its state, with columns for these carriers.
 pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, carriers: &[Carrier]) -> Linear {
     let model = &fit.effects;
     let mut places = Vec::new();
-    let mut directions = Vec::new();
+    let mut end = 0;
     for carrier in carriers {
-        let own = carrier.directions(model.statics.chain.joints(), &fit.arm.joints, &model.statics.points);
-        places.push((*carrier, directions.len()..directions.len() + own.len()));
-        directions.extend(own);
+        let start = end;
+        end += carrier.directions(&model.statics, &fit.arm.joints, 0).len();
+        places.push((*carrier, start..end));
     }
     let own = fit.layout.effects.len();
-    let probe = Probe { model, directions };
+    let probe = Probe::of_carriers(model, &model.statics, &fit.arm, carriers);
     let layout = fit.layout.with_effects(probe.parameters());
     let problem = ResidualModel { data, layout: &layout, effects: &probe };
     let columns = layout.len();

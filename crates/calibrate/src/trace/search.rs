@@ -71,7 +71,7 @@ pub struct CandidateScorer<'a> {
 pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
     let at = |index: usize| {
         let row = Row::new(data, index);
-        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
+        let conditions = Conditions::of(row);
         model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
     };
     let threads = available().min(data.len().div_ceil(ROWS_FOR_A_THREAD));
@@ -124,7 +124,7 @@ impl CandidateScorer<'_> {
         let mut values = Vec::new();
         for (index, posture) in self.linear.postures(self.data).iter().enumerate() {
             let row = Row::new(self.data, index);
-            let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
+            let conditions = Conditions::of(row);
             term.driver.values_into(self.statics, &conditions, posture, &mut values);
         }
         values

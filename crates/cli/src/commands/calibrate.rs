@@ -18,7 +18,7 @@ use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, other_chains, prior_read, rows, search};
 use denavit_model::{Chain, Tips};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Runs the command.
@@ -37,13 +37,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     let places = Places::of(arguments)?;
     let MeasuredRobot { robot, tips } = measured::robot_with_tips(&arguments.robot)?;
     can_be_identified(&robot.chain)?;
-    let mut asked = search_asked(arguments)?;
-    if tips.several() && asked.effects == ["auto"] {
-        measured::mention(
-            &["effects are looked for in one chain; of several tips the geometry alone is fitted".into()],
-        );
-        asked.effects = vec!["none".into()];
-    }
+    let asked = search_asked(arguments)?;
     let mut options = search(&asked, &robot.chain)?;
     let formats = output_formats(arguments, &robot, &tips)?;
     let asked_rows = rows_asked(arguments, &robot.chain, &tips)?;
@@ -94,7 +88,8 @@ struct Places {
     urdf: Option<Slot>,
     /// A table for each tip, in their order.
     dh: Vec<Slot>,
-    effects: Option<Slot>,
+    /// The effects of each tip, in their order.
+    effects: Vec<Slot>,
     residuals: Option<Slot>,
     makers: Vec<(Slot, &'static Maker)>,
 }
@@ -117,24 +112,29 @@ impl Places {
             json: outputs.add_if("--json", arguments.json.place())?,
             html: outputs.add_if("--html", arguments.html.as_deref())?,
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
-            dh: dh_files(arguments).iter().map(|path| outputs.add("--dh", path)).collect::<Result<_, _>>()?,
-            effects: outputs.add_if("--effects-out", arguments.effects_out.as_deref())?,
+            dh: of_tips(arguments, arguments.dh.as_deref(), |path| outputs.add("--dh", path))?,
+            effects: of_tips(arguments, arguments.effects_out.as_deref(), |path| outputs.add("--effects-out", path))?,
             residuals: outputs.add_if("--residuals", arguments.residuals.as_deref())?,
             outputs,
         })
     }
 }
 
-/// The file of each tip's table: the one that was named, or beside it `<name>_<tip>` where there are several.
-fn dh_files(arguments: &CalibrateArguments) -> Vec<PathBuf> {
-    let Some(path) = &arguments.dh else { return Vec::new() };
+/// A slot for the file of each tip: the one that was named, or beside it `<name>_<tip>` where there are several.
+fn of_tips(
+    arguments: &CalibrateArguments,
+    path: Option<&Path>,
+    mut add: impl FnMut(&Path) -> Result<Slot, Failure>,
+) -> Result<Vec<Slot>, Failure> {
+    let Some(path) = path else { return Ok(Vec::new()) };
     let tips = &arguments.robot.tip.tips;
     if tips.len() < 2 {
-        return vec![path.clone()];
+        return Ok(vec![add(path)?]);
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    tips.iter().map(|tip| path.with_file_name(format!("{stem}_{}.{extension}", tip.replace('/', "_")))).collect()
+    let of = |tip: &String| path.with_file_name(format!("{stem}_{}.{extension}", tip.replace('/', "_")));
+    tips.iter().map(|tip| add(&of(tip))).collect()
 }
 
 /// The forms that the calibrated robot is written in, where they are asked for.
@@ -245,8 +245,9 @@ fn texts(
     if let Some(slot) = places.residuals {
         texts.push((slot, denavit_calibrate::calibration::rows::to_csv(&result.report.rows)));
     }
-    if let Some(slot) = places.effects {
-        texts.push((slot, result.effects(&robot.statics).to_json()));
+    let effects = result.effects(&robot.statics);
+    for (tip, slot) in places.effects.iter().enumerate() {
+        texts.push((*slot, effects.to_tip(tip).to_json()));
     }
     Ok(texts)
 }

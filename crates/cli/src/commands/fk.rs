@@ -90,7 +90,7 @@ fn with_effects(
     let effects = measured::effects(Some(file), statics)?;
     let (model, recorded) = with_given(file, &effects, &measured::given(given)?)?;
     measured::mention(&without_part_in_the_tip(file, &effects));
-    Ok(model.fk(chain, &Conditions { reading: q, recorded: recorded.row(0) }))
+    Ok(model.fk(chain, &Conditions { reading: q, recorded: recorded.row(0), tip: 0 }))
 }
 
 /// Joint values from `0.1,0.2` or `name=0.1,other=0.2`, rad and m.

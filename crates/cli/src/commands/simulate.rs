@@ -34,7 +34,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         Failure::Argument(match error {
             FilesError::Effect(error) => format!("--effect {error}"),
             FilesError::Column(error) => format!("--columns: {error}"),
-            FilesError::EffectsInContact | FilesError::EffectsOfSeveralTips => format!("--effect: {error}"),
+            FilesError::EffectsInContact => format!("--effect: {error}"),
             FilesError::OutOfReach { .. } => format!("--rows: {error}"),
             FilesError::OutOfSight { .. } => format!("--camera: {error}"),
             FilesError::KindOfSeveralTips(_) => format!("--tip: {error}"),

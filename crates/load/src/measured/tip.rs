@@ -12,9 +12,9 @@ use denavit_calibrate::observation::measurements::{Covariate, Covariates};
 pub fn all_known(file: &str, effects: &SavedEffects, known: &dyn Fn(&str) -> bool) -> Result<(), MeasuredError> {
     let chain = &effects.statics.chain;
     for effect in effects.effects.iter().filter(|effect| effect.term.moves_the_tip()) {
-        for name in effect.term.driver.needed(chain) {
-            if !known(&name) {
-                let name = recorded::plain(&name);
+        for name in effect.term.driver.columns() {
+            if !known(name) {
+                let name = recorded::plain(name);
                 let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
                 return Err(MeasuredError::Option(format!(
                     "{file}: {kind} at {place} follows \"{name}\"; give its value: ‹given› \"{name}=VALUE\""

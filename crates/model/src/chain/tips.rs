@@ -142,6 +142,14 @@ impl Tips {
         self.0.iter().position(|tip| tip.name == name)
     }
 
+    /// For each joint of all, the joint that carries it; none for those that stand on the base.
+    pub fn carriers(&self) -> Vec<Option<usize>> {
+        let before = |tip: &Tip, joint: usize| (0..joint).rev().find(|&other| tip.joints[other]);
+        let joints = self.0.first().map_or(0, |tip| tip.joints.len());
+        let on_the_way = |joint: usize| self.0.iter().find(|tip| tip.joints[joint]);
+        (0..joints).map(|joint| before(on_the_way(joint)?, joint)).collect()
+    }
+
     /// Whether joint `first` carries joint `other`, which may be itself: both are on the way to one tip, `first` not after
     /// `other`.
     pub fn carries(&self, first: usize, other: usize) -> bool {
@@ -216,6 +224,7 @@ mod tests {
         let q = [0.3, -0.4, 0.1, 0.7];
         assert_eq!(tips[1].fk(&all, &q), right.fk(&[q[0], q[3]]));
         assert_eq!((tips[0].chain(&all).unwrap(), tips[1].chain(&all).unwrap()), (left, right));
+        assert_eq!(tips.carriers(), [None, Some(0), Some(1), Some(0)]);
         assert!(tips.carries(0, 3) && tips.carries(1, 2) && !tips.carries(1, 3) && !tips.carries(3, 0));
         let (alone, tips) = Chain::joined(&all, &[]).unwrap();
         assert!(alone == all && !tips.several());

@@ -43,8 +43,9 @@ pub fn in_order(
             None => Wanted::Joints(start.clone()),
         };
         let actual = |q: &[f64]| {
-            let conditions =
-                |recorded: &Covariates| model.fk(calibrated, &Conditions { reading: q, recorded: recorded.row(row) });
+            let conditions = |recorded: &Covariates| {
+                model.fk(calibrated, &Conditions { reading: q, recorded: recorded.row(row), tip: 0 })
+            };
             if open.is_empty() {
                 return conditions(&recorded);
             }

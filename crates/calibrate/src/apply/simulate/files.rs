@@ -67,9 +67,6 @@ pub enum FilesError {
     /// Effects where nothing is read.
     #[error("effects are not simulated with readings on planes; take a dial gauge, whose readings show them")]
     EffectsInContact,
-    /// Effects act in one chain.
-    #[error("effects are simulated in one chain; simulate one tip at a time, or leave the effects out")]
-    EffectsOfSeveralTips,
     /// What is measured with one tip alone.
     #[error("{0} are simulated at one tip; simulate one tip at a time, or measure poses, positions or distances")]
     KindOfSeveralTips(&'static str),
@@ -108,17 +105,14 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     if contact && options.kind.numbers() == 0 && any_effect {
         return Err(FilesError::EffectsInContact);
     }
-    if options.tips.is_some() && any_effect {
-        return Err(FilesError::EffectsOfSeveralTips);
-    }
     if options.tips.is_some() && (contact || options.kind.of_a_board()) {
         return Err(FilesError::KindOfSeveralTips(options.kind.plural()));
     }
     options.covariates = columns(&asked.columns, chain, options.rows, 0, options.seed)?;
     for effect in &effects.effects {
-        for column in effect.term.driver.needed(chain) {
-            if !recorded::given_by_run(&column, &options.covariates) {
-                return Err(FilesError::NotRecorded { kind: effect.term.kind.name(), column });
+        for column in effect.term.driver.columns() {
+            if !recorded::given_by_run(column, &options.covariates) {
+                return Err(FilesError::NotRecorded { kind: effect.term.kind.name(), column: column.clone() });
             }
         }
     }

@@ -4,13 +4,14 @@ use super::lever::Arms;
 use super::reml::{Factor, LEAST_LEVEL, Reml, RowBlock};
 use super::{Place, Source};
 use crate::effects::curve::Curve;
+use crate::effects::probe::Probe;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
+use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use crate::observation::parameters::Effects;
+use denavit_model::Quantity;
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
-use denavit_model::{Quantity, se3};
 
 /// Directions of the free numbers that are known less than this share of the best known one are the common frame's.
 const UNKNOWN: f64 = 1e-11;
@@ -48,48 +49,6 @@ pub(super) struct Prepared {
     pub rows: usize,
     /// Rows there are.
     pub of: usize,
-}
-
-/// The model as it is, and beside it every joint's motion.
-#[derive(Debug)]
-struct WithJoints<'a, E> {
-    model: &'a E,
-    data: &'a Measurements,
-    joints: usize,
-}
-
-impl<E> Clone for WithJoints<'_, E> {
-    fn clone(&self) -> Self {
-        Self { model: self.model, data: self.data, joints: self.joints }
-    }
-}
-
-impl<E: Effects> Effects for WithJoints<'_, E> {
-    fn parameters(&self) -> Vec<Parameter> {
-        let mut parameters = self.model.parameters();
-        for _ in 0..self.joints {
-            let kind = ParameterKind::Effect { index: parameters.len() };
-            parameters.push(Parameter { name: String::new(), kind, unit: "", tolerance: None });
-        }
-        parameters
-    }
-
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        self.model.perturb(row, arm, out)
-    }
-
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
-        let own = out.len() - self.joints;
-        self.model.sensitivities(row, arm, at, &mut out[..own]);
-        let on_the_way = &arm.tips[self.data.tip_of(row.index())].joints;
-        for (joint, out) in out[own..].iter_mut().enumerate().filter(|(joint, _)| on_the_way[*joint]) {
-            out.twist = se3::adjoint_times(&at.state.before[joint], &arm.joints[joint].screw.twist());
-        }
-    }
-
-    fn stepped(&self, _step: &[f64]) -> Self {
-        self.clone()
-    }
 }
 
 /// One row before the free numbers are brought to a few.
@@ -169,7 +128,7 @@ fn raw_rows<E: Effects>(
 ) -> Vec<Raw> {
     let arm = &fit.arm;
     let joints = arm.joints.len();
-    let probe = WithJoints { model: &fit.effects, data, joints };
+    let probe = Probe::of_joints(&fit.effects, arm);
     let layout = fit.layout.with_effects(probe.parameters());
     let problem = ResidualModel { data, layout: &layout, effects: &probe };
     let mut scratch = Scratch::new(&layout, arm);

@@ -6,7 +6,7 @@
 //!
 //! ```compile_fail,E0308
 //! use denavit_calibrate::effects::Driver;
-//! let driver = Driver::Covariate("temperature".to_owned());
+//! let driver: Driver = Driver::Covariate("temperature".to_owned());
 //! ```
 //! ```compile_fail,E0451
 //! use denavit_calibrate::observation::measurements::Column;
@@ -92,6 +92,12 @@ impl MissingColumn {
 impl Column {
     /// Its name.
     pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+impl AsRef<str> for Column {
+    fn as_ref(&self) -> &str {
         &self.name
     }
 }

@@ -39,11 +39,10 @@ pub(super) fn all(survey: &Survey, fit: &Fit<EffectModel>) -> Option<Fit<EffectM
             .iter()
             .any(|effect| effect.term.kind == Kind::JointCompliance && effect.term.carrier == Carrier::Joint(joint))
     };
-    let count = survey.statics.chain.joints().len();
     let term = |joint: usize| Term {
         kind: Kind::JointCompliance,
         carrier: Carrier::Joint(joint),
-        driver: Driver::TorqueTerms { joint, links: count - joint },
+        driver: Driver::TorqueTerms { joint, links: survey.statics.chain.joints().len() - joint },
         coupling: Coupling::Each,
     };
     let joints = survey.turning().filter(|&joint| survey.statics.feels_gravity(joint) && !compliant(joint));
@@ -163,7 +162,7 @@ fn torques(data: &Measurements, fit: &Fit<EffectModel>, term: &Term) -> Vec<f64>
     let mut values = Vec::new();
     for (index, posture) in postures(&fit.effects, &fit.arm, data).iter().enumerate() {
         let row = Row::new(data, index);
-        let conditions = Conditions { reading: row.reading(), recorded: row.recorded() };
+        let conditions = Conditions::of(row);
         term.driver.values_into(&fit.effects.statics, &conditions, posture, &mut values);
     }
     values

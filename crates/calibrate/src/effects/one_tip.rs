@@ -1,0 +1,126 @@
+//! What was found on the ways to several tips, for the chain to one of them.
+
+use crate::effects::carrier::Carrier;
+use crate::effects::curve::Curve;
+use crate::effects::driver::{Driver, JointVelocity, Statics};
+use crate::effects::gravity::{Masses, PointMass};
+use crate::effects::model::{Coupling, Effect, EffectModel, Term};
+use denavit_model::Tips;
+use std::sync::Arc;
+
+impl Statics {
+    /// Of the chain to one tip: what joints carry that are not on the way to it hangs still where it does at home, as other
+    /// joints of a tree do beside a chain.
+    fn to_tip(&self, tip: usize) -> Self {
+        let chain = self.tips[tip].chain(&self.chain).expect("a part of a chain is a chain");
+        let own = self.own(tip);
+        let on_the_way = |mass: &PointMass| {
+            let mut at = Some(mass.joint);
+            while let Some(joint) = at {
+                if let Some(own) = own[joint] {
+                    return Some(PointMass { joint: own, ..*mass });
+                }
+                at = self.carrier(joint);
+            }
+            None
+        };
+        let masses = Masses { points: self.masses.points.iter().filter_map(on_the_way).collect(), ..self.masses };
+        let ends = self.chain.joints().len() + tip;
+        let points = self.on_the_way(tip).chain([ends]).map(|slot| self.points[slot]).collect();
+        let tips = Arc::new(Tips::only(&chain));
+        Self::new(chain, tips, masses, points)
+    }
+
+    /// For each joint its place on the way to a tip, where it is on it.
+    fn own(&self, tip: usize) -> Vec<Option<usize>> {
+        let mut own = vec![None; self.chain.joints().len()];
+        self.on_the_way(tip).enumerate().for_each(|(place, joint)| own[joint] = Some(place));
+        own
+    }
+}
+
+impl EffectModel {
+    /// What acts on the way to one tip, for its chain alone.
+    #[must_use]
+    pub fn to_tip(&self, tip: usize) -> Self {
+        if !self.statics.tips.several() {
+            return self.clone();
+        }
+        let own = self.statics.own(tip);
+        let curve = |curve: &Curve| Some(Curve { joint: own[curve.joint]?, ..curve.clone() });
+        Self {
+            statics: self.statics.to_tip(tip),
+            effects: self.effects.iter().filter_map(|effect| self.on_the_way(effect, &own)).collect(),
+            curves: self.curves.iter().filter_map(curve).collect(),
+        }
+    }
+
+    fn on_the_way(&self, Effect { term, coefficients }: &Effect, own: &[Option<usize>]) -> Option<Effect> {
+        let carrier = renumbered(term.carrier, own)?;
+        let (driver, kept) = match &term.driver {
+            // Parts of links that are not on the way are none of this chain's.
+            Driver::TorqueTerms { joint, links } => {
+                let parts = self.statics.carried(*joint, *links).map(|link| own[link].is_some());
+                let parts: Vec<bool> = parts.flat_map(|part| [part; 2]).collect();
+                let links = parts.iter().filter(|part| **part).count() / 2;
+                (Driver::TorqueTerms { joint: own[*joint]?, links }, parts)
+            }
+            driver => (driven(driver, own)?, vec![true; driver.len(&self.statics)]),
+        };
+        let coefficients = match term.coupling {
+            Coupling::Paired => coefficients.clone(),
+            Coupling::Each => {
+                let values = coefficients.iter().zip(kept.iter().cycle());
+                values.filter(|(_, kept)| **kept).map(|(value, _)| *value).collect()
+            }
+        };
+        Some(Effect { term: Term { carrier, driver, ..term.clone() }, coefficients })
+    }
+}
+
+fn renumbered(carrier: Carrier, own: &[Option<usize>]) -> Option<Carrier> {
+    Some(match carrier {
+        Carrier::Joint(i) => Carrier::Joint(own[i]?),
+        Carrier::Along(i) => Carrier::Along(own[i]?),
+        Carrier::AxisBasis(i) => Carrier::AxisBasis(own[i]?),
+        Carrier::Sideways(i) => Carrier::Sideways(own[i]?),
+        Carrier::LinkEnd(i) => Carrier::LinkEnd(own[i]?),
+        Carrier::LinkEndTurn(i) => Carrier::LinkEndTurn(own[i]?),
+        Carrier::LinkLength(i) => Carrier::LinkLength(own[i]?),
+        Carrier::Lengths
+        | Carrier::Base
+        | Carrier::BaseTurn
+        | Carrier::Target
+        | Carrier::Anchor
+        | Carrier::Scale
+        | Carrier::Reading
+        | Carrier::AllJoints => carrier,
+    })
+}
+
+fn driven(driver: &Driver, own: &[Option<usize>]) -> Option<Driver> {
+    let mut driver = driver.clone();
+    match &mut driver {
+        Driver::Reading(joint)
+        | Driver::Harmonic { joint, .. }
+        | Driver::Bump { joint, .. }
+        | Driver::Torque(joint)
+        | Driver::TorqueTerms { joint, .. }
+        | Driver::MomentAcross(joint)
+        | Driver::Cantilever(joint)
+        | Driver::EndMoment(joint)
+        | Driver::Approach { joint, .. }
+        | Driver::GravitySide(joint) => *joint = own[*joint]?,
+        Driver::Velocities(moving) => {
+            let on_the_way = |of: &JointVelocity| Some(JointVelocity { joint: own[of.joint]?, ..of.clone() });
+            *moving = moving.iter().filter_map(on_the_way).collect();
+        }
+        Driver::Constant
+        | Driver::Overturning
+        | Driver::Covariate(_)
+        | Driver::Decay { .. }
+        | Driver::Steps { .. }
+        | Driver::Smooth { .. } => {}
+    }
+    Some(driver)
+}
