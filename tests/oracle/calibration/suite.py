@@ -1,4 +1,4 @@
-"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|distances|motors|all] [--first-seed N] [--nulls N]
+"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|distances|motors|all] [--first-seed N] [--nulls N] [--some N]
 
 singles  every kind on every arm that can show it, at strengths 1, 2, 5, 20 times the noise
 pairs    two and three kinds at once, strength 5
@@ -94,9 +94,14 @@ if __name__ == "__main__":
     p.add_argument("--part", choices=["singles", "pairs", "nulls", "aliens", "distances", "motors", "all"], default="all")
     p.add_argument("--first-seed", type=int, default=1)
     p.add_argument("--nulls", type=int, default=40)
+    p.add_argument("--some", type=int, help="so many of the cases, drawn at random")
     p.add_argument("--workers", type=int, default=1)
     chosen = p.parse_args()
+    listed = cases(chosen.out, chosen.part, chosen.first_seed, chosen.nulls)
+    if chosen.some is not None:
+        drawn = np.random.default_rng(chosen.first_seed).choice(len(listed), min(chosen.some, len(listed)), replace=False)
+        listed = [listed[index] for index in sorted(drawn)]
     with ProcessPoolExecutor(chosen.workers) as pool:
-        for trouble in pool.map(made, cases(chosen.out, chosen.part, chosen.first_seed, chosen.nulls)):
+        for trouble in pool.map(made, listed):
             if trouble:
                 print(trouble)

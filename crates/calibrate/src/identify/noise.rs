@@ -18,13 +18,15 @@ mod lever;
 pub mod reml;
 mod rows;
 
+use self::lever::Arms;
 pub use self::lever::Lever;
 use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
 pub use self::rows::HeldCurve;
+use self::rows::Prepared;
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
-use denavit_model::nalgebra::DMatrix;
+use denavit_model::nalgebra::{DMatrix, Vector3};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use std::borrow::Cow;
@@ -150,11 +152,27 @@ pub fn noise_model<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[Held
     }
     let prepared = rows::prepared(fit, data, curves)?;
     let (mut judged, variances) = judge(&prepared.reml, &prepared.sources)?;
-    let arms = prepared.arms.as_ref().filter(|arms| variances[arms.source] > 0.0);
-    if let Some((lever, reml)) = arms.and_then(|arms| arms.found(&prepared.reml, &variances)) {
-        judged = NoiseModel { lever: Some(lever), ..judge(&reml, &prepared.sources)?.0 };
+    if let Some(with) = prepared.arms.as_ref().and_then(|arms| turning(&prepared, arms, &variances)) {
+        judged = with;
     }
     Some(NoiseModel { rows: prepared.rows, of_rows: prepared.of, ..judged })
+}
+
+/// The noise where that of orientations moves positions, too; `None` where chance may have made what there is of it.
+///
+/// The variances without a lever hold what it makes: it is looked for once more at those with it.
+fn turning(prepared: &Prepared, arms: &Arms, variances: &[f64]) -> Option<NoiseModel> {
+    let p_value = arms.p_value(&prepared.reml, variances);
+    if p_value >= FALSE_CLAIMS {
+        return None;
+    }
+    let first = arms.likeliest(&prepared.reml, variances, Vector3::zeros())?;
+    let (noise, variances) = judge(&first.reml, &prepared.sources)?;
+    let Some(found) = arms.likeliest(&prepared.reml, &variances, first.at) else {
+        return Some(NoiseModel { lever: Some(arms.lever(&first, p_value)), ..noise });
+    };
+    let noise = judge(&found.reml, &prepared.sources)?.0;
+    Some(NoiseModel { lever: Some(arms.lever(&found, p_value)), ..noise })
 }
 
 fn is_level(source: &Source) -> bool {

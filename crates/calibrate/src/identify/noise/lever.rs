@@ -10,7 +10,6 @@
 //! with B₀ what orientations alone add and B_k what a lever along axis k does: halves of the slopes by two sources that are not there.
 //! Where it is claimed, scoring steps find it.
 
-use super::FALSE_CLAIMS;
 use super::reml::{Factor, Reml, Slope};
 use denavit_model::nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::Serialize;
@@ -20,6 +19,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const STEPS: usize = 6;
 /// A step of this share of the lever's standard deviation is the last.
 const SETTLED: f64 = 0.05;
+/// A step is not cut shorter than this share of it.
+const LEAST_SHARE: f64 = 0.05;
 
 /// What a lever along each axis of the target does in every row.
 #[derive(Debug, Clone)]
@@ -44,26 +45,43 @@ pub struct Lever {
 }
 
 impl Arms {
-    /// The lever, and the rows with it in the noise of orientations; `None` where chance may have made it.
+    /// Probability of what there is of a lever where there is none; 1 where it cannot be asked.
     ///
     /// `variances`: the likeliest, without it.
-    pub fn found(&self, reml: &Reml, variances: &[f64]) -> Option<(Lever, Reml)> {
-        let first = self.scored(reml, variances, &Vector3::zeros())?;
+    pub fn p_value(&self, reml: &Reml, variances: &[f64]) -> f64 {
         let chi = ChiSquared::new(3.0).expect("three degrees of freedom are positive");
-        let p_value = chi.sf(first.ratio);
-        if p_value.is_nan() || p_value >= FALSE_CLAIMS {
-            return None;
-        }
-        let (mut at, mut scored) = (first.step, first);
+        let none = variances[self.source] <= 0.0;
+        let scored = if none { None } else { self.scored(reml, variances, &Vector3::zeros()) };
+        scored.map_or(1.0, |scored| chi.sf(scored.ratio))
+    }
+
+    /// The likeliest lever at these variances, in its unit, its standard deviation, and the rows with it in the noise of orientations;
+    /// `None` where none is likelier than `start`.
+    pub fn likeliest(&self, reml: &Reml, variances: &[f64], start: Vector3<f64>) -> Option<Found> {
+        let mut at = start;
+        let mut scored = self.scored(reml, variances, &at)?;
         for _ in 0..STEPS {
-            scored = self.scored(reml, variances, &at)?;
-            at += scored.step;
             if scored.step.component_div(&scored.std).amax() < SETTLED {
                 break;
             }
+            let mut share = 1.0;
+            let next = loop {
+                let next = at + scored.step * share;
+                match self.scored(reml, variances, &next) {
+                    Some(there) if there.deviance < scored.deviance => break Some((next, there)),
+                    _ if share < LEAST_SHARE => break None,
+                    _ => share *= 0.5,
+                }
+            };
+            let Some(next) = next else { break };
+            (at, scored) = next;
         }
-        let lever = Lever { value: (at * self.unit).into(), std: (scored.std * self.unit).into(), p_value };
-        at.iter().all(|value| value.is_finite()).then(|| (lever, self.with(reml, &at)))
+        (at != start).then(|| Found { at, std: scored.std, reml: self.with(reml, &at) })
+    }
+
+    /// The lever in m.
+    pub fn lever(&self, found: &Found, p_value: f64) -> Lever {
+        Lever { value: (found.at * self.unit).into(), std: (found.std * self.unit).into(), p_value }
     }
 
     /// The rows with this lever, in its unit, in the noise of orientations.
@@ -102,9 +120,17 @@ fn own_factor(factors: &mut [Factor], source: usize) -> Option<&mut Factor> {
     factors.iter_mut().find(|factor| factor.source == source)
 }
 
+/// A lever, in its unit, and the rows with it.
+pub(super) struct Found {
+    pub at: Vector3<f64>,
+    std: Vector3<f64>,
+    pub reml: Reml,
+}
+
 /// One scoring step.
 #[derive(Debug, Clone, Copy)]
 struct Scored {
+    deviance: f64,
     step: Vector3<f64>,
     std: Vector3<f64>,
     /// χ² of three degrees of freedom where there is no lever.
@@ -143,6 +169,7 @@ impl Scored {
         let normal = step.dot(&along);
         let tails = (along.dot(&(spread * along)) / normal).max(1.0);
         let ratio = normal / if tails.is_finite() { tails } else { 1.0 };
-        Some(Self { step, std: variance.diagonal().map(|own| (own * tails.max(1.0)).max(0.0).sqrt()), ratio })
+        let deviance = slope.deviance;
+        Some(Self { deviance, step, std: variance.diagonal().map(|own| (own * tails.max(1.0)).max(0.0).sqrt()), ratio })
     }
 }

@@ -23,9 +23,9 @@ use rand_chacha::ChaCha8Rng;
 pub const NAMED: f64 = 0.95;
 /// And if this share of the resampled runs finds it.
 pub const FOUND_AGAIN: f64 = 0.8;
-/// Parts that the run is resampled from, and how often.
+/// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
-const RESAMPLED: usize = 25;
+const SPLITS: usize = 15;
 /// A rival holds at least this much of the mass.
 const RIVAL: f64 = 0.02;
 /// And is met in the other's absence this much more often than in its presence, logarithm.
@@ -243,17 +243,21 @@ fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
     -((KINDS.len() * same) as f64).ln() - 0.5 * handicap(kind) - scanned - instrument
 }
 
-/// What is found on each of the resampled runs: parts of the run drawn with replacement.
+/// What is found on each half of the run, which is split into two again and again: complementary pairs (Shah and Samworth, Journal of the
+/// Royal Statistical Society B 75 (2013), 55). Parts drawn with replacement hold two thirds of the run each time: what is found again in most of
+/// them need not be found in another run.
 fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> Vec<Vec<usize>> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
-    let draws: Vec<Vec<f64>> = (0..RESAMPLED)
-        .map(|_| {
-            let mut times = vec![0.0; parts.len()];
-            for _ in 0..parts.len() {
-                times[random.random_range(0..parts.len())] += 1.0;
-            }
-            times
-        })
-        .collect();
-    in_parallel(&draws, |times| search(&Gram::weighted(parts, times)))
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    let mut halves = Vec::with_capacity(2 * SPLITS);
+    for _ in 0..SPLITS {
+        for last in (1..order.len()).rev() {
+            order.swap(last, random.random_range(0..=last));
+        }
+        for half in order.chunks(parts.len().div_ceil(2)) {
+            let times = |part| if half.contains(&part) { 1.0 } else { 0.0 };
+            halves.push((0..parts.len()).map(times).collect::<Vec<f64>>());
+        }
+    }
+    in_parallel(&halves, |times| search(&Gram::weighted(parts, times)))
 }
