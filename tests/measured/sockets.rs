@@ -2,8 +2,9 @@
 
 use super::Folder;
 use crate::support::{Run, denavit_in, robot};
-use denavit_model::Reading;
-use denavit_model::nalgebra::{Matrix3, Matrix3xX, Point3, Vector3};
+use denavit_calibrate::apply::compensate::{Wanted, compensate};
+use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
+use denavit_model::{Pose, Reading};
 use std::fmt::Write as _;
 
 const NAMES: &str = super::JOINTS;
@@ -28,29 +29,16 @@ fn chance(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// Readings at which the ball is at this place: Newton's steps from somewhere.
+/// Readings at which the ball is at this place: those of a pose that holds it there, turned anyhow.
 fn reaching(arm: &denavit_model::Chain, ball: &Point3<f64>, place: &Vector3<f64>, seed: &mut u64) -> Vec<f64> {
     loop {
-        let mut q: Vec<f64> = (0..6).map(|_| 2.5 * chance(seed)).collect();
-        for _ in 0..60 {
-            let at = |q: &[f64]| (arm.fk(q) * ball).coords;
-            let off = place - at(&q);
-            if off.norm() < 1e-12 {
-                return q;
-            }
-            let column = |k: usize| {
-                let moved = |h: f64| {
-                    let mut next = q.clone();
-                    next[k] += h;
-                    at(&next)
-                };
-                (moved(1e-6) - moved(-1e-6)) / 2e-6
-            };
-            let jacobian = Matrix3xX::from_columns(&(0..6).map(column).collect::<Vec<_>>());
-            let damped = &jacobian * jacobian.transpose() + Matrix3::identity() * (1e-4 * off.norm());
-            let step = jacobian.transpose() * damped.try_inverse().unwrap() * off;
-            let shorter = (0.3 / step.norm()).min(1.0);
-            q.iter_mut().zip(step.iter()).for_each(|(value, step)| *value += shorter * step);
+        let mut draw = || 2.5 * chance(seed);
+        let turn = Rotation3::new(Vector3::new(draw(), draw(), draw()));
+        let near: Vec<f64> = (0..6).map(|_| draw()).collect();
+        let pose = Pose::from_parts((place - turn * ball.coords).into(), turn);
+        let found = compensate(arm, arm, &|q| arm.fk(q), &Wanted::Pose(pose), &near).joints;
+        if ((arm.fk(&found) * ball).coords - place).norm() < 1e-12 {
+            return found;
         }
     }
 }
