@@ -48,6 +48,8 @@ const NEARLY: f64 = 0.1;
 const GOOD: f64 = 1e-3;
 /// A source whose size, squared, is less than this many times its variance goes for nothing: one in a hundred that are not there has more.
 const FOR_NOTHING: f64 = 6.0;
+/// Turns of variances and lever.
+const MOST_TURNS: usize = 20;
 /// Evaluations for an end.
 const MOST_TRIALS: usize = 40;
 /// Noise below this share of the robot's size (and rad) is rounding, and has no sources.
@@ -160,17 +162,24 @@ pub fn noise_model<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[Held
 
 /// The noise where that of orientations moves positions, too; `None` where chance may have made what there is of it.
 ///
-/// The variances without a lever hold what it makes: it is looked for once more at those with it.
+/// The variances without a lever hold what it makes: variances and lever are found in turn.
 fn turning(prepared: &Prepared, arms: &Arms, variances: &[f64]) -> Option<NoiseModel> {
     let p_value = arms.p_value(&prepared.reml, variances);
     if p_value >= FALSE_CLAIMS {
         return None;
     }
-    let first = arms.likeliest(&prepared.reml, variances, Vector3::zeros())?;
-    let (noise, variances) = judge(&first.reml, &prepared.sources)?;
-    let Some(found) = arms.likeliest(&prepared.reml, &variances, first.at) else {
-        return Some(NoiseModel { lever: Some(arms.lever(&first, p_value)), ..noise });
-    };
+    let all = Tied::each(prepared.sources.len());
+    let mut found = arms.likeliest(&prepared.reml, variances, Vector3::zeros())?;
+    let mut variances = variances.to_vec();
+    for _ in 0..MOST_TURNS {
+        variances = found.reml.likeliest(&all, &variances, &[], GOOD)?.numbers;
+        let next = arms.likeliest(&prepared.reml, &variances, found.at)?;
+        let same = next.same(&found);
+        found = next;
+        if same {
+            break;
+        }
+    }
     let noise = judge(&found.reml, &prepared.sources)?.0;
     Some(NoiseModel { lever: Some(arms.lever(&found, p_value)), ..noise })
 }
@@ -386,7 +395,13 @@ impl<'a> Study<'a> {
             tied.count = all.count;
             start.resize(tied.count, 0.0);
         }
-        let best = self.reml.likeliest_from(&tied, (&start, beside.open.clone()), &[], GOOD)?;
+        // A joint that followed the number of all of them begins elsewhere.
+        let same = tied.variances(&start) == self.tied.variances(&self.best.numbers);
+        let best = if same {
+            self.reml.likeliest_from(&tied, (&start, beside.open.clone()), &[], GOOD)?
+        } else {
+            self.reml.likeliest(&tied, &start, &[], GOOD)?
+        };
         Some(Study { reml: self.reml, tied, best })
     }
 

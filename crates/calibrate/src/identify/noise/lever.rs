@@ -56,7 +56,7 @@ impl Arms {
     }
 
     /// The likeliest lever at these variances, in its unit, its standard deviation, and the rows with it in the noise of orientations;
-    /// `None` where none is likelier than `start`.
+    /// `None` where it cannot be asked.
     pub fn likeliest(&self, reml: &Reml, variances: &[f64], start: Vector3<f64>) -> Option<Found> {
         let mut at = start;
         let mut scored = self.scored(reml, variances, &at)?;
@@ -76,7 +76,7 @@ impl Arms {
             let Some(next) = next else { break };
             (at, scored) = next;
         }
-        (at != start).then(|| Found { at, std: scored.std, reml: self.with(reml, &at) })
+        Some(Found { at, std: scored.std, reml: self.with(reml, &at) })
     }
 
     /// The lever in m.
@@ -125,6 +125,13 @@ pub(super) struct Found {
     pub at: Vector3<f64>,
     std: Vector3<f64>,
     pub reml: Reml,
+}
+
+impl Found {
+    /// Whether it is where the one before was.
+    pub fn same(&self, before: &Self) -> bool {
+        (self.at - before.at).component_div(&self.std).amax() < SETTLED
+    }
 }
 
 /// One scoring step.
