@@ -444,11 +444,15 @@ impl Reml {
             let left_here = &left.as_slice()[own.clone()];
             hat.clear();
             hat.resize(h * h, 0.0);
-            for column in 0..columns {
-                let (w, x) = (&weighed.as_slice()[column * values..], &whitened.cells[column * values..]);
-                for k in 0..h {
-                    for i in 0..h {
-                        hat[k * h + i] += w[first + i] * x[first + k];
+            let (w, x) = (&weighed.as_slice()[first..], &whitened.cells[first..columns * values]);
+            match h {
+                3 => add_hat::<3>(w, x, values, &mut hat),
+                6 => add_hat::<6>(w, x, values, &mut hat),
+                _ => {
+                    for (w, x) in w.chunks(values).zip(x.chunks(values)) {
+                        for (hat, x) in hat.chunks_exact_mut(h).zip(x) {
+                            hat.iter_mut().zip(w).for_each(|(cell, w)| *cell += w * x);
+                        }
                     }
                 }
             }
@@ -503,6 +507,23 @@ impl Reml {
             }
         }
         sums
+    }
+}
+
+/// Adds what the free numbers take up of a row of H values, column by column of both sides: Σ w xᵀ. The size is known beforehand, so that the
+/// sums stay in registers.
+fn add_hat<const H: usize>(w: &[f64], x: &[f64], stride: usize, hat: &mut [f64]) {
+    let mut sums = [[0.0; H]; H];
+    for (w, x) in w.chunks(stride).zip(x.chunks(stride)) {
+        let (Some(w), Some(x)) = (w.first_chunk::<H>(), x.first_chunk::<H>()) else { continue };
+        for k in 0..H {
+            for i in 0..H {
+                sums[k][i] += w[i] * x[k];
+            }
+        }
+    }
+    for (cells, sums) in hat.chunks_exact_mut(H).zip(&sums) {
+        cells.iter_mut().zip(sums).for_each(|(cell, sum)| *cell += sum);
     }
 }
 
