@@ -100,10 +100,10 @@ fn every_entry_of_the_list_is_compared_as_it_says() {
         for (from, to, words) in *edits {
             let text = edited(from, to);
             let (all, motion) = (found(&text, Scope::Everything), found(&text, Scope::Kinematics));
-            let text = crate::report::text(&crate::report::Report::Comparison(&all), crate::report::Colour::None);
-            assert!(text.contains(words), "{from} to {to}: {text}");
+            let said = crate::report::text(&crate::report::Report::Comparison(&all), crate::report::Colour::None);
+            assert!(said.contains(words), "{from} to {to}: {said}");
             let differs = |comparison: &Comparison| comparison.verdict == Verdict::Different;
-            assert_eq!(differs(&all), entry.by != By::Nobody, "{from} to {to}: {text}");
+            assert_eq!(differs(&all), entry.by != By::Nobody, "{from} to {to}: {said}");
             assert_eq!(differs(&motion), entry.by == By::Motion, "{from} to {to}: {motion:?}");
             let now = print(&text);
             assert_eq!(now.motion != own.motion, entry.by == By::Motion, "{from} to {to}");
