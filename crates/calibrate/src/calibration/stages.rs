@@ -46,9 +46,7 @@ impl Calibration {
         let beyond = beyond(self.curves.as_ref(), self.trace.as_ref()).into_iter();
         geometry.chain(beyond.map(|stage| StageResiduals::of(&stage.name, stage.fit, train, test))).collect()
     }
-}
 
-impl Calibration {
     /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
     pub fn first_and_last(&self) -> [StageResiduals; 2] {
         let geometry = self.identification.stages();

@@ -132,7 +132,7 @@ pub(super) fn points_of(chain: &Chain, tips: &Tips, of: impl Fn(&Chain) -> Vec<P
     let joints = chain.joints().len();
     let mut points = vec![None; joints + tips.all().len()];
     for (index, tip) in tips.all().iter().enumerate() {
-        let slots = (0..joints).filter(|&joint| tip.joints[joint]).chain([joints + index]);
+        let slots = tip.on_the_way().chain([joints + index]);
         for (slot, point) in slots.zip(of(&tip.chain(chain).expect("a part of a chain is a chain"))) {
             points[slot].get_or_insert(point);
         }

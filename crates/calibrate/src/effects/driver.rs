@@ -247,7 +247,7 @@ impl Statics {
 
     /// The joints on the way to a tip, base to tip.
     pub fn on_the_way(&self, tip: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.chain.joints().len()).filter(move |&joint| self.tips[tip].joints[joint])
+        self.tips[tip].on_the_way()
     }
 
     /// Where a joint's link ends on the way to a tip; none where the joint is not on it.

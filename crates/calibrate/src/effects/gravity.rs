@@ -80,8 +80,7 @@ impl Masses {
         for tip in tips.all() {
             let points = axis_points(&tip.chain(chain).expect("a part of a chain is a chain"));
             let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
-            let on_the_way = (0..tip.joints.len()).filter(|&joint| tip.joints[joint]);
-            for (own, joint) in on_the_way.enumerate() {
+            for (own, joint) in tip.on_the_way().enumerate() {
                 if masses.iter().all(|known| known.joint != joint) {
                     let beyond: f64 = lengths[own..].iter().sum();
                     let centre = Point3::from((points[own].coords + points[own + 1].coords) * 0.5);

@@ -92,16 +92,23 @@ fn add_gram_in<S: Simd>(simd: S, cells: &[f64], stride: usize, rows: usize, sums
     let count = cells.len() / stride;
     let sides = (Columns { cells, stride }, Columns { cells, stride });
     if S::f64s::LEN < WIDE_VECTOR {
-        for r in (0..count).step_by(TILE.1) {
-            for l in (0..r + TILE.1).step_by(TILE.0) {
-                add_tile::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, (l, r), count, sums);
-            }
-        }
+        add_gram_by::<S, { TILE.0 }, { TILE.1 }>(simd, sides, rows, count, sums);
     } else {
-        for r in (0..count).step_by(WIDE.1) {
-            for l in (0..r + WIDE.1).step_by(WIDE.0) {
-                add_tile::<S, { WIDE.0 }, { WIDE.1 }>(simd, sides, rows, (l, r), count, sums);
-            }
+        add_gram_by::<S, { WIDE.0 }, { WIDE.1 }>(simd, sides, rows, count, sums);
+    }
+}
+
+#[inline(always)]
+fn add_gram_by<S: Simd, const L: usize, const R: usize>(
+    simd: S,
+    sides: (Columns, Columns),
+    rows: usize,
+    count: usize,
+    sums: &mut [f64],
+) {
+    for r in (0..count).step_by(R) {
+        for l in (0..r + R).step_by(L) {
+            add_tile::<S, L, R>(simd, sides, rows, (l, r), count, sums);
         }
     }
 }

@@ -2,9 +2,13 @@
 
 use crate::identify::stop::{carried, look};
 use std::cell::Cell;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
 use std::thread::ScopedJoinHandle;
+
+/// Rows of a stretch.
+const ROWS_AT_ONCE: usize = 128;
 
 thread_local! {
     /// Whether calls from this thread start no threads of their own.
@@ -41,11 +45,21 @@ pub(crate) fn both<A, B: Send>(one: impl FnOnce() -> A, other: impl FnOnce() -> 
         return (one(), other());
     }
     std::thread::scope(|scope| {
+        // The scope waits for it where the first panics.
         let other = scope.spawn(carried(other));
-        let one = catch_unwind(AssertUnwindSafe(one));
-        let other = other.join();
-        (one.unwrap_or_else(|panic| resume_unwind(panic)), other.unwrap_or_else(|panic| resume_unwind(panic)))
+        (one(), other.join().unwrap_or_else(|panic| resume_unwind(panic)))
     })
+}
+
+/// The work done on stretches of so many rows, in their order; each thread begins with what `start` makes.
+pub(crate) fn in_stretches<S, R: Send>(
+    rows: usize,
+    start: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, Range<usize>) -> R + Sync,
+) -> Vec<R> {
+    let stretches = (0..rows).step_by(ROWS_AT_ONCE).map(|from| from..(from + ROWS_AT_ONCE).min(rows));
+    let threads = available().min(stretches.len());
+    dealt(stretches, threads, start, work)
 }
 
 /// The work done on each item, in the order of the items, by `threads` threads, the calling one included. An item is dealt

@@ -6,7 +6,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::probe::Probe;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::identify::threads::{available, dealt};
+use crate::identify::threads::in_stretches;
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
@@ -19,9 +19,6 @@ use std::sync::OnceLock;
 /// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
 /// sensible size cannot do.
 const RELAXED: f64 = 10.0;
-
-/// Rows that one thread takes at a time.
-const ROWS_AT_ONCE: usize = 128;
 
 /// Residual and derivatives in units of the noise; rows of the relaxed prior and of the
 /// conditions on the common frame come after those of the data.
@@ -151,10 +148,8 @@ struct Stretch {
 
 /// All rows of a fit, stretch by stretch.
 fn stretches<E: Effects>(problem: &ResidualModel<'_, E>, fit: &Fit<EffectModel>) -> Vec<Stretch> {
-    let rows = problem.data.len();
-    let all = (0..rows).step_by(ROWS_AT_ONCE).map(|from| from..(from + ROWS_AT_ONCE).min(rows));
-    let threads = available().min(rows.div_ceil(ROWS_AT_ONCE));
-    dealt(all, threads, || Scratch::new(problem.layout, &fit.arm), |scratch, rows| stretch(problem, fit, rows, scratch))
+    let start = || Scratch::new(problem.layout, &fit.arm);
+    in_stretches(problem.data.len(), start, |scratch, rows| stretch(problem, fit, rows, scratch))
 }
 
 fn stretch<E: Effects>(

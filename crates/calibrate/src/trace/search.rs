@@ -4,7 +4,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::threads::{available, dealt};
+use crate::identify::threads::{available, dealt, in_stretches};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::trace::ScanCell;
@@ -16,8 +16,6 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Candidates whose columns are projected together.
 const BATCH: usize = 16;
-/// Postures that one thread takes at a time.
-const ROWS_FOR_A_THREAD: usize = 128;
 
 /// A candidate's result.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,10 +72,8 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
         let conditions = Conditions::of(row);
         model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
     };
-    let threads = available().min(data.len().div_ceil(ROWS_FOR_A_THREAD));
-    let stretches = (0..data.len()).step_by(ROWS_FOR_A_THREAD);
-    let of_stretch = |from: usize| (from..(from + ROWS_FOR_A_THREAD).min(data.len())).map(at).collect::<Vec<_>>();
-    dealt(stretches, threads, || (), |(), from| of_stretch(from)).into_iter().flatten().collect()
+    let stretches = in_stretches(data.len(), || (), |(), rows| rows.map(at).collect::<Vec<_>>());
+    stretches.into_iter().flatten().collect()
 }
 
 impl Tracer<'_> {

@@ -166,6 +166,11 @@ impl std::ops::Index<usize> for Tips {
 }
 
 impl Tip {
+    /// The joints on the way to it, base to tip.
+    pub fn on_the_way(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.joints.len()).filter(|&joint| self.joints[joint])
+    }
+
     /// base_from_tip at the coordinates `q` of all; `all` has the joints that the tip was made with.
     ///
     /// # Panics

@@ -49,10 +49,11 @@ impl Arms {
     ///
     /// `variances`: the likeliest, without it.
     pub fn p_value(&self, reml: &Reml, variances: &[f64]) -> f64 {
+        if variances[self.source] <= 0.0 {
+            return 1.0;
+        }
         let chi = ChiSquared::new(3.0).expect("three degrees of freedom are positive");
-        let none = variances[self.source] <= 0.0;
-        let scored = if none { None } else { self.scored(reml, variances, &Vector3::zeros()) };
-        scored.map_or(1.0, |scored| chi.sf(scored.ratio))
+        self.scored(reml, variances, &Vector3::zeros()).map_or(1.0, |scored| chi.sf(scored.ratio))
     }
 
     /// The likeliest lever at these variances, in its unit, its standard deviation, and the rows with it in the noise of orientations;
@@ -86,7 +87,7 @@ impl Arms {
 
     /// The rows with this lever, in its unit, in the noise of orientations.
     fn with(&self, reml: &Reml, lever: &Vector3<f64>) -> Reml {
-        reml.refactored(|row, factors| {
+        reml.clone().refactored(|row, factors| {
             let (Some(arms), Some(own)) = (&self.rows[row], own_factor(factors, self.source)) else { return };
             for (arm, length) in arms.iter().zip(lever.iter()) {
                 own.cells.iter_mut().zip(arm).for_each(|(cell, arm)| *cell += length * arm);

@@ -218,12 +218,11 @@ impl Reml {
     }
 
     /// The same rows with other factors, each row's changed in its place.
-    pub(super) fn refactored(&self, change: impl Fn(usize, &mut Vec<Factor>)) -> Self {
-        let mut changed = self.clone();
-        for (index, row) in changed.parts.iter_mut().flat_map(|part| &mut part.rows).enumerate() {
+    pub(super) fn refactored(mut self, change: impl Fn(usize, &mut Vec<Factor>)) -> Self {
+        for (index, row) in self.parts.iter_mut().flat_map(|part| &mut part.rows).enumerate() {
             change(index, &mut row.factors);
         }
-        changed
+        self
     }
 
     /// The same with `more` sources beside, of which `change` adds the factors.

@@ -535,7 +535,7 @@ impl Round {
         };
         (fit.arm, fit.effects) = (arm, effects);
         // Noise of each channel from what is left over the values that are left.
-        let left_over = self.left_over(data, state, &posterior, (-hyper.log_noise).exp());
+        let left_over = self.left_over(data, state, (&posterior, &curves), (-hyper.log_noise).exp());
         let fit = &mut state.fit;
         let mut levels = fit.noise.levels.clone();
         for (level, channel) in levels.iter_mut().zip(&left_over) {

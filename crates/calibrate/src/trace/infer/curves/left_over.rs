@@ -1,5 +1,6 @@
 //! What a model leaves of each channel of measured values, and how many of them its numbers use up.
 
+use crate::effects::curve::Curve;
 use crate::identify::gram::cross_gram;
 use crate::identify::triangle::dot;
 use crate::observation::measurements::Measurements;
@@ -21,13 +22,13 @@ pub(super) struct LeftOver {
 }
 
 impl Round {
-    /// What is left of each channel at the posterior's mean, and how many values the numbers use up in each: all of them as the
+    /// What is left of each channel at the posterior's mean, which the curves have, and how many values the numbers use up in each: all of them as the
     /// products say, dealt to the channels as some rows show.
     pub(super) fn left_over(
         &self,
         data: &Measurements,
         state: &State,
-        posterior: &Posterior,
+        (posterior, curves): (&Posterior, &[Curve]),
         precision: f64,
     ) -> Vec<LeftOver> {
         let mut found = vec![LeftOver::default(); data.scene.channels.len()];
@@ -35,16 +36,8 @@ impl Round {
         for (column, mean) in self.plain.iter().zip(&posterior.mean) {
             left.iter_mut().zip(column).for_each(|(left, x)| *left -= x * mean);
         }
-        let mut weights = &posterior.mean[self.gram.plain..];
-        for ((waves, readings), joint) in self.waves.iter().zip(&state.readings).zip(&self.joints) {
-            let (own, others) = weights.split_at(waves.len());
-            weights = others;
-            let mut values = vec![0.0; waves.len()];
-            let mut value = |reading: &f64| {
-                waves.values_into(*reading, &mut values);
-                dot(&values, own)
-            };
-            let curve: Vec<f64> = readings.iter().map(&mut value).collect();
+        for ((curve, readings), joint) in curves.iter().zip(&state.readings).zip(&self.joints) {
+            let curve: Vec<f64> = readings.iter().map(|reading| curve.value(*reading)).collect();
             for ((left, x), row) in left.iter_mut().zip(joint).zip(&self.linear.rows) {
                 *left -= x * curve[*row];
             }
