@@ -11,6 +11,7 @@ mod real;
 
 use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
+use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
 use denavit_calibrate::effects::{EffectModel, Statics};
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::identify::residual_statistics::residuals;
@@ -57,6 +58,8 @@ fn main() {
     let real = Real::robot(&arguments[1]);
     let (chain, statics) = (&real.chain, &real.statics);
     let (before, later) = (real.rows(&arguments[2]), real.rows(&arguments[3]));
+    // Effects may follow the side of approach, which the order of all rows says, or the run, which goes on after the fitted rows.
+    let ordered = with_run_order_after(later.clone(), &with_run_order(before.clone()));
     let placing: usize = arguments.get(4).map_or(later.len() / 20, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut order: Vec<usize> = (0..later.len()).collect();
@@ -65,7 +68,7 @@ fn main() {
     let [placing, judged] = [placing, judged].map(|rows| {
         let mut rows = rows.to_vec();
         rows.sort_unstable();
-        later.subset(&rows)
+        ordered.subset(&rows)
     });
     let within = within_range(&before, &judged);
     println!(
@@ -154,7 +157,7 @@ fn predicted(
     let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());
     let start = Arm { joints: found.arm().joints.clone(), ..guess };
     let weights = vec![1.0; placing.observations()];
-    let model = found.effects(statics);
+    let model = found.effects(statics).bound_to(placing).unwrap_or_else(|missing| panic!("{missing}"));
     let arm = if model.effects.is_empty() && model.curves.is_empty() {
         fit(placing, &layout, &start, &NoEffects, &weights, &FitOptions::default()).arm
     } else {

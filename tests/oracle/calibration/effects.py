@@ -76,7 +76,8 @@ def transmission_error(rng, arm, motor=False):
     return Hidden("transmission_error", [arm.joints[i].name], act, {"order": order, "gear_ratio": ratio})
 
 
-def joint_compliance(rng, arm):
+def _loaded(rng, arm):
+    """A joint that gravity loads, and its largest torque, N m."""
     body = Body(arm)
     lower, upper = (np.array([joint.limits[k] for joint in arm.joints]) for k in (0, 1))
     torques = np.array([pin.computeGeneralizedGravity(body.model, body.data, rng.uniform(lower, upper)) for _ in range(200)])
@@ -85,6 +86,11 @@ def joint_compliance(rng, arm):
     if not loaded:
         loaded = [2]  # a SCARA's quill: only the payload changes its load
     i = int(rng.choice(loaded))
+    return i, float(np.abs(torques[:, i]).max())
+
+
+def joint_compliance(rng, arm):
+    i, _ = _loaded(rng, arm)
     def act(size):
         def on(body, moment, give):
             give.joint[i] -= 1e-5 * size * moment.gravity[i]

@@ -18,6 +18,7 @@ import pinocchio as pin
 from arms import ARMS, perturbed, to_urdf
 from body import Body, Moment
 from effects import ALIENS, KINDS
+from harder import HARDER
 
 SWALLOWED = 0.03  # an effect of which geometry leaves less than this share cannot be seen, and is drawn again
 
@@ -189,14 +190,15 @@ def make(out, options):
     hidden, tries = [], 0
     wanted = [name for name in options.effects.split("+") if name and name != "none"]
     while len(hidden) < len(wanted):
-        maker = {**KINDS, **ALIENS}[wanted[len(hidden)].split(":")[0]]
+        maker = {**KINDS, **ALIENS, **HARDER}[wanted[len(hidden)].split(":")[0]]
         words = dict(word.split("=") for word in wanted[len(hidden)].split(":")[1:])
+        strength = float(words.pop("strength", options.strength))
         effect = maker(rng, session.nominal, **words)
         if clean is None:
             train = tuple(column[~in_test] for column in interleaved)
             clean, _, placements = session.rows(train, [])
             basis = session.geometry_columns(placements)
-        size, target = 1.0, options.strength
+        size, target = 1.0, strength
         visible, total = session.strength(train, [effect.act(size)], clean, basis)
         tries += 1
         if visible < SWALLOWED * total or total == 0.0 or any(
@@ -204,7 +206,8 @@ def make(out, options):
             if tries > 40:
                 raise SystemExit(f"{options.effects} on {options.arm}: geometry swallows it; choose another kind or arm")
             continue
-        for _ in range(2):
+        # A reading that counts from elsewhere does so by a whole turn for a turn, whatever the noise.
+        for _ in range(0 if effect.shape.get("whole") else 2):
             size *= target / visible
             visible, total = session.strength(train, [effect.act(size)], clean, basis)
         hidden.append(effect)
@@ -225,8 +228,9 @@ def make(out, options):
         "arm": options.arm, "measure": options.measure, "targets": options.targets, "seed": options.seed, "strength": options.strength,
         "noise_m": options.noise, "noise_rad": options.angle_noise, "count": len(train[0]), "test": len(test[0]),
         "gear_ratio": next((h.shape["gear_ratio"] for h in hidden if h.shape.get("gear_ratio")), None),
+        "ground": next((h.shape["waves"] for h in hidden if h.kind == "ground"), []),
         "effects": [{"kind": h.kind, "places": h.places, "shape": h.shape, "size": h.size,
-                     "visible_rms_in_noise": h.visible, "total_rms_in_noise": h.total} for h in hidden],
+                     "visible_rms_in_noise": h.visible, "total_rms_in_noise": h.total} for h in hidden if h.kind != "ground"],
     }
     (out / "truth.json").write_text(json.dumps(truth, indent=1) + "\n")
     return truth
@@ -244,7 +248,7 @@ def parser():
     p.add_argument("--geometry", type=float, default=1.0, help="mrad and mm on each axis of each joint origin")
     p.add_argument("--measure", choices=["pose", "position", "distance"], default="position")
     p.add_argument("--targets", type=int, default=1)
-    p.add_argument("--effects", default="none", help="kinds joined by +; words after : choose (drift:shape=steps)")
+    p.add_argument("--effects", default="none", help="kinds joined by +; words after : choose (drift:shape=steps, strength=2)")
     p.add_argument("--strength", type=float, default=5.0)
     p.add_argument("--rich", action="store_true", help="every covariate in the files")
     p.add_argument("--payload", action="store_true", help="loads of 0, 1.5 and 3 kg at the tip")

@@ -1,10 +1,11 @@
-"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|distances|motors|all] [--first-seed N] [--nulls N] [--some N]
+"""A folder of blind cases: python suite.py OUT [--part singles|pairs|nulls|aliens|distances|motors|harder|all] [--first-seed N] [--nulls N] [--some N]
 
 singles  every kind on every arm that can show it, at strengths 1, 2, 5, 20 times the noise
 pairs    two and three kinds at once, strength 5
 nulls    no effect, every covariate in the file
 aliens   what no entry of the catalogue describes, strength 5
 distances    kinds that one distance to each pose can show, 400 rows, strengths 2 and 5
+harder   effects as real machines have them (harder.py), strengths 5 and 20; not among all
 motors   transmission errors of the motor side, the gear ratio given, at strengths 1, 2, 5, 20
 """
 
@@ -20,6 +21,13 @@ from effects import ALIENS, KINDS
 from generate import make, parser
 
 STRENGTHS = (1, 2, 5, 20)
+HARDER = {
+    "softer_base": "softer_base", "two_joints_give": "joint_compliance+joint_compliance", "hardening": "hardening", "balancer": "balancer",
+    "high_order": "high_order", "two_orders": "two_orders", "three_orders": "three_orders", "counted_from_ground": "counted_from_ground",
+    "friction_play": "friction_play", "scale_in_field": "joint_scale+tiny_harmonics:strength=1.5",
+}
+# Nothing of a SCARA's weight loads its joints.
+NOT_LOADED = ("softer_base", "two_joints_give", "hardening", "balancer", "counted_from_ground", "friction_play")
 BY_DISTANCE = ("joint_scale", "transmission_error", "joint_compliance", "backlash", "local_joint_error", "thermal", "latency")
 # On a SCARA the weight never changes the tilt of an axis that stands upright, and only the payload moves the quill; a
 # scale of the instrument shows on slides alone, and is then the slide's own scale.
@@ -39,7 +47,7 @@ def case(out, arm, words, name, seed, rng):
         arguments += ["--targets", str(int(rng.choice([1, 1, 3])))]
     if words.get("rich", rng.random() < 0.4):
         arguments.append("--rich")
-    if rng.random() < 0.4 or words.get("rich"):
+    if (rng.random() < 0.4 or words.get("rich")) and words.get("payload", True):
         arguments.append("--payload")
     return parser().parse_args(arguments)
 
@@ -72,6 +80,10 @@ def cases(out, part, first_seed, nulls):
     if part in ("distances", "all"):
         for kind, arm, strength in product(BY_DISTANCE, ("six_axis", "seven_axis", "rail_six_axis"), (2, 5)):
             add(arm, {"effects": kind, "strength": strength, "measure": "distance"}, f"wire_{strength:02d}_{seed}")
+    if part == "harder":
+        for name, arm, strength in product(HARDER, ARMS, (5, 20)):
+            if arm != "scara" or name not in NOT_LOADED:
+                add(arm, {"effects": HARDER[name], "strength": strength, "payload": name != "two_joints_give"}, f"{name}_{strength:02d}_{seed}")
     if part in ("motors", "all"):
         for arm, strength in product(ARMS, STRENGTHS):
             add(arm, {"effects": "transmission_error:motor=1", "strength": strength}, f"motor_{strength:02d}_{seed}")
@@ -91,7 +103,7 @@ def made(options):
 if __name__ == "__main__":
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("out", type=Path)
-    p.add_argument("--part", choices=["singles", "pairs", "nulls", "aliens", "distances", "motors", "all"], default="all")
+    p.add_argument("--part", choices=["singles", "pairs", "nulls", "aliens", "distances", "motors", "harder", "all"], default="all")
     p.add_argument("--first-seed", type=int, default=1)
     p.add_argument("--nulls", type=int, default=40)
     p.add_argument("--some", type=int, help="so many of the cases, drawn at random")

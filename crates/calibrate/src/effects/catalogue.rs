@@ -5,7 +5,7 @@
 //! `every_kind_offers_terms_that_a_fit_can_use` covers both.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, Driver};
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, CURRENT, Driver, EFFORT, MOTOR_TORQUE};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
@@ -100,15 +100,15 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::JointCompliance,
         name: "joint_compliance",
-        formula: "value_i += c · gravity's torque on joint i, payload included",
+        formula: "value_i += c · torque on joint i: gravity's, payload included, with a spring that takes up part of it, or levelling off at a knee found by scan; or the motor's, where it is recorded",
         units: "rad/(N m) or m/N",
-        source: "Khalil, Besnard 2002: geometric calibration with flexibilities",
+        source: "Khalil, Besnard 2002: geometric calibration with flexibilities; a gear that stiffens: Spong 1987",
         terms: joint_compliance,
     },
     Entry {
         kind: Kind::Backlash,
         name: "backlash",
-        formula: "value_i += c · side, side = ±1 by approach, or by the side to which gravity pushes",
+        formula: "value_i += c · side, side = ±1 by approach, by the side to which gravity pushes, or by whichever of friction (found by scan) and gravity is stronger",
         units: "rad or m (half of the play)",
         source: "play with the output resting on one flank",
         terms: backlash,
@@ -148,7 +148,7 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::BaseCompliance,
         name: "base_compliance",
-        formula: "base turns by c · overturning moment",
+        formula: "base turns by c · overturning moment, alike about every line or with six numbers, a softness for each way",
         units: "rad/(N m)",
         source: "a floor or table as a spring",
         terms: base_compliance,
@@ -230,6 +230,10 @@ fn joint_scale(survey: &Survey) -> Vec<Candidate> {
     survey.moving().map(|i| each(Kind::JointScale, Carrier::Joint(i), Driver::Reading(i))).collect()
 }
 
+/// Knees of a gear that stiffens, and frictions, that are tried: shares of the largest torque in the data.
+const KNEES: [f64; 3] = [0.1, 0.3, 1.0];
+const FRICTIONS: [f64; 4] = [0.12, 0.24, 0.4, 0.65];
+
 fn helical_pitch(survey: &Survey) -> Vec<Candidate> {
     survey.turning().map(|i| each(Kind::HelicalPitch, Carrier::Along(i), Driver::Reading(i))).collect()
 }
@@ -247,6 +251,7 @@ fn transmission_error(survey: &Survey) -> Vec<Candidate> {
         .moving()
         .flat_map(|i| {
             let mut orders = survey.orders(i);
+            orders.extend(survey.high_orders(i));
             orders.extend(survey.motor_orders(i));
             harmonics(Kind::TransmissionError, Carrier::Joint(i), i, &orders).collect::<Vec<_>>()
         })
@@ -254,11 +259,19 @@ fn transmission_error(survey: &Survey) -> Vec<Candidate> {
 }
 
 fn joint_compliance(survey: &Survey) -> Vec<Candidate> {
+    let by_motor = survey.moving().flat_map(|i| {
+        let recorded = [MOTOR_TORQUE, EFFORT, CURRENT].into_iter().filter_map(move |ending| survey.of_joint(i, ending));
+        recorded.map(move |column| each(Kind::JointCompliance, Carrier::Joint(i), Driver::Covariate(column)))
+    });
     survey
         .moving()
         .filter(|&i| survey.statics.feels_gravity(i))
         .flat_map(|i| {
-            let mut terms = vec![each(Kind::JointCompliance, Carrier::Joint(i), Driver::Torque(i))];
+            let own = |driver: Driver, scanned: usize| {
+                candidate(Kind::JointCompliance, Carrier::Joint(i), driver, Coupling::Each, scanned)
+            };
+            let mut terms = vec![own(Driver::Torque(i), 0), own(Driver::SprungTorque(i), 0)];
+            terms.extend(survey.torques_of(i, &KNEES).map(|knee| own(Driver::HardeningTorque { joint: i, knee }, 1)));
             if !survey.statics.masses.from_inertials {
                 let beyond = survey.statics.carried(i, usize::MAX).count();
                 let depths: Vec<usize> = (1..=beyond).filter(|&links| links <= 2 || links == beyond).collect();
@@ -268,6 +281,7 @@ fn joint_compliance(survey: &Survey) -> Vec<Candidate> {
             }
             terms
         })
+        .chain(by_motor)
         .collect()
 }
 
@@ -277,11 +291,18 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
         .flat_map(|i| {
             let given = survey.of_joint(i, APPROACH).map(|side| (side, false));
             let known = given.or_else(|| Some((survey.of_joint(i, APPROACH_FROM_ROWS)?, true)));
-            let by_side = known.map(|(side, from_rows)| {
+            let by_side = known.clone().map(|(side, from_rows)| {
                 each(Kind::Backlash, Carrier::Joint(i), Driver::Approach { joint: i, from_rows, side })
             });
             let by_gravity = each(Kind::Backlash, Carrier::Joint(i), Driver::GravitySide(i));
-            by_side.into_iter().chain([by_gravity])
+            let loaded = known.filter(|_| survey.statics.feels_gravity(i));
+            let by_both = loaded.into_iter().flat_map(move |(side, from_rows)| {
+                survey.torques_of(i, &FRICTIONS).map(move |friction| {
+                    let driver = Driver::FrictionSide { joint: i, friction, from_rows, side: side.clone() };
+                    candidate(Kind::Backlash, Carrier::Joint(i), driver, Coupling::Each, 1)
+                })
+            });
+            by_side.into_iter().chain([by_gravity]).chain(by_both)
         })
         .collect()
 }
@@ -334,7 +355,10 @@ fn link_compliance(survey: &Survey) -> Vec<Candidate> {
 }
 
 fn base_compliance(_: &Survey) -> Vec<Candidate> {
-    vec![paired(Kind::BaseCompliance, Carrier::BaseTurn, Driver::Overturning)]
+    vec![
+        paired(Kind::BaseCompliance, Carrier::BaseTurn, Driver::Overturning),
+        each(Kind::BaseCompliance, Carrier::BaseTurn, Driver::LevelOverturning),
+    ]
 }
 
 /// What may move with temperature or time.

@@ -24,6 +24,13 @@ pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
 /// Ending of the covariates that give a joint's velocity.
 pub const VELOCITY: &str = ".velocity";
 
+/// Endings of the covariates that give what a joint's motor works against: torque, the same as ROS calls it (N·m; N for a slide), and current, A.
+pub const MOTOR_TORQUE: &str = ".torque";
+/// See [`MOTOR_TORQUE`].
+pub const EFFORT: &str = ".effort";
+/// See [`MOTOR_TORQUE`].
+pub const CURRENT: &str = ".current";
+
 /// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
 const TWIST_TO_BEND: f64 = 1.3;
 
@@ -68,6 +75,17 @@ pub enum Driver<C = Column> {
         /// How many links.
         links: usize,
     },
+    /// That torque, and sine and cosine of the joint's value, three values: what a spring between the joint's two links takes up
+    /// of it.
+    SprungTorque(usize),
+    /// That torque, and the same as it levels off, torque/(1 + |torque|/knee), two values: a joint that stiffens as it is loaded,
+    /// as harmonic drives do (Spong 1987; makers give three straight pieces).
+    HardeningTorque {
+        /// The joint.
+        joint: usize,
+        /// Where half of the softness is gone, N·m (N for a slide).
+        knee: f64,
+    },
     /// Gravity's moment across a joint's axis, N·m: two values, about [`AxisBasis::a`] and [`AxisBasis::b`].
     MomentAcross(usize),
     /// Turn and shift of the end of a joint's link as a round cantilever of unit flexural rigidity (1 N·m²): six values.
@@ -76,6 +94,8 @@ pub enum Driver<C = Column> {
     EndMoment(usize),
     /// Gravity's moment on the base about its origin, N·m: three values.
     Overturning,
+    /// The same about two lines across gravity, N·m, two values: gravity has no moment about its own line.
+    LevelOverturning,
     /// The side from which a joint came, +1 from below.
     Approach {
         /// The joint.
@@ -88,6 +108,19 @@ pub enum Driver<C = Column> {
     },
     /// The side to which gravity pushes a joint, +1 or -1.
     GravitySide(usize),
+    /// The side on which a joint with play comes to rest, +1 or -1: where gravity is stronger than friction its own, else that
+    /// which the joint was driven to.
+    FrictionSide {
+        /// The joint.
+        joint: usize,
+        /// Friction, N·m (N for a slide).
+        friction: f64,
+        /// The side from which it came is read from the order of the rows.
+        from_rows: bool,
+        /// Where it is recorded.
+        #[serde(skip)]
+        side: C,
+    },
     /// Every joint's velocity, rad/s or m/s; a joint that stands still in every row needs none.
     #[serde(skip)]
     Velocities(Vec<JointVelocity<C>>),
@@ -316,6 +349,21 @@ impl Statics {
         }
     }
 
+    /// Gravity's moment on the base about its origin, base frame, N·m.
+    fn overturning(&self, posture: &Posture) -> Vector3<f64> {
+        let on_the_base = self.carriers.iter().zip(&self.points).zip(&posture.loads);
+        let moments = on_the_base.filter(|((carrier, _), _)| carrier.is_none());
+        moments.map(|((_, at), load)| load.moment + at.coords.cross(&load.force)).sum()
+    }
+
+    /// Two lines across gravity, base frame: x and y as nearly as may be.
+    fn level(&self) -> [Vector3<f64>; 2] {
+        let down = self.masses.gravity.normalize();
+        let along = if down.x.abs() < down.y.abs().max(down.z.abs()) { Vector3::x() } else { Vector3::z() };
+        let first = (along - down * down.dot(&along)).normalize();
+        [first, first.cross(&down)]
+    }
+
     fn torque_terms(&self, posture: &Posture, joint: usize, links: usize, out: &mut Vec<f64>) {
         let state = &posture.state;
         let axis = state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
@@ -355,10 +403,10 @@ impl<C> Driver<C> {
     /// How many values it has.
     pub fn len(&self, statics: &Statics) -> usize {
         match self {
-            Self::Harmonic { .. } | Self::MomentAcross(_) => 2,
+            Self::Harmonic { .. } | Self::MomentAcross(_) | Self::LevelOverturning | Self::HardeningTorque { .. } => 2,
             Self::TorqueTerms { joint, links } => 2 * statics.carried(*joint, *links).count(),
             Self::Cantilever(_) => 6,
-            Self::Overturning | Self::EndMoment(_) => 3,
+            Self::Overturning | Self::EndMoment(_) | Self::SprungTorque(_) => 3,
             Self::Velocities(_) => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
@@ -374,11 +422,34 @@ impl<C> Driver<C> {
             | Self::Bump { joint, .. }
             | Self::Torque(joint)
             | Self::TorqueTerms { joint, .. }
+            | Self::SprungTorque(joint)
+            | Self::HardeningTorque { joint, .. }
             | Self::MomentAcross(joint)
             | Self::Cantilever(joint)
             | Self::EndMoment(joint)
             | Self::Approach { joint, .. }
-            | Self::GravitySide(joint) => Some(joint),
+            | Self::GravitySide(joint)
+            | Self::FrictionSide { joint, .. } => Some(joint),
+            _ => None,
+        }
+    }
+
+    /// The same, to be counted anew.
+    pub(super) fn joint_mut(&mut self) -> Option<&mut usize> {
+        match self {
+            Self::Reading(joint)
+            | Self::Harmonic { joint, .. }
+            | Self::Bump { joint, .. }
+            | Self::Torque(joint)
+            | Self::TorqueTerms { joint, .. }
+            | Self::SprungTorque(joint)
+            | Self::HardeningTorque { joint, .. }
+            | Self::MomentAcross(joint)
+            | Self::Cantilever(joint)
+            | Self::EndMoment(joint)
+            | Self::Approach { joint, .. }
+            | Self::GravitySide(joint)
+            | Self::FrictionSide { joint, .. } => Some(joint),
             _ => None,
         }
     }
@@ -389,16 +460,19 @@ impl<C> Driver<C> {
             self,
             Self::Torque(_)
                 | Self::TorqueTerms { .. }
+                | Self::SprungTorque(_)
+                | Self::HardeningTorque { .. }
                 | Self::MomentAcross(_)
                 | Self::Cantilever(_)
                 | Self::EndMoment(_)
                 | Self::Overturning
+                | Self::LevelOverturning
         )
     }
 
     /// Whether its values depend on how the arm stands, or on its load.
     pub fn needs_posture(&self) -> bool {
-        self.feels_gravity() || matches!(self, Self::GravitySide(_))
+        self.feels_gravity() || matches!(self, Self::GravitySide(_) | Self::FrictionSide { .. })
     }
 
     /// Every column that it follows; a payload is none of them, for nothing given is nothing carried.
@@ -406,6 +480,7 @@ impl<C> Driver<C> {
         match self {
             Self::Covariate(column)
             | Self::Approach { side: column, .. }
+            | Self::FrictionSide { side: column, .. }
             | Self::Decay { covariate: column, .. }
             | Self::Steps { covariate: column, .. }
             | Self::Smooth { covariate: column, .. } => vec![column],
@@ -428,14 +503,20 @@ impl<C> Driver<C> {
             }
             Self::Torque(joint) => Driver::Torque(*joint),
             Self::TorqueTerms { joint, links } => Driver::TorqueTerms { joint: *joint, links: *links },
+            Self::SprungTorque(joint) => Driver::SprungTorque(*joint),
+            Self::HardeningTorque { joint, knee } => Driver::HardeningTorque { joint: *joint, knee: *knee },
             Self::MomentAcross(joint) => Driver::MomentAcross(*joint),
             Self::Cantilever(joint) => Driver::Cantilever(*joint),
             Self::EndMoment(joint) => Driver::EndMoment(*joint),
             Self::Overturning => Driver::Overturning,
+            Self::LevelOverturning => Driver::LevelOverturning,
             Self::Approach { joint, from_rows, side } => {
                 Driver::Approach { joint: *joint, from_rows: *from_rows, side: named(side)? }
             }
             Self::GravitySide(joint) => Driver::GravitySide(*joint),
+            Self::FrictionSide { joint, friction, from_rows, side } => {
+                Driver::FrictionSide { joint: *joint, friction: *friction, from_rows: *from_rows, side: named(side)? }
+            }
             Self::Velocities(moving) => {
                 let of = |JointVelocity { joint, of_coordinate }: &JointVelocity<C>| {
                     Ok(JointVelocity { joint: *joint, of_coordinate: named(of_coordinate)? })
@@ -469,6 +550,14 @@ impl Driver {
             }
             Self::Torque(joint) => out.push(statics.torque(posture, *joint)),
             Self::TorqueTerms { joint, links } => statics.torque_terms(posture, *joint, *links, out),
+            Self::SprungTorque(joint) => {
+                let (sine, cosine) = joints[*joint].value(conditions.reading).sin_cos();
+                out.extend([statics.torque(posture, *joint), sine, cosine]);
+            }
+            Self::HardeningTorque { joint, knee } => {
+                let torque = statics.torque(posture, *joint);
+                out.extend([torque, torque / (1.0 + torque.abs() / knee)]);
+            }
             Self::MomentAcross(joint) => {
                 let basis = AxisBasis::of(&joints[*joint].screw);
                 let moment = posture.state.before[*joint].rotation.inverse() * posture.loads[*joint].moment;
@@ -485,15 +574,17 @@ impl Driver {
                 let moment = load.map_or_else(Vector3::zeros, |load| load.moment);
                 out.extend((posture.state.after[*joint].rotation.inverse() * moment).iter());
             }
-            Self::Overturning => {
-                let on_the_base = statics.carriers.iter().zip(&statics.points).zip(&posture.loads);
-                let moment = on_the_base
-                    .filter(|((carrier, _), _)| carrier.is_none())
-                    .map(|((_, at), load)| load.moment + at.coords.cross(&load.force))
-                    .sum::<Vector3<f64>>();
-                out.extend(moment.iter());
+            Self::Overturning => out.extend(statics.overturning(posture).iter()),
+            Self::LevelOverturning => {
+                let (moment, [first, second]) = (statics.overturning(posture), statics.level());
+                out.extend([moment.dot(&first), moment.dot(&second)]);
             }
             Self::Approach { side, .. } => out.push(recorded(side)),
+            Self::FrictionSide { joint, friction, side, .. } => {
+                // What comes from below lags behind, as what gravity pushes down does.
+                let torque = statics.torque(posture, *joint) - friction * recorded(side);
+                out.push(if torque < 0.0 { -1.0 } else { 1.0 });
+            }
             Self::GravitySide(joint) => {
                 let torque = statics.torque(posture, *joint);
                 out.push(if torque < 0.0 { -1.0 } else { 1.0 });
@@ -517,8 +608,8 @@ impl Driver {
         }
     }
 
-    /// Unit of one value: what a coefficient is per.
-    pub fn unit(&self, chain: &Chain) -> &'static str {
+    /// Unit of its value of this index: what a coefficient is per.
+    pub fn unit(&self, chain: &Chain, value: usize) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
         match self {
             Self::Reading(joint) => {
@@ -528,7 +619,8 @@ impl Driver {
                     "rad"
                 }
             }
-            Self::Torque(joint) => {
+            Self::SprungTorque(_) if value > 0 => "1",
+            Self::Torque(joint) | Self::SprungTorque(joint) | Self::HardeningTorque { joint, .. } => {
                 if slides(*joint) {
                     "N"
                 } else {
@@ -536,7 +628,7 @@ impl Driver {
                 }
             }
             Self::TorqueTerms { .. } => "kg m²/s² per m",
-            Self::MomentAcross(_) | Self::EndMoment(_) | Self::Overturning => "N m",
+            Self::MomentAcross(_) | Self::EndMoment(_) | Self::Overturning | Self::LevelOverturning => "N m",
             Self::Cantilever(_) => "1/(N m²)",
             Self::Velocities(_) => "1/s",
             Self::Covariate(column) => unit_of(column.name()),
@@ -563,6 +655,8 @@ pub fn unit_of(covariate: &str) -> &'static str {
         PAYLOAD => "kg",
         RUN_ORDER => "row",
         name if name.ends_with("temperature") => "°C",
+        name if name.ends_with(MOTOR_TORQUE) || name.ends_with(EFFORT) => "N m",
+        name if name.ends_with(CURRENT) => "A",
         _ => "1",
     }
 }
@@ -598,6 +692,7 @@ mod tests {
             let mut drivers = vec![
                 Driver::Constant,
                 Driver::Overturning,
+                Driver::LevelOverturning,
                 Driver::Velocities((0..n).map(|joint| JointVelocity { joint, of_coordinate: name() }).collect()),
                 Driver::Covariate(name()),
                 Driver::Decay { covariate: name(), from: 0.0, constant: 2.0 },
@@ -613,11 +708,14 @@ mod tests {
                     Driver::Bump { joint, at: 0.1, width: 0.2, shape: BumpShape::Tent },
                     Driver::Torque(joint),
                     Driver::TorqueTerms { joint, links: 2 },
+                    Driver::SprungTorque(joint),
+                    Driver::HardeningTorque { joint, knee: 3.0 },
                     Driver::MomentAcross(joint),
                     Driver::Cantilever(joint),
                     Driver::EndMoment(joint),
                     Driver::Approach { joint, from_rows: true, side: name() },
                     Driver::GravitySide(joint),
+                    Driver::FrictionSide { joint, friction: 2.0, from_rows: false, side: name() },
                 ]);
             }
             let q = vec![0.3; statics.chain.coordinates().len()];

@@ -93,6 +93,9 @@ impl Term {
         };
         let mut name = match (&self.driver, self.coupling) {
             (Driver::Harmonic { .. }, _) => ["sin", "cos"][value].to_string(),
+            (Driver::SprungTorque(_), _) => ["torque", "spring_sin", "spring_cos"][value].to_string(),
+            (Driver::HardeningTorque { .. }, _) => ["loaded", "unloaded"][value].to_string(),
+            (Driver::LevelOverturning, _) => format!("about_{}", ["first", "second"][value]),
             (Driver::Steps { .. }, _) => format!("step_{}", value + 1),
             (Driver::Smooth { .. }, _) => format!("knot_{}", value + 2),
             (Driver::TorqueTerms { joint, .. }, _) => {
@@ -107,7 +110,7 @@ impl Term {
                 name = format!("{direction}.{name}");
             }
         }
-        (name, self.carrier.unit(&statics.chain, direction), self.driver.unit(&statics.chain))
+        (name, self.carrier.unit(&statics.chain, direction), self.driver.unit(&statics.chain, value))
     }
 }
 

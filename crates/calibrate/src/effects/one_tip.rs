@@ -100,27 +100,11 @@ fn renumbered(carrier: Carrier, own: &[Option<usize>]) -> Option<Carrier> {
 
 fn driven(driver: &Driver, own: &[Option<usize>]) -> Option<Driver> {
     let mut driver = driver.clone();
-    match &mut driver {
-        Driver::Reading(joint)
-        | Driver::Harmonic { joint, .. }
-        | Driver::Bump { joint, .. }
-        | Driver::Torque(joint)
-        | Driver::TorqueTerms { joint, .. }
-        | Driver::MomentAcross(joint)
-        | Driver::Cantilever(joint)
-        | Driver::EndMoment(joint)
-        | Driver::Approach { joint, .. }
-        | Driver::GravitySide(joint) => *joint = own[*joint]?,
-        Driver::Velocities(moving) => {
-            let on_the_way = |of: &JointVelocity| Some(JointVelocity { joint: own[of.joint]?, ..of.clone() });
-            *moving = moving.iter().filter_map(on_the_way).collect();
-        }
-        Driver::Constant
-        | Driver::Overturning
-        | Driver::Covariate(_)
-        | Driver::Decay { .. }
-        | Driver::Steps { .. }
-        | Driver::Smooth { .. } => {}
+    if let Some(joint) = driver.joint_mut() {
+        *joint = own[*joint]?;
+    } else if let Driver::Velocities(moving) = &mut driver {
+        let on_the_way = |of: &JointVelocity| Some(JointVelocity { joint: own[of.joint]?, ..of.clone() });
+        *moving = moving.iter().filter_map(on_the_way).collect();
     }
     Some(driver)
 }

@@ -1,7 +1,8 @@
 //! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
 
 use crate::effects::approach::{side_after, still};
-use crate::effects::driver::{APPROACH_FROM_ROWS, JointVelocity, RUN_ORDER, Statics, VELOCITY};
+use crate::effects::driver::{APPROACH_FROM_ROWS, Conditions, JointVelocity, RUN_ORDER, Statics, VELOCITY};
+use crate::observation::arm::Row;
 use crate::observation::kinds::ObservationKind;
 use crate::observation::measurements::{Column, Covariate, Measurements};
 use denavit_model::Screw;
@@ -9,6 +10,12 @@ use std::f64::consts::PI;
 
 /// Highest order of a periodic error that is looked for without a gear ratio, periods per turn.
 pub const HIGHEST_ORDER: u32 = 8;
+/// Highest order of a gear whose ratio nobody gave, where there are rows enough.
+const HIGHEST_ORDER_OF_A_GEAR: f64 = 40.0;
+/// Rows for each period of such an error over the joint's range, at least.
+const ROWS_PER_PERIOD: f64 = 4.0;
+/// Neighbours of the scan among such orders share this part of a period: the order is refined afterwards.
+const HIGH_ORDERS_PER_PERIOD: f64 = 2.0;
 /// Lowest order, periods per turn.
 const LOWEST_ORDER: f64 = 0.5;
 /// Neighbouring orders of the scan share this part of a period over the joint's range.
@@ -17,6 +24,8 @@ const ORDERS_PER_PERIOD: f64 = 3.0;
 const BUMP_WIDTHS: [f64; 4] = [0.015, 0.03, 0.06, 0.1];
 /// Places of a step that are tried before the best is refined.
 const STEP_PLACES: usize = 60;
+/// Rows of which the torques are looked at.
+const POSTURES: usize = 200;
 /// A step needs this many rows on either side.
 const ROWS_BESIDE_STEP: usize = 6;
 
@@ -38,6 +47,8 @@ pub struct Survey {
     pub instrument: bool,
     /// Whether lengths from points that stand still are read.
     pub anchor: bool,
+    /// How many rows there are, locating ones left out.
+    pub rows: usize,
     /// Lowest and highest value of each joint, rad or m.
     pub ranges: Vec<(f64, f64)>,
     /// Recorded temperatures.
@@ -50,6 +61,8 @@ pub struct Survey {
     pub recorded: Vec<Column>,
     /// Motor turns per joint turn, one per joint where given.
     pub gear_ratios: Vec<Option<f64>>,
+    /// For each joint the largest torque (N·m) or force (N) of gravity on it, of some rows of the data.
+    pub torques: Vec<f64>,
 }
 
 impl Survey {
@@ -80,8 +93,27 @@ impl Survey {
         });
         let anchored = |kind: &ObservationKind| kind.unknowns().point.is_some() && kind.own_target().is_none();
         let (instrument, anchor) = (data.scene.has_instruments(), data.scene.kinds().iter().any(anchored));
-        let statics = statics.clone();
-        Self { statics, instrument, anchor, ranges, temperatures, velocities, clock, recorded, gear_ratios }
+        let torques = torques(statics, data, &rows);
+        let (statics, rows) = (statics.clone(), rows.len());
+        Self {
+            statics,
+            instrument,
+            anchor,
+            rows,
+            ranges,
+            temperatures,
+            velocities,
+            clock,
+            recorded,
+            gear_ratios,
+            torques,
+        }
+    }
+
+    /// These shares of the largest torque of gravity on a joint; none where gravity does not load it.
+    pub fn torques_of(&self, joint: usize, shares: &'static [f64]) -> impl Iterator<Item = f64> + use<> {
+        let largest = self.torques[joint];
+        shares.iter().map(move |share| share * largest).filter(|torque| *torque > 0.0)
     }
 
     /// Joints whose value changes.
@@ -136,6 +168,15 @@ impl Survey {
         orders.sort_by(f64::total_cmp);
         orders.dedup();
         orders
+    }
+
+    /// Orders above those of [`Survey::orders`], up to what the rows can carry: of wheels inside a gear.
+    pub fn high_orders(&self, joint: usize) -> Vec<f64> {
+        let per_period = 2.0 * PI / self.span(joint);
+        let highest = HIGHEST_ORDER_OF_A_GEAR.min(per_period * self.rows as f64 / ROWS_PER_PERIOD);
+        let from = f64::from(HIGHEST_ORDER);
+        let steps = if self.slides(joint) { 0.0 } else { (highest - from) * HIGH_ORDERS_PER_PERIOD / per_period };
+        (1..=steps.max(0.0) as u32).map(|k| from + f64::from(k) * per_period / HIGH_ORDERS_PER_PERIOD).collect()
     }
 
     /// Orders of the motor side: once and twice per motor turn.
@@ -225,6 +266,19 @@ fn velocities(
     let all: Vec<JointVelocity> = moving.map(of).collect::<Option<_>>().unwrap_or_default();
     let varies = all.iter().any(|joint| recorded.contains(&joint.of_coordinate));
     if varies { all } else { Vec::new() }
+}
+
+/// The largest torque of gravity on each joint: of at most [`POSTURES`] rows, spread over the data.
+fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; statics.chain.joints().len()];
+    let few = rows.len().div_ceil(POSTURES).max(1);
+    for &row in rows.iter().step_by(few) {
+        let posture = statics.posture(&Conditions::of(Row::new(data, row)), None);
+        for (joint, largest) in largest.iter_mut().enumerate() {
+            *largest = largest.max(statics.torque(&posture, joint).abs());
+        }
+    }
+    largest
 }
 
 /// Adds what the order of the rows tells: run order, and for each joint the side from which it came.

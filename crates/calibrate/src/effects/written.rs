@@ -28,8 +28,10 @@ impl WrittenDriver {
     pub fn named(self, chain: &Chain) -> Driver<String> {
         match self.0 {
             Driver::Approach { joint, from_rows, .. } => {
-                let ending = if from_rows { APPROACH_FROM_ROWS } else { APPROACH };
-                Driver::Approach { joint, from_rows, side: format!("{}{ending}", chain.joints()[joint].name) }
+                Driver::Approach { joint, from_rows, side: side_of(chain, joint, from_rows) }
+            }
+            Driver::FrictionSide { joint, friction, from_rows, .. } => {
+                Driver::FrictionSide { joint, friction, from_rows, side: side_of(chain, joint, from_rows) }
             }
             Driver::Velocities(_) => {
                 let coordinate = |joint: usize| &chain.coordinates()[chain.joints()[joint].coordinate].name;
@@ -49,6 +51,8 @@ impl WrittenDriver {
     pub(super) fn fault(&self) -> Option<String> {
         let good = match &self.0 {
             Driver::Harmonic { order, .. } => order.is_finite(),
+            Driver::HardeningTorque { knee, .. } => *knee > 0.0,
+            Driver::FrictionSide { friction, .. } => *friction >= 0.0,
             Driver::Bump { at, width, .. } => at.is_finite() && *width > 0.0,
             Driver::Decay { from, constant, .. } => from.is_finite() && *constant > 0.0,
             Driver::Steps { at, .. } => !at.is_empty() && at.is_sorted(),
@@ -56,11 +60,17 @@ impl WrittenDriver {
             _ => true,
         };
         (!good).then(|| {
-            "a number of its driver cannot be; width and constant are above 0, steps ascend, and knots are two or more \
+            "a number of its driver cannot be; width, constant and knee are above 0, friction is not below it, steps ascend, and knots are two or more \
              that rise"
                 .into()
         })
     }
+}
+
+/// What the column is called that says from which side a joint came.
+fn side_of(chain: &Chain, joint: usize, from_rows: bool) -> String {
+    let ending = if from_rows { APPROACH_FROM_ROWS } else { APPROACH };
+    format!("{}{ending}", chain.joints()[joint].name)
 }
 
 impl Serialize for WrittenDriver {

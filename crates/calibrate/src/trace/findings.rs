@@ -53,8 +53,14 @@ pub(crate) fn values(fit: &Fit<EffectModel>, index: usize, first: usize) -> Vec<
     match &effect.term.driver {
         Driver::Harmonic { order, .. } => values.push(chosen("order", *order, "1")),
         Driver::Bump { joint, at, width, .. } => {
-            let unit = Driver::Reading(*joint).unit(&statics.chain);
+            let unit = Driver::Reading(*joint).unit(&statics.chain, 0);
             values.extend([chosen("at", *at, unit), chosen("width", *width, unit)]);
+        }
+        Driver::HardeningTorque { joint, knee } => {
+            values.push(chosen("knee", *knee, Driver::Torque(*joint).unit(&statics.chain, 0)));
+        }
+        Driver::FrictionSide { joint, friction, .. } => {
+            values.push(chosen("friction", *friction, Driver::Torque(*joint).unit(&statics.chain, 0)));
         }
         Driver::Decay { constant, covariate, .. } => {
             values.push(chosen("time_constant", *constant, unit_of(covariate.name())));

@@ -98,7 +98,7 @@ impl Tracer<'_> {
         let chain = &self.statics.chain;
         let driver = &candidate.term.driver;
         let of_joint = |joint: usize| {
-            let name = format!("{}, {}", chain.joints()[joint].name, Driver::Reading(joint).unit(chain));
+            let name = format!("{}, {}", chain.joints()[joint].name, Driver::Reading(joint).unit(chain, 0));
             (name, rows.clone().map(|row| chain.joints()[joint].value(self.data.reading(row))).collect())
         };
         match driver {
@@ -110,11 +110,11 @@ impl Tracer<'_> {
                 let column = self.data.covariate(name)?;
                 Some((format!("{name}, {}", crate::effects::driver::unit_of(name)), column.values.clone()))
             }
-            Driver::Torque(joint) => {
-                let name = format!("gravity on {}, {}", chain.joints()[*joint].name, driver.unit(chain));
+            Driver::Torque(joint) | Driver::SprungTorque(joint) | Driver::HardeningTorque { joint, .. } => {
+                let name = format!("gravity on {}, {}", chain.joints()[*joint].name, driver.unit(chain, 0));
                 Some((name, rows.map(|row| values[row * count]).collect()))
             }
-            Driver::Approach { joint, .. } | Driver::GravitySide(joint) => {
+            Driver::Approach { joint, .. } | Driver::GravitySide(joint) | Driver::FrictionSide { joint, .. } => {
                 let name = format!("side of {}", chain.joints()[*joint].name);
                 Some((name, rows.map(|row| values[row * count]).collect()))
             }

@@ -13,6 +13,8 @@ const HALVINGS: usize = 16;
 const BUMP_NUMBERS: usize = 2;
 /// How much better another outline of a bump must do.
 const OUTLINE: f64 = 6.0;
+/// Places that are tried of a function that goes in steps.
+const PLACES: i32 = 24;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
@@ -62,6 +64,19 @@ impl CandidateScorer<'_> {
                 });
                 // The outline counts as no number: only one that does clearly better is another.
                 others.fold(own, |best, other| if other.delta_bic > best.delta_bic + OUTLINE { other } else { best })
+            }
+            Driver::HardeningTorque { joint, knee } => {
+                let at = |log: f64| drop(Driver::HardeningTorque { joint, knee: log.exp() });
+                let log = highest(at, (0.2 * knee).ln(), (5.0 * knee).ln());
+                score(Driver::HardeningTorque { joint, knee: log.exp() }, 1)
+            }
+            Driver::FrictionSide { joint, friction, from_rows, side } => {
+                let with = |friction: f64| Driver::FrictionSide { joint, friction, from_rows, side: side.clone() };
+                let finer = |(middle, reach): (f64, f64)| {
+                    best_stretch(|friction| drop(with(friction)), middle - reach, middle + reach)
+                };
+                let (friction, _) = finer(finer((friction, 0.4 * friction)));
+                score(with(friction), 1)
             }
             Driver::Decay { covariate, from, constant } => {
                 let at = |log: f64| drop(Driver::Decay { covariate: covariate.clone(), from, constant: log.exp() });
@@ -132,9 +147,24 @@ fn highest(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Where a function that goes in steps is highest: the middle of the stretch of places that are, and the distance of places.
+fn best_stretch(f: impl Fn(f64) -> f64, low: f64, high: f64) -> (f64, f64) {
+    let step = (high - low) / f64::from(PLACES);
+    let tried: Vec<(f64, f64)> = (0..=PLACES).map(|k| low + step * f64::from(k)).map(|at| (at, f(at))).collect();
+    let top = tried.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
+    let best: Vec<f64> = tried.iter().filter(|(_, value)| *value >= top).map(|(at, _)| *at).collect();
+    (best.iter().sum::<f64>() / best.len() as f64, step)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::highest;
+    use super::{best_stretch, highest};
+
+    #[test]
+    fn the_middle_of_the_highest_stretch_is_found() {
+        let (found, step) = best_stretch(|x| if (0.3..0.8).contains(&x) { 1.0 } else { 0.0 }, 0.0, 2.4);
+        assert!((found - 0.55).abs() < 0.5 * step + 1e-12 && step == 0.1, "{found} {step}");
+    }
 
     #[test]
     fn the_highest_point_is_found() {

@@ -194,9 +194,10 @@ impl RecordedRow<'_> {
     /// The column is of a run with other columns.
     #[inline]
     pub fn value(&self, column: &Column) -> f64 {
-        let own = &self.columns.columns[column.index];
-        assert!(*own.name == *column.name, "\"{}\" was looked up in a run with other columns", column.name);
-        own.values[self.row]
+        match self.columns.columns.get(column.index) {
+            Some(own) if *own.name == *column.name => own.values[self.row],
+            _ => panic!("\"{}\" was looked up in a run with other columns", column.name),
+        }
     }
 
     /// The mass at the tip, kg: where a run has no such column, nothing was carried.
@@ -240,6 +241,13 @@ mod tests {
         let other = Covariates::from(vec![Covariate { name: "payload".into(), values: vec![1.0] }]);
         let time = recorded().column("run.csv", 3, "time").unwrap();
         other.row(0).value(&time);
+    }
+
+    #[test]
+    #[should_panic(expected = "\"time\" was looked up in a run with other columns")]
+    fn a_column_is_not_read_in_a_run_without_columns() {
+        let time = recorded().column("run.csv", 3, "time").unwrap();
+        RecordedRow::nothing().value(&time);
     }
 
     #[test]

@@ -32,6 +32,9 @@ const RIVAL: f64 = 0.02;
 const MORE: f64 = 0.4;
 /// What a scanned number costs beside the grid of the catalogue: it was refined between the grid's places.
 const REFINED: f64 = 1.0;
+/// What a joint costs that gives under a torque of which a spring takes up a part, beside one without a spring: one machine in ten
+/// has one.
+const BALANCED: f64 = 2.3;
 /// What slips or is set up anew moves by so much at most, rad or m: a joint that turned by a radian where nobody sees it is none.
 const FARTHEST: f64 = 0.05;
 
@@ -230,13 +233,18 @@ fn mass(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
     (sum(holds) - sum(&|_| true)).min(0.0)
 }
 
-/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind.
+/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind; but the plain
+/// ones together, whose numbers an engineer would write down unseen (whole orders, torque itself), are as likely as all that a scan
+/// finds.
 fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
     let kind = candidate.term.kind;
-    let same = counted.iter().filter(|other| other.term.kind == kind).count().max(1);
+    let of_kind = || counted.iter().filter(|other| other.term.kind == kind);
+    let alike = of_kind().filter(|other| (other.scanned == 0) == (candidate.scanned == 0)).count().max(1);
+    let same = if alike < of_kind().count() { 2 * alike } else { alike };
     let scanned = match &candidate.term.driver {
         // The first step is one of the catalogue's; each further one may be after any row.
         Driver::Steps { at, .. } => REFINED + (at.len() - 1) as f64 * (rows as f64).ln(),
+        Driver::SprungTorque(_) => BALANCED,
         _ => REFINED * candidate.scanned as f64,
     };
     let instrument = if candidate.term.carrier == Carrier::Scale { 1.0 } else { 0.0 };
