@@ -26,7 +26,7 @@ const MOST_VALUES: usize = 2400;
 /// Candidates that are judged, at most.
 const MOST_JUDGED: usize = 80;
 /// From this probability on a cause stays in the model although it is not named (Barbieri, Berger 2004: the median
-/// probability model predicts best).
+/// probability model predicts best); with its rivals', for where one of several acts the best of them predicts better than none.
 const KEPT: f64 = 0.5;
 
 /// A bump holds so many rows.
@@ -100,7 +100,7 @@ pub(crate) fn trace(
         let state = near.get(1).unwrap_or(&near[0]);
         judge(&tracer.survey, &part, &state.fit, &geometric.arm, &question)
     };
-    let mut judged: Vec<Judged> = judged.into_iter().filter(|one| one.named() || one.probability >= KEPT).collect();
+    let mut judged: Vec<Judged> = judged.into_iter().filter(|one| one.named() || one.shared() >= KEPT).collect();
     judged.truncate(options.max_effects);
     let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
     let (plain, last) = if kept.is_empty() {

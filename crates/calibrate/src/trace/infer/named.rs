@@ -13,6 +13,7 @@ use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
+use crate::trace::infer::lines::beside_a_scale;
 use crate::trace::infer::model::{Kernel, LARGEST};
 use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
@@ -67,6 +68,12 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// How probable it is that it acts, or one that may act in its stead: whether something does, whichever it be.
+    pub fn shared(&self) -> f64 {
+        let instead: f64 = self.rivals.iter().map(|rival| rival.probability).sum();
+        (self.probability + instead).min(1.0)
+    }
+
     /// Whether it is named.
     pub fn named(&self) -> bool {
         self.probability >= NAMED && self.found_again >= FOUND_AGAIN
@@ -184,12 +191,13 @@ pub(crate) fn judge(
         .collect()
 }
 
-/// Kernels that the curve of a joint had beside the models at hand.
+/// Kernels that the curve of a joint had beside the models at hand, and would have beside a scale of the joint: none of these models
+/// need hold it.
 fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
-    let own = curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
+    let own = || curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
+    let beside = own().find_map(beside_a_scale);
     let mut kernels: Vec<Kernel> = Vec::new();
-    for curve in own {
-        let kernel = Kernel::of(curve);
+    for kernel in own().map(Kernel::of).chain(beside) {
         if !kernels.contains(&kernel) {
             kernels.push(kernel);
         }
@@ -233,14 +241,17 @@ fn mass(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
     (sum(holds) - sum(&|_| true)).min(0.0)
 }
 
-/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind; but the plain
-/// ones together, whose numbers an engineer would write down unseen (whole orders, torque itself), are as likely as all that a scan
-/// finds.
+/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind; but of periodic
+/// errors those of a whole order, which an engineer would try first, are together as likely as all that a scan finds.
 fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
     let kind = candidate.term.kind;
     let of_kind = || counted.iter().filter(|other| other.term.kind == kind);
-    let alike = of_kind().filter(|other| (other.scanned == 0) == (candidate.scanned == 0)).count().max(1);
-    let same = if alike < of_kind().count() { 2 * alike } else { alike };
+    let same = if let Driver::Harmonic { .. } = candidate.term.driver {
+        2 * of_kind().filter(|other| (other.scanned == 0) == (candidate.scanned == 0)).count()
+    } else {
+        of_kind().count()
+    };
+    let same = same.max(1);
     let scanned = match &candidate.term.driver {
         // The first step is one of the catalogue's; each further one may be after any row.
         Driver::Steps { at, .. } => REFINED + (at.len() - 1) as f64 * (rows as f64).ln(),
