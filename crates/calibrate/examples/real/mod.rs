@@ -1,7 +1,8 @@
-//! The robot of the first argument, with the `TIP` and `UNITS` of the environment, and its files of measurements.
+//! The robot of the first argument (a URDF or a D-H table), with the `TIP` and `UNITS` of the environment, and its files of measurements.
 
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::observation::measurements::{Measurements, Units, read};
+use denavit_export::sources::{self, Source, Stated};
 use denavit_model::Chain;
 use denavit_model::tree::Reading;
 
@@ -13,11 +14,19 @@ pub struct Real {
 
 impl Real {
     pub fn robot(path: &str) -> Self {
-        let robot = denavit_model::urdf::read(path, &std::fs::read_to_string(path).unwrap()).unwrap();
+        let units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
+        let text = std::fs::read_to_string(path).unwrap();
+        if path.ends_with(".csv") {
+            let Source::Table { table, .. } = sources::read(path, &text, Stated::default()).unwrap() else {
+                panic!("{path}: no D-H table")
+            };
+            let chain = table.chain().unwrap();
+            return Self { statics: Statics::of_chain(&chain), chain, units };
+        }
+        let robot = denavit_model::urdf::read(path, &text).unwrap();
         let tip = std::env::var("TIP").ok();
         let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
         let statics = Statics::of(&robot, &chain);
-        let units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
         Self { chain, statics, units }
     }
 

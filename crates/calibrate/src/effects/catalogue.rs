@@ -108,9 +108,9 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::Backlash,
         name: "backlash",
-        formula: "value_i += c · side, side = ±1 by approach, by the side to which gravity pushes, or by whichever of friction (found by scan) and gravity is stronger",
+        formula: "value_i += c · side, side = ±1 by approach, by the side to which gravity pushes, or by whichever of friction (found by scan) and gravity is stronger; or side times gravity's torque, for friction that grows with the load; or how far it has wound itself up since it turned back",
         units: "rad or m (half of the play)",
-        source: "play with the output resting on one flank",
+        source: "play with the output resting on one flank; friction and its memory: Dahl 1968",
         terms: backlash,
     },
     Entry {
@@ -296,13 +296,19 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
             });
             let by_gravity = each(Kind::Backlash, Carrier::Joint(i), Driver::GravitySide(i));
             let loaded = known.filter(|_| survey.statics.feels_gravity(i));
-            let by_both = loaded.into_iter().flat_map(move |(side, from_rows)| {
+            let by_both = loaded.clone().into_iter().flat_map(move |(side, from_rows)| {
                 survey.torques_of(i, &FRICTIONS).map(move |friction| {
                     let driver = Driver::FrictionSide { joint: i, friction, from_rows, side: side.clone() };
                     candidate(Kind::Backlash, Carrier::Joint(i), driver, Coupling::Each, 1)
                 })
             });
-            by_side.into_iter().chain([by_gravity]).chain(by_both)
+            let by_load = loaded.clone().map(|(side, from_rows)| {
+                each(Kind::Backlash, Carrier::Joint(i), Driver::LoadedSide { joint: i, from_rows, side })
+            });
+            let wound_up = survey.wound_up(i).map(move |column| {
+                candidate(Kind::Backlash, Carrier::Joint(i), Driver::Covariate(column), Coupling::Each, 1)
+            });
+            by_side.into_iter().chain([by_gravity]).chain(by_load).chain(wound_up).chain(by_both)
         })
         .collect()
 }

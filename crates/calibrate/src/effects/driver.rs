@@ -21,6 +21,11 @@ pub const RUN_ORDER: &str = "run order";
 pub const APPROACH: &str = ".approach";
 /// Ending of the same when it was read from the order of the rows.
 pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
+/// Within the names of the covariates that say how far a joint has wound itself up since it last turned back, -1 to +1, for one of
+/// [`MEMORIES`]: read from the order of the rows.
+pub const WOUND_UP: &str = ".wound up over";
+/// Travels after which a joint that turned back is wound up to all but 1/e, rad or m.
+pub const MEMORIES: [f64; 3] = [0.02, 0.1, 0.5];
 /// Ending of the covariates that give a joint's velocity.
 pub const VELOCITY: &str = ".velocity";
 
@@ -116,6 +121,17 @@ pub enum Driver<C = Column> {
         /// Friction, N·m (N for a slide).
         friction: f64,
         /// The side from which it came is read from the order of the rows.
+        from_rows: bool,
+        /// Where it is recorded.
+        #[serde(skip)]
+        side: C,
+    },
+    /// The side from which a joint came times the size of gravity's torque on it, N·m (N for a slide): friction grows with what a
+    /// joint carries, and the output stays behind by it.
+    LoadedSide {
+        /// The joint.
+        joint: usize,
+        /// The side is read from the order of the rows.
         from_rows: bool,
         /// Where it is recorded.
         #[serde(skip)]
@@ -429,7 +445,8 @@ impl<C> Driver<C> {
             | Self::EndMoment(joint)
             | Self::Approach { joint, .. }
             | Self::GravitySide(joint)
-            | Self::FrictionSide { joint, .. } => Some(joint),
+            | Self::FrictionSide { joint, .. }
+            | Self::LoadedSide { joint, .. } => Some(joint),
             _ => None,
         }
     }
@@ -449,7 +466,8 @@ impl<C> Driver<C> {
             | Self::EndMoment(joint)
             | Self::Approach { joint, .. }
             | Self::GravitySide(joint)
-            | Self::FrictionSide { joint, .. } => Some(joint),
+            | Self::FrictionSide { joint, .. }
+            | Self::LoadedSide { joint, .. } => Some(joint),
             _ => None,
         }
     }
@@ -472,7 +490,8 @@ impl<C> Driver<C> {
 
     /// Whether its values depend on how the arm stands, or on its load.
     pub fn needs_posture(&self) -> bool {
-        self.feels_gravity() || matches!(self, Self::GravitySide(_) | Self::FrictionSide { .. })
+        self.feels_gravity()
+            || matches!(self, Self::GravitySide(_) | Self::FrictionSide { .. } | Self::LoadedSide { .. })
     }
 
     /// Every column that it follows; a payload is none of them, for nothing given is nothing carried.
@@ -481,6 +500,7 @@ impl<C> Driver<C> {
             Self::Covariate(column)
             | Self::Approach { side: column, .. }
             | Self::FrictionSide { side: column, .. }
+            | Self::LoadedSide { side: column, .. }
             | Self::Decay { covariate: column, .. }
             | Self::Steps { covariate: column, .. }
             | Self::Smooth { covariate: column, .. } => vec![column],
@@ -516,6 +536,9 @@ impl<C> Driver<C> {
             Self::GravitySide(joint) => Driver::GravitySide(*joint),
             Self::FrictionSide { joint, friction, from_rows, side } => {
                 Driver::FrictionSide { joint: *joint, friction: *friction, from_rows: *from_rows, side: named(side)? }
+            }
+            Self::LoadedSide { joint, from_rows, side } => {
+                Driver::LoadedSide { joint: *joint, from_rows: *from_rows, side: named(side)? }
             }
             Self::Velocities(moving) => {
                 let of = |JointVelocity { joint, of_coordinate }: &JointVelocity<C>| {
@@ -585,6 +608,9 @@ impl Driver {
                 let torque = statics.torque(posture, *joint) - friction * recorded(side);
                 out.push(if torque < 0.0 { -1.0 } else { 1.0 });
             }
+            Self::LoadedSide { joint, side, .. } => {
+                out.push(recorded(side) * statics.torque(posture, *joint).abs());
+            }
             Self::GravitySide(joint) => {
                 let torque = statics.torque(posture, *joint);
                 out.push(if torque < 0.0 { -1.0 } else { 1.0 });
@@ -620,7 +646,10 @@ impl Driver {
                 }
             }
             Self::SprungTorque(_) if value > 0 => "1",
-            Self::Torque(joint) | Self::SprungTorque(joint) | Self::HardeningTorque { joint, .. } => {
+            Self::Torque(joint)
+            | Self::SprungTorque(joint)
+            | Self::HardeningTorque { joint, .. }
+            | Self::LoadedSide { joint, .. } => {
                 if slides(*joint) {
                     "N"
                 } else {
@@ -716,6 +745,7 @@ mod tests {
                     Driver::Approach { joint, from_rows: true, side: name() },
                     Driver::GravitySide(joint),
                     Driver::FrictionSide { joint, friction: 2.0, from_rows: false, side: name() },
+                    Driver::LoadedSide { joint, from_rows: true, side: name() },
                 ]);
             }
             let q = vec![0.3; statics.chain.coordinates().len()];

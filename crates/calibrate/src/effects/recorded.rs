@@ -1,5 +1,6 @@
 //! What effects follow, by the names under which people give it.
 
+use crate::effects::approach::CameFrom;
 use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, RUN_ORDER};
 use crate::observation::measurements::Covariate;
 
@@ -14,7 +15,14 @@ pub fn given(values: &[(String, f64)], name: &str) -> Option<f64> {
     values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }
 
+/// Whether the order of rows or of commands tells a quantity: from which side a joint came, and how far it has wound itself up.
+pub fn told_by_order(name: &str) -> bool {
+    CameFrom::of_column(name).is_some()
+}
+
 /// Whether a run with these columns gives a quantity: as a column, or by the order of its rows.
 pub fn given_by_run(name: &str, columns: &[Covariate]) -> bool {
-    name == RUN_ORDER || name.ends_with(APPROACH_FROM_ROWS) || columns.iter().any(|column| column.name == name)
+    name == RUN_ORDER
+        || told_by_order(name) && !name.ends_with(APPROACH)
+        || columns.iter().any(|column| column.name == name)
 }

@@ -1,7 +1,7 @@
 //! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
 
-use crate::effects::approach::{side_after, still};
-use crate::effects::driver::{APPROACH_FROM_ROWS, Conditions, JointVelocity, RUN_ORDER, Statics, VELOCITY};
+use crate::effects::approach::{CameFrom, still};
+use crate::effects::driver::{Conditions, JointVelocity, RUN_ORDER, Statics, VELOCITY};
 use crate::observation::arm::Row;
 use crate::observation::kinds::ObservationKind;
 use crate::observation::measurements::{Column, Covariate, Measurements};
@@ -108,6 +108,13 @@ impl Survey {
             gear_ratios,
             torques,
         }
+    }
+
+    /// What tells how far a joint has wound itself up, for each memory.
+    pub fn wound_up(&self, joint: usize) -> impl Iterator<Item = Column> + '_ {
+        CameFrom::all()
+            .filter(|told| *told != CameFrom::Side)
+            .filter_map(move |told| self.of_joint(joint, &told.ending()))
     }
 
     /// These shares of the largest torque of gravity on a joint; none where gravity does not load it.
@@ -281,7 +288,7 @@ fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
     largest
 }
 
-/// Adds what the order of the rows tells: run order, and for each joint the side from which it came.
+/// Adds what the order of the rows tells: run order, and for each joint the side from which it came and how far it has wound itself up.
 pub fn with_run_order(data: Measurements) -> Measurements {
     ordered(data, None)
 }
@@ -298,25 +305,24 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
     let order = (0..rows).map(|row| (first + row) as f64).collect();
     data.covariates.push(Covariate { name: RUN_ORDER.into(), values: order });
     for (index, joint) in data.joints.clone().iter().enumerate() {
-        let name = format!("{joint}{APPROACH_FROM_ROWS}");
-        let mut last = before.filter(|before| !before.is_empty()).map(|before| before.reading(before.len() - 1)[index]);
-        let mut side = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
-        let mut values = Vec::with_capacity(rows);
         let readings: Vec<f64> = (0..rows).map(|row| data.reading(row)[index]).collect();
         let still = still(&readings);
-        for (row, here) in readings.into_iter().enumerate() {
-            // A cell that was left empty, as it may be where the joint does not move the tip, reads 0.
-            if here == 0.0 && !data.moves_its_tip(row, index) {
-                values.push(side);
-                continue;
-            }
-            if let Some(last) = last {
-                side = side_after(here - last, still, side);
-            }
-            last = Some(here);
-            values.push(side);
+        for told in CameFrom::all() {
+            let name = format!("{joint}{}", told.ending());
+            let mut last =
+                before.filter(|before| !before.is_empty()).map(|before| before.reading(before.len() - 1)[index]);
+            let mut state = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
+            let after = |(row, here): (usize, &f64)| {
+                // A cell that was left empty, as it may be where the joint does not move the tip, reads 0.
+                if *here != 0.0 || data.moves_its_tip(row, index) {
+                    let moved = here - last.replace(*here).unwrap_or(*here);
+                    state = told.after(moved, still, state);
+                }
+                state
+            };
+            let values = readings.iter().enumerate().map(after).collect();
+            data.covariates.push(Covariate { name, values });
         }
-        data.covariates.push(Covariate { name, values });
     }
     data
 }

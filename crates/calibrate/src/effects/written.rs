@@ -33,6 +33,9 @@ impl WrittenDriver {
             Driver::FrictionSide { joint, friction, from_rows, .. } => {
                 Driver::FrictionSide { joint, friction, from_rows, side: side_of(chain, joint, from_rows) }
             }
+            Driver::LoadedSide { joint, from_rows, .. } => {
+                Driver::LoadedSide { joint, from_rows, side: side_of(chain, joint, from_rows) }
+            }
             Driver::Velocities(_) => {
                 let coordinate = |joint: usize| &chain.coordinates()[chain.joints()[joint].coordinate].name;
                 let of = |joint| JointVelocity { joint, of_coordinate: format!("{}{VELOCITY}", coordinate(joint)) };

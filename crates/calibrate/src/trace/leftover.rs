@@ -3,6 +3,7 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Kind;
 use crate::effects::driver::Driver;
+use crate::effects::driver::{APPROACH, WOUND_UP};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
@@ -219,7 +220,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
         }
     }
     for column in &survey.recorded {
-        if column.name().contains(crate::effects::driver::APPROACH) {
+        if [APPROACH, WOUND_UP].iter().any(|ending| column.name().contains(ending)) {
             continue;
         }
         if let Some(values) = pieces(tracer, scorer, column) {

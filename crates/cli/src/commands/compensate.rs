@@ -7,7 +7,6 @@ use crate::measured;
 use crate::output::Status;
 use crate::source::Loaded;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
-use denavit_calibrate::effects::driver::APPROACH;
 use denavit_calibrate::effects::recorded;
 use denavit_calibrate::report::commands::{summary, to_csv, to_json};
 use denavit_load::measured::{all_known, without_part_in_the_tip};
@@ -45,7 +44,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
     let poses = measured::pose_list(&arguments.poses, calibrated, &arguments.units)?;
     if let Some(file) = &arguments.effects {
         let known = |name: &str| {
-            recorded::plain(name).ends_with(APPROACH)
+            recorded::told_by_order(name)
                 || recorded::given(&given, name).is_some()
                 || poses.covariates.iter().any(|column| column.name == name)
         };

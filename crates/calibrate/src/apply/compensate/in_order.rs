@@ -1,16 +1,16 @@
 //! Commands for a list of poses in the order in which the robot takes them.
 
 use super::{Allowed, Command, Wanted, compensate};
-use crate::effects::approach::{LEAST_MOVE, side_after};
-use crate::effects::driver::{APPROACH, Conditions};
+use crate::effects::approach::{CameFrom, LEAST_MOVE};
+use crate::effects::driver::Conditions;
 use crate::effects::{SavedEffects, recorded};
 use crate::observation::measurements::covariates::PAYLOAD;
 use crate::observation::measurements::poses::Poses;
 use crate::observation::measurements::{Covariate, Covariates, MissingColumn};
 use denavit_model::Chain;
 
-/// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach
-/// that nobody gives are those that the nominal commands have in this order.
+/// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach,
+/// and how far joints have wound themselves up, are those that the nominal commands have in this order where nobody gives them.
 ///
 /// # Errors
 /// An effect with a part in where the tip is follows what is neither a column of the poses nor given.
@@ -28,13 +28,14 @@ pub fn in_order(
     };
     let mut near: Vec<f64> = nominal.coordinates().iter().map(middle).collect();
     let mut before: Option<Vec<f64>> = None;
-    let mut sides = vec![0.0; near.len()];
     let effects = effects.of_the_tip();
     let (recorded, open) = followed(&effects, nominal, poses, given);
     let rows = poses.lines.len();
     let column = |name: &str| recorded.column("the poses", rows, name);
     let model = effects.bound(&column)?;
-    let open = open.into_iter().map(|(name, joint)| Ok((column(&name)?, joint))).collect::<Result<Vec<_>, _>>()?;
+    let open = open.into_iter().map(|(name, joint, told)| Ok((column(&name)?, joint, told)));
+    let open = open.collect::<Result<Vec<_>, MissingColumn>>()?;
+    let mut states = vec![0.0; open.len()];
     let mut commands = Vec::with_capacity(rows);
     for row in 0..rows {
         let start = poses.joints.get(row).unwrap_or(&near);
@@ -50,11 +51,10 @@ pub fn in_order(
                 return conditions(&recorded);
             }
             let mut with_sides = recorded.clone();
-            for (column, joint) in &open {
-                let side = before
-                    .as_ref()
-                    .map_or(0.0, |before| side_after(q[*joint] - before[*joint], LEAST_MOVE, sides[*joint]));
-                with_sides.set(column, || side);
+            for ((column, joint, told), state) in open.iter().zip(&states) {
+                let now =
+                    before.as_ref().map_or(0.0, |before| told.after(q[*joint] - before[*joint], LEAST_MOVE, *state));
+                with_sides.set(column, || now);
             }
             conditions(&with_sides)
         };
@@ -65,8 +65,8 @@ pub fn in_order(
             near.clone_from(&command.nominal);
         }
         if let Some(before) = &before {
-            for (index, side) in sides.iter_mut().enumerate() {
-                *side = side_after(command.nominal[index] - before[index], LEAST_MOVE, *side);
+            for ((_, joint, told), state) in open.iter().zip(&mut states) {
+                *state = told.after(command.nominal[*joint] - before[*joint], LEAST_MOVE, *state);
             }
         }
         before = Some(command.nominal.clone());
@@ -75,23 +75,23 @@ pub fn in_order(
     Ok(commands)
 }
 
-/// What the effects follow, pose by pose: as a column of the poses, else as given for all of them. The sides of approach that
-/// are neither stand at 0; each of these with its coordinate.
+/// What the effects follow, pose by pose: as a column of the poses, else as given for all of them. What the order tells and is
+/// neither stands at 0; each of these with its coordinate.
 fn followed(
     effects: &SavedEffects,
     chain: &Chain,
     poses: &Poses,
     given: &[(String, f64)],
-) -> (Covariates, Vec<(String, usize)>) {
+) -> (Covariates, Vec<(String, usize, CameFrom)>) {
     let rows = poses.lines.len();
     let (mut recorded, mut open) = (Covariates::none(), Vec::new());
     for name in effects.needed().into_iter().chain([PAYLOAD.to_owned()]) {
         let plain = recorded::plain(&name);
         let column = poses.covariates.iter().find(|column| column.name == plain).map(|column| column.values.clone());
         let side = || {
-            let joint = plain.strip_suffix(APPROACH)?;
+            let (joint, told) = CameFrom::of_column(&plain)?;
             let index = chain.coordinates().iter().position(|coordinate| coordinate.name == joint)?;
-            open.push((name.clone(), index));
+            open.push((name.clone(), index, told));
             Some(vec![0.0; rows])
         };
         let values = column.or_else(|| Some(vec![recorded::given(given, &plain)?; rows])).or_else(side);
