@@ -41,6 +41,8 @@ struct Tally {
     right: usize,
     among_rivals: usize,
     false_claims: usize,
+    /// Of these the ones that are named, not kept as a correction.
+    falsely_named: usize,
     ratios: Vec<f64>,
     errors: [f64; 4],
 }
@@ -52,12 +54,13 @@ impl Tally {
         let n = self.cases.max(1) as f64;
         let q = |p: f64| r.get(((r.len().max(1) - 1) as f64 * p) as usize).copied().unwrap_or(f64::NAN);
         format!(
-            "{name:<34} {:>4} right {:>4} + rivals {:>3} = {:>5.1} %, false claims {:>3}, test/attainable median {:.3} 95 % {:.3}; mm {:.4} {:.4} {:.4} {:.4}",
+            "{name:<34} {:>4} right {:>4} + rivals {:>3} = {:>5.1} %, false {:>3}, of them named {:>2}, test/attainable median {:.3} 95 % {:.3}; mm {:.4} {:.4} {:.4} {:.4}",
             self.cases,
             self.right,
             self.among_rivals,
             100.0 * (self.right + self.among_rivals) as f64 / n,
             self.false_claims,
+            self.falsely_named,
             q(0.5),
             q(0.95),
             self.errors[0] / n,
@@ -126,12 +129,13 @@ fn main() {
             .collect();
         let strength = truth["strength"].as_f64().unwrap();
         let mut good = true;
-        let mut note = |key: String, right: bool, rival: bool, wrong: usize| {
+        let mut note = |key: String, right: bool, rival: bool, [wrong, falsely_named]: [usize; 2]| {
             let t = tallies.entry(key).or_default();
             t.cases += 1;
             t.right += usize::from(right);
             t.among_rivals += usize::from(!right && rival);
             t.false_claims += wrong;
+            t.falsely_named += falsely_named;
             t.ratios.push(after / attainable);
             for (sum, value) in t.errors.iter_mut().zip([nominal, before, after, attainable]) {
                 *sum += value;
@@ -147,26 +151,27 @@ fn main() {
             finding.term.kind == Kind::TransmissionError
                 && truth["ground"].as_array().is_some_and(|waves| waves.iter().any(here))
         };
-        let wrong = result
-            .findings
-            .iter()
-            .filter(|f| {
-                !matches(f.term.kind.name(), &f.place)
-                    && !f.rivals.iter().any(|r| matches(r.kind.name(), &r.place))
-                    && !of_ground(f)
-            })
-            .count();
+        let false_one = |f: &&Finding| {
+            !matches(f.term.kind.name(), &f.place)
+                && !f.rivals.iter().any(|r| matches(r.kind.name(), &r.place))
+                && !of_ground(f)
+        };
+        let wrong = result.findings.iter().filter(false_one).count();
+        let falsely_named = result.findings.iter().filter(false_one).filter(|f| f.named).count();
+        let counts = [wrong, falsely_named];
         if truths.is_empty() {
-            note("null".into(), claims.is_empty(), false, wrong);
+            note("null".into(), claims.is_empty(), false, counts);
             good = claims.is_empty();
         } else if truths[0].0 == "alien" {
             let places = &truths[0].1;
             let outside = claims.iter().filter(|(_, p)| !places.contains(p)).count();
+            let elsewhere = |f: &&Finding| f.named && !places.contains(&f.place);
+            let named_outside = result.findings.iter().filter(elsewhere).count();
             let first = result.leftover.places.first().and_then(|p| p.joint.clone().or(p.covariate.clone()));
             let named = first.is_some_and(|f| places.contains(&f))
                 || claims.iter().any(|(k, p)| k == "drift" && places.contains(p));
             let what = text(&effects[0]["shape"]["what"]);
-            note(format!("alien {what}"), named && outside == 0, false, outside);
+            note(format!("alien {what}"), named && outside == 0, false, [outside, named_outside]);
             good = named && outside == 0;
         } else {
             for (kind, places) in &truths {
@@ -178,9 +183,9 @@ fn main() {
                 good &= right || rival;
                 let key =
                     if truths.len() == 1 { format!("{kind} {strength}") } else { format!("{} at once", truths.len()) };
-                note(key.clone(), right, rival, wrong);
+                note(key.clone(), right, rival, counts);
                 if truths.len() == 1 {
-                    note(format!("~all of strength {strength}"), right, rival, wrong);
+                    note(format!("~all of strength {strength}"), right, rival, counts);
                 }
             }
         }
@@ -205,7 +210,8 @@ fn main() {
         for f in &result.findings {
             let rivals: Vec<String> = f.rivals.iter().map(|r| format!("{}({})", r.kind.name(), r.place)).collect();
             println!(
-                "   found {}({}) {:?} {:?} dBIC {:.1} p {:.1e} rivals {:?}",
+                "   {} {}({}) {:?} {:?} dBIC {:.1} p {:.1e} rivals {:?}",
+                if f.named { "named" } else { "kept" },
                 f.term.kind.name(),
                 f.place,
                 f.term.carrier,

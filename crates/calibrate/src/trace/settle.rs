@@ -29,6 +29,9 @@ const MOST_JUDGED: usize = 80;
 /// probability model predicts best); with its rivals', for where one of several acts the best of them predicts better than none.
 const KEPT: f64 = 0.5;
 
+/// A cause is not named where it explains less than this share of the structure that is left beside it.
+const OUTWEIGHED: f64 = 0.5;
+
 /// A bump holds so many rows.
 const ROWS_IN_BUMP: usize = 5;
 
@@ -117,7 +120,7 @@ pub(crate) fn trace(
             term: one.candidate.term.clone(),
             place: one.candidate.term.carrier.place(&statics.chain),
             values: values(&last.fit, index, first),
-            named: one.named(),
+            named: one.named() && !outweighed(&one, &leftover),
             probability: one.probability,
             found_again: one.found_again,
             p_value: one.log_absent.exp(),
@@ -138,6 +141,11 @@ pub(crate) fn trace(
         scan: found.scan,
         leftover,
     }
+}
+
+/// Whether what no entry explains weighs more than a cause does: that may then stand in for a part of it.
+fn outweighed(one: &Judged, leftover: &Leftover) -> bool {
+    leftover.structured && 2.0 * one.gain < OUTWEIGHED * leftover.drop
 }
 
 /// Rows spread evenly over the run.
