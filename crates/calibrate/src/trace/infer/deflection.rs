@@ -98,6 +98,17 @@ pub(super) fn asked_for(
     let Some((mut score, mut hyper)) = maximum::from_afar(model, known, ROUGH) else {
         return (vec![false; blocks.len()], None);
     };
+    // Where neither all of them together nor any one alone makes a difference, nobody gives: so it is in most clean files.
+    let none = nothing(model, blocks.iter().cloned().flatten());
+    if let Some((bare, beside)) = maximum::from_near(&under(model, &none), &hyper, ROUGH) {
+        let alone = |block: &Range<usize>| {
+            let others = blocks.iter().filter(|other| *other != block).cloned().flatten();
+            under(model, &nothing(model, others)).score(&beside).is_some_and(|with| with - bare > least)
+        };
+        if score - bare < least && !blocks.iter().any(alone) {
+            return (vec![false; blocks.len()], Some(beside));
+        }
+    }
     loop {
         let without = |block: usize| {
             let left_out = |index: usize| index == block || !kept[index];

@@ -11,8 +11,11 @@
 use crate::effects::curve::Waves;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::gram::Gram;
-use crate::trace::infer::model::Hyperparameters;
+use crate::trace::infer::model::{Hyperparameters, Kernel};
 use denavit_model::nalgebra::DMatrix;
+
+/// A curve of which the data tell less than this, in numbers, is left out of the factor: it changes a score by half of that.
+const UNSEEN: f64 = 0.01;
 
 /// A model whose products are formed.
 #[derive(Debug, Clone)]
@@ -75,7 +78,7 @@ impl Model<'_> {
     /// The same with its derivatives by [`Hyperparameters::to_vec`].
     pub fn score_and_gradient(&self, hyper: &Hyperparameters) -> Option<(f64, Vec<f64>)> {
         let factored = self.factored(hyper)?;
-        let posterior = factored.posterior();
+        let posterior = factored.posterior(self.gram.size);
         // Numbers that the data pay for: tr(C G/σ²) = n - tr(C Λ).
         let mut used = self.gram.size as f64;
         for i in 0..self.gram.plain {
@@ -88,10 +91,15 @@ impl Model<'_> {
         }
         let mut gradient = vec![0.0];
         let mut first = self.gram.plain;
-        for (curve, (kernel, waves)) in hyper.kernels.iter().zip(self.waves).enumerate() {
+        for (curve, (waves, variances)) in self.waves.iter().zip(&factored.seen).enumerate() {
             let (mut by_variance, mut by_length) = (0.0, 0.0);
-            let variances = kernel.variances(waves);
-            let charge = self.charge_of_mean(curve, &variances);
+            let Some(variances) = variances else {
+                used -= waves.len() as f64;
+                gradient.extend([0.0, 0.0]);
+                first += waves.len();
+                continue;
+            };
+            let charge = self.charge_of_mean(curve, variances);
             // Held to nothing, the mean is one number less that the data pay for.
             used -= 1.0;
             for (row, cells) in self.gaps[curve].chunks_exact(waves.len()).enumerate() {
@@ -99,7 +107,7 @@ impl Model<'_> {
                 let before = cells[..row].iter().enumerate();
                 used -= 2.0 * before.map(|(k, cell)| cell * posterior.covariance(first + row, first + k)).sum::<f64>();
             }
-            for (offset, (variance, slope)) in variances.into_iter().enumerate() {
+            for (offset, &(variance, slope)) in variances.iter().enumerate() {
                 let index = first + offset;
                 let own = posterior.covariance(index, index) / variance;
                 let held = self.firm[curve] * self.means[curve][offset].powi(2) * variance / charge;
@@ -118,7 +126,7 @@ impl Model<'_> {
 
     /// What the data say of every number.
     pub fn posterior(&self, hyper: &Hyperparameters) -> Option<Posterior> {
-        Some(self.factored(hyper)?.posterior())
+        Some(self.factored(hyper)?.posterior(self.gram.size))
     }
 
     /// What the prior takes of these numbers: twice the negative logarithm of its density, but for a constant.
@@ -147,11 +155,41 @@ impl Model<'_> {
         1.0 + self.firm[curve] * sum
     }
 
-    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
-        let (size, plain) = (self.gram.size, self.gram.plain);
+    /// For each curve the prior variances of its waves, where the data could tell it from nothing.
+    fn seen(&self, hyper: &Hyperparameters) -> Vec<Option<Vec<(f64, f64)>>> {
         let noise = (-hyper.log_noise).exp();
-        let mut matrix: Vec<f64> = self.gram.matrix.iter().map(|cell| cell * noise).collect();
-        let mut right: Vec<f64> = self.gram.right.iter().map(|cell| cell * noise).collect();
+        let mut index = self.gram.plain;
+        let of = |((kernel, waves), gaps): ((&Kernel, &Waves), &Vec<f64>)| {
+            let variances = kernel.variances(waves);
+            let count = waves.len();
+            let precision = |own: usize| {
+                self.gram.cell(index + own, index + own) * noise + gaps.get(own * count + own).copied().unwrap_or(0.0)
+            };
+            let seen: f64 = variances.iter().enumerate().map(|(own, (variance, _))| variance * precision(own)).sum();
+            index += count;
+            (seen > UNSEEN).then_some(variances)
+        };
+        hyper.kernels.iter().zip(self.waves).zip(self.gaps).map(of).collect()
+    }
+
+    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
+        let (whole, plain) = (self.gram.size, self.gram.plain);
+        let noise = (-hyper.log_noise).exp();
+        let seen = self.seen(hyper);
+        // Of a curve that the data do not see they say nothing: prior and posterior are the same, and their determinants.
+        let mut columns: Vec<usize> = (0..plain).collect();
+        let mut first = plain;
+        for (waves, seen) in self.waves.iter().zip(&seen) {
+            columns.extend((first..first + waves.len()).filter(|_| seen.is_some()));
+            first += waves.len();
+        }
+        let size = columns.len();
+        let mut matrix = vec![0.0; size * size];
+        for (row, &i) in matrix.chunks_exact_mut(size).zip(&columns) {
+            let of = &self.gram.matrix[i * whole..=i * whole + i];
+            row.iter_mut().zip(columns.iter().take_while(|k| **k <= i)).for_each(|(cell, &k)| *cell = of[k] * noise);
+        }
+        let mut right: Vec<f64> = columns.iter().map(|&i| self.gram.right[i] * noise).collect();
         for (sum, pull) in right.iter_mut().zip(self.pull) {
             *sum += pull;
         }
@@ -163,9 +201,9 @@ impl Model<'_> {
         }
         let mut log_prior = self.log_precision;
         let mut index = plain;
-        for (curve, (kernel, waves)) in hyper.kernels.iter().zip(self.waves).enumerate() {
-            let variances = kernel.variances(waves);
-            log_prior += self.charge_of_mean(curve, &variances).ln();
+        for (curve, variances) in seen.iter().enumerate() {
+            let Some(variances) = variances else { continue };
+            log_prior += self.charge_of_mean(curve, variances).ln();
             let first = index;
             for (variance, _) in variances {
                 matrix[index * size + index] += 1.0 / variance;
@@ -199,7 +237,7 @@ impl Model<'_> {
         let log_determinant = factor.log_determinant() - 2.0 * log_scale;
         let score =
             0.5 * (log_prior - log_determinant - self.gram.count * hyper.log_noise - square + dot(&half, &half));
-        score.is_finite().then_some(Factored { score, factor, half, scale })
+        score.is_finite().then_some(Factored { score, factor, half, scale, columns, seen })
     }
 }
 
@@ -208,18 +246,24 @@ struct Factored {
     factor: Triangle,
     half: Vec<f64>,
     scale: Vec<f64>,
+    /// Which numbers these are.
+    columns: Vec<usize>,
+    /// For each curve the prior variances of its waves; none for one that the data do not see.
+    seen: Vec<Option<Vec<(f64, f64)>>>,
 }
 
 impl Factored {
-    fn posterior(&self) -> Posterior {
-        let size = self.scale.len();
-        let mut root = self.factor.inverse_columns();
-        let mut mean = Vec::with_capacity(size);
-        for (index, (column, scale)) in root.chunks_exact_mut(size).zip(&self.scale).enumerate() {
-            for cell in &mut column[index..] {
-                *cell *= scale;
+    /// What is said of `size` numbers in all: of those that are not among these, nothing.
+    fn posterior(&self, size: usize) -> Posterior {
+        let own = self.scale.len();
+        let (mut root, mut mean) = (vec![0.0; size * size], vec![0.0; size]);
+        let inverse = self.factor.inverse_columns();
+        for (index, (column, scale)) in inverse.chunks_exact(own).zip(&self.scale).enumerate() {
+            let at = self.columns[index];
+            for (cell, &row) in column[index..].iter().zip(&self.columns[index..]) {
+                root[at * size + row] = cell * scale;
             }
-            mean.push(dot(&column[index..], &self.half[index..]));
+            mean[at] = scale * dot(&column[index..], &self.half[index..]);
         }
         Posterior { mean, root, size }
     }
