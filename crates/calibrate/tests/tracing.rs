@@ -71,6 +71,27 @@ fn a_soft_joint_is_found_by_its_torque() {
 }
 
 #[test]
+fn an_order_within_a_gear_is_found_without_its_ratio() {
+    check(Kind::TransmissionError, Carrier::Joint(3), Driver::Harmonic { joint: 3, order: 17.3 }, &[4e-4, 3e-4]);
+}
+
+#[test]
+fn a_base_that_is_softer_one_way_is_one_base_and_no_wobble() {
+    let softness = [2e-5, 4e-6, 4e-6, 5e-6, 0.0, 0.0];
+    check(Kind::BaseCompliance, Carrier::BaseTurn, Driver::LevelOverturning, &softness);
+}
+
+#[test]
+fn a_gear_that_stiffens_is_one_compliance_and_no_play() {
+    let driver = Driver::HardeningTorque { joint: 2, knee: 4.0 };
+    let found = traced(vec![effect(Kind::JointCompliance, Carrier::Joint(2), driver, &[5e-6, 8e-5])], 11);
+    let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
+    assert_eq!((finding.term.kind, finding.term.carrier), (Kind::JointCompliance, Carrier::Joint(2)));
+    let Driver::HardeningTorque { knee, .. } = finding.term.driver else { panic!("{:?}", finding.term.driver) };
+    assert!((2.0..8.0).contains(&knee), "{knee}");
+}
+
+#[test]
 fn pitch_and_coupling_are_separated() {
     let pitch = effect(Kind::HelicalPitch, Carrier::Along(0), Driver::Reading(0), &[2e-4]);
     let scale = effect(Kind::JointScale, Carrier::Joint(2), Driver::Reading(2), &[8e-4]);

@@ -39,6 +39,18 @@ NAMED = [
 ]
 
 
+HARDER = [
+    ("softer_base", "six_axis", "position"),
+    ("joint_compliance+joint_compliance", "six_axis", "pose"),
+    ("hardening", "seven_axis", "position"),
+    ("balancer", "six_axis", "position"),
+    ("high_order", "seven_axis", "position"),
+    ("two_orders", "scara", "pose"),
+    ("three_orders", "rail_six_axis", "position"),
+    ("friction_play", "seven_axis", "pose"),
+]
+
+
 def calibrated(folder, *options):
     """Truth and report of one case."""
     truth = make(folder, parser().parse_args([str(folder), "--count", "200", "--test", "100", *options]))
@@ -71,6 +83,14 @@ def attainable(truth, report):
     return truth["noise_m"] * np.sqrt(size) * np.sqrt(1 + numbers / (truth["count"] * per_row))
 
 
+@pytest.mark.parametrize(("effect", "arm", "measure"), HARDER)
+def test_an_effect_as_real_machines_have_it_is_found_and_nothing_beside_it(effect, arm, measure, tmp_path):
+    truth, report = calibrated(tmp_path / "case", "--effects", effect, "--arm", arm, "--measure", measure, "--seed", "5", "--strength", "8")
+    hidden = {(effect["kind"], effect["places"][0]) for effect in truth["effects"]}
+    found = {(claim["kind"], place(claim)) for claim in claims(report)}
+    assert found == hidden, claims(report)
+
+
 @pytest.mark.parametrize(("effect", "arm", "measure"), NAMED)
 def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measure, tmp_path):
     truth, report = calibrated(tmp_path / "case", "--effects", effect, "--arm", arm, "--measure", measure, "--seed", "7", "--payload")
@@ -83,6 +103,15 @@ def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measur
     before, after = of_distance(report["stages"][1]["test"]), of_distance(report["stages"][-1]["test"])
     print(f"{effect} on {arm}: {before * 1e3:.4f} -> {after * 1e3:.4f} mm, attainable {attainable(truth, report) * 1e3:.4f}")
     assert after < attainable(truth, report) * (2.0 if measure == "distance" else CHANCE)
+
+
+def test_a_joint_that_counts_from_the_ground_is_said_with_the_mend(tmp_path):
+    folder = tmp_path / "case"
+    make(folder, parser().parse_args([str(folder), "--count", "200", "--test", "100", "--effects", "counted_from_ground", "--seed", "5"]))
+    command = [built.denavit(), "calibrate", folder / "nominal.urdf", "--data", folder / "train.csv"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert 'if "elbow" were counted from the ground' in run.stderr and 'into column "elbow"' in run.stderr
 
 
 @pytest.mark.parametrize("arm", ["six_axis", "seven_axis", "scara", "rail_six_axis"])

@@ -170,7 +170,6 @@ fn own_causes(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
         })
     };
     let mut causes: Vec<Candidate> = own(Kind::JointScale).chain(own(Kind::JointCompliance)).cloned().collect();
-    causes.retain(|cause| !matches!(cause.term.driver, Driver::TorqueTerms { .. }));
     if let Some(wave) = own(Kind::TransmissionError).next() {
         for line in lines(curve) {
             let whole = line.order.round().max(1.0);
@@ -183,6 +182,17 @@ fn own_causes(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
         }
     }
     causes.extend(own(Kind::Backlash).cloned());
+    // Of several forms of one cause the plain one is proposed; the search finds the others where they are.
+    causes.retain(|cause| {
+        !matches!(
+            cause.term.driver,
+            Driver::TorqueTerms { .. }
+                | Driver::SprungTorque(_)
+                | Driver::HardeningTorque { .. }
+                | Driver::FrictionSide { .. }
+                | Driver::LoadedSide { .. }
+        ) && !(cause.term.kind == Kind::Backlash && cause.term.driver.covariate().is_some())
+    });
     causes
 }
 

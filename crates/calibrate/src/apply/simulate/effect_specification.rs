@@ -34,7 +34,7 @@ pub struct EffectSpecification {
     pub kind: Kind,
     /// Where: a joint, `base`, `links`, `target`, `anchor`, `instrument`, `wire zero` or `all joints`.
     pub place: String,
-    /// What the kind leaves open: order, at, width, with, step.
+    /// What the kind leaves open: order, at, width, knee, friction, with, step.
     settings: Vec<(String, String)>,
     /// How strong.
     pub strength: Strength,
@@ -143,6 +143,13 @@ impl EffectSpecification {
                 ("order", Driver::Harmonic { order, .. }) => *order = number()?,
                 ("at", Driver::Bump { at, .. }) => *at = number()?,
                 ("width", Driver::Bump { width, .. }) => *width = number()?,
+                ("knee", Driver::Torque(joint)) => {
+                    term.driver = Driver::HardeningTorque { joint: *joint, knee: number()? };
+                }
+                ("friction", Driver::Approach { joint, from_rows, side }) => {
+                    let (joint, from_rows, side) = (*joint, *from_rows, side.clone());
+                    term.driver = Driver::FrictionSide { joint, friction: number()?, from_rows, side };
+                }
                 ("step", driver @ Driver::Covariate(_)) if self.kind == Kind::Drift => {
                     let Driver::Covariate(column) = driver else { continue };
                     *driver = Driver::Steps { covariate: column.clone(), at: vec![number()?] };
@@ -156,6 +163,8 @@ impl EffectSpecification {
                     let known = match &term.driver {
                         Driver::Harmonic { .. } => "order",
                         Driver::Bump { .. } => "at and width",
+                        Driver::Torque(_) => "knee",
+                        Driver::Approach { .. } => "friction",
                         Driver::Covariate(_) if self.kind == Kind::Drift => "step",
                         Driver::Reading(_) if self.kind == Kind::JointCoupling => "with",
                         _ => "nothing",
@@ -164,8 +173,14 @@ impl EffectSpecification {
                 }
             }
         }
-        if matches!(term.driver, Driver::Bump { width, .. } if width <= 0.0) {
-            return Err(self.wrong("width must be above 0".into()));
+        let not_above = match term.driver {
+            Driver::Bump { width, .. } if width <= 0.0 => Some("width"),
+            Driver::HardeningTorque { knee, .. } if knee <= 0.0 => Some("knee"),
+            Driver::FrictionSide { friction, .. } if friction <= 0.0 => Some("friction"),
+            _ => None,
+        };
+        if let Some(name) = not_above {
+            return Err(self.wrong(format!("{name} must be above 0")));
         }
         Ok(term)
     }
@@ -230,6 +245,10 @@ fn direction(
     let count = term.coefficients(statics);
     if count == 1 || term.coupling == Coupling::Paired {
         return Ok(vec![1.0; count]);
+    }
+    if let Driver::HardeningTorque { .. } = term.driver {
+        // All that gives levels off.
+        return Ok(vec![0.0, 1.0]);
     }
     let units: Vec<&str> = (0..count).map(|index| term.coefficient_name(statics, index).1).collect();
     if matches!(specification.strength, Strength::Coefficient(_)) && units.iter().any(|unit| *unit != units[0]) {
@@ -315,6 +334,15 @@ mod tests {
         assert_eq!((effect.term.driver, effect.coefficients), (Driver::Reading(1), vec![-1e-3]));
         let effect = of("drift@target:step=100=0.1mm");
         assert_eq!(effect.term.driver, Driver::Steps { covariate: run.data.column("time").unwrap(), at: vec![100.0] });
+        let effect = of(&format!("joint_compliance@{second}:knee=8=0.2mm"));
+        assert_eq!(effect.term.driver, Driver::HardeningTorque { joint: 1, knee: 8.0 });
+        assert!(effect.coefficients[0] == 0.0 && effect.coefficients[1] > 0.0);
+        let effect = of(&format!("backlash@{second}:friction=4=1e-4"));
+        assert!(matches!(effect.term.driver, Driver::FrictionSide { joint: 1, friction: 4.0, from_rows: true, .. }));
+        let refused =
+            |text: &str| specified_effects(&[text.parse().unwrap()], &statics, &run, 0).unwrap_err().to_string();
+        assert!(refused(&format!("backlash@{second}:friction=0=1e-4")).ends_with("friction must be above 0"));
+        assert!(refused(&format!("backlash@{second}:knee=1=1e-4")).contains("lets one set friction"));
         let effect = of(&format!("local_joint_error@{second}:at=0.4,width=0.1=1e-4"));
         assert_eq!(effect.term.driver, Driver::Bump { joint: 1, at: 0.4, width: 0.1, shape: BumpShape::Bell });
     }
