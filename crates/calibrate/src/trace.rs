@@ -33,6 +33,7 @@ use crate::trace::infer::named::Alternative;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What the tracer may look for, and how sure it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,8 @@ pub struct TraceOptions {
     pub false_claims: f64,
     /// How error curves are sought beside them.
     pub curves: CurveOptions,
+    /// What an earlier calibration knows: it acts in every row, and effects are looked for beside it.
+    pub earlier: Option<Arc<EffectModel>>,
 }
 
 impl TraceOptions {
@@ -61,6 +64,7 @@ impl TraceOptions {
             gear_ratios: Vec::new(),
             false_claims: 0.005,
             curves: CurveOptions::default(),
+            earlier: None,
         }
     }
 }

@@ -24,6 +24,7 @@ mod pairs;
 mod placing;
 mod plan_and_compensate;
 mod prior;
+mod prior_effects;
 mod real;
 mod recovery;
 mod redundancy;

@@ -44,12 +44,20 @@ pub(crate) fn trace(
     let part = data.subset(&rows);
     let thin = on_rows(geometric, data, &rows);
     let tracer = Tracer::new(statics, &part, &thin, options);
-    let all_curves = || fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
+    let all_curves = || {
+        fit_curves(
+            &survey,
+            data,
+            &geometric.with_model(statics, options.earlier.as_ref()),
+            &geometric.arm,
+            &options.curves,
+        )
+    };
     let (curves, found) = both(all_curves, || tracer.run());
     let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
-        let model = EffectModel::of_terms(statics, &terms);
+        let model = EffectModel::of_terms(statics, options.earlier.as_ref(), &terms);
         let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
         let mut beside = fit_curves_near(survey, data, &plain, &geometric.arm, options.curves, known);
         if beside.fit.effects.curves.is_empty() {
@@ -69,7 +77,7 @@ pub(crate) fn trace(
         Some(state) => with(&state.chosen, &state.fit, &part, &tracer.survey).1,
         None if rows.len() == data.len() => curves.clone(),
         None => {
-            let plain = on_rows(&geometric.with_model(statics), data, &rows);
+            let plain = on_rows(&geometric.with_model(statics, options.earlier.as_ref()), data, &rows);
             fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
         }
     });
@@ -104,7 +112,7 @@ pub(crate) fn trace(
     judged.truncate(options.max_effects);
     let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
     let (plain, last) = if kept.is_empty() {
-        (geometric.with_model(statics), curves.clone())
+        (geometric.with_model(statics, options.earlier.as_ref()), curves.clone())
     } else {
         with(&kept, &found.states[0].fit, data, &survey)
     };
