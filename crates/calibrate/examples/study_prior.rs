@@ -75,7 +75,8 @@ pub fn run(poses: usize, seed: u64) -> Run {
     };
     // The same robot in the frame that the fit reports in.
     let told = |result: &Calibration| {
-        let fit = result.beyond_geometry().unwrap();
+        let updated = result.carried.as_ref().map(|carried| &carried.updated);
+        let fit = updated.or(result.beyond_geometry()).unwrap();
         let truth = Arm { joints: before.arm.joints.clone(), ..fit.arm.clone() };
         let truth = gauge::centred(&fit.layout, &truth, &fit.arm);
         let [expected, estimated] = [&truth, &fit.arm].map(|arm| fit.layout.difference(arm, &truth));

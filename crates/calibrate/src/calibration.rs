@@ -309,9 +309,9 @@ pub fn calibrate_and_tell(
     let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
     let geometry = of_geometry[last.min(of_geometry.len() - 1)];
     let (adopted, weights, information, (parameters, posterior, differs)) = match reached {
-        Some(Beyond { adopted, fit, deflections, .. }) => {
+        Some(Beyond { adopted, fit, deflections, modes, .. }) => {
             let (parameters, posterior, differs) = identified(fit);
-            let effects = EffectsPosterior::of(fit, deflections.len());
+            let effects = EffectsPosterior::of(fit, deflections.len(), modes);
             let posterior = posterior.map(|posterior| Posterior { effects, ..posterior });
             (*adopted, &fit.weights, Information::of(fit), (parameters, posterior, differs))
         }

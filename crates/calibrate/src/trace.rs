@@ -22,6 +22,7 @@ mod select;
 mod settle;
 
 use crate::effects::catalogue::Kind;
+use crate::effects::curve_modes::CurveModes;
 use crate::effects::driver::Statics;
 use crate::effects::model::{EffectModel, Term};
 use crate::identify::IdentifyOptions;
@@ -134,6 +135,8 @@ pub struct Trace {
     pub curve_gains: Vec<f64>,
     /// The same for what joints give under gravity beside them: the last effects of the fit, of which no finding speaks.
     pub deflections: Vec<f64>,
+    /// How its curves are unsure.
+    pub modes: CurveModes,
     /// Geometry and effects without curves.
     pub plain: Fit<EffectModel>,
     /// Geometry and curves without effects.

@@ -3,6 +3,7 @@
 use crate::calibration::Calibration;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::Stage;
+use crate::effects::curve_modes::CurveModes;
 use crate::effects::model::EffectModel;
 use crate::identify::Identification;
 use crate::identify::carried::{Carried, Gains};
@@ -182,6 +183,8 @@ pub(super) struct Beyond<'a> {
     pub deflections: Vec<f64>,
     /// How many of its curves were fitted to these rows: the first ones. The others are those of an earlier calibration.
     pub own_curves: usize,
+    /// How its curves are unsure.
+    pub modes: Cow<'a, CurveModes>,
 }
 
 /// An earlier model as it was and brought up to date; curves alone; effects alone, where there are curves beside them; both. What was
@@ -194,43 +197,52 @@ pub(super) fn beyond<'a>(
     let mut stages = Vec::new();
     let base = if carried.is_some() { UPDATED } else { GEOMETRIC };
     if let Some(carried) = carried {
-        let stage = |name: &str, adopted, fit, gains: &Gains| Beyond {
+        let stage = |name: &str, adopted, fit: &'a Fit<EffectModel>, gains: &Gains, modes| Beyond {
             name: name.into(),
             adopted,
             fit: Cow::Borrowed(fit),
             gains: gains.curves.clone(),
             deflections: gains.fields.clone(),
             own_curves: 0,
+            modes,
         };
-        stages.push(stage("earlier", Adopted::Earlier, &carried.earlier, &carried.earlier_gains));
-        stages.push(stage(UPDATED, Adopted::Updated, &carried.updated, &carried.updated_gains));
+        let left = Cow::Owned(CurveModes::none(carried.earlier.layout.len()));
+        stages.push(stage("earlier", Adopted::Earlier, &carried.earlier, &carried.earlier_gains, left));
+        let modes = Cow::Borrowed(&carried.updated_modes);
+        stages.push(stage(UPDATED, Adopted::Updated, &carried.updated, &carried.updated_gains, modes));
     }
     let known = carried.map(|carried| carried.updated_gains.clone());
     let known = known.unwrap_or(Gains { fields: Vec::new(), curves: Vec::new() });
-    let put_together = |fit: &'a Fit<EffectModel>, deflections: &[f64]| match carried {
-        Some(carried) => Cow::Owned(carried.with(fit, deflections.len())),
-        None => Cow::Borrowed(fit),
+    let put_together = |fit: &'a Fit<EffectModel>, deflections: &[f64], modes: Cow<'a, CurveModes>| match carried {
+        Some(carried) => {
+            let (fit, modes) = carried.with(fit, deflections.len(), &modes);
+            (Cow::Owned(fit), Cow::Owned(modes))
+        }
+        None => (Cow::Borrowed(fit), modes),
     };
-    let stage = |name: String, adopted, fit: &'a Fit<EffectModel>, gains: &[f64], deflections: &[f64]| Beyond {
-        name,
-        adopted,
-        fit: put_together(fit, deflections),
-        gains: [gains, &known.curves].concat(),
-        deflections: [&known.fields, deflections].concat(),
-        own_curves: fit.effects.curves.len(),
+    let stage = |name: String, adopted, fit: &'a Fit<EffectModel>, of: (&[f64], &[f64], Cow<'a, CurveModes>)| {
+        let (gains, deflections, modes) = of;
+        let own_curves = fit.effects.curves.len();
+        let (fit, modes) = put_together(fit, deflections, modes);
+        let gains = [gains, &known.curves].concat();
+        let deflections = [&known.fields, deflections].concat();
+        Beyond { name, adopted, fit, gains, deflections, own_curves, modes }
     };
     if let Some(curves) = curves.filter(|curves| !curves.fit.effects.curves.is_empty()) {
         let name = format!("{base} + curves");
-        stages.push(stage(name, Adopted::Curves, &curves.fit, &curves.gains, &curves.deflections));
+        let modes = Cow::Borrowed(&curves.modes);
+        stages.push(stage(name, Adopted::Curves, &curves.fit, (&curves.gains, &curves.deflections, modes)));
     }
     if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
         let name = stage_name(base, found);
         if !found.fit.effects.curves.is_empty() {
-            stages.push(stage(name.clone(), Adopted::Effects, &found.plain, &[], &[]));
+            let none = Cow::Owned(CurveModes::none(found.plain.layout.len()));
+            stages.push(stage(name.clone(), Adopted::Effects, &found.plain, (&[], &[], none)));
         }
         let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
         let name = format!("{name}{beside}");
-        stages.push(stage(name, Adopted::Effects, &found.fit, &found.curve_gains, &found.deflections));
+        let modes = Cow::Borrowed(&found.modes);
+        stages.push(stage(name, Adopted::Effects, &found.fit, (&found.curve_gains, &found.deflections, modes)));
     }
     stages
 }

@@ -1,13 +1,15 @@
 //! Effects and error curves of an earlier calibration on new rows: those that can go on do, and each only as long as the rows do not
 //! speak against it.
 //!
-//! Axes and coefficients have the earlier posterior as their joint prior; curves act as they came out. What the rows say of a part
+//! Axes, coefficients and the modes of the curves have the earlier posterior as their joint prior. What the rows say of a part
 //! (an effect, a curve, what a joint gives under gravity) is the probability of the rows with it against that without it: a part is
 //! left out where the rows are twenty times as probable without it, and as many times more as there are parts that chance may speak
 //! against. The axes count with a weight as they do without effects, see
 //! [`crate::identify::IdentifyOptions::earlier`].
 
 use crate::effects::catalogue::Kind;
+use crate::effects::curve::Curve;
+use crate::effects::curve_modes::{CurveModes, Varying};
 use crate::effects::driver::{RUN_ORDER, Statics};
 use crate::effects::model::{Effect, EffectModel};
 use crate::identify::continued::{CONTRADICTED, WEIGHTS, borne_out, log_evidence};
@@ -21,6 +23,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects as _, Layout, NoEffects};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::Serialize;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Rows by which the parts are judged, at most, spread over the run: more would say the same at more time.
@@ -66,8 +69,10 @@ pub struct Carried {
     pub earlier: Fit<EffectModel>,
     /// Of that.
     pub earlier_gains: Gains,
-    /// Axes and coefficients brought up to date, the curves as they were, without what the rows speak against.
+    /// Axes, coefficients and curves brought up to date, without what the rows speak against.
     pub updated: Fit<EffectModel>,
+    /// How its curves are unsure.
+    pub updated_modes: CurveModes,
     /// Of that.
     pub updated_gains: Gains,
     /// What is known of the axes counts for so much, from 0 to 1.
@@ -88,8 +93,15 @@ pub struct Gains {
 /// What acts in the rows: the effects bound to their columns, and where their coefficients stand in the earlier order.
 struct Able {
     statics: Statics,
-    effects: Vec<(Effect, std::ops::Range<usize>)>,
-    curves: Vec<crate::effects::curve::Curve>,
+    effects: Vec<(Effect, Range<usize>)>,
+    curves: Vec<AbleCurve>,
+}
+
+/// A curve with its modes, and where their numbers stand in the earlier order.
+struct AbleCurve {
+    curve: Curve,
+    modes: Vec<Vec<f64>>,
+    places: Range<usize>,
 }
 
 impl Able {
@@ -97,13 +109,18 @@ impl Able {
         self.effects.len() + self.curves.len()
     }
 
-    /// The model of these parts, effects first, and its coefficients' places in the earlier order.
-    fn model(&self, kept: &[bool]) -> (EffectModel, Vec<usize>) {
+    /// The model of these parts, and the places of its coefficients and modes in the earlier order.
+    fn model(&self, kept: &[bool]) -> (Varying, Vec<usize>) {
         let (of_effects, of_curves) = kept.split_at(self.effects.len());
-        let chosen = || self.effects.iter().zip(of_effects).filter(|(_, kept)| **kept).map(|(effect, _)| effect);
-        let mut model = EffectModel::new(self.statics.clone(), chosen().map(|(effect, _)| effect.clone()).collect());
-        model.curves = self.curves.iter().zip(of_curves).filter(|(_, kept)| **kept).map(|(c, _)| c.clone()).collect();
-        (model, chosen().flat_map(|(_, places)| places.clone()).collect())
+        let chosen: Vec<_> =
+            self.effects.iter().zip(of_effects).filter(|(_, kept)| **kept).map(|(own, _)| own).collect();
+        let curves: Vec<_> = self.curves.iter().zip(of_curves).filter(|(_, kept)| **kept).map(|(own, _)| own).collect();
+        let effects = chosen.iter().map(|(effect, _)| effect.clone()).collect();
+        let mut model = EffectModel::new(self.statics.clone(), effects);
+        model.curves = curves.iter().map(|own| own.curve.clone()).collect();
+        let shapes: Vec<&[Vec<f64>]> = curves.iter().map(|own| &own.modes[..]).collect();
+        let places = chosen.iter().map(|(_, places)| places).chain(curves.iter().map(|own| &own.places));
+        (Varying::new(model, &shapes), places.flat_map(Clone::clone).collect())
     }
 }
 
@@ -118,15 +135,49 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn fitted(&self, kept: &[bool], weight: f64, robust: bool) -> Fit<EffectModel> {
-        let (model, coefficients) = self.able.model(kept);
+    fn fitted(&self, kept: &[bool], weight: f64, robust: bool) -> Fit<Varying> {
+        let (model, numbers) = self.able.model(kept);
         let options = self.options;
         let counted = self.earlier.counted(weight);
         let chain = &self.start.nominal;
         let layout = Layout::new(chain, &self.data.scene, &options.freedom, &options.tolerances, model.parameters());
         let mut layout = expecting(layout, Some(&counted));
-        layout.effects_prior = self.earlier.of_effects(&layout, &coefficients, model.numbers(), 0);
+        layout.effects_prior = self.earlier.of_effects(&layout, &numbers, model.numbers(), 0);
         fit(self.data, &layout, self.start, &model, self.weights, &FitOptions { robust, ..options.fit })
+    }
+
+    /// A fit with its curves as they came to vary, and how they are unsure after it.
+    fn settled(&self, kept: &[bool], varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
+        let model = varying.effects.settled();
+        let coefficients = model.numbers();
+        let end = varying.layout.effects.start + coefficients.len();
+        let modes: Vec<usize> = (end..varying.layout.effects.end).collect();
+        let others: Vec<usize> = (0..varying.layout.len()).filter(|index| !modes.contains(index)).collect();
+        let of_curves = kept[self.able.effects.len()..].iter().zip(&self.able.curves).filter(|(kept, _)| **kept);
+        let unsure = CurveModes {
+            shapes: of_curves.map(|(_, own)| own.modes.clone()).collect(),
+            covariance: varying.covariance.select_rows(&modes).select_columns(&modes),
+            cross: varying.covariance.select_rows(&modes).select_columns(&others),
+        };
+        let mut layout = varying.layout.with_effects(model.parameters());
+        let places = &self.able.model(kept).1[..coefficients.len()];
+        // What was expected of the coefficients, whatever the curves are.
+        let before = self.able.model(kept).0.numbers()[..coefficients.len()].to_vec();
+        layout.effects_prior = self.earlier.of_effects(&layout, places, before, 0);
+        let fit = Fit {
+            arm: varying.arm,
+            effects: model,
+            layout,
+            noise: varying.noise,
+            weights: varying.weights,
+            squares: varying.squares,
+            covariance: varying.covariance.select_rows(&others).select_columns(&others),
+            parameters_used: varying.parameters_used,
+            values: varying.values,
+            iterations: varying.iterations,
+            converged: varying.converged,
+        };
+        (fit, unsure)
     }
 
     fn evidence(&self, kept: &[bool], weight: f64) -> f64 {
@@ -173,11 +224,12 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     let options = options.for_data(&geometric.arm.nominal, data);
     let (able, mut parts, indices) = able(known, data);
     let all = vec![true; able.parts()];
-    let whole = Arc::new(able.model(&all).0);
+    let (whole, places) = able.model(&all);
+    let whole = Arc::new(whole.settled());
     let held = EffectModel::beside(&able.statics, Some(&whole));
     let plain = FitOptions { robust: false, ..options.fit };
     let anew = fit(data, &identification.nominal.layout, &placed.fit.arm, &held, &geometric.weights, &plain);
-    let std: Vec<f64> = able.model(&all).1.into_iter().map(|index| known.std[index]).collect();
+    let std: Vec<f64> = places[..whole.numbers().len()].iter().map(|&index| known.std[index]).collect();
 
     let few = (data.len() > MOST_ROWS)
         .then(|| data.subset(&(0..MOST_ROWS).map(|k| k * data.len() / MOST_ROWS).collect::<Vec<usize>>()));
@@ -202,7 +254,8 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
         parts[*index].log_evidence = Some(*gain);
     }
     let ones = vec![1.0; data.observations()];
-    let updated = Judge { data, weights: &ones, ..judge }.fitted(&kept, weight, options.fit.robust);
+    let judge = Judge { data, weights: &ones, ..judge };
+    let (updated, updated_modes) = judge.settled(&kept, judge.fitted(&kept, weight, options.fit.robust));
     let first_field = known.model.effects.len() - known.fields;
     let gains_of = |wanted: &[bool]| {
         let of = |part: &usize| wanted[*part];
@@ -214,6 +267,7 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
         earlier: put_together(&anew, 0, &whole, &std),
         earlier_gains: gains_of(&all),
         updated,
+        updated_modes,
         updated_gains: gains_of(&kept),
         weight,
         parts,
@@ -247,11 +301,8 @@ fn put_together(fit: &Fit<EffectModel>, fields: usize, held: &EffectModel, std: 
 fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, Vec<usize>) {
     let model = &known.model;
     let chain = &model.statics.chain;
-    let (mut able, mut parts, mut indices) = (
-        Able { statics: model.statics.clone(), effects: Vec::new(), curves: model.curves.clone() },
-        Vec::new(),
-        Vec::new(),
-    );
+    let (mut able, mut parts, mut indices) =
+        (Able { statics: model.statics.clone(), effects: Vec::new(), curves: Vec::new() }, Vec::new(), Vec::new());
     let first_field = model.effects.len() - known.fields;
     let mut end = 0;
     for (index, effect) in model.effects.iter().enumerate() {
@@ -284,7 +335,10 @@ fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, V
         }
         parts.push(part);
     }
-    for curve in &model.curves {
+    for (curve, modes) in model.curves.iter().zip(&known.modes) {
+        let places = end..end + modes.len();
+        end = places.end;
+        able.curves.push(AbleCurve { curve: curve.clone(), modes: modes.clone(), places });
         indices.push(parts.len());
         parts.push(CarriedPart {
             kind: "error_curve",
@@ -323,10 +377,22 @@ impl Carried {
         }
     }
 
-    /// A fit beside the updated model with that in it: the last `fields` of its own effects come last.
-    pub fn with(&self, fit: &Fit<EffectModel>, fields: usize) -> Fit<EffectModel> {
+    /// A fit beside the updated model with that in it: the last `fields` of its own effects come last. And how its curves are unsure.
+    pub fn with(&self, fit: &Fit<EffectModel>, fields: usize, modes: &CurveModes) -> (Fit<EffectModel>, CurveModes) {
         let held = &self.updated;
         let std: Vec<f64> = held.layout.effects.clone().map(|index| held.deviation(index)).collect();
-        put_together(fit, fields, &held.effects, &std)
+        let whole = put_together(fit, fields, &held.effects, &std);
+        // What was held has no correlation with the rest: only its modes are taken over.
+        let own = fit.effects.effects.len() - fields;
+        let before: usize = fit.effects.effects[..own].iter().map(|effect| effect.coefficients.len()).sum();
+        let at = fit.layout.effects.start + before;
+        let places: Vec<usize> =
+            (0..fit.layout.len()).map(|index| if index < at { index } else { index + std.len() }).collect();
+        let more = CurveModes {
+            cross: DMatrix::zeros(self.updated_modes.covariance.nrows(), 0),
+            ..self.updated_modes.clone()
+        };
+        let modes = modes.with(&places, &more, &[], whole.layout.len());
+        (whole, modes)
     }
 }

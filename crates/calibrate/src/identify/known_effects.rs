@@ -5,12 +5,14 @@
 //!
 //! ```json
 //! "effects": {"model": {"schema": "denavit.effects/1", …}, "fields": 2, "std": [2e-6, …],
-//!             "correlations": [[0.1, …], …]}
+//!             "modes": [[[1e-5, …], …]], "correlations": [[0.1, …], …]}
 //! ```
-//! `model`: what a file of effects holds; its last `fields` effects are what joints give under gravity beside their curves. `std`: of
-//! each coefficient, in the order of the model. Row k of `correlations`: those of coefficient k with each of the axes' parameters,
-//! then with the coefficients before it. Curves are kept as they came out, with their spread, and without correlations.
+//! `model`: what a file of effects holds; its last `fields` effects are what joints give under gravity beside their curves. `modes`: for each
+//! curve the shapes by which it is unsure, as weights of its waves ([`CurveModes`]). `std`: of each coefficient in the order of the model,
+//! then of each mode. Row k of `correlations`: those of number k with each of the axes' parameters, then with the numbers before it.
 
+use crate::effects::curve::Curve;
+use crate::effects::curve_modes::CurveModes;
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
 use crate::effects::saved::SavedEffects;
@@ -26,9 +28,12 @@ pub struct EffectsPosterior {
     model: serde_json::Value,
     /// How many of the last effects are what joints give under gravity.
     fields: usize,
-    /// Standard deviation of each coefficient.
+    /// For each curve its modes, as weights of its waves.
+    #[serde(default)]
+    modes: Vec<Vec<Vec<f64>>>,
+    /// Standard deviation of each coefficient, then of each mode.
     std: Vec<f64>,
-    /// For each coefficient its correlations with the axes' parameters and with the coefficients before it.
+    /// For each of these its correlations with the axes' parameters and with those before it.
     correlations: Vec<Vec<f64>>,
 }
 
@@ -39,31 +44,43 @@ pub struct KnownEffects {
     pub model: SavedEffects,
     /// How many of the last effects are what joints give under gravity.
     pub fields: usize,
-    /// Standard deviation of each coefficient.
+    /// For each curve its modes, as weights of its waves.
+    pub modes: Vec<Vec<Vec<f64>>>,
+    /// Standard deviation of each coefficient, then of each mode.
     pub std: Vec<f64>,
-    /// For each coefficient its correlations with the axes' parameters and with the coefficients before it.
+    /// For each of these its correlations with the axes' parameters and with those before it.
     pub correlations: Vec<Vec<f64>>,
 }
 
 impl EffectsPosterior {
     /// Of a fit's effects, the last `fields` of which are what joints give under gravity; `None` where it has neither effects nor curves,
     /// or several tips.
-    pub fn of(fit: &Fit<EffectModel>, fields: usize) -> Option<Self> {
+    pub fn of(fit: &Fit<EffectModel>, fields: usize, modes: &CurveModes) -> Option<Self> {
         let model = &fit.effects;
         if (model.effects.is_empty() && model.curves.is_empty()) || model.statics.tips.several() {
             return None;
         }
         let effects = fit.layout.effects.clone();
-        let correlation = |i: usize, k: usize| {
-            let size = fit.deviation(i) * fit.deviation(k);
-            if size > 0.0 { (fit.covariance[(i, k)] / size).clamp(-1.0, 1.0) } else { 0.0 }
+        let (joints, coefficients) = (fit.layout.joints.len(), effects.len());
+        // Axes, coefficients, modes.
+        let covariance = |i: usize, k: usize| match (i.checked_sub(effects.end), k.checked_sub(effects.end)) {
+            (None, None) => fit.covariance[(i, k)],
+            (Some(i), Some(k)) => modes.covariance[(i, k)],
+            (Some(i), None) => modes.cross[(i, k)],
+            (None, Some(k)) => modes.cross[(k, i)],
         };
-        let with = |i: usize| fit.layout.joints.clone().chain(effects.start..i).map(|k| correlation(i, k)).collect();
+        let deviation = |i: usize| covariance(i, i).max(0.0).sqrt();
+        let correlation = |i: usize, k: usize| {
+            let size = deviation(i) * deviation(k);
+            if size > 0.0 { (covariance(i, k) / size).clamp(-1.0, 1.0) } else { 0.0 }
+        };
+        let numbers = joints..joints + coefficients + modes.covariance.nrows();
         Some(Self {
             model: model.saved().to_value(),
             fields,
-            std: effects.clone().map(|index| fit.deviation(index)).collect(),
-            correlations: effects.clone().map(with).collect(),
+            modes: modes.shapes.clone(),
+            std: numbers.clone().map(deviation).collect(),
+            correlations: numbers.map(|i| (0..i).map(|k| correlation(i, k)).collect()).collect(),
         })
     }
 
@@ -74,8 +91,17 @@ impl EffectsPosterior {
     pub fn read(&self, file: &str, chain: &Chain, parameters: usize) -> Result<KnownEffects, String> {
         let model = SavedEffects::from_value(file, &self.model, &Statics::of_chain(chain));
         let model = model.map_err(|error| error.to_string())?;
-        let count: usize = model.effects.iter().map(|effect| effect.coefficients.len()).sum();
+        let coefficients: usize = model.effects.iter().map(|effect| effect.coefficients.len()).sum();
+        let mut modes = self.modes.clone();
+        modes.resize(model.curves.len(), Vec::new());
+        let count = coefficients + modes.iter().map(Vec::len).sum::<usize>();
         let bad = |why: String| Err(format!("{file}: posterior.effects: {why}; make the file again"));
+        let fits = |(curve, modes): (&Curve, &Vec<Vec<f64>>)| {
+            modes.iter().all(|mode| mode.len() == curve.waves.len() && mode.iter().all(|weight| weight.is_finite()))
+        };
+        if self.modes.len() > model.curves.len() || !model.curves.iter().zip(&modes).all(fits) {
+            return bad("modes must be those of the curves, a finite number for each wave".into());
+        }
         if self.std.len() != count || self.correlations.len() != count {
             return bad(format!("std and correlations need {count} entries each"));
         }
@@ -87,20 +113,19 @@ impl EffectsPosterior {
         };
         if self.correlations.iter().enumerate().any(wrong) {
             return bad(
-                "each row of correlations needs one between -1 and 1 for each parameter and coefficient before it"
-                    .into(),
+                "each row of correlations needs one between -1 and 1 for each parameter and number before it".into()
             );
         }
         if self.fields > model.effects.len() {
             return bad(format!("fields is {}, and there are {} effects", self.fields, model.effects.len()));
         }
         let (std, correlations) = (self.std.clone(), self.correlations.clone());
-        Ok(KnownEffects { model, fields: self.fields, std, correlations })
+        Ok(KnownEffects { model, fields: self.fields, modes, std, correlations })
     }
 }
 
 impl KnownEffects {
-    /// Covariance of these coefficients, and theirs with the axes' parameters, whose standard deviations are given.
+    /// Covariance of these coefficients and modes, and theirs with the axes' parameters, whose standard deviations are given.
     pub fn covariance(&self, coefficients: &[usize], parameters: &[f64]) -> (DMatrix<f64>, DMatrix<f64>) {
         let (count, joints) = (coefficients.len(), parameters.len());
         let own = |i: usize, k: usize| {

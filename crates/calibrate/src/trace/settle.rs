@@ -138,6 +138,7 @@ pub(crate) fn trace(
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
+        modes: last.modes,
         deflections: last.deflections,
         plain,
         curves,
