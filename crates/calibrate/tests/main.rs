@@ -6,6 +6,7 @@ mod bad_input;
 mod camera;
 mod contact;
 mod covariates;
+mod coverage;
 mod curves;
 mod diagnosis;
 mod exports;
