@@ -179,7 +179,7 @@ fn main() {
         let found: Vec<(Share, usize, usize)> = (0..runs).map(|seed| bands(rows, 7000 + seed)).collect();
         let (right, wrong) = found.iter().fold((0, 0), |sum, run| (sum.0 + run.1, sum.1 + run.2));
         let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
-        let said = format!("{right} of {}, {wrong} of others", runs as usize * GEARS.len());
+        let said = format!("{right} of {}, {wrong} of others", found.len() * GEARS.len());
         line(&format!("error curves, {rows} rows"), said, &shares);
     }
     for kind in [Kind::JointCompliance, Kind::TransmissionError, Kind::JointScale, Kind::Backlash] {

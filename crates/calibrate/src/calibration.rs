@@ -271,33 +271,13 @@ pub fn calibrate_and_tell(
     // Geometry alone is wanted where neither effects nor curves are.
     let carried = options.trace.is_some() || options.curves.is_some();
     let carried = carried.then(|| carried::carried(&train, &identification, &options.identify)).flatten();
-    let beside = carried.as_ref().map(Carried::beside);
-    let statics = beside.as_ref().map_or(statics, |beside| &beside.statics);
     let weight = carried.as_ref().map(|carried| carried.weight);
     let weight = weight.or_else(|| identification.earlier.as_ref().map(|earlier| earlier.weight));
-    let updated = carried.as_ref().map(Carried::geometry);
-    let geometric = updated.as_ref().unwrap_or(geometric);
-    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects);
-    if wanted.is_some() {
-        begin(Progress::Effects)?;
-    }
-    let found = wanted.map(|options| {
-        let mut options = TraceOptions { earlier: beside.clone(), ..options.clone() };
-        counted(&mut options.identify, weight);
-        trace(statics, &train, geometric, &options)
-    });
+    let searched = Searched { statics, data: &train, geometric, carried: carried.as_ref(), weight };
+    let (found, curves) = searched.run(options, redundancy.enough_for_effects, &mut begin)?;
     if let (Some(test), Some(found)) = (&test, &found) {
         bound_later(&found.fit.effects, &train, test)?;
     }
-    let wanted = options.curves.as_ref().filter(|_| found.is_none() && redundancy.enough_for_effects);
-    if wanted.is_some() {
-        begin(Progress::Curves)?;
-    }
-    let curves = wanted.map(|options| {
-        let survey = Survey::of(statics, &train, Vec::new());
-        fit_curves(&survey, &train, &geometric.with_model(statics, beside.as_ref()), &geometric.arm, options)
-    });
-    let curves = curves.or_else(|| found.as_ref().map(|found| found.curves.clone()));
     begin(Progress::Judgement)?;
     let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
     let of_geometry = identification.stages(carried.is_some());
@@ -376,6 +356,44 @@ pub fn calibrate_and_tell(
     result.report.placements = Some(rows::placements(&result));
     result.report.rows = Rows::of(&result);
     Ok(result)
+}
+
+/// What effects and curves are looked for in, and what is known already.
+struct Searched<'a> {
+    statics: &'a Statics,
+    data: &'a Measurements,
+    geometric: &'a Fit<NoEffects>,
+    carried: Option<&'a Carried>,
+    /// How much an earlier calibration counts.
+    weight: Option<f64>,
+}
+
+impl Searched<'_> {
+    /// Effects, or curves alone, as they are wanted and the rows are `enough`; beside those of an earlier calibration.
+    fn run(
+        &self,
+        options: &CalibrateOptions,
+        enough: bool,
+        begin: &mut dyn FnMut(Progress) -> Result<(), CalibrateError>,
+    ) -> Result<(Option<Trace>, Option<CurveFit>), CalibrateError> {
+        let beside = self.carried.map(Carried::beside);
+        let statics = beside.as_ref().map_or(self.statics, |beside| &beside.statics);
+        let updated = self.carried.map(Carried::geometry);
+        let geometric = updated.as_ref().unwrap_or(self.geometric);
+        if let Some(options) = options.trace.as_ref().filter(|_| enough) {
+            begin(Progress::Effects)?;
+            let mut options = TraceOptions { earlier: beside.clone(), ..options.clone() };
+            counted(&mut options.identify, self.weight);
+            let found = trace(statics, self.data, geometric, &options);
+            let curves = found.curves.clone();
+            return Ok((Some(found), Some(curves)));
+        }
+        let Some(options) = options.curves.as_ref().filter(|_| enough) else { return Ok((None, None)) };
+        begin(Progress::Curves)?;
+        let survey = Survey::of(statics, self.data, Vec::new());
+        let start = geometric.with_model(statics, beside.as_ref());
+        Ok((None, Some(fit_curves(&survey, self.data, &start, &geometric.arm, options))))
+    }
 }
 
 /// What the noise of the adopted fit is made of, which may hold error curves.

@@ -63,7 +63,7 @@ impl EffectsPrior {
         }
         let mut expected = DVector::zeros(of);
         joints.iter().enumerate().for_each(|(from, to)| expected[*to] = self.expected[from]);
-        Self { along, expected, ..self }
+        Self { expected, along, ..self }
     }
 
     /// Of coefficients that are held: each its mean and standard deviation.

@@ -17,7 +17,7 @@ use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Question, judge};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::select::{State, Tracer, same_terms};
-use crate::trace::{Finding, Trace, TraceOptions};
+use crate::trace::{Finding, Portrait, Trace, TraceOptions};
 
 /// Rows that causes are looked for in, at most, and values: 800 positions, 400 poses. More tell more of curves, but a cause
 /// that these do not show is none to be named, and the time grows with them.
@@ -118,23 +118,7 @@ pub(crate) fn trace(
     };
     let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
-    let mut first = last.fit.layout.effects.start;
-    let mut findings = Vec::new();
-    for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
-        findings.push(Finding {
-            term: one.candidate.term.clone(),
-            place: one.candidate.term.carrier.place(&statics.chain),
-            values: values(&last.fit, index, first),
-            named: one.named(),
-            probability: one.probability,
-            found_again: one.found_again,
-            p_value: one.log_absent.exp(),
-            delta_bic: 2.0 * one.gain,
-            rivals: one.rivals,
-            portrait,
-        });
-        first += last.fit.effects.effects[index].coefficients.len();
-    }
+    let findings = findings(judged, portraits, &last.fit);
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
@@ -147,6 +131,28 @@ pub(crate) fn trace(
         scan: found.scan,
         leftover,
     }
+}
+
+/// What was judged, with the numbers that it has in the fit: its effects come first there.
+fn findings(judged: Vec<Judged>, portraits: Vec<Portrait>, fit: &Fit<EffectModel>) -> Vec<Finding> {
+    let mut first = fit.layout.effects.start;
+    let mut findings = Vec::new();
+    for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
+        findings.push(Finding {
+            term: one.candidate.term.clone(),
+            place: one.candidate.term.carrier.place(&fit.effects.statics.chain),
+            values: values(fit, index, first),
+            named: one.named(),
+            probability: one.probability,
+            found_again: one.found_again,
+            p_value: one.log_absent.exp(),
+            delta_bic: 2.0 * one.gain,
+            rivals: one.rivals,
+            portrait,
+        });
+        first += fit.effects.effects[index].coefficients.len();
+    }
+    findings
 }
 
 /// Rows spread evenly over the run.
