@@ -9,7 +9,7 @@
 
 #[path = "study_coverage.rs"]
 #[allow(dead_code, reason = "one study takes a part of the other")]
-mod study_coverage;
+pub mod study_coverage;
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};

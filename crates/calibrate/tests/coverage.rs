@@ -1,11 +1,7 @@
 //! Bands of error curves and intervals of effects hold the truth: a small slice of the study.
 
-#[path = "../examples/study_coverage.rs"]
-#[allow(dead_code, reason = "the study has a main of its own")]
-mod study;
-
+use crate::prior_effects::study::study_coverage::{Share, bands, coefficients};
 use denavit_calibrate::effects::Kind;
-use study::{Share, bands, coefficients};
 
 #[test]
 fn bands_of_curves_hold_the_truth() {

@@ -238,7 +238,7 @@ fn effects_of_a_prior_that_cannot_be_are_refused() {
 
 #[path = "../examples/study_prior.rs"]
 #[allow(dead_code, reason = "the study has a main of its own")]
-mod study;
+pub mod study;
 
 #[test]
 fn a_second_day_of_ten_poses_does_what_one_fit_of_both_days_does_and_says_how_sure_it_is() {
