@@ -181,6 +181,11 @@ fn main() {
         let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
         let said = format!("{right} of {}, {wrong} of others", found.len() * GEARS.len());
         line(&format!("error curves, {rows} rows"), said, &shares);
+        let whole = found.iter().filter(|run| run.1 == GEARS.len());
+        let whole: Vec<Share> = whole.map(|run| run.0).collect();
+        if whole.len() < found.len() {
+            line("- where all that err were found", format!("{} of {runs} files", whole.len()), &whole);
+        }
     }
     for kind in [Kind::JointCompliance, Kind::TransmissionError, Kind::JointScale, Kind::Backlash] {
         let found: Vec<Share> = (0..runs).filter_map(|seed| coefficients(kind, 200, 9000 + seed)).collect();
