@@ -264,8 +264,8 @@ def calibrate(
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
         gear_ratio: Motor turns per joint turn, by joint.
         prior: An earlier calibration of this robot to go on from, as a fit or as the JSON file that ``Fit.save`` or
-            ``denavit calibrate --json`` wrote: what it knows of the axes stands in for the drawing's tolerances, so that a few
-            new poses bring the robot up to date.
+            ``denavit calibrate --json`` wrote: what it knows of the axes stands in for the drawing's tolerances, and its effects
+            and error curves go on (unless `effects` is ``None``), so that a few new poses bring the robot up to date.
         progress: Called with what is going on, ``geometry``, ``effects``, ``curves``, ``judgement``; an exception that it
             raises ends the fit. By default it is shown in a notebook and on a terminal.
 

@@ -58,7 +58,8 @@ impl Effects {
         Ok(Self { model })
     }
 
-    /// The error curve of a joint at readings (rad, m), and its standard deviation there; `None` where it has none.
+    /// The error curve of a joint at readings (rad, m), and its standard deviation there; `None` where it has none. What was found
+    /// beside an earlier curve is a curve of its own: they add up.
     fn curve<'py>(
         &self,
         py: Python<'py>,
@@ -66,12 +67,15 @@ impl Effects {
         q: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Option<CurveValues<'py>>> {
         let joints = self.model.statics.chain.joints();
-        let Some(curve) = self.model.curves.iter().find(|curve| joints[curve.joint].name == joint) else {
+        let own: Vec<_> = self.model.curves.iter().filter(|curve| joints[curve.joint].name == joint).collect();
+        if own.is_empty() {
             return Ok(None);
-        };
+        }
         let q = q.as_slice().map_err(|failure| argument(failure.to_string()))?;
-        let values = PyArray1::from_iter(py, q.iter().map(|at| curve.value(*at)));
-        Ok(Some((values, PyArray1::from_iter(py, q.iter().map(|at| curve.deviation(*at))))))
+        let value = |at: &f64| own.iter().map(|curve| curve.value(*at)).sum::<f64>();
+        let deviation = |at: &f64| own.iter().map(|curve| curve.deviation(*at).powi(2)).sum::<f64>().sqrt();
+        let values = PyArray1::from_iter(py, q.iter().map(value));
+        Ok(Some((values, PyArray1::from_iter(py, q.iter().map(deviation)))))
     }
 
     /// Commands with which the calibrated robot reaches poses: JSON and CSV of `denavit compensate`, text, notes.

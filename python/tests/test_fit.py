@@ -78,6 +78,23 @@ def test_an_earlier_fit_is_gone_on_from(drawn: dn.Chain, geometric: dn.Fit, tmp_
         dn.calibrate(before.chain, run.data, effects=None, prior=before)
 
 
+def test_the_curves_of_an_earlier_fit_go_on(drawn: dn.Chain, tmp_path: Path) -> None:
+    effect = ["transmission_error@elbow_joint:order=3=0.4mm"]
+    first = drawn.simulate(q=drawn.sample(300, seed=11), seed=5, effect=effect, geometry_error=(0.0, 0.0))
+    before = dn.calibrate(drawn, first.data, effects="curves")
+    later = drawn.simulate(q=drawn.sample(10, seed=12), seed=6, effect=effect, geometry_error=(0.0, 0.0))
+    after = dn.calibrate(drawn, later.data, effects="curves", prior=before)
+    assert [errors.stage for errors in after.errors][:4] == ["nominal", "geometric", "earlier", "updated"]
+    parts = after.to_dict()["earlier"]["effects"]
+    assert [(part["kind"], part["where"], part["state"]) for part in parts] == [("error_curve", "elbow_joint", "kept")]
+    q = np.linspace(-1.0, 1.0, 20)
+    assert np.abs(after.curves["elbow_joint"](q) - before.curves["elbow_joint"](q)).max() < 2e-4
+    file = tmp_path / "earlier.json"
+    file.write_text(before.to_json())
+    assert dn.calibrate(drawn, later.data, effects="curves", prior=file).parameters == after.parameters
+    assert "effects" not in dn.calibrate(drawn, later.data, effects=None, prior=file).to_dict()["earlier"]
+
+
 def test_the_json_is_that_of_the_command(traced: dn.Fit) -> None:
     given = os.environ.get("DENAVIT")
     places = [Path(given)] if given else [TOP / "target" / profile / "denavit" for profile in ("debug", "release")]

@@ -4,20 +4,22 @@
 //!
 //! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
 //! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of
-//! BEFORE is brought up to date by a few rows of LATER. In the environment: `TIP`, `UNITS`, `SEED`.
+//! BEFORE is brought up to date by a few rows of LATER, and so is the whole model of BEFORE with its effects and curves. In the environment: `TIP`, `UNITS`, `SEED`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
 mod real;
 
 use self::real::Real;
+use denavit_calibrate::calibration::contract::Stage;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
+use denavit_calibrate::effects::survey::with_run_order_after;
 use denavit_calibrate::effects::{EffectModel, Statics};
+use denavit_calibrate::identify::carried::PartState;
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::identify::residual_statistics::residuals;
 use denavit_calibrate::identify::solve::{FitOptions, fit};
 use denavit_calibrate::observation::arm::{Perturbation, Perturbed, Row};
-use denavit_calibrate::observation::measurements::Measurements;
+use denavit_calibrate::observation::measurements::{Measurements, MissingColumn};
 use denavit_calibrate::observation::parameters::{Effects, Parameter, Sensitivity};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
@@ -44,6 +46,10 @@ impl Effects for Held {
     fn stepped(&self, _step: &[f64]) -> Self {
         self.clone()
     }
+
+    fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
+        Ok(Self(self.0.bound_to(data)?))
+    }
 }
 
 /// Rows of BEFORE for the geometry that is brought up to date, and of LATER for that.
@@ -58,8 +64,8 @@ fn main() {
     let real = Real::robot(&arguments[1]);
     let (chain, statics) = (&real.chain, &real.statics);
     let (before, later) = (real.rows(&arguments[2]), real.rows(&arguments[3]));
-    // Effects may follow the side of approach, which the order of all rows says, or the run, which goes on after the fitted rows.
-    let ordered = with_run_order_after(later.clone(), &with_run_order(before.clone()));
+    // The side of approach comes from the order of all rows, not of those that are drawn.
+    let later = with_run_order_after(later, &before);
     let placing: usize = arguments.get(4).map_or(later.len() / 20, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut order: Vec<usize> = (0..later.len()).collect();
@@ -68,7 +74,7 @@ fn main() {
     let [placing, judged] = [placing, judged].map(|rows| {
         let mut rows = rows.to_vec();
         rows.sort_unstable();
-        ordered.subset(&rows)
+        later.subset(&rows)
     });
     let within = within_range(&before, &judged);
     println!(
@@ -79,6 +85,7 @@ fn main() {
         within.iter().filter(|within| **within).count()
     );
     println!("| model of {} | all later rows, mm rms | within its range |\n|---|---|---|", arguments[2]);
+    let mut known = None;
     for word in ["geometry", "curves", "effects and curves"] {
         let mut options = CalibrateOptions::geometry(chain);
         options.curves = (word == "curves").then(CurveOptions::default);
@@ -86,8 +93,46 @@ fn main() {
         let found = calibrate(chain, statics, before.clone(), None, &options).unwrap_or_else(|error| panic!("{error}"));
         let [all, inside] = predicted(&found, statics, &placing, &judged, &within);
         println!("| {word} | {:.4} | {:.4} |", all * 1e3, inside * 1e3);
+        known = Some(
+            Earlier::read("earlier.json", &found.report.to_json(), chain).unwrap_or_else(|error| panic!("{error}")),
+        );
     }
     brought_up_to_date(statics, &before, &later, seed);
+    with_effects_and_curves(statics, &known.unwrap(), &later, seed);
+}
+
+/// The whole earlier model, its effects and curves in it, on later rows that none saw: as it was left with instrument and target placed
+/// by a few rows, and brought up to date by them. Where the rows suffice, more is looked for beside it: the stage that is adopted.
+fn with_effects_and_curves(statics: &Statics, known: &Earlier, later: &Measurements, seed: u64) {
+    let chain = &statics.chain;
+    println!(
+        "\n| later rows | earlier model, mm rms | brought up to date | adopted | of its parts left out, mean | axes count, mean |"
+    );
+    println!("|---|---|---|---|---|---|");
+    for count in AFTER {
+        let mut sums = [0.0; 5];
+        for draw in 0..DRAWS {
+            let mut order: Vec<usize> = (0..later.len()).collect();
+            order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed + 1000 * draw + 1));
+            let identify = IdentifyOptions { earlier: Some(known.clone()), ..IdentifyOptions::axes(chain) };
+            let trace = Some(TraceOptions::new(identify.clone()));
+            let options = CalibrateOptions { identify, trace, ..CalibrateOptions::geometry(chain) };
+            let (train, test) = (later.subset(&order[..count]), later.subset(&order[order.len() - JUDGED..]));
+            let found =
+                calibrate(chain, statics, train, Some(test), &options).unwrap_or_else(|error| panic!("{error}"));
+            let stages = &found.report.stages;
+            let square = |stage: &Stage| stage.test.as_ref().unwrap().of("position").unwrap().rms.powi(2);
+            let named = |name: &str| square(stages.iter().find(|stage| stage.name == name).unwrap());
+            // Without held-out rows to judge by, the last stage is handed on.
+            let [earlier, updated, last] = [named("earlier"), named("updated"), square(stages.last().unwrap())];
+            let continued = found.report.earlier.as_ref().unwrap();
+            let left_out = continued.effects.iter().filter(|part| part.state != PartState::Kept).count();
+            let own = [earlier, updated, last, left_out as f64, continued.weight];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / DRAWS as f64);
+        }
+        let [earlier, updated, last] = [0, 1, 2].map(|k: usize| sums[k].sqrt() * 1e3);
+        println!("| {count} | {earlier:.3} | {updated:.3} | {last:.3} | {:.1} | {:.2} |", sums[3], sums[4]);
+    }
 }
 
 /// Geometry from a few later rows alone, the earlier geometry, and that one brought up to date, on later rows that none saw.
@@ -122,7 +167,7 @@ fn brought_up_to_date(statics: &Statics, before: &Measurements, later: &Measurem
             };
             let found = [square(&alone, "geometric"), square(&after, "earlier"), square(&after, "geometric")];
             sums.iter_mut().zip(found).for_each(|(sum, found)| *sum += found);
-            sums[3] += after.report.earlier.map_or(0.0, |earlier| earlier.weight);
+            sums[3] += after.report.earlier.as_ref().map_or(0.0, |earlier| earlier.weight);
         }
         let [alone, earlier, after] = [0, 1, 2].map(|k: usize| (sums[k] / DRAWS as f64).sqrt() * 1e3);
         println!("| {count} | {alone:.3} | {earlier:.3} | {after:.3} | {:.2} |", sums[3] / DRAWS as f64);
@@ -157,13 +202,16 @@ fn predicted(
     let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());
     let start = Arm { joints: found.arm().joints.clone(), ..guess };
     let weights = vec![1.0; placing.observations()];
-    let model = found.effects(statics).bound_to(placing).unwrap_or_else(|missing| panic!("{missing}"));
+    let model = Held(found.effects(statics));
+    let [of_placing, of_judged] =
+        [placing, judged].map(|rows| model.bound_to(rows).unwrap_or_else(|error| panic!("{error}")));
+    let model = model.0;
     let arm = if model.effects.is_empty() && model.curves.is_empty() {
         fit(placing, &layout, &start, &NoEffects, &weights, &FitOptions::default()).arm
     } else {
-        fit(placing, &layout, &start, &Held(model.clone()), &weights, &FitOptions::default()).arm
+        fit(placing, &layout, &start, &of_placing, &weights, &FitOptions::default()).arm
     };
-    let errors = residuals(&arm, &Held(model), judged);
+    let errors = residuals(&arm, &of_judged, judged);
     let rms = |rows: &dyn Fn(usize) -> bool| {
         let squares: Vec<f64> =
             errors.iter().filter(|error| rows(error.row)).map(|error| error.place.norm_squared()).collect();

@@ -24,8 +24,10 @@ use crate::calibration::stages::{Beyond, Stages, beyond, kept};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
+use crate::identify::carried::{self, Carried};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
+use crate::identify::known_effects::EffectsPosterior;
 use crate::identify::lack_of_fit::lack_of_fit;
 use crate::identify::noise::{HeldCurve, NoiseModel, noise_model};
 use crate::identify::posterior::Posterior;
@@ -179,6 +181,8 @@ pub struct Calibration {
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
     pub curves: Option<CurveFit>,
+    /// The effects and curves of an earlier calibration on these rows, if it knows some.
+    pub carried: Option<Carried>,
     /// Counts, and what is unidentifiable.
     pub identifiability: Identifiability,
     /// Rounded readings, where there are any.
@@ -264,40 +268,38 @@ pub fn calibrate_and_tell(
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);
-    let wanted = options.trace.as_ref().filter(|_| redundancy.enough_for_effects);
-    if wanted.is_some() {
-        begin(Progress::Effects)?;
-    }
-    let found = wanted.map(|options| trace(statics, &train, geometric, &counted(options, &identification)));
+    // Geometry alone is wanted where neither effects nor curves are.
+    let carried = options.trace.is_some() || options.curves.is_some();
+    let carried = carried.then(|| carried::carried(&train, &identification, &options.identify)).flatten();
+    let weight = carried.as_ref().map(|carried| carried.weight);
+    let weight = weight.or_else(|| identification.earlier.as_ref().map(|earlier| earlier.weight));
+    let searched = Searched { statics, data: &train, geometric, carried: carried.as_ref(), weight };
+    let (found, curves) = searched.run(options, redundancy.enough_for_effects, &mut begin)?;
     if let (Some(test), Some(found)) = (&test, &found) {
         bound_later(&found.fit.effects, &train, test)?;
     }
-    let wanted = options.curves.as_ref().filter(|_| found.is_none() && redundancy.enough_for_effects);
-    if wanted.is_some() {
-        begin(Progress::Curves)?;
-    }
-    let curves = wanted.map(|options| {
-        let survey = Survey::of(statics, &train, Vec::new());
-        fit_curves(&survey, &train, &geometric.with_model(statics), &geometric.arm, options)
-    });
-    let curves = curves.or_else(|| found.as_ref().map(|found| found.curves.clone()));
     begin(Progress::Judgement)?;
-    let beyond = beyond(curves.as_ref(), found.as_ref());
+    let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
+    let of_geometry = identification.stages(carried.is_some());
     let mut stages = Stages::new(&train, test.as_ref());
-    stages.add_all(&identification, &beyond)?;
+    stages.add_all(&of_geometry, &beyond)?;
     let last = stages.adopt(&beyond);
     let Stages { done: stages, mut held_out, .. } = stages;
     let held_out = held_out.swap_remove(last);
-    let of_geometry = identification.stages();
     let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
     let geometry = of_geometry[last.min(of_geometry.len() - 1)];
     let (adopted, weights, information, (parameters, posterior, differs)) = match reached {
-        Some(Beyond { adopted, fit, .. }) => (*adopted, &fit.weights, Information::of(fit), identified(fit)),
+        Some(Beyond { adopted, fit, deflections, modes, .. }) => {
+            let (parameters, posterior, differs) = identified(fit);
+            let effects = EffectsPosterior::of(fit, deflections.len(), modes);
+            let posterior = posterior.map(|posterior| Posterior { effects, ..posterior });
+            (*adopted, &fit.weights, Information::of(fit), (parameters, posterior, differs))
+        }
         None => (geometry.1, &geometry.2.weights, Information::of(geometry.2), identified(geometry.2)),
     };
     let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
     let entries = |of: bool| entries(named, of, chain);
-    let left = || reached.map_or_else(|| kept(geometry.2, &train), |reached| kept(reached.fit, &train));
+    let left = || reached.map_or_else(|| kept(geometry.2, &train), |reached| kept(&reached.fit, &train));
     let repeats = lack_of_fit(&train, left, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
@@ -326,12 +328,15 @@ pub fn calibrate_and_tell(
         rows: Rows::default(),
         parameters,
         posterior,
-        earlier: identification.earlier.as_ref().map(|earlier| Continued { weight: earlier.weight }),
+        earlier: weight.map(|weight| Continued {
+            weight,
+            effects: carried.as_ref().map_or_else(Vec::new, |carried| carried.parts.clone()),
+        }),
         differs_from_drawing: differs,
         effects: entries(true),
         one_of: entries(false),
-        curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(reached.fit, reached.gains)),
-        fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, reached.fit, reached.deflections)),
+        curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(&reached.fit, &reached.gains)),
+        fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, &reached.fit, &reached.deflections)),
         unexplained: unexplained(found.as_ref()),
     };
     let rounding = quantization::rounding(&identification.geometric.arm, &train);
@@ -339,9 +344,10 @@ pub fn calibrate_and_tell(
         report,
         information,
         identification,
-        beyond: reached.map(|reached| Box::new(reached.fit.clone())),
+        beyond: reached.map(|reached| Box::new(reached.fit.clone().into_owned())),
         trace: found,
         curves,
+        carried,
         identifiability: identifiable,
         rounding,
         train: Arc::new(train),
@@ -352,24 +358,60 @@ pub fn calibrate_and_tell(
     Ok(result)
 }
 
+/// What effects and curves are looked for in, and what is known already.
+struct Searched<'a> {
+    statics: &'a Statics,
+    data: &'a Measurements,
+    geometric: &'a Fit<NoEffects>,
+    carried: Option<&'a Carried>,
+    /// How much an earlier calibration counts.
+    weight: Option<f64>,
+}
+
+impl Searched<'_> {
+    /// Effects, or curves alone, as they are wanted and the rows are `enough`; beside those of an earlier calibration.
+    fn run(
+        &self,
+        options: &CalibrateOptions,
+        enough: bool,
+        begin: &mut dyn FnMut(Progress) -> Result<(), CalibrateError>,
+    ) -> Result<(Option<Trace>, Option<CurveFit>), CalibrateError> {
+        let beside = self.carried.map(Carried::beside);
+        let statics = beside.as_ref().map_or(self.statics, |beside| &beside.statics);
+        let updated = self.carried.map(Carried::geometry);
+        let geometric = updated.as_ref().unwrap_or(self.geometric);
+        if let Some(options) = options.trace.as_ref().filter(|_| enough) {
+            begin(Progress::Effects)?;
+            let mut options = TraceOptions { earlier: beside.clone(), ..options.clone() };
+            counted(&mut options.identify, self.weight);
+            let found = trace(statics, self.data, geometric, &options);
+            let curves = found.curves.clone();
+            return Ok((Some(found), Some(curves)));
+        }
+        let Some(options) = options.curves.as_ref().filter(|_| enough) else { return Ok((None, None)) };
+        begin(Progress::Curves)?;
+        let survey = Survey::of(statics, self.data, Vec::new());
+        let start = geometric.with_model(statics, beside.as_ref());
+        Ok((None, Some(fit_curves(&survey, self.data, &start, &geometric.arm, options))))
+    }
+}
+
 /// What the noise of the adopted fit is made of, which may hold error curves.
 fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Measurements) -> Option<NoiseModel> {
-    let Some(Beyond { fit, .. }) = reached else { return noise_model(geometry, train, &[]) };
+    let Some(Beyond { fit, own_curves, .. }) = reached else { return noise_model(geometry, train, &[]) };
     let held = |curve| {
         let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
         HeldCurve { curve, variances }
     };
-    let curves: Vec<HeldCurve<'_>> = fit.effects.curves.iter().map(held).collect();
-    noise_model(fit, train, &curves)
+    let curves: Vec<HeldCurve<'_>> = fit.effects.curves[..*own_curves].iter().map(held).collect();
+    noise_model(fit.as_ref(), train, &curves)
 }
 
-/// The search goes on from the earlier calibration as far as the geometric fit does.
-fn counted(options: &TraceOptions, identification: &Identification) -> TraceOptions {
-    let mut options = options.clone();
-    if let (Some(known), Some(found)) = (&mut options.identify.earlier, &identification.earlier) {
-        known.weight = found.weight;
+/// The search goes on from the earlier calibration as far as the fit before it does.
+fn counted(options: &mut IdentifyOptions, weight: Option<f64>) {
+    if let (Some(known), Some(weight)) = (&mut options.earlier, weight) {
+        known.weight = weight;
     }
-    options
 }
 
 /// The rows to fit and those to judge by.

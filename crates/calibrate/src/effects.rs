@@ -5,6 +5,7 @@ pub mod carrier;
 pub mod catalogue;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of waves and of places")]
 pub mod curve;
+pub mod curve_modes;
 pub mod driver;
 pub mod gravity;
 pub mod model;

@@ -1,5 +1,6 @@
 //! From data to an arm: the nominal stage, then the axes.
 
+pub mod carried;
 mod continued;
 pub mod dh_form;
 pub(crate) mod gram;
@@ -8,6 +9,7 @@ pub mod information;
 pub mod initial_guess;
 pub mod intervals;
 mod jacobian_block;
+pub mod known_effects;
 pub mod lack_of_fit;
 pub mod noise;
 pub mod normal_equations;

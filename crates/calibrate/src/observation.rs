@@ -2,6 +2,7 @@
 
 pub mod arm;
 pub mod board;
+pub mod effects_prior;
 pub mod frames;
 pub mod gauge;
 pub mod kinds;

@@ -2,6 +2,8 @@
 
 pub mod axes;
 pub mod commands;
+#[cfg(feature = "pages")]
+pub mod curve_plots;
 pub mod curves;
 pub mod findings;
 #[cfg(feature = "pages")]

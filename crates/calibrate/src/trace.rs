@@ -22,6 +22,7 @@ mod select;
 mod settle;
 
 use crate::effects::catalogue::Kind;
+use crate::effects::curve_modes::CurveModes;
 use crate::effects::driver::Statics;
 use crate::effects::model::{EffectModel, Term};
 use crate::identify::IdentifyOptions;
@@ -33,6 +34,7 @@ use crate::trace::infer::named::Alternative;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What the tracer may look for, and how sure it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +51,8 @@ pub struct TraceOptions {
     pub false_claims: f64,
     /// How error curves are sought beside them.
     pub curves: CurveOptions,
+    /// What an earlier calibration knows: it acts in every row, and effects are looked for beside it.
+    pub earlier: Option<Arc<EffectModel>>,
 }
 
 impl TraceOptions {
@@ -61,6 +65,7 @@ impl TraceOptions {
             gear_ratios: Vec::new(),
             false_claims: 0.005,
             curves: CurveOptions::default(),
+            earlier: None,
         }
     }
 }
@@ -130,6 +135,8 @@ pub struct Trace {
     pub curve_gains: Vec<f64>,
     /// The same for what joints give under gravity beside them: the last effects of the fit, of which no finding speaks.
     pub deflections: Vec<f64>,
+    /// How its curves are unsure.
+    pub modes: CurveModes,
     /// Geometry and effects without curves.
     pub plain: Fit<EffectModel>,
     /// Geometry and curves without effects.

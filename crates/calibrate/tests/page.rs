@@ -10,6 +10,7 @@ use denavit_calibrate::effects::driver::{Driver, Statics};
 use denavit_calibrate::effects::model::{Coupling, Effect, EffectModel, Term};
 use denavit_calibrate::observation::kinds::{DISTANCE, POSITION};
 use denavit_calibrate::report::html::page;
+use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::trace::infer::named::Alternative;
 use denavit_calibrate::trace::{PortraitPoint, Structure, TraceOptions};
 use denavit_calibrate::{IdentifyOptions, NoEffects};
@@ -82,4 +83,41 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     assert!(text.contains("<h3 class=\"open\">one of: transmission_error at joint_3 ("), "{text}");
     assert!(text.contains("joint_scale at joint_3 (25 %)") && text.contains("corrected for, not named"));
     assert!(text.contains("Structure without a name") && text.contains("What remains follows joint_2 40 %"));
+}
+
+#[test]
+fn curves_and_what_gives_under_gravity_are_drawn() {
+    let (_, statics) = crate::prior_effects::study::study_coverage::ur5e();
+    let chain = &statics.chain;
+    let wave = |joint: usize, order: f64| Effect {
+        term: Term {
+            kind: Kind::TransmissionError,
+            carrier: Carrier::Joint(joint),
+            driver: Driver::Harmonic { joint, order },
+            coupling: Coupling::Each,
+        },
+        coefficients: vec![3e-4, -2e-4],
+    };
+    let mut effects = vec![wave(1, 3.3), wave(2, 4.7)];
+    effects.extend([1, 2].map(|joint| Effect {
+        term: Term {
+            kind: Kind::JointCompliance,
+            carrier: Carrier::Joint(joint),
+            driver: Driver::Torque(joint),
+            coupling: Coupling::Each,
+        },
+        coefficients: vec![1.5e-5],
+    }));
+    let hidden = EffectModel::new(statics.clone(), effects);
+    let run = simulate(chain, &SimulationOptions { rows: 400, ..Default::default() }, &hidden);
+    let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(chain) };
+    let result = calibrate(chain, &statics, run.data, None, &options).unwrap();
+    let (curves, fields) = (result.report.curves.len(), result.report.fields.len());
+    assert!(curves >= 2 && fields >= 1, "{curves} {fields}");
+    let text = page(&result).unwrap();
+    assert_eq!(text.matches("error curve and its 95 % band").count(), curves);
+    assert_eq!(text.matches("what it gives under gravity in the fitted rows").count(), fields);
+    if let Ok(folder) = std::env::var("DENAVIT_SHOW") {
+        std::fs::write(format!("{folder}/page_curves.html"), text).unwrap();
+    }
 }

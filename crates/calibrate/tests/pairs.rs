@@ -97,7 +97,7 @@ fn size(model: &EffectModel, arm: &Arm, data: &Measurements) -> f64 {
 
 /// The columns of a term's coefficients over the rows: in closed form, and by differences.
 fn compare(term: &Term, statics: &Statics, arm: &Arm, data: &Measurements, compared: &mut Compared) {
-    let model = EffectModel::of_terms(statics, std::slice::from_ref(term));
+    let model = EffectModel::of_terms(statics, None, std::slice::from_ref(term));
     let freedom = Freedom::placement(arm.joints.len());
     let layout = Layout::new(&arm.nominal, &data.scene, &freedom, &Tolerances::default(), model.parameters());
     let (height, width) = (data.tallest_row(), layout.len());

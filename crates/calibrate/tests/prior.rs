@@ -52,7 +52,7 @@ fn two_days_one_after_the_other_are_as_good_as_both_at_once() {
         let both = calibrated(&chain, &both, None, None);
         let before = calibrated(&chain, &first, None, None);
         let after = calibrated(&chain, &second, None, Some(known(&before, &chain)));
-        assert_eq!(after.report.earlier.unwrap().weight, 1.0);
+        assert_eq!(after.report.earlier.as_ref().unwrap().weight, 1.0);
         let [before, after, both] = [&before, &after, &both].map(|result| &result.report.parameters);
         assert!(!both.is_empty());
         for ((before, after), both) in before.iter().zip(after).zip(both) {
@@ -119,7 +119,7 @@ fn rows_of_another_robot_do_not_spoil_what_was_known() {
     let other = Arm { joints: simulate(&chain, &drawn, &NoEffects).arm.joints, ..arm.clone() };
     let rows = simulate_arm(&other, &drawn, &NoEffects).data;
     let after = calibrated(&chain, &rows, Some(&test), Some(known(&before, &chain)));
-    assert!(after.report.earlier.unwrap().weight < 0.1, "{:?}", after.report.earlier);
+    assert!(after.report.earlier.as_ref().unwrap().weight < 0.1, "{:?}", after.report.earlier);
     assert_eq!(after.report.adopted, Adopted::Earlier, "{:?}", after.report.stages);
     // The instrument was placed by the wrong rows, so that neither is good.
     assert!(rms(&after, "earlier") < rms(&after, "geometric"));

@@ -372,7 +372,7 @@ fn effects_have_their_derivatives_in_rows_of_their_arm_and_none_in_the_others() 
                 continue;
             }
             seen.push(place.clone());
-            let model = EffectModel::of_terms(&statics, std::slice::from_ref(&term));
+            let model = EffectModel::of_terms(&statics, None, std::slice::from_ref(&term));
             let freedom = Freedom::axes(chain.joints().len());
             let layout = Layout::new(&chain, &data.scene, &freedom, &Tolerances::default(), model.parameters());
             let (height, columns, step) = (data.tallest_row(), layout.len(), 1e-7);

@@ -112,7 +112,7 @@ impl Series {
         let test = measured(&arm, HELD_OUT, 3000 + serial);
         let alone = fitted(&self.chain, &self.statics, data.clone(), Some(test.clone()), None);
         let with = fitted(&self.chain, &self.statics, data, Some(test), Some(prior.clone()));
-        [square(&alone), square(&with), with.report.earlier.unwrap().weight]
+        [square(&alone), square(&with), with.report.earlier.as_ref().unwrap().weight]
     }
 }
 
@@ -247,7 +247,7 @@ fn pandas(folder: &Path) {
                     "| {arm}, {placements} | {rows} | {:.3} | {:.3} | {:.2} |",
                     spread(&alone),
                     spread(&with),
-                    with.report.earlier.unwrap().weight
+                    with.report.earlier.as_ref().unwrap().weight
                 );
             }
         }

@@ -15,10 +15,12 @@ const LEAST_ROWS: usize = 4;
 pub enum Adopted {
     /// The robot as drawn.
     Nominal,
-    /// The axes as an earlier calibration left them.
+    /// The robot as an earlier calibration left it, with its effects and error curves if it has some.
     Earlier,
     /// The axes as fitted.
     Geometric,
+    /// Axes, effects and error curves of an earlier calibration brought up to date.
+    Updated,
     /// Axes and effects.
     Effects,
     /// Axes and error curves of joints.

@@ -3,6 +3,7 @@
 use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
 use crate::calibration::rows::{Placements, Rows};
+use crate::identify::carried::CarriedPart;
 use crate::identify::lack_of_fit::LackOfFit;
 use crate::identify::noise::NoiseModel;
 use crate::identify::posterior::Posterior;
@@ -151,10 +152,13 @@ pub enum FileUse {
 }
 
 /// What an earlier calibration counted for.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Continued {
-    /// 1 in full, 0 not at all: as much as the new rows bear out.
+    /// Of what it knows of the axes: 1 in full, 0 not at all, as much as the new rows bear out.
     pub weight: f64,
+    /// What became of its effects, of its error curves and of what joints give under gravity; left out where it has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<CarriedPart>,
 }
 
 /// Rows used.

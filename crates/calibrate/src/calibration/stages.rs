@@ -3,8 +3,10 @@
 use crate::calibration::Calibration;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::Stage;
+use crate::effects::curve_modes::CurveModes;
 use crate::effects::model::EffectModel;
 use crate::identify::Identification;
+use crate::identify::carried::{Carried, Gains};
 use crate::identify::residual_statistics::{
     ErrorSums, Errors, Residual, TestError, bound_later, each_residual, errors, lengths_found, placed, residuals,
 };
@@ -13,9 +15,14 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, NoEffects};
 use crate::trace::infer::curves::CurveFit;
 use crate::trace::{Finding, Trace};
+use std::borrow::Cow;
 
-/// Name of the stage with error curves.
-const CURVES: &str = "geometric + curves";
+/// What the stages are called that others are built on: the axes alone, and an earlier model brought up to date.
+const GEOMETRIC: &str = "geometric";
+const UPDATED: &str = "updated";
+
+/// A stage that holds geometry alone: its name, what it is adopted as, its fit.
+pub(super) type GeometricStage<'a> = (&'static str, Adopted, &'a Fit<NoEffects>);
 
 /// Residuals of one stage.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,22 +48,26 @@ impl Calibration {
     /// Residuals, stage by stage: computed when they are asked for, as nobody keeps those of a million rows.
     pub fn residuals(&self) -> Vec<StageResiduals> {
         let (train, test) = (&*self.train, self.test.as_deref());
-        let geometry = self.identification.stages().into_iter();
+        let geometry = self.identification.stages(self.carried.is_some()).into_iter();
         let geometry = geometry.map(|(name, _, fit)| StageResiduals::of(name, fit, train, test));
-        let beyond = beyond(self.curves.as_ref(), self.trace.as_ref()).into_iter();
-        geometry.chain(beyond.map(|stage| StageResiduals::of(&stage.name, stage.fit, train, test))).collect()
+        let beyond = self.beyond_stages().into_iter();
+        geometry.chain(beyond.map(|stage| StageResiduals::of(&stage.name, &*stage.fit, train, test))).collect()
     }
 
     /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
     pub fn first_and_last(&self) -> [StageResiduals; 2] {
-        let geometry = self.identification.stages();
+        let geometry = self.identification.stages(self.carried.is_some());
         let of_geometry = |index: usize| {
             let (name, _, fit) = geometry[index];
             StageResiduals::of(name, fit, &self.train, None)
         };
-        let beyond = beyond(self.curves.as_ref(), self.trace.as_ref());
-        let last = beyond.last().map(|stage| StageResiduals::of(&stage.name, stage.fit, &self.train, None));
+        let beyond = self.beyond_stages();
+        let last = beyond.last().map(|stage| StageResiduals::of(&stage.name, &*stage.fit, &self.train, None));
         [of_geometry(0), last.unwrap_or_else(|| of_geometry(geometry.len() - 1))]
+    }
+
+    fn beyond_stages(&self) -> Vec<Beyond<'_>> {
+        beyond(self.carried.as_ref(), self.curves.as_ref(), self.trace.as_ref())
     }
 }
 
@@ -71,17 +82,19 @@ fn each_kept<'a, E: Effects>(fit: &'a Fit<E>, train: &'a Measurements) -> impl I
 }
 
 impl Identification {
-    /// The stages that hold geometry alone, in the order in which they are listed, each with its name.
-    pub(super) fn stages(&self) -> Vec<(&'static str, Adopted, &Fit<NoEffects>)> {
+    /// The stages that hold geometry alone, in the order in which they are listed, each with its name. Where an earlier calibration's
+    /// effects are carried over, the stage `earlier` has them and is none of these.
+    pub(super) fn stages(&self, carried: bool) -> Vec<GeometricStage<'_>> {
         let mut stages = vec![("nominal", Adopted::Nominal, &self.nominal)];
-        stages.extend(self.earlier.as_ref().map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
+        let earlier = self.earlier.as_ref().filter(|_| !carried);
+        stages.extend(earlier.map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
         stages.push(("geometric", Adopted::Geometric, &self.geometric));
         stages
     }
 
     /// The fit of a stage that holds geometry alone; the geometric one for all others.
     pub(super) fn at(&self, adopted: Adopted) -> &Fit<NoEffects> {
-        let own = self.stages().into_iter().find(|(_, stage, _)| *stage == adopted);
+        let own = self.stages(false).into_iter().find(|(_, stage, _)| *stage == adopted);
         own.map_or(&self.geometric, |(.., fit)| fit)
     }
 }
@@ -131,11 +144,11 @@ impl<'a> Stages<'a> {
     }
 
     /// Judges all stages.
-    pub fn add_all(&mut self, identification: &Identification, beyond: &[Beyond<'_>]) -> Result<(), TestError> {
-        for (name, _, fit) in identification.stages() {
-            self.add(name.into(), fit)?;
+    pub fn add_all(&mut self, geometry: &[GeometricStage<'_>], beyond: &[Beyond<'_>]) -> Result<(), TestError> {
+        for (name, _, fit) in geometry {
+            self.add((*name).into(), *fit)?;
         }
-        beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), reached.fit))
+        beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), &*reached.fit))
     }
 
     /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
@@ -163,54 +176,82 @@ pub(super) struct Beyond<'a> {
     /// What it is adopted as.
     pub adopted: Adopted,
     /// Its model.
-    pub fit: &'a Fit<EffectModel>,
+    pub fit: Cow<'a, Fit<EffectModel>>,
     /// Of its curves.
-    pub gains: &'a [f64],
+    pub gains: Vec<f64>,
     /// Of what joints give under gravity beside them: its last effects.
-    pub deflections: &'a [f64],
+    pub deflections: Vec<f64>,
+    /// How many of its curves were fitted to these rows: the first ones. The others are those of an earlier calibration.
+    pub own_curves: usize,
+    /// How its curves are unsure.
+    pub modes: Cow<'a, CurveModes>,
 }
 
-/// Curves alone; effects alone, where there are curves beside them; both.
-pub(super) fn beyond<'a>(curves: Option<&'a CurveFit>, found: Option<&'a Trace>) -> Vec<Beyond<'a>> {
+/// An earlier model as it was and brought up to date; curves alone; effects alone, where there are curves beside them; both. What was
+/// found beside an earlier model is put together with it.
+pub(super) fn beyond<'a>(
+    carried: Option<&'a Carried>,
+    curves: Option<&'a CurveFit>,
+    found: Option<&'a Trace>,
+) -> Vec<Beyond<'a>> {
     let mut stages = Vec::new();
+    let base = if carried.is_some() { UPDATED } else { GEOMETRIC };
+    if let Some(carried) = carried {
+        let stage = |name: &str, adopted, fit: &'a Fit<EffectModel>, gains: &Gains, modes| Beyond {
+            name: name.into(),
+            adopted,
+            fit: Cow::Borrowed(fit),
+            gains: gains.curves.clone(),
+            deflections: gains.fields.clone(),
+            own_curves: 0,
+            modes,
+        };
+        let left = Cow::Owned(CurveModes::none(carried.earlier.layout.len()));
+        stages.push(stage("earlier", Adopted::Earlier, &carried.earlier, &carried.earlier_gains, left));
+        let modes = Cow::Borrowed(&carried.updated_modes);
+        stages.push(stage(UPDATED, Adopted::Updated, &carried.updated, &carried.updated_gains, modes));
+    }
+    let known = carried.map(|carried| carried.updated_gains.clone());
+    let known = known.unwrap_or(Gains { fields: Vec::new(), curves: Vec::new() });
+    let put_together = |fit: &'a Fit<EffectModel>, deflections: &[f64], modes: Cow<'a, CurveModes>| match carried {
+        Some(carried) => {
+            let (fit, modes) = carried.with(fit, deflections.len(), &modes);
+            (Cow::Owned(fit), Cow::Owned(modes))
+        }
+        None => (Cow::Borrowed(fit), modes),
+    };
+    let stage = |name: String, adopted, fit: &'a Fit<EffectModel>, of: (&[f64], &[f64], Cow<'a, CurveModes>)| {
+        let (gains, deflections, modes) = of;
+        let own_curves = fit.effects.curves.len();
+        let (fit, modes) = put_together(fit, deflections, modes);
+        let gains = [gains, &known.curves].concat();
+        let deflections = [&known.fields, deflections].concat();
+        Beyond { name, adopted, fit, gains, deflections, own_curves, modes }
+    };
     if let Some(curves) = curves.filter(|curves| !curves.fit.effects.curves.is_empty()) {
-        stages.push(Beyond {
-            name: CURVES.into(),
-            adopted: Adopted::Curves,
-            fit: &curves.fit,
-            gains: &curves.gains,
-            deflections: &curves.deflections,
-        });
+        let name = format!("{base} + curves");
+        let modes = Cow::Borrowed(&curves.modes);
+        stages.push(stage(name, Adopted::Curves, &curves.fit, (&curves.gains, &curves.deflections, modes)));
     }
     if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
-        let name = stage_name(found);
+        let name = stage_name(base, found);
         if !found.fit.effects.curves.is_empty() {
-            stages.push(Beyond {
-                name: name.clone(),
-                adopted: Adopted::Effects,
-                fit: &found.plain,
-                gains: &[],
-                deflections: &[],
-            });
+            let none = Cow::Owned(CurveModes::none(found.plain.layout.len()));
+            stages.push(stage(name.clone(), Adopted::Effects, &found.plain, (&[], &[], none)));
         }
         let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
         let name = format!("{name}{beside}");
-        stages.push(Beyond {
-            name,
-            adopted: Adopted::Effects,
-            fit: &found.fit,
-            gains: &found.curve_gains,
-            deflections: &found.deflections,
-        });
+        let modes = Cow::Borrowed(&found.modes);
+        stages.push(stage(name, Adopted::Effects, &found.fit, (&found.curve_gains, &found.deflections, modes)));
     }
     stages
 }
 
 /// A stage by its effects; those of which one acts and nobody can say which are marked.
-fn stage_name(found: &Trace) -> String {
+fn stage_name(base: &str, found: &Trace) -> String {
     let of = |finding: &Finding| {
         let doubt = if finding.named { "" } else { "?" };
         format!(" + {}({}){doubt}", finding.term.kind.name(), finding.place)
     };
-    format!("geometric{}", found.findings.iter().map(of).collect::<String>())
+    format!("{base}{}", found.findings.iter().map(of).collect::<String>())
 }

@@ -10,6 +10,7 @@ use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitiv
 use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, ChainJoint, Pose, se3};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Passes after which an arm that bends under its weight is taken to stand.
 const MOST_PASSES: usize = 6;
@@ -133,21 +134,33 @@ pub struct EffectModel {
     pub effects: Vec<Effect>,
     /// Error curves of joints, no cause claimed; these add to the effects.
     pub curves: Vec<Curve>,
+    /// What an earlier calibration knows of the same chain: it acts beside the others and has no free numbers.
+    pub earlier: Option<Arc<EffectModel>>,
 }
 
 impl EffectModel {
     /// The effects on this chain.
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
-        Self { statics, effects, curves: Vec::new() }
+        Self { statics, effects, curves: Vec::new(), earlier: None }
     }
 
-    /// The same terms with every coefficient zero.
-    pub fn of_terms(statics: &Statics, terms: &[Term]) -> Self {
+    /// No effect with free numbers beside what an earlier calibration knows.
+    pub fn beside(statics: &Statics, earlier: Option<&Arc<Self>>) -> Self {
+        Self { earlier: earlier.cloned(), ..Self::new(statics.clone(), Vec::new()) }
+    }
+
+    /// All effects that act.
+    fn acting(&self) -> impl Iterator<Item = &Effect> {
+        self.earlier.iter().flat_map(|earlier| &earlier.effects).chain(&self.effects)
+    }
+
+    /// These terms with every coefficient zero, beside what an earlier calibration knows.
+    pub fn of_terms(statics: &Statics, earlier: Option<&Arc<Self>>, terms: &[Term]) -> Self {
         let effects = terms
             .iter()
             .map(|term| Effect { term: term.clone(), coefficients: vec![0.0; term.coefficients(statics)] })
             .collect();
-        Self::new(statics.clone(), effects)
+        Self { effects, ..Self::beside(statics, earlier) }
     }
 
     /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
@@ -164,7 +177,7 @@ impl EffectModel {
 
     /// The same; `None` where nothing hangs on how the arm stands.
     fn bend(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) -> Option<Posture> {
-        if !self.effects.iter().any(|effect| effect.term.driver.needs_posture()) {
+        if !self.acting().any(|effect| effect.term.driver.needs_posture()) {
             self.add_steady(conditions, joints, out);
             return None;
         }
@@ -172,8 +185,7 @@ impl EffectModel {
         self.add_steady(conditions, joints, &mut steady);
         let mut posture = self.statics.posture(conditions, None);
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
-            .effects
-            .iter()
+            .acting()
             .filter(|effect| effect.term.driver.needs_posture())
             .map(|effect| (effect, self.directions(&effect.term, joints, conditions.tip)))
             .collect();
@@ -202,7 +214,7 @@ impl EffectModel {
 
     /// How the arm stands where the effects do this to it, as drivers look at it; nothing where none does.
     fn stood(&self, conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
-        let drivers = || self.effects.iter().map(|effect| &effect.term.driver);
+        let drivers = || self.acting().map(|effect| &effect.term.driver);
         if drivers().any(Driver::feels_gravity) {
             self.statics.posture(conditions, Some(by))
         } else if drivers().any(Driver::needs_posture) {
@@ -215,10 +227,10 @@ impl EffectModel {
     /// What does not hang on how the arm stands under gravity.
     fn add_steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) {
         let nowhere = Posture::default();
-        for effect in self.effects.iter().filter(|effect| !effect.term.driver.needs_posture()) {
+        for effect in self.acting().filter(|effect| !effect.term.driver.needs_posture()) {
             self.add_effect(effect, &self.directions(&effect.term, joints, conditions.tip), conditions, &nowhere, out);
         }
-        for curve in &self.curves {
+        for curve in self.earlier.iter().flat_map(|earlier| &earlier.curves).chain(&self.curves) {
             let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
             out.twists[curve.joint] += joints[curve.joint].screw.twist() * curve.value(reading);
         }
@@ -296,7 +308,7 @@ impl Effects for EffectModel {
     }
 
     fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        if self.effects.is_empty() && self.curves.is_empty() {
+        if self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none() {
             return false;
         }
         let conditions = Conditions::of(row);
@@ -323,10 +335,17 @@ impl Effects for EffectModel {
 
     fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
         let mut bound = self.clone();
+        if let Some(earlier) = &self.earlier {
+            bound.earlier = Some(Arc::new(earlier.bound_to(data)?));
+        }
         for effect in &mut bound.effects {
             effect.term.driver = effect.term.driver.named_by(|column| data.column(column.name()))?;
         }
         Ok(bound)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.effects.iter().flat_map(|effect| effect.coefficients.iter().copied()).collect()
     }
 
     fn stepped(&self, step: &[f64]) -> Self {

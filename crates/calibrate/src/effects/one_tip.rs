@@ -52,6 +52,7 @@ impl EffectModel {
             statics: self.statics.to_tip(tip),
             effects: self.effects.iter().filter_map(|effect| self.on_the_way(effect, &own)).collect(),
             curves: self.curves.iter().filter_map(curve).collect(),
+            earlier: None,
         }
     }
 

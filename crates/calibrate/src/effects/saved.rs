@@ -163,14 +163,24 @@ impl SavedEffects {
     /// # Errors
     /// Those of `column`, which is asked for each name.
     pub fn bound(self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Result<EffectModel, MissingColumn> {
-        let Self { statics, effects, curves } = self;
-        let bound = |Effect { term, coefficients }: Effect<Driver<String>>| {
-            let Term { kind, carrier, driver, coupling } = term;
-            let driver = driver.named_by(|name| column(name))?;
-            Ok::<_, MissingColumn>(Effect { term: Term { kind, carrier, driver, coupling }, coefficients })
-        };
-        let effects = effects.into_iter().map(bound).collect::<Result<_, _>>()?;
-        Ok(EffectModel { statics, effects, curves })
+        let effects = self.effects.iter().map(|effect| self.bound_effect(effect, column)).collect::<Result<_, _>>()?;
+        let Self { statics, curves, .. } = self;
+        Ok(EffectModel { statics, effects, curves, earlier: None })
+    }
+
+    /// One of the effects, everything that it follows bound to its column.
+    ///
+    /// # Errors
+    /// Those of `column`, which is asked for each name.
+    pub fn bound_effect(
+        &self,
+        effect: &Effect<Driver<String>>,
+        column: &dyn Fn(&str) -> Result<Column, MissingColumn>,
+    ) -> Result<Effect, MissingColumn> {
+        let Term { kind, carrier, driver, coupling } = &effect.term;
+        let driver = driver.named_by(|name| column(name))?;
+        let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
+        Ok(Effect { term, coefficients: effect.coefficients.clone() })
     }
 
     /// Those that have a part in where the tip is.
@@ -193,6 +203,15 @@ impl SavedEffects {
 
     /// As JSON text, with formula, units and source of each kind beside the numbers.
     pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(&self.written()).expect("names are texts and numbers are numbers") + "\n"
+    }
+
+    /// The same as a part of another file.
+    pub fn to_value(&self) -> serde_json::Value {
+        serde_json::to_value(self.written()).expect("names are texts and numbers are numbers")
+    }
+
+    fn written(&self) -> Saved {
         let effects = self.effects.iter().map(|effect| {
             let entry = effect.term.kind.entry();
             let Term { kind, carrier, driver, coupling } = &effect.term;
@@ -206,15 +225,14 @@ impl SavedEffects {
             }
         });
         let chain = &self.statics.chain;
-        let saved = Saved {
+        Saved {
             schema: SCHEMA.into(),
             robot: chain.name().into(),
             joints: chain.joints().iter().map(|joint| joint.name.clone()).collect(),
             drawn: Some(ReferenceRobot::of(&self.statics)),
             effects: effects.collect(),
             curves: self.curves.clone(),
-        };
-        serde_json::to_string_pretty(&saved).expect("names are texts and numbers are numbers") + "\n"
+        }
     }
 
     /// From JSON text, for a robot, drawn or calibrated, whose joints have the same names in the same order.
@@ -228,7 +246,20 @@ impl SavedEffects {
         if let Some(found) = any["schema"].as_str().filter(|schema| *schema != SCHEMA) {
             return Err(SavedError::Schema { file: file(), found: found.into() });
         }
-        let saved: Saved = serde_json::from_str(text).map_err(form)?;
+        Self::from_saved(&file(), serde_json::from_str(text).map_err(form)?, statics)
+    }
+
+    /// From a part of another file; as [`SavedEffects::from_json`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_value(file: &str, value: &serde_json::Value, statics: &Statics) -> Result<Self, SavedError> {
+        let form = |error: serde_json::Error| SavedError::Form { file: file.into(), why: error.to_string() };
+        Self::from_saved(file, Saved::deserialize(value).map_err(form)?, statics)
+    }
+
+    fn from_saved(file: &str, saved: Saved, statics: &Statics) -> Result<Self, SavedError> {
+        let file = || file.to_string();
         let joints: Vec<String> = statics.chain.joints().iter().map(|joint| joint.name.clone()).collect();
         if joints != saved.joints {
             let (found, wanted) = (saved.joints.join(", "), joints.join(", "));

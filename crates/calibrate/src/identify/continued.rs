@@ -16,13 +16,13 @@ use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use crate::observation::parameters::{Effects, NoEffects};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// The weights that are tried.
-const WEIGHTS: [f64; 8] = [1.0, 0.5, 0.2, 0.1, 0.03, 0.01, 1e-3, 0.0];
+pub(super) const WEIGHTS: [f64; 8] = [1.0, 0.5, 0.2, 0.1, 0.03, 0.01, 1e-3, 0.0];
 /// What the rows must gain in log probability before less than all is counted: odds of 20 to 1.
-const CONTRADICTED: f64 = 3.0;
+pub(super) const CONTRADICTED: f64 = 3.0;
 /// A condition smaller than this share of the largest is rounding.
 const SAYS_NOTHING: f64 = 1e-9;
 
@@ -48,15 +48,22 @@ pub(super) fn continued(
         let fit = fit_stage(data, &alone.arm, &NoEffects, &alone.weights, &counted(weight, false));
         (weight, if fit.settled() { log_evidence(data, &fit) } else { f64::NEG_INFINITY })
     });
-    let best = tried.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
-    let enough = tried.iter().find(|(_, evidence)| *evidence >= best - CONTRADICTED);
-    let weight = enough.map_or(0.0, |(weight, _)| *weight);
+    let (weight, _) = borne_out(&tried);
     let start = with_plates_of(data, start, &alone.arm);
     (fit_stage(data, &start, &NoEffects, weights, &counted(weight, options.fit.robust)), weight)
 }
 
+/// The largest of these weights beside which no other makes the rows clearly more probable, and the logarithm of their probability.
+pub(super) fn borne_out(tried: &[(f64, f64)]) -> (f64, f64) {
+    let best = tried.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
+    let enough = tried.iter().find(|(_, evidence)| *evidence >= best - CONTRADICTED);
+    enough.copied().unwrap_or((0.0, f64::NEG_INFINITY))
+}
+
 /// Logarithm of the rows' probability under the layout's prior, up to what no weight changes.
-fn log_evidence(data: &Measurements, fit: &Fit<NoEffects>) -> f64 {
+///
+/// Effects are free under the layout's prior of them, or there are none.
+pub(super) fn log_evidence<E: Effects>(data: &Measurements, fit: &Fit<E>) -> f64 {
     let channels = &data.scene.channels;
     let mut sums = vec![0.0; channels.len()];
     for (at, square) in fit.squares.iter().enumerate() {
@@ -72,13 +79,33 @@ fn log_evidence(data: &Measurements, fit: &Fit<NoEffects>) -> f64 {
         .zip(&fit.noise.levels)
         .map(|((sum, count), level)| count * level.powi(2).ln() + sum / level.powi(2))
         .sum();
-    let count = fit.layout.joints.len();
-    let unit = DVector::from_fn(count, |k, _| fit.layout.parameters[k].tolerance.unwrap_or(1.0));
-    let free = free_directions(fit, &unit);
-    let prior = &fit.layout.prior;
-    let perturbation = fit.layout.perturbation(&fit.arm, &fit.arm);
-    let charge = perturbation.dot(&(&prior.precision * &perturbation));
-    let precision = DMatrix::from_fn(count, count, |i, k| prior.precision[(i, k)] * unit[i] * unit[k]);
+    let layout = &fit.layout;
+    // The joints come first, then the effects.
+    let (joints, count) = (layout.joints.len(), layout.effects.end);
+    let prior = &layout.prior;
+    let perturbation = layout.perturbation(&fit.arm, &fit.arm);
+    let mut charge = perturbation.dot(&(&prior.precision * &perturbation));
+    let mut precision = DMatrix::zeros(count, count);
+    precision.view_mut((0, 0), (joints, joints)).copy_from(&prior.precision);
+    if let Some(of_effects) = &layout.effects_prior {
+        let numbers = fit.effects.numbers();
+        charge += of_effects
+            .known(&(&perturbation + &prior.mean), &numbers, joints)
+            .iter()
+            .map(|row| row.residual.powi(2))
+            .sum::<f64>();
+        precision += of_effects.precision();
+    }
+    let unit = DVector::from_fn(count, |k, _| match layout.parameters[k].tolerance {
+        Some(tolerance) => tolerance,
+        None if precision[(k, k)] > 0.0 => precision[(k, k)].sqrt().recip(),
+        None => 1.0,
+    });
+    let of_joints = free_directions(fit, &unit.rows(0, joints).into_owned());
+    let mut free = DMatrix::zeros(count, of_joints.ncols() + count - joints);
+    free.view_mut((0, 0), of_joints.shape()).copy_from(&of_joints);
+    (joints..count).for_each(|k| free[(k, of_joints.ncols() + k - joints)] = 1.0);
+    let precision = DMatrix::from_fn(count, count, |i, k| precision[(i, k)] * unit[i] * unit[k]);
     let covariance = DMatrix::from_fn(count, count, |i, k| fit.covariance[(i, k)] / (unit[i] * unit[k]));
     let log_determinant = |matrix: &DMatrix<f64>| {
         let values = (free.transpose() * matrix * &free).symmetric_eigenvalues();
@@ -88,7 +115,7 @@ fn log_evidence(data: &Measurements, fit: &Fit<NoEffects>) -> f64 {
 }
 
 /// Orthonormal directions of the joints' parameters, in tolerances, that the common frame leaves.
-fn free_directions(fit: &Fit<NoEffects>, unit: &DVector<f64>) -> DMatrix<f64> {
+fn free_directions<E>(fit: &Fit<E>, unit: &DVector<f64>) -> DMatrix<f64> {
     let count = unit.len();
     let mut held = gauge::conditions(&fit.layout, &fit.arm).rows(0, count).into_owned();
     for (mut row, unit) in held.row_iter_mut().zip(unit.iter()) {

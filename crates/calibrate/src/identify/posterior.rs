@@ -9,7 +9,9 @@
 //! A calibration's own JSON holds the same fields. `drawn`: twist `[omega; v]` of each axis as drawn, base frame, m and rad.
 //! Row k of `correlations` holds those of parameter k with the parameters before it.
 
+use crate::identify::known_effects::{EffectsPosterior, KnownEffects};
 use crate::identify::solve::Fit;
+use crate::observation::effects_prior::EffectsPrior;
 use crate::observation::measurements::Scene;
 use crate::observation::parameters::{Freedom, Layout, Parameter, ParameterKind, Tolerances};
 use crate::observation::prior::KnownBefore;
@@ -17,6 +19,7 @@ use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Version of the form that holds nothing else.
@@ -33,6 +36,9 @@ pub struct Posterior {
     pub drawn: BTreeMap<String, [f64; 6]>,
     /// For each parameter its correlations with those before it.
     pub correlations: Vec<Vec<f64>>,
+    /// What is known of effects and error curves; left out where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effects: Option<EffectsPosterior>,
 }
 
 /// A parameter as it was identified.
@@ -66,6 +72,9 @@ pub struct Earlier {
     /// How much of it counts, from 0 to 1.
     #[serde(skip, default = "in_full")]
     pub weight: f64,
+    /// The effects and error curves, as they were read.
+    #[serde(skip)]
+    pub effects: Option<Arc<KnownEffects>>,
 }
 
 fn in_full() -> f64 {
@@ -110,6 +119,9 @@ pub enum EarlierError {
         /// What is wrong.
         why: String,
     },
+    /// Effects that the chain cannot have.
+    #[error("{0}")]
+    Effects(String),
     /// A joint or a parameter that this chain does not have.
     #[error("{file}: the chain {base} → {tip} has no {name}; choose the robot, base and tip of then ({then})")]
     OtherChain {
@@ -148,7 +160,7 @@ impl Posterior {
             if size > 0.0 { (fit.covariance[(i, k)] / size).clamp(-1.0, 1.0) } else { 0.0 }
         };
         let correlations = joints.clone().map(|i| (0..i).map(|k| correlation(i, k)).collect()).collect();
-        (!joints.is_empty()).then(|| Self { drawn: drawn(&fit.arm.nominal), correlations })
+        (!joints.is_empty()).then(|| Self { drawn: drawn(&fit.arm.nominal), correlations, effects: None })
     }
 }
 
@@ -168,8 +180,11 @@ impl Earlier {
         if found != SCHEMA && found != CALIBRATION_SCHEMA {
             return Err(EarlierError::Schema { file: file.into(), found: found.into() });
         }
-        let earlier: Self = serde_json::from_value(any).map_err(form)?;
+        let mut earlier: Self = serde_json::from_value(any).map_err(form)?;
         earlier.check(file, chain)?;
+        let effects = earlier.posterior.as_ref().and_then(|posterior| posterior.effects.as_ref());
+        let effects = effects.map(|effects| effects.read(file, chain, earlier.parameters.len())).transpose();
+        earlier.effects = effects.map_err(EarlierError::Effects)?.map(Arc::new);
         Ok(earlier)
     }
 
@@ -182,8 +197,9 @@ impl Earlier {
             base: chain.base().into(),
             tip: chain.tip().into(),
             parameters,
-            posterior: Some(Posterior { drawn: drawn(chain), correlations }),
+            posterior: Some(Posterior { drawn: drawn(chain), correlations, effects: None }),
             weight: 1.0,
+            effects: None,
         }
     }
 
@@ -246,6 +262,32 @@ impl Earlier {
             }
         }
         Ok(())
+    }
+
+    /// What an earlier fit expects of some coefficients of its effects, given the axes: `first` is the first of them among the numbers
+    /// of all effects. `None` where it knows no effects.
+    pub(crate) fn of_effects(
+        &self,
+        layout: &Layout,
+        coefficients: &[usize],
+        mean: Vec<f64>,
+        first: usize,
+    ) -> Option<EffectsPrior> {
+        let effects = self.effects.as_ref().filter(|_| !coefficients.is_empty())?;
+        let std: Vec<f64> = self.parameters.iter().map(|parameter| parameter.std).collect();
+        let (own, by_parameter) = effects.covariance(coefficients, &std);
+        // Counted in full, for what is known of the axes is one covariance with it; it holds the common frame's motions, too.
+        let expecting = expecting(layout.with_effects(Vec::new()), Some(&self.counted(1.0)));
+        let (all, expected) = (expecting.prior.precision.cholesky()?.inverse(), expecting.prior.mean);
+        let joints = &layout.parameters[layout.joints.clone()];
+        let place = |known: &KnownParameter| joints.iter().position(|parameter| parameter.name == known.parameter);
+        let kept: Vec<(usize, usize)> =
+            self.parameters.iter().enumerate().filter_map(|(then, known)| Some((then, place(known)?))).collect();
+        let (then, now): (Vec<usize>, Vec<usize>) = kept.into_iter().unzip();
+        let known = (expected.select_rows(&now), all.select_rows(&now).select_columns(&now));
+        let prior =
+            EffectsPrior::new(first, DVector::from_vec(mean), &own, &by_parameter.select_columns(&then), known)?;
+        Some(prior.spread_over(&now, joints.len()))
     }
 
     /// What the layout's joints are known by; what was identified then and is held now has no part in it.

@@ -10,6 +10,7 @@ use crate::observation::measurements::{Measurements, Scene, Series};
 use crate::observation::parameters::{Effects, Known, Layout};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::sync::Arc;
 
 /// Standard deviation of one measured component, by noise channel of the scene: m and rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,11 +113,11 @@ pub(crate) const GROSS: f64 = 1.5;
 const MOST_REJECTIONS: f64 = 0.3;
 
 impl<E> Fit<E> {
-    /// The same fit, seen as that of a model of effects which has none.
-    pub fn with_model(&self, statics: &Statics) -> Fit<EffectModel> {
+    /// The same fit, seen as that of a model of effects which has none beside what is known from earlier.
+    pub fn with_model(&self, statics: &Statics, earlier: Option<&Arc<EffectModel>>) -> Fit<EffectModel> {
         Fit {
             arm: self.arm.clone(),
-            effects: EffectModel::new(statics.clone(), Vec::new()),
+            effects: EffectModel::beside(statics, earlier),
             layout: self.layout.clone(),
             noise: self.noise.clone(),
             weights: self.weights.clone(),
@@ -255,8 +256,8 @@ impl Solver<'_> {
         &self.data.scene
     }
 
-    fn known(&self, arm: &Arm) -> Vec<Known> {
-        self.layout.known_lengths(self.scene(), arm)
+    fn known<E: Effects>(&self, arm: &Arm, effects: &E) -> Vec<Known> {
+        self.layout.known(self.scene(), arm, &effects.numbers())
     }
 
     fn unused(&self) -> Vec<f64> {
@@ -265,7 +266,7 @@ impl Solver<'_> {
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
         let sums = ResidualModel { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
-        let known: f64 = self.known(&arm).iter().map(|known| known.residual.powi(2)).sum();
+        let known: f64 = self.known(&arm, &effects).iter().map(|known| known.residual.powi(2)).sum();
         let prior = self.layout.prior_cost(&arm, &self.reference) + known;
         State { arm, effects, sums, prior }
     }
@@ -289,7 +290,7 @@ impl Solver<'_> {
                 }
             }
         }
-        for known in self.known(&state.arm) {
+        for known in self.known(&state.arm, &state.effects) {
             for (i, a) in &known.columns {
                 gradient[*i] -= a * known.residual;
                 for (k, b) in known.columns.iter().filter(|(k, _)| k >= i) {

@@ -1,6 +1,7 @@
 //! The numbers that a fit may change, and their order.
 
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Perturbed, Row};
+use crate::observation::effects_prior::EffectsPrior;
 use crate::observation::frames::Frames;
 use crate::observation::measurements::{KnownLength, Measurements, MissingColumn, Scene};
 use crate::observation::prior::{KnownBefore, Prior};
@@ -185,6 +186,8 @@ pub struct Layout {
     pub frames: Frames,
     /// What is expected of the joints' parameters.
     pub prior: Prior,
+    /// What an earlier calibration expects of effects, given those.
+    pub effects_prior: Option<EffectsPrior>,
 }
 
 /// A value known beforehand: its residual over its standard deviation, and the derivatives that are not 0, by column.
@@ -233,6 +236,7 @@ impl Layout {
             bases,
             frames,
             prior,
+            effects_prior: None,
         };
         layout.surroundings(scene);
         layout.with_effects(effects)
@@ -319,7 +323,17 @@ impl Layout {
         scene.lengths.iter().map(of).collect()
     }
 
-    /// The layout with other effects in it.
+    /// What is known of points and of effects beside the rows. `numbers`: those of the effects.
+    pub fn known(&self, scene: &Scene, arm: &Arm, numbers: &[f64]) -> Vec<Known> {
+        let mut known = self.known_lengths(scene, arm);
+        if let Some(prior) = &self.effects_prior {
+            let difference = self.perturbation(arm, arm) + &self.prior.mean;
+            known.extend(prior.known(&difference, numbers, self.effects.start));
+        }
+        known
+    }
+
+    /// The layout with other effects in it, of which nothing is known.
     #[must_use]
     pub fn with_effects(&self, effects: Vec<Parameter>) -> Self {
         let (old, count) = (self.effects.len(), effects.len());
@@ -339,6 +353,7 @@ impl Layout {
             bases: self.bases.clone(),
             frames: self.frames.clone(),
             prior: self.prior.clone(),
+            effects_prior: None,
         }
     }
 
@@ -531,6 +546,11 @@ pub trait Effects: Clone + Sync {
     /// An effect follows what these rows have no column of.
     fn bound_to(&self, _data: &Measurements) -> Result<Self, MissingColumn> {
         Ok(self.clone())
+    }
+
+    /// The values of the free numbers, in their order.
+    fn numbers(&self) -> Vec<f64> {
+        Vec::new()
     }
 
     /// The effects after a step, one number per parameter.

@@ -5,7 +5,7 @@ use crate::effects::catalogue::{KINDS, Kind};
 use crate::observation::arm::Arm;
 use crate::report::findings::{self, Said};
 use crate::report::plots::{self, Plot, PlotError};
-use crate::report::{rows, text, trace_plots};
+use crate::report::{curve_plots, rows, text, trace_plots};
 use crate::trace::Trace;
 use denavit_model::nalgebra::Vector3;
 use minijinja::value::Serde;
@@ -54,6 +54,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 distances => result.train.scene.channels.iter().all(|part| part.height == 1),
                 poses => result.train.scene.channels.iter().any(|part| part.unit == "rad"),
                 effects => Value::from(Serde(effects(result)?)),
+                curves => Value::from(Serde(curves(result)?)),
                 structure => result.trace.as_ref().and_then(findings::structure),
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),
@@ -65,6 +66,13 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
             },
         )
         .map_err(|error| PageError::Template(Box::new(error)))
+}
+
+/// Error curves, then what joints give under gravity beside them.
+fn curves(result: &Calibration) -> Result<Vec<Plot>, PlotError> {
+    let mut plots = result.report.curves.iter().map(curve_plots::curve).collect::<Result<Vec<Plot>, PlotError>>()?;
+    plots.extend(curve_plots::fields(result)?);
+    Ok(plots)
 }
 
 /// An effect with its words and its two plots.

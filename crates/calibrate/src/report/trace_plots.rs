@@ -16,7 +16,7 @@ const NORMAL_95: f64 = 1.96;
 
 type Points = Vec<(f64, f64)>;
 
-fn bounds(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+pub(super) fn bounds(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let low = values.clone().fold(f64::INFINITY, f64::min);
     let high = values.fold(f64::NEG_INFINITY, f64::max);
     let margin = 0.06 * (high - low).max(1e-12);
@@ -24,7 +24,7 @@ fn bounds(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
 }
 
 /// Scatters of several colours with a line through sorted points.
-fn scatter(sets: &[(&Points, RGBColor)], line: &Points, words: [&str; 2]) -> Result<String, PlotError> {
+pub(super) fn scatter(sets: &[(&Points, RGBColor)], line: &Points, words: [&str; 2]) -> Result<String, PlotError> {
     let all = || sets.iter().flat_map(|(points, _)| points.iter()).chain(line);
     let (low_x, high_x) = bounds(all().map(|point| point.0));
     let (low_y, high_y) = bounds(all().map(|point| point.1));

@@ -3,6 +3,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, FileUse};
+use crate::identify::carried::{CarriedPart, PartState};
 use crate::identify::lack_of_fit::LackOfFit;
 use std::fmt::Write;
 
@@ -42,7 +43,7 @@ pub(super) fn redundancy(result: &Calibration) -> String {
 
 /// How much an earlier calibration counts.
 pub(super) fn continued(report: &CalibrationReport) -> String {
-    let Some(earlier) = report.earlier else { return String::new() };
+    let Some(earlier) = &report.earlier else { return String::new() };
     let file = report.origin.files.iter().find(|file| file.used == FileUse::Prior);
     let name = file.map_or("the earlier calibration", |file| &file.file);
     let counted = match earlier.weight {
@@ -50,7 +51,32 @@ pub(super) fn continued(report: &CalibrationReport) -> String {
         0.0 => "does not count, for these rows contradict it".into(),
         weight => format!("counts for {:.1} %, for these rows contradict the rest", 100.0 * weight),
     };
-    format!("prior: what {name} says of the axes {counted}; stage \"earlier\" is that robot on these rows\n")
+    let mut text =
+        format!("prior: what {name} says of the axes {counted}; stage \"earlier\" is that robot on these rows\n");
+    let named = |part: &CarriedPart| match part.kind {
+        "error_curve" => format!("the error curve of {}", part.place),
+        "gravity" => format!("what {} gives under gravity", part.place),
+        kind => format!("{kind} at {}", part.place),
+    };
+    let in_state = |state: PartState| earlier.effects.iter().filter(move |part| part.state == state);
+    let kept = in_state(PartState::Kept).count();
+    if !earlier.effects.is_empty() {
+        let all = earlier.effects.len();
+        let _ = writeln!(text, "  of its {all} effects and error curves {kept} go on");
+    }
+    let reasons = [
+        (PartState::Contradicted, "these rows speak against it: something there is no longer as it was"),
+        (PartState::OfThatRun, "it was a drift of the earlier run"),
+        (PartState::OfThatSetup, "it was of the instrument or the target, which are placed anew"),
+        (PartState::NoColumn, "it follows a column that these rows do not have"),
+    ];
+    for (state, why) in reasons {
+        for part in in_state(state) {
+            let column = part.column.as_ref().map_or_else(String::new, |column| format!(", \"{column}\""));
+            let _ = writeln!(text, "  left out: {}, for {why}{column}", named(part));
+        }
+    }
+    text
 }
 
 /// Lines of rows that were left out, or that look as if they should be.

@@ -219,7 +219,7 @@ impl<'a> Tracer<'a> {
     fn fitted(&self, chosen: Vec<Candidate>, arm: &Arm, weights: &[f64], options: &IdentifyOptions) -> State {
         let chosen = with_steps_joined(chosen);
         let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
-        let model = EffectModel::of_terms(self.statics, &terms);
+        let model = EffectModel::of_terms(self.statics, self.options.earlier.as_ref(), &terms);
         let fit = fit_stage(self.data, arm, &model, weights, options);
         State { chosen, fit }
     }

@@ -17,7 +17,7 @@ use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Question, judge};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::select::{State, Tracer, same_terms};
-use crate::trace::{Finding, Trace, TraceOptions};
+use crate::trace::{Finding, Portrait, Trace, TraceOptions};
 
 /// Rows that causes are looked for in, at most, and values: 800 positions, 400 poses. More tell more of curves, but a cause
 /// that these do not show is none to be named, and the time grows with them.
@@ -47,12 +47,20 @@ pub(crate) fn trace(
     let part = data.subset(&rows);
     let thin = on_rows(geometric, data, &rows);
     let tracer = Tracer::new(statics, &part, &thin, options);
-    let all_curves = || fit_curves(&survey, data, &geometric.with_model(statics), &geometric.arm, &options.curves);
+    let all_curves = || {
+        fit_curves(
+            &survey,
+            data,
+            &geometric.with_model(statics, options.earlier.as_ref()),
+            &geometric.arm,
+            &options.curves,
+        )
+    };
     let (curves, found) = both(all_curves, || tracer.run());
     let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
-        let model = EffectModel::of_terms(statics, &terms);
+        let model = EffectModel::of_terms(statics, options.earlier.as_ref(), &terms);
         let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
         let mut beside = fit_curves_near(survey, data, &plain, &geometric.arm, options.curves, known);
         if beside.fit.effects.curves.is_empty() {
@@ -72,7 +80,7 @@ pub(crate) fn trace(
         Some(state) => with(&state.chosen, &state.fit, &part, &tracer.survey).1,
         None if rows.len() == data.len() => curves.clone(),
         None => {
-            let plain = on_rows(&geometric.with_model(statics), data, &rows);
+            let plain = on_rows(&geometric.with_model(statics, options.earlier.as_ref()), data, &rows);
             fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
         }
     });
@@ -107,32 +115,17 @@ pub(crate) fn trace(
     judged.truncate(options.max_effects);
     let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
     let (plain, last) = if kept.is_empty() {
-        (geometric.with_model(statics), curves.clone())
+        (geometric.with_model(statics, options.earlier.as_ref()), curves.clone())
     } else {
         with(&kept, &found.states[0].fit, data, &survey)
     };
     let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
-    let mut first = last.fit.layout.effects.start;
-    let mut findings = Vec::new();
-    for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
-        findings.push(Finding {
-            term: one.candidate.term.clone(),
-            place: one.candidate.term.carrier.place(&statics.chain),
-            values: values(&last.fit, index, first),
-            named: one.named() && !outweighed(&one, &leftover),
-            probability: one.probability,
-            found_again: one.found_again,
-            p_value: one.log_absent.exp(),
-            delta_bic: 2.0 * one.gain,
-            rivals: one.rivals,
-            portrait,
-        });
-        first += last.fit.effects.effects[index].coefficients.len();
-    }
+    let findings = findings(judged, portraits, &leftover, &last.fit);
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
+        modes: last.modes,
         deflections: last.deflections,
         plain,
         curves,
@@ -146,6 +139,33 @@ pub(crate) fn trace(
 /// Whether what no entry explains weighs more than a cause does: that may then stand in for a part of it.
 fn outweighed(one: &Judged, leftover: &Leftover) -> bool {
     leftover.structured && 2.0 * one.gain < OUTWEIGHED * leftover.drop
+}
+
+/// What was judged, with the numbers that it has in the fit: its effects come first there.
+fn findings(
+    judged: Vec<Judged>,
+    portraits: Vec<Portrait>,
+    leftover: &Leftover,
+    fit: &Fit<EffectModel>,
+) -> Vec<Finding> {
+    let mut first = fit.layout.effects.start;
+    let mut findings = Vec::new();
+    for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
+        findings.push(Finding {
+            term: one.candidate.term.clone(),
+            place: one.candidate.term.carrier.place(&fit.effects.statics.chain),
+            values: values(fit, index, first),
+            named: one.named() && !outweighed(&one, leftover),
+            probability: one.probability,
+            found_again: one.found_again,
+            p_value: one.log_absent.exp(),
+            delta_bic: 2.0 * one.gain,
+            rivals: one.rivals,
+            portrait,
+        });
+        first += fit.effects.effects[index].coefficients.len();
+    }
+    findings
 }
 
 /// Rows spread evenly over the run.

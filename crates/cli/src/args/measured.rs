@@ -96,7 +96,8 @@ pub struct CalibrateArguments {
     #[command(flatten)]
     pub freedom: FreedomArguments,
     /// Go on from an earlier calibration of this robot, as --json wrote it: what it knows of the axes, instead of the
-    /// drawing's tolerances; a few new poses then bring a robot up to date
+    /// drawing's tolerances, and (but with --effects none) its effects and error curves; a few new poses then bring a robot
+    /// up to date
     #[arg(long, value_name = "FILE")]
     pub prior: Option<String>,
     /// Effects to look for behind the geometry: none, curves (error curves of the joints alone), auto, or kinds such as

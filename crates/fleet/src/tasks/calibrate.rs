@@ -185,7 +185,7 @@ fn summary(report: &CalibrationReport) -> Summary {
         structured: Some(report.unexplained.structured),
         base: report.base.clone(),
         tip: report.tip.clone(),
-        prior_weight: report.earlier.map(|earlier| earlier.weight),
+        prior_weight: report.earlier.as_ref().map(|earlier| earlier.weight),
         ..Summary::default()
     }
 }

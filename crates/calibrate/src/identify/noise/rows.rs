@@ -324,7 +324,7 @@ fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_
     prior.view_mut((0, 0), (joints, joints)).copy_from(&layout.prior.precision);
     let perturbation = layout.perturbation(&fit.arm, &fit.arm);
     pull.rows_mut(0, joints).copy_from(&-(&layout.prior.precision * perturbation));
-    for known in layout.known_lengths(&data.scene, &fit.arm) {
+    for known in layout.known(&data.scene, &fit.arm, &fit.effects.numbers()) {
         for (i, a) in &known.columns {
             pull[*i] -= a * known.residual;
             for (k, b) in &known.columns {

@@ -6,6 +6,7 @@ mod left_over;
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Candidate;
 use crate::effects::curve::{Curve, Waves};
+use crate::effects::curve_modes::CurveModes;
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::residual::ResidualModel;
@@ -75,6 +76,8 @@ pub struct CurveFit {
     pub gains: Vec<f64>,
     /// The same for what joints give under gravity beside the curves: the last effects of the model.
     pub deflections: Vec<f64>,
+    /// How the curves are unsure.
+    pub modes: CurveModes,
 }
 
 /// Fits a curve for each moving joint beside `fit`, and what joints give under gravity ([`deflection`]); what the data do not
@@ -218,8 +221,13 @@ impl State {
         given: &Fit<EffectModel>,
     ) -> CurveFit {
         // Without a curve the fit is as it was given.
-        let none =
-            || CurveFit { fit: given.clone(), score: f64::NEG_INFINITY, gains: Vec::new(), deflections: Vec::new() };
+        let none = || CurveFit {
+            fit: given.clone(),
+            score: f64::NEG_INFINITY,
+            gains: Vec::new(),
+            deflections: Vec::new(),
+            modes: CurveModes::none(given.layout.len()),
+        };
         let Some((_, hyper)) = found.filter(|_| !self.joints.is_empty()) else { return none() };
         let round = Round::new(data, &self, reference);
         let model = round.model();
@@ -230,7 +238,14 @@ impl State {
         let gains = (0..self.waves.len()).map(|curve| score - without(&model, &hyper, curve)).collect();
         let deflections = deflection::columns(round.always, &self.fit.effects, given.effects.effects.len());
         let deflections = deflections.iter().map(|block| deflection::gain(&model, &hyper, score, block)).collect();
-        CurveFit { fit: self.fit, score, gains, deflections }
+        let mut first = round.gram.plain;
+        let mut places = Vec::new();
+        for waves in &self.waves {
+            places.push(first..first + waves.len());
+            first += waves.len();
+        }
+        let modes = CurveModes::of(|i, k| posterior.covariance(i, k), &places, &order);
+        CurveFit { fit: self.fit, score, gains, deflections, modes }
     }
 }
 

@@ -159,13 +159,16 @@ fn nothing(model: &Model<'_>, columns: impl Iterator<Item = usize>) -> (DMatrix<
 
 /// How far a joint turns by this effect over the rows, root mean square about the mean, rad.
 pub(crate) fn turned(data: &Measurements, fit: &Fit<EffectModel>, effect: &Effect) -> f64 {
-    let numbers = effect.coefficients.len();
-    let values = torques(data, fit, &effect.term);
-    let amounts =
-        values.chunks_exact(numbers).map(|row| row.iter().zip(&effect.coefficients).map(|(v, c)| v * c).sum());
-    let amounts: Vec<f64> = amounts.collect();
+    let amounts = amounts(data, fit, effect);
     let mean = amounts.iter().sum::<f64>() / amounts.len().max(1) as f64;
     (amounts.iter().map(|amount| (amount - mean).powi(2)).sum::<f64>() / amounts.len().max(1) as f64).sqrt()
+}
+
+/// How far a joint turns by this effect, row by row, rad.
+pub(crate) fn amounts(data: &Measurements, fit: &Fit<EffectModel>, effect: &Effect) -> Vec<f64> {
+    let numbers = effect.coefficients.len();
+    let values = torques(data, fit, &effect.term);
+    values.chunks_exact(numbers).map(|row| row.iter().zip(&effect.coefficients).map(|(v, c)| v * c).sum()).collect()
 }
 
 /// Row by row what drives the term.
