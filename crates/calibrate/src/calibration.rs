@@ -5,6 +5,7 @@ pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
 pub mod monitor;
+pub mod open;
 pub mod prediction;
 pub mod rows;
 mod stages;

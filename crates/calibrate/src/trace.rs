@@ -29,10 +29,12 @@ use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
+use crate::trace::infer::hypotheses::Hypotheses;
 use crate::trace::infer::named::Alternative;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What the tracer may look for, and how sure it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,6 +144,8 @@ pub struct Trace {
     pub scan: Vec<ScanCell>,
     /// What no entry explains.
     pub leftover: Leftover,
+    /// The sets of causes that are left possible, where they are more than one.
+    pub open: Option<Arc<Hypotheses>>,
 }
 
 /// The first pass of the search alone: every candidate against the geometric fit, the best of each kind at each place.

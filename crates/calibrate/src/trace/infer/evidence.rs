@@ -66,6 +66,11 @@ impl Posterior {
     }
 }
 
+struct Factored {
+    score: f64,
+    solved: Solved,
+}
+
 impl Model<'_> {
     /// The log marginal likelihood; `None` where the system is not positive.
     pub fn score(&self, hyper: &Hyperparameters) -> Option<f64> {
@@ -75,7 +80,7 @@ impl Model<'_> {
     /// The same with its derivatives by [`Hyperparameters::to_vec`].
     pub fn score_and_gradient(&self, hyper: &Hyperparameters) -> Option<(f64, Vec<f64>)> {
         let factored = self.factored(hyper)?;
-        let posterior = factored.posterior();
+        let posterior = factored.solved.posterior();
         // Numbers that the data pay for: tr(C G/σ²) = n - tr(C Λ).
         let mut used = self.gram.size as f64;
         for i in 0..self.gram.plain {
@@ -118,7 +123,7 @@ impl Model<'_> {
 
     /// What the data say of every number.
     pub fn posterior(&self, hyper: &Hyperparameters) -> Option<Posterior> {
-        Some(self.factored(hyper)?.posterior())
+        Some(self.factored(hyper)?.solved.posterior())
     }
 
     /// What the prior takes of these numbers: twice the negative logarithm of its density, but for a constant.
@@ -147,7 +152,8 @@ impl Model<'_> {
         1.0 + self.firm[curve] * sum
     }
 
-    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
+    /// The system at given hyperparameters, in units of its noise, and log |Λ|.
+    pub fn system(&self, hyper: &Hyperparameters) -> (System, f64) {
         let (size, plain) = (self.gram.size, self.gram.plain);
         let noise = (-hyper.log_noise).exp();
         let mut matrix: Vec<f64> = self.gram.matrix.iter().map(|cell| cell * noise).collect();
@@ -186,6 +192,48 @@ impl Model<'_> {
                 index += 1;
             }
         }
+        (System { matrix, right, square, count: self.gram.count }, log_prior)
+    }
+
+    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
+        let (system, log_prior) = self.system(hyper);
+        let square = system.square;
+        let solved = system.solved()?;
+        let half = &solved.half;
+        let score = 0.5
+            * (log_prior - solved.log_determinant() - self.gram.count * hyper.log_noise - square + dot(half, half));
+        score.is_finite().then_some(Factored { score, solved })
+    }
+}
+
+/// A model's numbers as a linear system: A m = b, A the posterior precision.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// Lower triangle of A, row by row.
+    pub matrix: Vec<f64>,
+    /// b.
+    pub right: Vec<f64>,
+    /// What there is to explain, with what the prior takes of the present state.
+    pub square: f64,
+    /// Values, weighted.
+    pub count: f64,
+}
+
+/// A solved system: D A D = L Lᵀ with D the inverse root of A's diagonal.
+#[derive(Debug, Clone)]
+pub struct Solved {
+    factor: Triangle,
+    /// L⁻¹ D b.
+    half: Vec<f64>,
+    /// The diagonal of D.
+    scale: Vec<f64>,
+}
+
+impl System {
+    /// `None` where it is not positive.
+    pub fn solved(self) -> Option<Solved> {
+        let Self { mut matrix, mut right, .. } = self;
+        let size = right.len();
         let scale: Vec<f64> = (0..size).map(|i| matrix[i * size + i].powf(-0.5)).collect();
         for i in 0..size {
             for k in 0..=i {
@@ -193,24 +241,34 @@ impl Model<'_> {
             }
             right[i] *= scale[i];
         }
-        let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
         let factor = Triangle::factor(matrix, size)?;
         let half = factor.forward(&right);
-        let log_determinant = factor.log_determinant() - 2.0 * log_scale;
-        let score =
-            0.5 * (log_prior - log_determinant - self.gram.count * hyper.log_noise - square + dot(&half, &half));
-        score.is_finite().then_some(Factored { score, factor, half, scale })
+        Some(Solved { factor, half, scale })
     }
 }
 
-struct Factored {
-    score: f64,
-    factor: Triangle,
-    half: Vec<f64>,
-    scale: Vec<f64>,
-}
+impl Solved {
+    /// log |A|.
+    fn log_determinant(&self) -> f64 {
+        self.factor.log_determinant() - 2.0 * self.scale.iter().map(|scale| scale.ln()).sum::<f64>()
+    }
 
-impl Factored {
+    /// How much of what there is to explain the numbers explain: bᵀ A⁻¹ b.
+    pub fn explained(&self) -> f64 {
+        dot(&self.half, &self.half)
+    }
+
+    /// A value that is predicted by these columns, as a vector f with fᵀ f its variance and fᵀ g its covariance with another: L⁻¹ D x.
+    pub fn feature(&self, columns: &[f64]) -> Vec<f64> {
+        let scaled: Vec<f64> = columns.iter().zip(&self.scale).map(|(x, scale)| x * scale).collect();
+        self.factor.forward(&scaled)
+    }
+
+    /// What is expected of the value with this feature.
+    pub fn expected(&self, feature: &[f64]) -> f64 {
+        dot(feature, &self.half)
+    }
+
     fn posterior(&self) -> Posterior {
         let size = self.scale.len();
         let mut root = self.factor.inverse_columns();

@@ -1,0 +1,335 @@
+//! The choice itself: what each hypothesis predicts at every pose, given that poses chosen before are measured.
+//!
+//! Given a value with variance v and noise 1, covariances k with all others, and its innovation r, all is conditioned on it by
+//! `expected += k r/(1 + v)`, `covariance -= k kᵀ/(1 + v)`: the update of a Kalman filter, a value at a time. Where a is true and
+//! its expected values are what is measured, the differences r of what a expects and what b expects then sum to the
+//! noncentrality d² of b's lack of fit: d² = Σ r²/(1 + v).
+
+use crate::trace::infer::hypotheses::{Hypotheses, Lines, Predicted};
+use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Bound on the probability to take the wrong hypothesis from which on a further pose is better spent on the prediction: a
+/// cause must be found on halves of the rows, too, and with half the evidence this is 0.02.
+const SETTLED: f64 = 4e-4;
+/// An exchange must lower the logarithm of the bound by this much.
+const LEAST_GAIN: f64 = 1e-3;
+/// Sweeps of exchanges.
+const MOST_SWEEPS: usize = 3;
+
+/// One hypothesis, conditioned on the poses chosen.
+#[derive(Debug, Clone)]
+struct Conditioned {
+    /// For each value that it is conditioned on its covariances with all values over √(1 + its variance).
+    shares: Vec<Vec<f64>>,
+    /// Covariances within each row, row by row of the block.
+    blocks: Vec<Vec<f64>>,
+}
+
+/// All hypotheses, conditioned on the poses chosen.
+#[derive(Debug, Clone)]
+struct State {
+    of: Vec<Conditioned>,
+    /// For each pair (a, b): what a expects less what b expects, for all values.
+    apart: Vec<Vec<f64>>,
+    /// For each pair the noncentrality so far.
+    noncentrality: Vec<f64>,
+    /// Under the first hypothesis: covariances of the candidates' values with those to be predicted, row by row of the former.
+    toward: Vec<f64>,
+}
+
+/// What the expected odds of a pair are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Separation {
+    /// Index of the hypothesis that is taken to be true.
+    pub true_one: usize,
+    /// Index of the other.
+    pub other: usize,
+    /// By how much the logarithm of the odds for the true one is expected to rise.
+    pub rise: f64,
+}
+
+/// Candidates and poses at which predictions are wanted, one list.
+pub(super) struct Design<'a> {
+    hypotheses: &'a Hypotheses,
+    lines: &'a Lines,
+    predicted: Vec<Predicted>,
+    /// Covariances of values with all others as known before, where they were needed: by hypothesis and value.
+    columns: BTreeMap<(usize, usize), Vec<f64>>,
+    /// The first so many rows are candidates.
+    candidates: usize,
+    /// Series that are seen.
+    series: f64,
+    begun: State,
+    now: State,
+    /// Rows chosen to tell hypotheses apart, then those chosen for the prediction.
+    pub chosen: Vec<usize>,
+    /// How many are of the first sort.
+    pub for_separation: usize,
+    /// Exchanges made.
+    pub exchanges: usize,
+}
+
+impl<'a> Design<'a> {
+    /// `lines`: of the candidates, then of the poses to be predicted.
+    pub fn new(hypotheses: &'a Hypotheses, lines: &'a Lines, candidates: usize, series: usize) -> Self {
+        let count = hypotheses.list.len();
+        let predicted: Vec<Predicted> = (0..count).map(|index| hypotheses.predicted(index, lines)).collect();
+        let block = |of: &Predicted, row: &Range<usize>| of.covariances(row.clone(), row.clone());
+        let of = predicted.iter().map(|of| Conditioned {
+            shares: Vec::new(),
+            blocks: lines.rows.iter().map(|row| block(of, row)).collect(),
+        });
+        let apart = (0..count * count).map(|pair| {
+            let (a, b) = (&predicted[pair / count].expected, &predicted[pair % count].expected);
+            a.iter().zip(b).map(|(a, b)| a - b).collect()
+        });
+        let split = lines.rows.get(candidates).map_or(lines.metres.len(), |row| row.start);
+        let toward = predicted[0].covariances(0..split, split..lines.metres.len());
+        let noncentrality = vec![0.0; count * count];
+        let begun = State { of: of.collect(), apart: apart.collect(), noncentrality, toward };
+        Self {
+            hypotheses,
+            lines,
+            columns: BTreeMap::new(),
+            candidates,
+            series: series.max(1) as f64,
+            now: begun.clone(),
+            begun,
+            predicted,
+            chosen: Vec::new(),
+            for_separation: 0,
+            exchanges: 0,
+        }
+    }
+
+    /// Values of the candidates.
+    fn split(&self) -> usize {
+        self.lines.rows.get(self.candidates).map_or(self.lines.metres.len(), |row| row.start)
+    }
+
+    /// Ordered pairs of different hypotheses, by index.
+    fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
+        let count = self.predicted.len();
+        (0..count * count).filter(move |pair| pair / count != pair % count)
+    }
+
+    /// Conditions all on the values of a row; `toward` only where it is wanted.
+    fn add(&mut self, row: usize, toward: bool) {
+        let (count, split) = (self.predicted.len(), self.split());
+        let wanted = self.lines.metres.len() - split;
+        for value in self.lines.rows[row].clone() {
+            for (b, predicted) in self.predicted.iter().enumerate() {
+                let known = self.columns.entry((b, value));
+                let before = known.or_insert_with(|| predicted.covariances(value..value + 1, 0..self.lines.metres.len()));
+                let mut covariances = before.clone();
+                let own = &mut self.now.of[b];
+                for share in &own.shares {
+                    let at = share[value];
+                    covariances.iter_mut().zip(share).for_each(|(cell, other)| *cell -= at * other);
+                }
+                let variance = 1.0 + covariances[value].max(0.0);
+                for a in (0..count).filter(|a| *a != b) {
+                    let pair = a * count + b;
+                    let innovation = self.now.apart[pair][value];
+                    self.now.noncentrality[pair] += innovation * innovation / variance;
+                    let gain = innovation / variance;
+                    let all = self.now.apart[pair].iter_mut().zip(&covariances);
+                    all.for_each(|(cell, covariance)| *cell -= gain * covariance);
+                }
+                let root = variance.sqrt().recip();
+                covariances.iter_mut().for_each(|cell| *cell *= root);
+                for (block, row) in own.blocks.iter_mut().zip(&self.lines.rows) {
+                    let share = &covariances[row.clone()];
+                    for (cells, left) in block.chunks_exact_mut(row.len().max(1)).zip(share) {
+                        cells.iter_mut().zip(share).for_each(|(cell, right)| *cell -= left * right);
+                    }
+                }
+                if b == 0 && toward && wanted > 0 {
+                    let (candidates, others) = covariances.split_at(split);
+                    for (cells, left) in self.now.toward.chunks_exact_mut(wanted).zip(candidates) {
+                        cells.iter_mut().zip(others).for_each(|(cell, right)| *cell -= left * right);
+                    }
+                }
+                own.shares.push(covariances);
+            }
+        }
+    }
+
+    /// Begins anew with these rows.
+    fn begin(&mut self, rows: &[usize]) {
+        self.now.clone_from(&self.begun);
+        rows.iter().for_each(|&row| self.add(row, false));
+    }
+
+    /// 1 + the covariance of a row's values under a hypothesis, factored.
+    fn innovation(&self, hypothesis: usize, row: usize) -> Option<Cholesky<f64, Dyn>> {
+        let height = self.lines.rows[row].len();
+        let block = &self.now.of[hypothesis].blocks[row];
+        let one = |i: usize, k: usize| if i == k { 1.0 } else { 0.0 };
+        DMatrix::from_fn(height, height, |i, k| block[i * height + k] + one(i, k)).cholesky()
+    }
+
+    /// Logarithm of the bound on the probability to take the wrong one, once a row more is measured: Σ √(p_a p_b) exp(-d²/8)
+    /// over the pairs (the union of Bhattacharyya's bounds, Kailath 1967).
+    fn log_bound(&self, row: Option<usize>) -> f64 {
+        let count = self.predicted.len();
+        let noise = self.hypotheses.noise();
+        let factors: Vec<Option<Cholesky<f64, Dyn>>> =
+            row.map_or_else(Vec::new, |row| (0..count).map(|b| self.innovation(b, row)).collect());
+        let parts: Vec<f64> = self
+            .pairs()
+            .map(|pair| {
+                let (a, b) = (pair / count, pair % count);
+                let mut square = self.now.noncentrality[pair];
+                if let (Some(row), Some(Some(factor))) = (row, factors.get(b)) {
+                    let apart = DVector::from_column_slice(&self.now.apart[pair][self.lines.rows[row].clone()]);
+                    square += apart.dot(&factor.solve(&apart));
+                }
+                let log = |index: usize| self.hypotheses.list[index].log_probability;
+                0.5 * (log(a) + log(b)) - square / noise / 8.0
+            })
+            .collect();
+        let top = parts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        top + parts.iter().map(|part| (part - top).exp()).sum::<f64>().ln()
+    }
+
+    /// By how much a candidate lowers the sum of the variances of what is to be predicted, under the first hypothesis, m².
+    fn lowers(&self, row: usize) -> f64 {
+        let values = self.lines.rows[row].clone();
+        let split = self.split();
+        let wanted = self.lines.metres.len() - split;
+        let Some(factor) = self.innovation(0, row) else { return 0.0 };
+        let toward = DMatrix::from_fn(values.len(), wanted, |i, k| {
+            self.now.toward[(values.start + i) * wanted + k] * self.lines.metres[split + k]
+        });
+        factor.l().solve_lower_triangular(&toward).map_or(0.0, |explained| explained.norm_squared())
+    }
+
+    /// The candidate not yet chosen for which this is largest.
+    fn best(&self, of: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
+        let open = (0..self.candidates).filter(|row| !self.chosen.contains(row));
+        open.map(|row| (row, of(row))).filter(|(_, gain)| gain.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Chooses so many of the candidates: first what tells the hypotheses apart, one after the other and then by
+    /// exchange where `exchange`; what is left over, for the variance of prediction.
+    pub fn choose(&mut self, count: usize, exchange: bool) {
+        if self.predicted.len() > 1 {
+            while self.chosen.len() < count && self.log_bound(None) > SETTLED.ln() {
+                let here = self.log_bound(None);
+                let Some((row, _)) = self.best(|row| -self.log_bound(Some(row))).filter(|(_, best)| *best > -here) else {
+                    break;
+                };
+                self.chosen.push(row);
+                self.add(row, false);
+            }
+            self.for_separation = self.chosen.len();
+            if exchange {
+                self.exchange();
+            }
+        }
+        let chosen = self.chosen.clone();
+        self.now.clone_from(&self.begun);
+        chosen.iter().for_each(|&row| self.add(row, true));
+        while self.chosen.len() < count {
+            let Some((row, _)) = self.best(|row| self.lowers(row)) else { break };
+            self.chosen.push(row);
+            self.add(row, true);
+        }
+    }
+
+    fn exchange(&mut self) {
+        for _ in 0..MOST_SWEEPS {
+            let mut changed = false;
+            for place in 0..self.chosen.len() {
+                let here = self.log_bound(None);
+                let others: Vec<usize> = (0..self.chosen.len()).filter(|k| *k != place).map(|k| self.chosen[k]).collect();
+                self.begin(&others);
+                let out = self.chosen[place];
+                let best = self.best(|row| -self.log_bound(Some(row)));
+                let row = match best {
+                    Some((row, gain)) if gain > -here + LEAST_GAIN => {
+                        self.exchanges += 1;
+                        changed = true;
+                        row
+                    }
+                    _ => out,
+                };
+                self.chosen[place] = row;
+                self.add(row, false);
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// By how much the odds of each pair are expected to rise: the divergence of the predictions of all that was chosen,
+    /// ½ (tr(S_b⁻¹ S_a) - n + dᵀ S_b⁻¹ d - log|S_a|/|S_b|) (Kullback 1959; Box, Hill 1967), S a hypothesis' covariance of
+    /// the values with their noise, d how far apart the two expect them.
+    pub fn separations(&self) -> Vec<Separation> {
+        let values: Vec<usize> = self.chosen.iter().flat_map(|&row| self.lines.rows[row].clone()).collect();
+        let size = values.len();
+        let count = self.predicted.len();
+        let spread = |index: usize| {
+            let one = |i: usize, k: usize| if i == k { 1.0 } else { 0.0 };
+            DMatrix::from_fn(size, size, |i, k| self.predicted[index].covariance(values[i], values[k]) + one(i, k))
+        };
+        let spreads: Vec<DMatrix<f64>> = (0..count).map(spread).collect();
+        let factors: Vec<Option<Cholesky<f64, Dyn>>> = spreads.iter().map(|spread| spread.clone().cholesky()).collect();
+        let log = |factor: &Cholesky<f64, Dyn>| {
+            factor.l_dirty().diagonal().iter().take(size).map(|cell| 2.0 * cell.ln()).sum::<f64>()
+        };
+        let of = |pair: usize| {
+            let (a, b) = (pair / count, pair % count);
+            let (Some(own), Some(other)) = (&factors[a], &factors[b]) else {
+                return Separation { true_one: a, other: b, rise: 0.0 };
+            };
+            let expected = |index: usize| &self.predicted[index].expected;
+            let apart = DVector::from_iterator(size, values.iter().map(|&value| expected(a)[value] - expected(b)[value]));
+            let square = apart.dot(&other.solve(&apart)) / self.hypotheses.noise();
+            let trace = other.solve(&spreads[a]).trace();
+            let rise = 0.5 * (trace - size as f64 + square + log(other) - log(own));
+            Separation { true_one: a, other: b, rise: rise.max(0.0) }
+        };
+        self.pairs().map(of).collect()
+    }
+
+    /// The error that is left unsure, now and once all that was chosen is measured: root mean square over the poses to be
+    /// predicted, m. The variance within each hypothesis, and how far what all expect together is from what the true one
+    /// does; each is weighed by its probability.
+    pub fn unsure(&self, separations: &[Separation]) -> [f64; 2] {
+        let log = |index: usize| self.hypotheses.list[index].log_probability;
+        let now = |_: usize, b: usize| log(b);
+        let after = |a: usize, b: usize| {
+            let rise = separations.iter().find(|one| (one.true_one, one.other) == (a, b));
+            log(b) - rise.map_or(0.0, |one| one.rise)
+        };
+        [self.error(&self.begun, &now), self.error(&self.now, &after)]
+    }
+
+    /// `weights`: the logarithm of what hypothesis b weighs where a is true.
+    fn error(&self, state: &State, weights: &dyn Fn(usize, usize) -> f64) -> f64 {
+        let count = self.predicted.len();
+        let rows = self.candidates..self.lines.rows.len();
+        let mut sum = 0.0;
+        for a in 0..count {
+            let top = (0..count).map(|b| weights(a, b)).fold(f64::NEG_INFINITY, f64::max);
+            let weight: Vec<f64> = (0..count).map(|b| (weights(a, b) - top).exp()).collect();
+            let total: f64 = weight.iter().sum();
+            let mut square = 0.0;
+            for row in rows.clone() {
+                let height = self.lines.rows[row].len();
+                for (line, value) in self.lines.rows[row].clone().enumerate() {
+                    let variance = state.of[a].blocks[row][line * height + line].max(0.0) * self.hypotheses.noise();
+                    let off: f64 = (0..count).map(|b| weight[b] / total * state.apart[a * count + b][value]).sum();
+                    square += (variance + off * off) * self.lines.metres[value].powi(2);
+                }
+            }
+            sum += self.hypotheses.list[a].probability * square;
+        }
+        (sum / rows.len().max(1) as f64 / self.series).sqrt()
+    }
+}

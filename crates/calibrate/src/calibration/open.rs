@@ -1,0 +1,34 @@
+//! What a calibration left open, and the poses that would settle it.
+
+use crate::apply::plan::tell_apart::{TellApart, tell_apart};
+use crate::apply::plan::{PlanError, PlanOptions};
+use crate::calibration::Calibration;
+use crate::effects::driver::Statics;
+use crate::effects::survey::Survey;
+use crate::trace::infer::hypotheses::Hypotheses;
+use std::sync::Arc;
+
+impl Calibration {
+    /// The sets of causes that the run leaves possible; where nothing is open the one model that was adopted, with its geometry,
+    /// effects and curves. `None` where its system has no solution.
+    pub fn hypotheses(&self, statics: &Statics) -> Option<Arc<Hypotheses>> {
+        if let Some(open) = self.trace.as_ref().and_then(|found| found.open.clone()) {
+            return Some(open);
+        }
+        let survey = Survey::of(statics, &self.train, Vec::new());
+        let geometric = &self.identification.geometric;
+        let plain = || geometric.with_model(statics);
+        let fit = self.beyond_geometry().cloned().unwrap_or_else(plain);
+        Hypotheses::of_fit(&survey, &self.train, &fit, &geometric.arm).map(Arc::new)
+    }
+
+    /// Chooses poses to measure next: those that tell apart what the run left open, else those that make the prediction
+    /// surest; see [`tell_apart`](crate::apply::plan::tell_apart).
+    ///
+    /// # Errors
+    /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
+    pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions, exchange: bool) -> Result<TellApart, PlanError> {
+        let hypotheses = self.hypotheses(statics).ok_or(PlanError::Degenerate)?;
+        tell_apart(&hypotheses, &self.train, options, exchange)
+    }
+}
