@@ -23,4 +23,4 @@ pub mod named;
 mod replicates;
 
 pub use curves::{CurveOptions, fit_curves};
-pub use hypotheses::{Cause, Hypotheses, Hypothesis};
+pub use hypotheses::{Cause, Hypotheses, Hypothesis, Open};

@@ -16,7 +16,7 @@ use self::design::{Design, Separation};
 use super::{PlanError, PlanOptions, allowed, as_predicted, candidates};
 use crate::effects::driver::{RUN_ORDER, VELOCITY};
 use crate::observation::measurements::{Covariate, Measurements};
-use crate::trace::infer::hypotheses::{Cause, Hypotheses};
+use crate::trace::infer::hypotheses::{Cause, Hypotheses, Open};
 use denavit_model::Chain;
 
 /// Joints whose side of approach is offered both ways, at most: each doubles the candidates.
@@ -31,6 +31,8 @@ const SEPARATED: f64 = 1.0;
 pub struct Possible {
     /// The causes; none: nothing but geometry and error curves.
     pub causes: Vec<Cause>,
+    /// The joint whose error curve, of no known cause, stands in the stead of a cause.
+    pub curve: Option<String>,
     /// How probable it is now, of those in the list.
     pub probability: f64,
     /// Its logarithm.
@@ -90,7 +92,7 @@ pub struct TellApart {
     pub unsure: [f64; 2],
 }
 
-/// Chooses `count` poses of the options' candidates for what `hypotheses` leave open about the run `data`.
+/// Chooses `count` poses of the options' candidates for what is open about the run `data`.
 ///
 /// # Shape and units
 /// `data`: the rows that were fitted, with the columns that the fit was given. `exchange`: whether the choice is
@@ -99,18 +101,18 @@ pub struct TellApart {
 /// # Errors
 /// Too few candidates are left, or one has the wrong length; or what was observed last holds the target.
 pub fn tell_apart(
-    hypotheses: &Hypotheses,
+    open: &Open,
     data: &Measurements,
     options: &PlanOptions,
     exchange: bool,
 ) -> Result<TellApart, PlanError> {
-    let arm = hypotheses.arm();
+    let arm = open.arm();
     let chain = &arm.nominal;
     let series = last_seen(data)?;
     let all = candidates(chain, options)?;
     let total = all.len();
     let usable: Vec<usize> = (0..total).filter(|&index| allowed(chain, arm, &all[index], options)).collect();
-    let offered: Vec<(String, bool, usize)> = hypotheses
+    let offered: Vec<(String, bool, usize)> = open
         .approached()
         .into_iter()
         .map(|(joint, column, by_order)| (column, by_order, chain.joints()[joint].coordinate))
@@ -131,8 +133,8 @@ pub fn tell_apart(
     if visible < options.count || options.count == 0 {
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: visible, candidates: total });
     }
-    let lines = hypotheses.lines(&rows);
-    let mut design = Design::new(hypotheses, &lines, seen, series.len());
+    let hypotheses = open.hypotheses(&rows).ok_or(PlanError::Degenerate)?;
+    let mut design = Design::new(&hypotheses, seen, series.len());
     design.choose(options.count, exchange);
     let separations = design.separations();
     let unsure = design.unsure(&separations);
@@ -144,7 +146,7 @@ pub fn tell_apart(
         by_order: *by_order,
         sides: chosen.iter().map(|(_, way)| sides.side(column, *way).unwrap_or(1.0)).collect(),
     });
-    let possible = possible(hypotheses);
+    let possible = possible(&hypotheses, chain);
     let pairs = pairs(&possible, &separations);
     debug_assert!(ordered || sides.list.iter().all(|(_, by_order, _)| !by_order));
     Ok(TellApart {
@@ -240,7 +242,7 @@ impl Sides {
     }
 }
 
-fn possible(hypotheses: &Hypotheses) -> Vec<Possible> {
+fn possible(hypotheses: &Hypotheses, chain: &Chain) -> Vec<Possible> {
     let of = |hypothesis: &crate::trace::infer::hypotheses::Hypothesis| {
         let columns = hypothesis.terms.iter().flat_map(|term| term.driver.columns());
         let mut follows: Vec<String> = columns.map(|column| column.name().to_owned()).collect();
@@ -248,6 +250,7 @@ fn possible(hypotheses: &Hypotheses) -> Vec<Possible> {
         follows.dedup();
         Possible {
             causes: hypothesis.causes.clone(),
+            curve: hypothesis.challenger.map(|joint| chain.joints()[joint].name.clone()),
             probability: hypothesis.probability,
             log_probability: hypothesis.log_probability,
             follows,

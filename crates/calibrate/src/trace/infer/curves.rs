@@ -443,7 +443,7 @@ impl Round {
         -self.log_units
     }
 
-    pub(super) fn model(&self) -> Model<'_> {
+    fn model(&self) -> Model<'_> {
         Model {
             gram: &self.gram,
             precision: &self.precision,

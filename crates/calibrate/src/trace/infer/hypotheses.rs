@@ -5,6 +5,7 @@
 //! variance s (1 + xᵀ A⁻¹ x), s the variance of the noise.
 //! Structure without a name has no columns beyond the measured rows, so it has no part in what is predicted.
 
+use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::curve::Waves;
 use crate::effects::driver::Driver;
@@ -16,9 +17,21 @@ use crate::identify::threads::{available, dealt};
 use crate::identify::triangle::dot;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
+use crate::trace::infer::contest::{Contest, Member, Setting};
 use crate::trace::infer::curves::{Laid, Round, State};
-use crate::trace::infer::evidence::{Solved, System};
-use crate::trace::infer::model::{Hyperparameters, Kernel};
+use crate::trace::infer::evidence::Solved;
+use crate::trace::infer::model::Kernel;
+use crate::trace::infer::named::least_precision;
+use denavit_model::Chain;
+
+/// Waves of a curve that is to reach beyond the rows measured, at most: what is shorter than they can follow is left out.
+const MOST_WAVES: usize = 80;
+/// The fastest wave, periods per turn; beyond it curves of gears hold next to nothing.
+const FASTEST: f64 = 60.0;
+/// Causes that are challenged by an error curve of their joint, at most.
+const MOST_CHALLENGED: usize = 3;
+/// Length scale of a curve that stands for a cause which does not follow its joint's own reading, rad or m.
+const SOME_LENGTH: f64 = 1.0;
 
 /// A cause: what an engineer would call the same.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,6 +47,9 @@ pub struct Cause {
 pub struct Hypothesis {
     /// The causes; none: nothing but geometry, frames and curves.
     pub causes: Vec<Cause>,
+    /// The joint whose error curve stands in the stead of a cause: a curve that the rows measured do not ask for, but that
+    /// rows elsewhere may.
+    pub challenger: Option<usize>,
     /// Their terms.
     pub terms: Vec<Term>,
     /// Its share of the posterior mass of all hypotheses of the list.
@@ -45,20 +61,36 @@ pub struct Hypothesis {
     solved: Solved,
 }
 
-/// Hypotheses about one run.
+/// A set of causes that is left possible, beside the curves that suit it best.
+#[derive(Debug, Clone)]
+pub(crate) struct OpenSet {
+    pub(crate) terms: Vec<Candidate>,
+    pub(crate) causes: Vec<Cause>,
+    pub(crate) log_mass: f64,
+    pub(crate) curves: Vec<(usize, Kernel)>,
+}
+
+/// What a run leaves open: all that is needed to say what each set of causes predicts.
+#[derive(Debug, Clone)]
+pub struct Open {
+    /// The rows that were judged.
+    data: Measurements,
+    survey: Survey,
+    fit: Fit<EffectModel>,
+    reference: Arm,
+    /// The most probable first.
+    sets: Vec<OpenSet>,
+}
+
+/// Hypotheses about one run, and what they predict of rows to come.
 #[derive(Debug, Clone)]
 pub struct Hypotheses {
     /// The most probable first. One: nothing is open.
     pub list: Vec<Hypothesis>,
-    /// The model at which all was linearised.
-    fit: Fit<EffectModel>,
-    reference: Arm,
-    joints: Vec<usize>,
-    waves: Vec<Waves>,
-    /// Terms whose columns any of them has; `None`: the effects of the fit.
-    candidates: Option<Vec<Candidate>>,
-    /// Variance of the noise in units of that of the fit.
-    noise: f64,
+    /// The rows to come.
+    pub lines: Lines,
+    /// Variance of the noise in units of which they are.
+    pub noise: f64,
 }
 
 /// Columns of the model for rows to come, value by value.
@@ -67,6 +99,8 @@ pub struct Lines {
     /// All columns of a value, value by value.
     cells: Vec<f64>,
     width: usize,
+    /// Of each joint with a curve: what a unit of it does to each value.
+    joints: Vec<Vec<f64>>,
     /// The values of each row.
     pub rows: Vec<std::ops::Range<usize>>,
     /// What a value is multiplied by to be a length in m; 0 where it is none.
@@ -101,84 +135,31 @@ impl Predicted {
     }
 }
 
-/// A hypothesis as the contest has it: the causes, the logarithm of its mass, its columns among those of the contest, its model.
-pub(super) struct Contestant {
-    pub(super) terms: Vec<Candidate>,
-    pub(super) causes: Vec<Cause>,
-    pub(super) log_mass: f64,
-    pub(super) columns: Vec<usize>,
-    pub(super) system: System,
-}
-
-impl Hypotheses {
-    /// Hypotheses of a contest in which `candidates` took part, whose columns came after the first `always`; `None` where one
-    /// of them has no solution.
-    pub(super) fn of_contest(
-        state: &State,
+impl Open {
+    pub(super) fn new(
+        data: &Measurements,
+        survey: &Survey,
+        fit: &Fit<EffectModel>,
         reference: &Arm,
-        candidates: (&[Candidate], &[std::ops::Range<usize>]),
-        round: &Round,
-        contestants: Vec<Contestant>,
-    ) -> Option<Self> {
-        let (candidates, ranges) = candidates;
-        let used: Vec<usize> = (0..candidates.len())
-            .filter(|&k| contestants.iter().any(|one| one.columns.contains(&ranges[k].start)) && !ranges[k].is_empty())
-            .collect();
-        // Columns of the contest that rows to come have, too: geometry and frames, what any hypothesis names, all curves.
-        let own = (0..round.always).chain(used.iter().flat_map(|&k| ranges[k].clone()));
-        let own: Vec<usize> = own.chain(round.gram.plain..round.gram.size).collect();
-        let place = |column: &usize| own.iter().position(|other| other == column);
-        let top = contestants.iter().map(|one| one.log_mass).fold(f64::NEG_INFINITY, f64::max);
-        let sum = contestants.iter().map(|one| (one.log_mass - top).exp()).sum::<f64>().ln() + top;
-        let mut noise = f64::INFINITY;
-        let mut list = Vec::new();
-        for Contestant { terms, causes, log_mass, columns, system } in contestants {
-            let (square, count) = (system.square, system.count);
-            let solved = system.solved()?;
-            noise = noise.min((square - solved.explained()) / count);
-            list.push(Hypothesis {
-                causes,
-                terms: terms.into_iter().map(|candidate| candidate.term).collect(),
-                probability: (log_mass - sum).exp(),
-                log_probability: log_mass - sum,
-                columns: columns.iter().map(place).collect::<Option<_>>()?,
-                solved,
-            });
-        }
-        let candidates = Some(used.into_iter().map(|k| candidates[k].clone()).collect());
-        let (fit, joints, waves) = (state.fit.clone(), state.joints.clone(), state.waves.clone());
-        let found = Self { list, fit, reference: reference.clone(), joints, waves, candidates, noise };
-        (noise > 0.0 && noise.is_finite()).then_some(found)
+        sets: Vec<OpenSet>,
+    ) -> Self {
+        let (data, survey, fit, reference) = (data.clone(), survey.clone(), fit.clone(), reference.clone());
+        Self { data, survey, fit, reference, sets }
     }
 
-    /// The one hypothesis that a fit with its effects and curves is; `None` where it has no solution.
+    /// The one hypothesis that a fit with its effects and curves is.
     ///
     /// # Shape and units
     /// `data` as fitted; `reference` as in [`crate::identify::solve::fit`].
-    pub fn of_fit(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm) -> Option<Self> {
-        let mut state = State::new(survey, data, fit);
-        let kernel = |joint: usize| fit.effects.curves.iter().find(|curve| curve.joint == joint).map(Kernel::of);
-        let kernels: Vec<Option<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
-        state.keep(&kernels.iter().map(Option::is_some).collect::<Vec<bool>>());
-        // How many waves a curve may have hangs on how many other numbers there were when it was fitted.
-        for (waves, joint) in state.waves.iter_mut().zip(&state.joints) {
-            let own = fit.effects.curves.iter().find(|curve| curve.joint == *joint);
-            waves.clone_from(&own.expect("joints without a curve were left out").waves);
-        }
-        let round = Round::beside(data, &state, reference, None, &[], 1);
-        let hyper = Hyperparameters { log_noise: 0.0, kernels: kernels.into_iter().flatten().collect() };
-        let (system, _) = round.model().system(&hyper);
-        let hypothesis = Hypothesis {
+    pub fn of_fit(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm) -> Self {
+        let term = |effect: &crate::effects::model::Effect| Candidate { term: effect.term.clone(), scanned: 0 };
+        let set = OpenSet {
+            terms: fit.effects.effects.iter().map(term).collect(),
             causes: Vec::new(),
-            terms: fit.effects.effects.iter().map(|effect| effect.term.clone()).collect(),
-            probability: 1.0,
-            log_probability: 0.0,
-            columns: (0..system.right.len()).collect(),
-            solved: system.solved()?,
+            log_mass: 0.0,
+            curves: fit.effects.curves.iter().map(|curve| (curve.joint, Kernel::of(curve))).collect(),
         };
-        let State { fit, joints, waves, .. } = state;
-        let (list, reference) = (vec![hypothesis], reference.clone());
-        Some(Self { list, fit, reference, joints, waves, candidates: None, noise: 1.0 })
+        Self::new(data, survey, fit, reference, vec![set])
     }
 
     /// The arm as fitted.
@@ -186,22 +167,17 @@ impl Hypotheses {
         &self.fit.arm
     }
 
-    /// Variance of the noise in units of which [`Lines`] are.
-    pub fn noise(&self) -> f64 {
-        self.noise
-    }
-
-    /// Whether there is more than one.
-    pub fn open(&self) -> bool {
-        self.list.len() > 1
+    /// The chain that effects are known on.
+    fn chain(&self) -> &Chain {
+        &self.fit.effects.statics.chain
     }
 
     /// The joints whose side of approach a hypothesis follows, the most probable first, each with the name of the column and
     /// whether the order of the rows tells it.
     pub fn approached(&self) -> Vec<(usize, String, bool)> {
         let mut joints: Vec<(usize, String, bool)> = Vec::new();
-        for term in self.list.iter().flat_map(|hypothesis| &hypothesis.terms) {
-            if let Driver::Approach { joint, from_rows, side } = &term.driver
+        for candidate in self.sets.iter().flat_map(|set| &set.terms) {
+            if let Driver::Approach { joint, from_rows, side } = &candidate.term.driver
                 && !joints.iter().any(|(known, ..)| known == joint)
             {
                 joints.push((*joint, side.name().to_owned(), *from_rows));
@@ -210,25 +186,184 @@ impl Hypotheses {
         joints
     }
 
-    /// Columns of rows to come, which have the scene and the recorded columns of the run.
-    pub fn lines(&self, data: &Measurements) -> Lines {
+    /// Causes in question: of each joint that a cause acts at which not all sets hold, the set of the list without it that is the
+    /// most probable.
+    fn challenged(&self) -> Vec<(usize, &Candidate)> {
+        let mut joints: Vec<(usize, &Candidate)> = Vec::new();
+        for candidate in self.sets.iter().flat_map(|set| &set.terms) {
+            let all = self.sets.iter().all(|set| set.terms.iter().any(|other| other.term == candidate.term));
+            if let Carrier::Joint(joint) = candidate.term.carrier
+                && !all
+                && !joints.iter().any(|(known, _)| *known == joint)
+                && joints.len() < MOST_CHALLENGED
+            {
+                joints.push((joint, candidate));
+            }
+        }
+        joints
+    }
+
+    /// The model with waves that reach over the rows measured and those to come.
+    fn state(&self, rows: &Measurements, joints: &[usize]) -> State {
+        let mut state = State::new(&self.survey, &self.data, &self.fit);
+        let kept: Vec<bool> = state.joints.iter().map(|joint| joints.contains(joint)).collect();
+        state.keep(&kept);
+        let chain = self.chain();
+        for (waves, &joint) in state.waves.iter_mut().zip(&state.joints) {
+            let moving = &chain.joints()[joint];
+            let (mut low, mut high) = self.survey.ranges[joint];
+            for row in 0..rows.len() {
+                let reading = moving.value(rows.reading(row));
+                (low, high) = (low.min(reading), high.max(reading));
+            }
+            let slides = self.survey.slides(joint);
+            let highest = if slides { FASTEST * std::f64::consts::TAU / (high - low) } else { FASTEST };
+            *waves = Waves::over(low, high, chain.coordinates()[moving.coordinate].continuous, highest, MOST_WAVES);
+        }
+        state
+    }
+
+    /// What each hypothesis predicts of `rows`, which have the scene and the recorded columns of the run; `None` where one has
+    /// no solution.
+    pub fn hypotheses(&self, rows: &Measurements) -> Option<Hypotheses> {
+        let challenged = self.challenged();
+        let mut joints: Vec<usize> = self.sets.iter().flat_map(|set| &set.curves).map(|(joint, _)| *joint).collect();
+        joints.extend(challenged.iter().map(|(joint, _)| *joint));
+        // What the fit's own curves explain is put back, whether a hypothesis has them or not.
+        joints.extend(self.fit.effects.curves.iter().map(|curve| curve.joint));
+        let state = self.state(rows, &joints);
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for candidate in self.sets.iter().flat_map(|set| &set.terms) {
+            if !candidates.iter().any(|other| other.term == candidate.term) {
+                candidates.push(candidate.clone());
+            }
+        }
+        let round = Round::beside(&self.data, &state, &self.reference, Some(&candidates), &[], 1);
+        let members: Vec<Member> = candidates
+            .iter()
+            .zip(&round.candidates)
+            .map(|(candidate, columns)| Member {
+                columns: columns.clone(),
+                log_odds: 0.0,
+                least_precision: least_precision(candidate),
+            })
+            .collect();
+        let mut kernels: Vec<Vec<Kernel>> = vec![Vec::new(); state.joints.len()];
+        let place = |joint: usize| state.joints.iter().position(|other| *other == joint);
+        let mut settings = Vec::new();
+        for set in &self.sets {
+            let mut setting = Setting { curves: vec![0; state.joints.len()], unnamed: None };
+            for (joint, kernel) in &set.curves {
+                let at = place(*joint)?;
+                let known = kernels[at].iter().position(|other| other == kernel);
+                setting.curves[at] = 1 + known.unwrap_or_else(|| {
+                    kernels[at].push(*kernel);
+                    kernels[at].len() - 1
+                });
+            }
+            settings.push(setting);
+        }
+        let lines = self.lines(rows, &state, &candidates);
+        // A curve in the stead of a cause is as large as the cause is at the rows to come.
+        let mut challenges = Vec::new();
+        for (joint, candidate) in challenged {
+            let member = candidates.iter().position(|other| other.term == candidate.term)?;
+            let at = place(joint)?;
+            let holds = |set: &OpenSet| set.terms.iter().any(|other| other.term == candidate.term);
+            let with = self.sets.iter().position(|set| holds(set))?;
+            let without = self.sets.iter().position(|set| !holds(set))?;
+            if settings[without].curves[at] == 0 {
+                challenges.push((at, member, with, without));
+            }
+        }
+        let contest = |kernels: &[Vec<Kernel>], work: &mut dyn FnMut(&Contest<'_>) -> Option<()>| {
+            work(&Contest {
+                always: round.always,
+                precision: &round.precision,
+                pull: &round.pull,
+                charge: round.charge,
+                waves: &round.waves,
+                means: &round.means,
+                firm: &round.firm,
+                kernels,
+                unnamed: &[],
+                members: &members,
+            })
+        };
+        let index = |set: &OpenSet| -> Vec<usize> {
+            let of = |term: &Candidate| candidates.iter().position(|other| other.term == term.term);
+            set.terms.iter().filter_map(of).collect()
+        };
+        let mut noise = f64::INFINITY;
+        let mut list: Vec<Hypothesis> = Vec::new();
+        contest(&kernels, &mut |contest| {
+            for (set, setting) in self.sets.iter().zip(&settings) {
+                let ground = contest.ground(&round.gram, setting)?;
+                let (columns, system) = contest.system(&round.gram, (&ground, setting), &index(set));
+                let (square, count) = (system.square, system.count);
+                let solved = system.solved()?;
+                noise = noise.min((square - solved.explained()) / count);
+                list.push(Hypothesis {
+                    causes: set.causes.clone(),
+                    challenger: None,
+                    terms: set.terms.iter().map(|candidate| candidate.term.clone()).collect(),
+                    probability: 0.0,
+                    log_probability: set.log_mass,
+                    columns,
+                    solved,
+                });
+            }
+            Some(())
+        })?;
+        for (at, member, with, without) in challenges {
+            let size = list[with].size_of(&members[member].columns, &lines, at) * noise.sqrt();
+            let length = length_of(&candidates[member].term, state.joints[at]);
+            if !(size > 0.0 && size.is_finite()) {
+                continue;
+            }
+            kernels[at].push(Kernel { log_variance: 2.0 * size.ln(), log_length: length.ln() });
+            let mut setting = settings[without].clone();
+            setting.curves[at] = kernels[at].len();
+            contest(&kernels, &mut |contest| {
+                let set = index(&self.sets[without]);
+                let bare = contest.at(&contest.ground(&round.gram, &settings[without])?, &set);
+                let ground = contest.ground(&round.gram, &setting)?;
+                let gain = contest.at(&ground, &set) - bare;
+                let (columns, system) = contest.system(&round.gram, (&ground, &setting), &set);
+                let solved = system.solved()?;
+                let like = list[without].clone();
+                let log_probability = self.sets[without].log_mass + gain;
+                list.push(Hypothesis { challenger: Some(state.joints[at]), log_probability, columns, solved, ..like });
+                Some(())
+            });
+        }
+        let top = list.iter().map(|one| one.log_probability).fold(f64::NEG_INFINITY, f64::max);
+        let sum = list.iter().map(|one| (one.log_probability - top).exp()).sum::<f64>().ln() + top;
+        for hypothesis in &mut list {
+            hypothesis.log_probability -= sum;
+            hypothesis.probability = hypothesis.log_probability.exp();
+        }
+        (noise > 0.0 && noise.is_finite()).then_some(Hypotheses { list, lines, noise })
+    }
+
+    /// Columns of rows to come.
+    fn lines(&self, data: &Measurements, state: &State, candidates: &[Candidate]) -> Lines {
         let mut fit = self.fit.clone();
         fit.weights = vec![1.0; data.observations()];
-        let laid = Laid::of(data, &fit, &self.joints, &self.reference, self.candidates.as_deref(), &[]);
-        let width = laid.plain.len() + self.waves.iter().map(Waves::len).sum::<usize>();
+        let laid = Laid::of(data, &fit, &state.joints, &self.reference, Some(candidates), &[]);
+        let width = laid.plain.len() + state.waves.iter().map(Waves::len).sum::<usize>();
         let values = laid.linear.values();
         let mut cells = vec![0.0; width * values];
-        let chain = &fit.effects.statics.chain;
         for (value, line) in cells.chunks_exact_mut(width.max(1)).enumerate() {
             let (plain, mut rest) = line.split_at_mut(laid.plain.len());
             for (cell, column) in plain.iter_mut().zip(&laid.plain) {
                 *cell = column[value];
             }
             let reading = data.reading(laid.linear.rows[value]);
-            for ((joint, waves), column) in self.joints.iter().zip(&self.waves).zip(&laid.joints) {
+            for ((joint, waves), column) in state.joints.iter().zip(&state.waves).zip(&laid.joints) {
                 let (own, others) = rest.split_at_mut(waves.len());
                 rest = others;
-                waves.values_into(chain.joints()[*joint].value(reading), own);
+                waves.values_into(self.chain().joints()[*joint].value(reading), own);
                 own.iter_mut().for_each(|cell| *cell *= column[value]);
             }
         }
@@ -245,13 +380,43 @@ impl Hypotheses {
             }
             rows.push(from..metres.len());
         }
-        Lines { cells, width, rows, metres }
+        Lines { cells, width, joints: laid.joints, rows, metres }
+    }
+}
+
+/// Length scale of a curve that does what a term does with the reading of its own joint, rad or m.
+fn length_of(term: &Term, own: usize) -> f64 {
+    match term.driver {
+        Driver::Harmonic { joint, order } if joint == own => order.recip(),
+        Driver::Bump { joint, width, .. } if joint == own => width,
+        _ => SOME_LENGTH,
+    }
+}
+
+impl Hypothesis {
+    /// How large a curve of a joint is that does as much at rows to come as these columns do, rad or m in units of the noise.
+    fn size_of(&self, columns: &std::ops::Range<usize>, lines: &Lines, joint: usize) -> f64 {
+        let (mut does, mut one) = (0.0, 0.0);
+        for (line, unit) in lines.cells.chunks_exact(lines.width.max(1)).zip(&lines.joints[joint]) {
+            let own = |column: &usize| if columns.contains(column) { line[*column] } else { 0.0 };
+            let cells: Vec<f64> = self.columns.iter().map(own).collect();
+            does += self.solved.expected(&self.solved.feature(&cells)).powi(2);
+            one += unit * unit;
+        }
+        (does / f64::max(one, f64::MIN_POSITIVE)).sqrt()
+    }
+}
+
+impl Hypotheses {
+    /// Whether there is more than one.
+    pub fn open(&self) -> bool {
+        self.list.len() > 1
     }
 
-    /// What one of them predicts of rows to come.
-    pub fn predicted(&self, hypothesis: usize, lines: &Lines) -> Predicted {
+    /// What one of them predicts of the rows to come.
+    pub fn predicted(&self, hypothesis: usize) -> Predicted {
         let Hypothesis { columns, solved, .. } = &self.list[hypothesis];
-        let each = lines.cells.chunks_exact(lines.width.max(1));
+        let each = self.lines.cells.chunks_exact(self.lines.width.max(1));
         let features = dealt(each, available(), || vec![0.0; columns.len()], |own, line| {
             for (cell, &column) in own.iter_mut().zip(columns) {
                 *cell = line[column];

@@ -13,7 +13,7 @@ use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
-use crate::trace::infer::hypotheses::{Cause, Contestant, Hypotheses};
+use crate::trace::infer::hypotheses::{Cause, Open, OpenSet};
 use crate::trace::infer::model::{Kernel, LARGEST};
 use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
@@ -102,7 +102,7 @@ pub(crate) struct Judgement {
     /// The members of the most probable set.
     pub members: Vec<Judged>,
     /// What is left possible, where that is more than one set of causes.
-    pub open: Option<Hypotheses>,
+    pub open: Option<Open>,
 }
 
 /// Judges candidates beside geometry, frames, curves and unnamed structure: the most probable set, and what is left possible.
@@ -197,11 +197,13 @@ pub(crate) fn judge(
         })
         .collect();
     let unsure: Vec<usize> = set.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
-    let contestants = possible(&seen, &names, set, &unsure).into_iter().map(|(set, log_mass)| {
+    let sets = possible(&seen, &names, set, &unsure).into_iter().map(|(set, log_mass)| {
         let known = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
         let suits = known.max_by(|a, b| contest.at(&a.0, &set).total_cmp(&contest.at(&b.0, &set)));
-        let (ground, setting) = suits.expect("the bare setting has no structure");
-        let (columns, system) = contest.system(&round.gram, (ground, setting), &set);
+        let chosen = suits.map_or_else(|| contest.bare().curves, |(_, setting)| setting.curves.clone());
+        let curves = chosen.iter().enumerate().filter_map(|(index, kernel)| {
+            Some((state.joints[index], kernels[index][kernel.checked_sub(1)?]))
+        });
         let mut causes: Vec<Cause> = Vec::new();
         for (kind, place) in set.iter().map(|&member| names[member].clone()) {
             let cause = Cause { kind, place };
@@ -210,13 +212,10 @@ pub(crate) fn judge(
             }
         }
         let terms = set.iter().map(|&member| candidates[member].clone()).collect();
-        Contestant { terms, causes, log_mass, columns, system }
+        OpenSet { terms, causes, log_mass, curves: curves.collect() }
     });
-    let contestants: Vec<Contestant> = contestants.collect();
-    let ranges = &round.candidates[..candidates.len()];
-    let open = (contestants.len() > 1)
-        .then(|| Hypotheses::of_contest(&state, reference, (candidates, ranges), &round, contestants))
-        .flatten();
+    let sets: Vec<OpenSet> = sets.collect();
+    let open = (sets.len() > 1).then(|| Open::new(data, survey, fit, reference, sets));
     Judgement { members, open }
 }
 
@@ -274,7 +273,7 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
 }
 
 /// Causes are expected to have the size that they have in machines; 0 where nothing is known.
-fn least_precision(candidate: &Candidate) -> f64 {
+pub(super) fn least_precision(candidate: &Candidate) -> f64 {
     match candidate.term.kind {
         Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash => LARGEST.powi(-2),
         Kind::Drift => FARTHEST.powi(-2),

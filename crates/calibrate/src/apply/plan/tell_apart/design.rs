@@ -72,10 +72,11 @@ pub(super) struct Design<'a> {
 }
 
 impl<'a> Design<'a> {
-    /// `lines`: of the candidates, then of the poses to be predicted.
-    pub fn new(hypotheses: &'a Hypotheses, lines: &'a Lines, candidates: usize, series: usize) -> Self {
+    /// The hypotheses' rows to come are the candidates, then the poses to be predicted.
+    pub fn new(hypotheses: &'a Hypotheses, candidates: usize, series: usize) -> Self {
+        let lines = &hypotheses.lines;
         let count = hypotheses.list.len();
-        let predicted: Vec<Predicted> = (0..count).map(|index| hypotheses.predicted(index, lines)).collect();
+        let predicted: Vec<Predicted> = (0..count).map(|index| hypotheses.predicted(index)).collect();
         let block = |of: &Predicted, row: &Range<usize>| of.covariances(row.clone(), row.clone());
         let of = predicted.iter().map(|of| Conditioned {
             shares: Vec::new(),
@@ -175,7 +176,7 @@ impl<'a> Design<'a> {
     /// over the pairs (the union of Bhattacharyya's bounds, Kailath 1967).
     fn log_bound(&self, row: Option<usize>) -> f64 {
         let count = self.predicted.len();
-        let noise = self.hypotheses.noise();
+        let noise = self.hypotheses.noise;
         let factors: Vec<Option<Cholesky<f64, Dyn>>> =
             row.map_or_else(Vec::new, |row| (0..count).map(|b| self.innovation(b, row)).collect());
         let parts: Vec<f64> = self
@@ -289,7 +290,7 @@ impl<'a> Design<'a> {
             };
             let expected = |index: usize| &self.predicted[index].expected;
             let apart = DVector::from_iterator(size, values.iter().map(|&value| expected(a)[value] - expected(b)[value]));
-            let square = apart.dot(&other.solve(&apart)) / self.hypotheses.noise();
+            let square = apart.dot(&other.solve(&apart)) / self.hypotheses.noise;
             let trace = other.solve(&spreads[a]).trace();
             let rise = 0.5 * (trace - size as f64 + square + log(other) - log(own));
             Separation { true_one: a, other: b, rise: rise.max(0.0) }
@@ -323,7 +324,7 @@ impl<'a> Design<'a> {
             for row in rows.clone() {
                 let height = self.lines.rows[row].len();
                 for (line, value) in self.lines.rows[row].clone().enumerate() {
-                    let variance = state.of[a].blocks[row][line * height + line].max(0.0) * self.hypotheses.noise();
+                    let variance = state.of[a].blocks[row][line * height + line].max(0.0) * self.hypotheses.noise;
                     let off: f64 = (0..count).map(|b| weight[b] / total * state.apart[a * count + b][value]).sum();
                     square += (variance + off * off) * self.lines.metres[value].powi(2);
                 }

@@ -13,11 +13,10 @@ const MOST_ODDS: f64 = 1e6;
 
 /// The causes of a hypothesis in words.
 fn title(possible: &Possible) -> String {
-    if possible.causes.is_empty() {
-        return "none: geometry and error curves of the joints alone".into();
-    }
     let each = possible.causes.iter().map(|cause| format!("{} at {}", cause.kind.name(), cause.place));
-    each.collect::<Vec<_>>().join(" and ")
+    let curve = possible.curve.iter().map(|joint| format!("an error curve of {joint}, no cause known"));
+    let all: Vec<String> = each.chain(curve).collect();
+    if all.is_empty() { "no cause".into() } else { all.join(" and ") }
 }
 
 /// Odds as one says them: 40:1, 1:40.
@@ -192,7 +191,7 @@ impl TellApart {
                 .iter()
                 .map(|cause| json!({ "kind": cause.kind.name(), "place": cause.place }))
                 .collect();
-            json!({ "causes": causes, "probability": possible.probability, "follows": possible.follows })
+            json!({ "causes": causes, "curve": possible.curve, "probability": possible.probability, "follows": possible.follows })
         });
         all.insert("possible".into(), possible.collect());
         let pairs = self.pairs.iter().map(|pair| {
