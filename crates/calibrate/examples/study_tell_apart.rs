@@ -32,8 +32,7 @@ const ADDED: usize = 20;
 const JUDGES: usize = 300;
 
 /// Kinds that poses can tell, each at a joint drawn.
-const KINDS: [&str; 5] =
-    ["joint_compliance", "transmission_error", "backlash", "joint_scale", "axis_wobble"];
+const KINDS: [&str; 5] = ["joint_compliance", "transmission_error", "backlash", "joint_scale", "axis_wobble"];
 
 /// How one way to add poses ended.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -51,8 +50,11 @@ pub struct Ended {
 /// A case in which something is left open, and how three ways to add poses end.
 #[derive(Debug, Clone)]
 pub struct Case {
+    /// The effect.
     pub specification: String,
+    /// With the poor set alone.
     pub before: Ended,
+    /// The poses chosen.
     pub planned: TellApart,
     /// Told apart, D-optimal, at random.
     pub after: [Ended; 3],
@@ -72,7 +74,8 @@ fn ended(found: &Calibration, kind: &str, place: &str, judges: &Measurements) ->
     let named = &found.report.effects;
     let findings = found.trace.iter().flat_map(|trace| &trace.findings);
     let own = findings.clone().find(|finding| finding.term.kind.name() == kind && finding.place == place);
-    let rival = findings.flat_map(|finding| &finding.rivals).find(|rival| rival.kind.name() == kind && rival.place == place);
+    let rival =
+        findings.flat_map(|finding| &finding.rivals).find(|rival| rival.kind.name() == kind && rival.place == place);
     let log_odds = match (own, rival) {
         (Some(own), _) => (1.0 - own.p_value).max(1e-300).ln() - own.p_value.max(1e-300).ln(),
         (None, Some(rival)) => (rival.probability / (1.0 - rival.probability)).ln(),
@@ -105,7 +108,8 @@ pub fn case(chain: &Chain, statics: &Statics, seed: u64) -> Option<Case> {
             (from, width)
         })
         .collect();
-    let posture = |random: &mut ChaCha8Rng| poor.iter().map(|(from, width)| from + width * random.random::<f64>()).collect();
+    let posture =
+        |random: &mut ChaCha8Rng| poor.iter().map(|(from, width)| from + width * random.random::<f64>()).collect();
     let poses: Vec<Vec<f64>> = (0..ROWS).map(|_| posture(&mut random)).collect();
     let simulated = SimulationOptions { kind: POSITION, rows: ROWS, seed, readings: Some(poses), ..Default::default() };
     let bare = simulate(chain, &simulated, &denavit_calibrate::NoEffects);
@@ -134,13 +138,14 @@ pub fn case(chain: &Chain, statics: &Statics, seed: u64) -> Option<Case> {
         possible.causes.iter().any(|cause| cause.kind.name() == kind && cause.place == place)
     };
     let expected = planned
+        .prospect
         .pairs
         .iter()
         .filter_map(|pair| {
-            let [a, b] = pair.of.map(|index| is_right(&planned.possible[index]));
+            let [a, b] = pair.of.map(|index| is_right(&planned.prospect.possible[index]));
             match (a, b) {
-                (true, false) => Some(pair.expected[0]),
-                (false, true) => Some(-pair.expected[1]),
+                (true, false) => Some(pair.expected_if_first),
+                (false, true) => Some(-pair.expected_if_second),
                 _ => None,
             }
         })
@@ -177,7 +182,13 @@ fn simulated(robots: &[String], wanted: usize) {
                     case.before.log_odds,
                     case.expected.unwrap_or(f64::NAN),
                     case.after
-                        .map(|e| format!("{}{} {:+.1} {:.4} mm", if e.right { "right" } else { "-" }, if e.wrong { " wrong" } else { "" }, e.log_odds, e.error * 1e3))
+                        .map(|e| format!(
+                            "{}{} {:+.1} {:.4} mm",
+                            if e.right { "right" } else { "-" },
+                            if e.wrong { " wrong" } else { "" },
+                            e.log_odds,
+                            e.error * 1e3
+                        ))
                         .join(" | ")
                 );
                 cases.push(case);
@@ -192,7 +203,9 @@ fn simulated(robots: &[String], wanted: usize) {
 }
 
 fn table(names: &[&str; 4], cases: &[Case]) {
-    println!("| poses | right cause named | a wrong one named | median error, mm | root mean square, mm | unsure as expected, mm |");
+    println!(
+        "| poses | right cause named | a wrong one named | median error, mm | root mean square, mm | unsure as expected, mm |"
+    );
     println!("|---|---|---|---|---|---|");
     for (index, name) in names.iter().enumerate() {
         let of = |case: &Case| if index == 0 { case.before } else { case.after[index - 1] };
@@ -201,7 +214,10 @@ fn table(names: &[&str; 4], cases: &[Case]) {
         let errors: Vec<f64> = cases.iter().map(|case| of(case).error * 1e3).collect();
         let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
         let unsure = match index {
-            0 | 1 => format!("{:.3}", median(cases.iter().map(|case| case.planned.unsure[index] * 1e3).collect())),
+            0 => format!("{:.3}", median(cases.iter().map(|case| case.planned.prospect.unsure.now * 1e3).collect())),
+            1 => {
+                format!("{:.3}", median(cases.iter().map(|case| case.planned.prospect.unsure.expected * 1e3).collect()))
+            }
             _ => String::new(),
         };
         println!("| {name} | {right} of {} | {wrong} | {:.4} | {rms:.4} | {unsure} |", cases.len(), median(errors));
@@ -209,7 +225,10 @@ fn table(names: &[&str; 4], cases: &[Case]) {
     let with: Vec<&Case> = cases.iter().filter(|case| case.expected.is_some()).collect();
     let expected = median(with.iter().filter_map(|case| case.expected).collect());
     let achieved = median(with.iter().map(|case| case.after[0].log_odds).collect());
-    println!("log odds of the right cause, median of {} cases that list it: expected {expected:.1}, achieved {achieved:.1}", with.len());
+    println!(
+        "log odds of the right cause, median of {} cases that list it: expected {expected:.1}, achieved {achieved:.1}",
+        with.len()
+    );
 }
 
 /// A hundred random rows, forty of the others added.
@@ -240,8 +259,10 @@ fn real_rows(path: &str, file: &str, draws: u64) {
         let planned = found.tell_apart(statics, &wanted, true).unwrap();
         let chosen: Vec<usize> = planned.candidates.iter().map(|&index| offered[index]).collect();
         let optimal = plan(chain, &wanted).unwrap().poses;
-        let optimal: Vec<usize> =
-            optimal.iter().map(|pose| *offered.iter().find(|row| data.reading(**row) == pose.as_slice()).unwrap()).collect();
+        let optimal: Vec<usize> = optimal
+            .iter()
+            .map(|pose| *offered.iter().find(|row| data.reading(**row) == pose.as_slice()).unwrap())
+            .collect();
         let told = |found: &Calibration| {
             let later = found.predict(judges.clone()).unwrap();
             let name = |effect: &denavit_calibrate::calibration::contract::EffectEntry| {
@@ -252,7 +273,13 @@ fn real_rows(path: &str, file: &str, draws: u64) {
             format!("{:.4} mm, named {named:?}, open {open:?}", later.errors.of("position").unwrap().rms * 1e3)
         };
         println!("draw {seed}: 100 rows {}", told(&found));
-        println!("  unsure {:.3} -> {:.3} mm, {} of {} to separate", planned.unsure[0] * 1e3, planned.unsure[1] * 1e3, planned.for_separation, planned.poses.len());
+        println!(
+            "  unsure {:.3} -> {:.3} mm, {} of {} to separate",
+            planned.prospect.unsure.now * 1e3,
+            planned.prospect.unsure.expected * 1e3,
+            planned.prospect.for_separation,
+            planned.poses.len()
+        );
         for (name, chosen) in [("told apart", chosen), ("D-optimal", optimal), ("at random", offered[..40].to_vec())] {
             println!("  {name}: {}", told(&calibrate(chain, statics, rows(&chosen), None, &asked).unwrap()));
         }
@@ -269,7 +296,9 @@ fn main() {
         words[1..].to_vec()
     } else {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
-        ["universal_robots/ur5e", "ufactory/xarm7", "adept/cobra600"].map(|name| format!("{folder}/{name}.urdf")).to_vec()
+        ["universal_robots/ur5e", "ufactory/xarm7", "adept/cobra600"]
+            .map(|name| format!("{folder}/{name}.urdf"))
+            .to_vec()
     };
     simulated(&robots, cases);
 }

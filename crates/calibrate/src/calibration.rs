@@ -331,6 +331,7 @@ pub fn calibrate_and_tell(
         differs_from_drawing: differs,
         effects: entries(true),
         one_of: entries(false),
+        prospect: None,
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(reached.fit, reached.gains)),
         fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, reached.fit, reached.deflections)),
         unexplained: unexplained(found.as_ref()),
@@ -350,6 +351,7 @@ pub fn calibrate_and_tell(
     };
     result.report.placements = Some(rows::placements(&result));
     result.report.rows = Rows::of(&result);
+    result.report.prospect = result.prospect(statics);
     Ok(result)
 }
 

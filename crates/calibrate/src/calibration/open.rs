@@ -1,12 +1,18 @@
 //! What a calibration left open, and the poses that would settle it.
 
-use crate::apply::plan::tell_apart::{TellApart, tell_apart};
+use crate::apply::plan::tell_apart::{Prospect, TellApart, tell_apart};
 use crate::apply::plan::{PlanError, PlanOptions};
 use crate::calibration::Calibration;
 use crate::effects::driver::Statics;
 use crate::effects::survey::Survey;
+use crate::observation::kinds::POSITION;
 use crate::trace::infer::hypotheses::Open;
 use std::sync::Arc;
+
+/// Poses that the report speaks of.
+pub const MORE_POSES: usize = 20;
+/// Candidates among which it looks for them.
+const FEW_CANDIDATES: usize = 60;
 
 impl Calibration {
     /// The sets of causes that the run leaves possible; where nothing is open the one model that was adopted, with its geometry,
@@ -29,5 +35,15 @@ impl Calibration {
     /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
     pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions, exchange: bool) -> Result<TellApart, PlanError> {
         tell_apart(&self.open(statics), &self.train, options, exchange)
+    }
+
+    /// What some more poses would settle of the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates, no exchange.
+    pub(super) fn prospect(&self, statics: &Statics) -> Option<Prospect> {
+        if self.report.one_of.is_empty() {
+            return None;
+        }
+        let usual = PlanOptions::new(&self.arm().nominal, MORE_POSES, POSITION);
+        let options = PlanOptions { spread: FEW_CANDIDATES, ..usual };
+        self.tell_apart(statics, &options, false).ok().map(|planned| planned.prospect)
     }
 }

@@ -14,10 +14,11 @@ mod written;
 
 use self::design::{Design, Separation};
 use super::{PlanError, PlanOptions, allowed, as_predicted, candidates};
-use crate::effects::driver::{RUN_ORDER, VELOCITY};
-use crate::observation::measurements::{Covariate, Measurements};
-use crate::trace::infer::hypotheses::{Cause, Hypotheses, Open};
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, RUN_ORDER, VELOCITY};
+use crate::observation::measurements::{Covariate, Covariates, Measurements};
+use crate::trace::infer::hypotheses::{Cause, Hypotheses, Hypothesis, Open};
 use denavit_model::Chain;
+use serde::Serialize;
 
 /// Joints whose side of approach is offered both ways, at most: each doubles the candidates.
 const MOST_SIDES: usize = 2;
@@ -27,37 +28,64 @@ const JUDGED: usize = 200;
 const SEPARATED: f64 = 1.0;
 
 /// A set of causes that the data leave possible.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Possible {
-    /// The causes; none: nothing but geometry and error curves.
+    /// The causes.
     pub causes: Vec<Cause>,
-    /// The joint whose error curve, of no known cause, stands in the stead of a cause.
-    pub curve: Option<String>,
+    /// Joints whose error curve, of no known cause, is part of it and not of all others.
+    pub curves: Vec<String>,
     /// How probable it is now, of those in the list.
     pub probability: f64,
     /// Its logarithm.
+    #[serde(skip)]
     pub log_probability: f64,
     /// Columns beside the joints that its causes follow, such as temperature.
     pub follows: Vec<String>,
 }
 
 /// Two of them, and how far the poses are expected to tell them apart.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pair {
-    /// Their places in the list.
+    /// Their places in the list, counted from 0.
     pub of: [usize; 2],
     /// Natural logarithm of the odds of the first against the second now.
     pub log_odds: f64,
-    /// What it is expected to be once the poses are measured, if the first is true, and if the second is.
-    pub expected: [f64; 2],
-    /// Whether poses tell them apart at all.
+    /// What it is expected to be once the poses are measured, if the first is true.
+    pub expected_if_first: f64,
+    /// The same if the second is.
+    pub expected_if_second: f64,
+    /// Whether the poses tell them apart at all.
     pub separated: bool,
-    /// Columns that only one of the two follows and that poses do not vary.
+    /// What only one of the two follows and poses do not vary.
     pub vary: Vec<String>,
 }
 
+/// Error that is left unsure, m: root mean square over the joint range.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Unsure {
+    /// Now.
+    pub now: f64,
+    /// As expected with the poses measured.
+    pub expected: f64,
+}
+
+/// What is open, and what is expected of the poses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Prospect {
+    /// Poses chosen.
+    pub poses: usize,
+    /// How many of them to tell apart what is possible; the others are for the prediction.
+    pub for_separation: usize,
+    /// What is left possible, the most probable first; one: nothing is open.
+    pub possible: Vec<Possible>,
+    /// Every pair of them.
+    pub pairs: Vec<Pair>,
+    /// Error that is left unsure.
+    pub unsure: Unsure,
+}
+
 /// Which side a joint of a pose is to be approached from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Approach {
     /// The joint's name.
     pub joint: String,
@@ -78,18 +106,12 @@ pub struct TellApart {
     pub candidates: Vec<usize>,
     /// Candidates that could be used.
     pub usable: usize,
-    /// How many of the poses were chosen to tell hypotheses apart; the others are for the prediction.
-    pub for_separation: usize,
     /// Exchanges made.
     pub exchanges: usize,
-    /// What is left possible, the most probable first; one: nothing is open.
-    pub possible: Vec<Possible>,
-    /// Every pair of them.
-    pub pairs: Vec<Pair>,
     /// Sides of approach that matter.
     pub approach: Vec<Approach>,
-    /// Error that is left unsure, m: root mean square over the joint range; now, and as expected with the poses measured.
-    pub unsure: [f64; 2],
+    /// What is open, and what is expected of the poses.
+    pub prospect: Prospect,
 }
 
 /// Chooses `count` poses of the options' candidates for what is open about the run `data`.
@@ -137,9 +159,9 @@ pub fn tell_apart(
     let mut design = Design::new(&hypotheses, seen, series.len());
     design.choose(options.count, exchange);
     let separations = design.separations();
-    let unsure = design.unsure(&separations);
+    let [now, expected] = design.unsure(&separations);
     let mut chosen: Vec<(usize, usize)> = design.chosen.iter().map(|&row| each[number[row]]).collect();
-    let ordered = sides.in_order(&mut chosen, &all);
+    sides.in_order(&mut chosen, &all);
     let name = |coordinate: usize| chain.coordinates()[coordinate].name.clone();
     let approach = sides.list.iter().map(|(column, by_order, coordinate)| Approach {
         joint: name(*coordinate),
@@ -148,41 +170,47 @@ pub fn tell_apart(
     });
     let possible = possible(&hypotheses, chain);
     let pairs = pairs(&possible, &separations);
-    debug_assert!(ordered || sides.list.iter().all(|(_, by_order, _)| !by_order));
     Ok(TellApart {
         joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
         approach: approach.collect(),
         poses: chosen.iter().map(|(index, _)| all[*index].clone()).collect(),
         candidates: chosen.iter().map(|(index, _)| *index).collect(),
         usable: visible,
-        for_separation: design.for_separation,
         exchanges: design.exchanges,
-        possible,
-        pairs,
-        unsure,
+        prospect: Prospect {
+            poses: chosen.len(),
+            for_separation: design.for_separation,
+            possible,
+            pairs,
+            unsure: Unsure { now, expected },
+        },
     })
 }
 
 /// Poses at which the prediction is judged: spread over the joint limits, whatever the candidates are.
 fn reference(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, PlanError> {
-    candidates(chain, &PlanOptions { candidates: None, spread: JUDGED.min(options.spread), seed: !options.seed % 997, ..options.clone() })
+    candidates(
+        chain,
+        &PlanOptions {
+            candidates: None,
+            spread: JUDGED.min(options.spread),
+            seed: !options.seed % 997,
+            ..options.clone()
+        },
+    )
 }
 
 /// What was observed in the last row that says more than where a target sits.
 fn last_seen(data: &Measurements) -> Result<Vec<usize>, PlanError> {
     let last = (0..data.len()).rev().find(|&row| !data.locate[row]);
-    let series: Vec<usize> =
-        last.map_or_else(Vec::new, |row| data.of_row(row).map(|observation| data.observed.series(observation)).collect());
+    let series: Vec<usize> = last
+        .map_or_else(Vec::new, |row| data.of_row(row).map(|observation| data.observed.series(observation)).collect());
     let held = series.iter().map(|&series| data.scene.series[series].kind).find(|kind| kind.holds_the_target());
     held.map_or(Ok(series), |kind| Err(PlanError::Held(kind)))
 }
 
 /// The columns of rows to come: what `told` says, else what stood in the last row; run order goes on.
-fn recorded(
-    data: &Measurements,
-    rows: usize,
-    told: impl Fn(&str, usize) -> Option<f64>,
-) -> crate::observation::measurements::Covariates {
+fn recorded(data: &Measurements, rows: usize, told: impl Fn(&str, usize) -> Option<f64>) -> Covariates {
     let columns = data.covariates.iter().map(|column| {
         let last = column.values.last().copied().unwrap_or(0.0);
         let usual = if column.name == RUN_ORDER { last + 1.0 } else { last };
@@ -223,11 +251,11 @@ impl Sides {
     }
 
     /// Puts poses in an order in which the joint whose side the order tells comes from the sides chosen: first those from
-    /// below, rising, then those from above, falling. Returns whether there is such a joint.
-    fn in_order(&self, chosen: &mut [(usize, usize)], poses: &[Vec<f64>]) -> bool {
+    /// below, rising, then those from above, falling.
+    fn in_order(&self, chosen: &mut [(usize, usize)], poses: &[Vec<f64>]) {
         let Some(index) = self.list.iter().position(|(_, by_order, _)| *by_order) else {
             chosen.sort_unstable();
-            return false;
+            return;
         };
         let coordinate = self.list[index].2;
         let key = |(pose, way): &(usize, usize)| {
@@ -238,19 +266,20 @@ impl Sides {
             let (a, b) = (key(a), key(b));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
-        true
     }
 }
 
 fn possible(hypotheses: &Hypotheses, chain: &Chain) -> Vec<Possible> {
-    let of = |hypothesis: &crate::trace::infer::hypotheses::Hypothesis| {
+    let of = |hypothesis: &Hypothesis| {
+        let shared = |joint: &&usize| hypotheses.list.iter().all(|other| other.curves.contains(joint));
+        let own = hypothesis.curves.iter().filter(|joint| !shared(joint));
         let columns = hypothesis.terms.iter().flat_map(|term| term.driver.columns());
         let mut follows: Vec<String> = columns.map(|column| column.name().to_owned()).collect();
         follows.sort();
         follows.dedup();
         Possible {
             causes: hypothesis.causes.clone(),
-            curve: hypothesis.challenger.map(|joint| chain.joints()[joint].name.clone()),
+            curves: own.map(|joint| chain.joints()[*joint].name.clone()).collect(),
             probability: hypothesis.probability,
             log_probability: hypothesis.log_probability,
             follows,
@@ -267,10 +296,7 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
                 separations.iter().find(|one| (one.true_one, one.other) == (a, b)).map_or(0.0, |one| one.rise)
             };
             let log_odds = possible[a].log_probability - possible[b].log_probability;
-            let of_posture = |name: &String| {
-                use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS};
-                name.ends_with(APPROACH) || name.ends_with(APPROACH_FROM_ROWS)
-            };
+            let of_posture = |name: &String| name.ends_with(APPROACH) || name.ends_with(APPROACH_FROM_ROWS);
             let only = |one: usize, other: usize| {
                 let own = possible[one].follows.iter().filter(move |name| !possible[other].follows.contains(name));
                 own.filter(|name| !of_posture(name)).map(|name| words(name))
@@ -280,7 +306,8 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
             pairs.push(Pair {
                 of: [a, b],
                 log_odds,
-                expected: [log_odds + rise(a, b), log_odds - rise(b, a)],
+                expected_if_first: log_odds + rise(a, b),
+                expected_if_second: log_odds - rise(b, a),
                 separated: rise(a, b).min(rise(b, a)) > SEPARATED,
                 vary,
             });

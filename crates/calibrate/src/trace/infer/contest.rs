@@ -224,7 +224,8 @@ impl Contest<'_> {
         if set.iter().all(|&member| self.members[member].columns.is_empty()) {
             return Self::score(ground, 0.0, 0.0, odds);
         }
-        self.at_widths(ground, set).map(|(score, _)| score).fold(f64::NEG_INFINITY, f64::max) - (WIDTHS.len() as f64).ln()
+        self.at_widths(ground, set).map(|(score, _)| score).fold(f64::NEG_INFINITY, f64::max)
+            - (WIDTHS.len() as f64).ln()
     }
 
     /// The score of a set at each width of its prior, with that width, but for the price of choosing one.

@@ -200,8 +200,8 @@ impl Model<'_> {
         let square = system.square;
         let solved = system.solved()?;
         let half = &solved.half;
-        let score = 0.5
-            * (log_prior - solved.log_determinant() - self.gram.count * hyper.log_noise - square + dot(half, half));
+        let score =
+            0.5 * (log_prior - solved.log_determinant() - self.gram.count * hyper.log_noise - square + dot(half, half));
         score.is_finite().then_some(Factored { score, solved })
     }
 }

@@ -23,6 +23,7 @@ use crate::trace::infer::evidence::Solved;
 use crate::trace::infer::model::Kernel;
 use crate::trace::infer::named::least_precision;
 use denavit_model::Chain;
+use serde::Serialize;
 
 /// Waves of a curve that is to reach beyond the rows measured, at most: what is shorter than they can follow is left out.
 const MOST_WAVES: usize = 80;
@@ -34,7 +35,7 @@ const MOST_CHALLENGED: usize = 3;
 const SOME_LENGTH: f64 = 1.0;
 
 /// A cause: what an engineer would call the same.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Cause {
     /// The kind.
     pub kind: Kind,
@@ -47,9 +48,9 @@ pub struct Cause {
 pub struct Hypothesis {
     /// The causes; none: nothing but geometry, frames and curves.
     pub causes: Vec<Cause>,
-    /// The joint whose error curve stands in the stead of a cause: a curve that the rows measured do not ask for, but that
-    /// rows elsewhere may.
-    pub challenger: Option<usize>,
+    /// Joints that have an error curve beside them: one that suits the set, or one in the stead of a cause, which the rows
+    /// measured do not ask for but rows elsewhere may.
+    pub curves: Vec<usize>,
     /// Their terms.
     pub terms: Vec<Term>,
     /// Its share of the posterior mass of all hypotheses of the list.
@@ -305,7 +306,7 @@ impl Open {
                 noise = noise.min((square - solved.explained()) / count);
                 list.push(Hypothesis {
                     causes: set.causes.clone(),
-                    challenger: None,
+                    curves: set.curves.iter().map(|(joint, _)| *joint).collect(),
                     terms: set.terms.iter().map(|candidate| candidate.term.clone()).collect(),
                     probability: 0.0,
                     log_probability: set.log_mass,
@@ -333,7 +334,8 @@ impl Open {
                 let solved = system.solved()?;
                 let like = list[without].clone();
                 let log_probability = self.sets[without].log_mass + gain;
-                list.push(Hypothesis { challenger: Some(state.joints[at]), log_probability, columns, solved, ..like });
+                let curves = like.curves.iter().copied().chain([state.joints[at]]).collect();
+                list.push(Hypothesis { curves, log_probability, columns, solved, ..like });
                 Some(())
             });
         }
@@ -372,7 +374,8 @@ impl Open {
             let from = metres.len();
             for observation in data.of_row(row) {
                 let series = data.series_of(observation);
-                for (part, channel) in [Some(series.kind.place()), series.kind.turn()].into_iter().zip(series.channels) {
+                for (part, channel) in [Some(series.kind.place()), series.kind.turn()].into_iter().zip(series.channels)
+                {
                     let Some(part) = part else { continue };
                     let level = channel.map_or(1.0, |channel| fit.noise.levels[channel]);
                     metres.extend(std::iter::repeat_n(if part.unit == "m" { level } else { 0.0 }, part.height));
@@ -417,12 +420,17 @@ impl Hypotheses {
     pub fn predicted(&self, hypothesis: usize) -> Predicted {
         let Hypothesis { columns, solved, .. } = &self.list[hypothesis];
         let each = self.lines.cells.chunks_exact(self.lines.width.max(1));
-        let features = dealt(each, available(), || vec![0.0; columns.len()], |own, line| {
-            for (cell, &column) in own.iter_mut().zip(columns) {
-                *cell = line[column];
-            }
-            solved.feature(own)
-        });
+        let features = dealt(
+            each,
+            available(),
+            || vec![0.0; columns.len()],
+            |own, line| {
+                for (cell, &column) in own.iter_mut().zip(columns) {
+                    *cell = line[column];
+                }
+                solved.feature(own)
+            },
+        );
         let expected = features.iter().map(|feature| solved.expected(feature)).collect();
         Predicted { expected, size: columns.len(), features: features.into_iter().flatten().collect() }
     }

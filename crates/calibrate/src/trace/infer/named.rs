@@ -196,14 +196,16 @@ pub(crate) fn judge(
             }
         })
         .collect();
-    let unsure: Vec<usize> = set.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
+    let unsure: Vec<usize> =
+        set.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
     let sets = possible(&seen, &names, set, &unsure).into_iter().map(|(set, log_mass)| {
         let known = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
         let suits = known.max_by(|a, b| contest.at(&a.0, &set).total_cmp(&contest.at(&b.0, &set)));
         let chosen = suits.map_or_else(|| contest.bare().curves, |(_, setting)| setting.curves.clone());
-        let curves = chosen.iter().enumerate().filter_map(|(index, kernel)| {
-            Some((state.joints[index], kernels[index][kernel.checked_sub(1)?]))
-        });
+        let curves = chosen
+            .iter()
+            .enumerate()
+            .filter_map(|(index, kernel)| Some((state.joints[index], kernels[index][kernel.checked_sub(1)?])));
         let mut causes: Vec<Cause> = Vec::new();
         for (kind, place) in set.iter().map(|&member| names[member].clone()) {
             let cause = Cause { kind, place };
@@ -232,7 +234,8 @@ fn possible(seen: &Seen, names: &[(Kind, String)], best: &[usize], unsure: &[usi
     };
     let mut by_score: Vec<(&Vec<usize>, f64)> = seen.iter().map(|(set, (score, _))| (set, *score)).collect();
     by_score.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let first = |holds: &dyn Fn(&[usize]) -> bool| by_score.iter().find(|(set, _)| holds(set)).map(|(set, _)| (*set).clone());
+    let first =
+        |holds: &dyn Fn(&[usize]) -> bool| by_score.iter().find(|(set, _)| holds(set)).map(|(set, _)| (*set).clone());
     let mass_of = |set: &[usize]| mass(seen, &|other| signature(other) == signature(set));
     let mut sets: Vec<Vec<usize>> = vec![best.to_vec()];
     for &member in unsure {

@@ -13,6 +13,9 @@ use std::ops::Range;
 /// Bound on the probability to take the wrong hypothesis from which on a further pose is better spent on the prediction: a
 /// cause must be found on halves of the rows, too, and with half the evidence this is 0.02.
 const SETTLED: f64 = 4e-4;
+/// A pose must lower the logarithm of the bound by this much, or it is better spent on the prediction: twenty of them would not
+/// change odds by a sixth.
+const LEAST_STEP: f64 = 2e-3;
 /// An exchange must lower the logarithm of the bound by this much.
 const LEAST_GAIN: f64 = 1e-3;
 /// Sweeps of exchanges.
@@ -63,9 +66,9 @@ pub(super) struct Design<'a> {
     series: f64,
     begun: State,
     now: State,
-    /// Rows chosen to tell hypotheses apart, then those chosen for the prediction.
+    /// Rows chosen.
     pub chosen: Vec<usize>,
-    /// How many are of the first sort.
+    /// How many of them to tell hypotheses apart; the others for the prediction.
     pub for_separation: usize,
     /// Exchanges made.
     pub exchanges: usize,
@@ -123,7 +126,8 @@ impl<'a> Design<'a> {
         for value in self.lines.rows[row].clone() {
             for (b, predicted) in self.predicted.iter().enumerate() {
                 let known = self.columns.entry((b, value));
-                let before = known.or_insert_with(|| predicted.covariances(value..value + 1, 0..self.lines.metres.len()));
+                let before =
+                    known.or_insert_with(|| predicted.covariances(value..value + 1, 0..self.lines.metres.len()));
                 let mut covariances = before.clone();
                 let own = &mut self.now.of[b];
                 for share in &own.shares {
@@ -214,39 +218,39 @@ impl<'a> Design<'a> {
         open.map(|row| (row, of(row))).filter(|(_, gain)| gain.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Chooses so many of the candidates: first what tells the hypotheses apart, one after the other and then by
-    /// exchange where `exchange`; what is left over, for the variance of prediction.
+    /// Chooses so many of the candidates, one after the other: in turn one that tells the hypotheses apart and one that lowers the
+    /// variance of prediction, which has its own value and spreads the poses; once nothing more can be told apart, all are of the
+    /// second sort. Where `exchange`, those of the first are then improved by exchange.
     pub fn choose(&mut self, count: usize, exchange: bool) {
-        if self.predicted.len() > 1 {
-            while self.chosen.len() < count && self.log_bound(None) > SETTLED.ln() {
-                let here = self.log_bound(None);
-                let Some((row, _)) = self.best(|row| -self.log_bound(Some(row))).filter(|(_, best)| *best > -here) else {
-                    break;
-                };
-                self.chosen.push(row);
-                self.add(row, false);
-            }
-            self.for_separation = self.chosen.len();
-            if exchange {
-                self.exchange();
-            }
-        }
-        let chosen = self.chosen.clone();
-        self.now.clone_from(&self.begun);
-        chosen.iter().for_each(|&row| self.add(row, true));
+        let mut places = Vec::new();
+        let mut open = self.predicted.len() > 1;
         while self.chosen.len() < count {
-            let Some((row, _)) = self.best(|row| self.lowers(row)) else { break };
+            let here = if open { self.log_bound(None) } else { f64::NEG_INFINITY };
+            open &= here > SETTLED.ln();
+            let wanted = open && self.chosen.len() == 2 * places.len();
+            let tells = if wanted { self.best(|row| -self.log_bound(Some(row))) } else { None };
+            let tells = tells.filter(|(_, bound)| *bound > LEAST_STEP - here);
+            open &= !wanted || tells.is_some();
+            if tells.is_some() {
+                places.push(self.chosen.len());
+            }
+            let Some((row, _)) = tells.or_else(|| self.best(|row| self.lowers(row))) else { break };
             self.chosen.push(row);
             self.add(row, true);
         }
+        self.for_separation = places.len();
+        if exchange && !places.is_empty() {
+            self.exchange(&places);
+        }
     }
 
-    fn exchange(&mut self) {
+    fn exchange(&mut self, places: &[usize]) {
         for _ in 0..MOST_SWEEPS {
             let mut changed = false;
-            for place in 0..self.chosen.len() {
+            for &place in places {
                 let here = self.log_bound(None);
-                let others: Vec<usize> = (0..self.chosen.len()).filter(|k| *k != place).map(|k| self.chosen[k]).collect();
+                let others: Vec<usize> =
+                    (0..self.chosen.len()).filter(|k| *k != place).map(|k| self.chosen[k]).collect();
                 self.begin(&others);
                 let out = self.chosen[place];
                 let best = self.best(|row| -self.log_bound(Some(row)));
@@ -289,7 +293,8 @@ impl<'a> Design<'a> {
                 return Separation { true_one: a, other: b, rise: 0.0 };
             };
             let expected = |index: usize| &self.predicted[index].expected;
-            let apart = DVector::from_iterator(size, values.iter().map(|&value| expected(a)[value] - expected(b)[value]));
+            let apart =
+                DVector::from_iterator(size, values.iter().map(|&value| expected(a)[value] - expected(b)[value]));
             let square = apart.dot(&other.solve(&apart)) / self.hypotheses.noise;
             let trace = other.solve(&spreads[a]).trace();
             let rise = 0.5 * (trace - size as f64 + square + log(other) - log(own));

@@ -1,21 +1,23 @@
 //! What the poses are for, and the poses, as text, CSV and JSON.
 
-use super::{Possible, TellApart};
+use super::{Pair, Possible, Prospect, TellApart, Unsure};
 use crate::observation::measurements::Units;
 use denavit_model::Chain;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use std::fmt::Write;
 
 /// Version of the JSON.
 const SCHEMA: &str = "denavit.tell_apart/1";
 /// Odds beyond this are not told further: no model is that true.
 const MOST_ODDS: f64 = 1e6;
+/// Two that hold this share of the mass, the mean of their logarithms, are asked about.
+const IN_QUESTION: f64 = 0.02;
 
-/// The causes of a hypothesis in words.
+/// What acts if this is true, in words.
 fn title(possible: &Possible) -> String {
-    let each = possible.causes.iter().map(|cause| format!("{} at {}", cause.kind.name(), cause.place));
-    let curve = possible.curve.iter().map(|joint| format!("an error curve of {joint}, no cause known"));
-    let all: Vec<String> = each.chain(curve).collect();
+    let causes = possible.causes.iter().map(|cause| format!("{} at {}", cause.kind.name(), cause.place));
+    let curves = possible.curves.iter().map(|joint| format!("an error curve of {joint}"));
+    let all: Vec<String> = causes.chain(curves).collect();
     if all.is_empty() { "no cause".into() } else { all.join(" and ") }
 }
 
@@ -43,100 +45,106 @@ fn percent(probability: f64) -> String {
     }
 }
 
-impl TellApart {
+impl Prospect {
     /// Whether there is anything to tell apart.
     pub fn open(&self) -> bool {
         self.possible.len() > 1
     }
 
-    /// The pair that is hardest to tell apart: the one whose smaller expected odds are the smallest.
-    fn hardest(&self) -> Option<&super::Pair> {
-        let least = |pair: &super::Pair| pair.expected[0].min(-pair.expected[1]);
-        self.pairs.iter().min_by(|a, b| least(a).total_cmp(&least(b)))
+    /// Pairs in which both hold enough of the mass to be worth a word: what is left of them is asked about first.
+    fn in_question(&self) -> impl Iterator<Item = &Pair> {
+        let weight =
+            |pair: &&Pair| pair.of.iter().map(|&index| self.possible[index].log_probability).sum::<f64>() / 2.0;
+        self.pairs.iter().filter(move |pair| weight(pair) > IN_QUESTION.ln())
     }
 
     /// A short paragraph for the report of a calibration; none where nothing is open.
     pub fn in_short(&self) -> Option<String> {
-        let pair = self.hardest()?;
+        // That in question between the most probable and what comes nearest to it.
+        let pair = self.pairs.first()?;
         let [a, b] = pair.of.map(|index| title(&self.possible[index]));
-        let count = self.poses.len();
+        let (poses, Unsure { now, expected }) = (self.poses, self.unsure);
         let settles = if pair.separated {
             format!(
-                "{count} more poses would settle what is open, hardest {a} against {b}: odds now {}, expected {} if the former is \
-                 true and {} if the latter",
+                "{poses} more poses, chosen to tell {a} from {b}, are expected to bring the odds from {} to {} if the first acts, to \
+                 {} if the second does; `denavit plan ROBOT --tell-apart RUN.csv` writes them.",
                 odds(pair.log_odds),
-                odds(pair.expected[0]),
-                odds(pair.expected[1])
+                odds(pair.expected_if_first),
+                odds(pair.expected_if_second)
             )
         } else {
-            format!("{count} more poses would not settle {a} against {b}{}", self.instead(pair))
+            format!("{poses} more poses are not expected to tell {a} from {b}: {}.", instead(pair))
         };
-        let [now, after] = self.unsure.map(|error| error * 1e3);
         Some(format!(
-            "{settles}. The error that remains unsure would fall from {now:.3} to {after:.3} mm (root mean square over the joint \
-             range). `denavit plan ROBOT --tell-apart RUN.csv` writes the poses."
+            "{settles} The error that remains unsure is {:.3} mm now, {:.3} mm expected with them (root mean square over the \
+             joint range).",
+            now * 1e3,
+            expected * 1e3
         ))
     }
+}
 
-    /// What would tell a pair apart that poses do not.
-    fn instead(&self, pair: &super::Pair) -> String {
-        if pair.vary.is_empty() {
-            return ": no pose that was offered separates them; another payload, another kind of measurement, another place of \
-                    the instrument or of the target is needed"
-                .into();
-        }
-        format!(": poses alone cannot; vary {}", pair.vary.join(" and "))
+/// What would tell a pair apart that poses do not.
+fn instead(pair: &Pair) -> String {
+    if pair.vary.is_empty() {
+        return "it takes another payload, another kind of measurement, or another place of the instrument or the target".into();
     }
+    format!("vary {} as well", pair.vary.join(" and "))
+}
 
+impl TellApart {
     /// What is open, what is expected of the poses.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
-        if self.open() {
+        let prospect = &self.prospect;
+        if prospect.open() {
             let _ = writeln!(text, "what may act, as the run leaves it:");
-            for (index, possible) in self.possible.iter().enumerate() {
+            for (index, possible) in prospect.possible.iter().enumerate() {
                 let _ = writeln!(text, "  {}  {:<9}  {}", index + 1, percent(possible.probability), title(possible));
             }
         } else {
             let _ = writeln!(text, "nothing is open: poses are chosen for the prediction alone");
         }
-        let for_prediction = self.poses.len() - self.for_separation;
         let _ = write!(text, "{} of {} candidates chosen", self.poses.len(), self.usable);
-        if self.open() {
-            let _ = write!(
-                text,
-                ": {} to tell these apart, {} exchanges, {} for the prediction",
-                self.for_separation, self.exchanges, for_prediction
-            );
+        if prospect.open() {
+            let for_prediction = self.poses.len() - prospect.for_separation;
+            let apart = prospect.for_separation;
+            let _ = write!(text, ": {apart} to tell these apart, {for_prediction} for the prediction");
         }
         text.push('\n');
-        if self.open() {
+        if prospect.open() {
             let _ = writeln!(text, "pair     odds now       expected if the first is true, if the second is");
-            for pair in &self.pairs {
+            for pair in &prospect.pairs {
                 let [a, b] = pair.of.map(|index| index + 1);
                 let name = format!("{a} : {b}");
-                let [first, second] = pair.expected.map(odds);
-                let _ = writeln!(text, "{name:<7}  {:<13}  {first:<15}  {second}", odds(pair.log_odds));
+                let [first, second] = [pair.expected_if_first, pair.expected_if_second].map(odds);
+                let _ = writeln!(text, "{name:<7}  {:<13}  {first:<28}  {second}", odds(pair.log_odds));
             }
-            for pair in self.pairs.iter().filter(|pair| !pair.separated) {
+            for pair in prospect.in_question().filter(|pair| !pair.separated) {
                 let [a, b] = pair.of.map(|index| index + 1);
-                let _ = writeln!(text, "{a} and {b} are not told apart{}", self.instead(pair));
+                let _ = writeln!(text, "these poses do not tell {a} from {b}: {}", instead(pair));
             }
         }
-        let [now, after] = self.unsure.map(|error| error * 1e3);
+        let Unsure { now, expected } = prospect.unsure;
         let _ = writeln!(
             text,
-            "error that remains unsure: {now:.3} mm now, {after:.3} mm expected with these poses (root mean square over the joint range)"
+            "error that remains unsure: {:.3} mm now, {:.3} mm expected with these poses (root mean square over the joint range)",
+            now * 1e3,
+            expected * 1e3
         );
         for approach in &self.approach {
             let joint = &approach.joint;
             let _ = if approach.by_order {
                 writeln!(
                     text,
-                    "measure in this order, from pose to pose without a detour: it makes {joint} come from below first, then from \
-                     above, as was chosen; begin with {joint} below the first pose"
+                    "measure in this order, from pose to pose without a detour: {joint} then comes from below first, from above \
+                     later, as was chosen; begin with {joint} below the first pose"
                 )
             } else {
-                writeln!(text, "approach each pose with {joint} rising where {joint}.approach is 1, falling where it is -1")
+                writeln!(
+                    text,
+                    "come to each pose with {joint} rising where {joint}.approach is 1, falling where it is -1"
+                )
             };
         }
         text
@@ -165,47 +173,17 @@ impl TellApart {
 
     /// The same as JSON; odds as natural logarithms, lengths in m.
     pub fn to_json(&self, chain: &Chain) -> String {
-        let mut value = json!({
+        let value = json!({
             "schema": SCHEMA,
             "robot": chain.name(),
             "base": chain.base(),
             "tip": chain.tip(),
+            "candidates": self.usable,
+            "joints": self.joints,
+            "poses": self.poses,
+            "approach": self.approach,
+            "prospect": self.prospect,
         });
-        let all = value.as_object_mut().expect("an object was written");
-        self.members(all);
-        all.insert("candidates".into(), json!(self.usable));
-        all.insert("joints".into(), json!(self.joints));
-        all.insert("poses".into(), json!(self.poses));
-        let approach = self.approach.iter().map(|approach| {
-            json!({ "joint": approach.joint, "by_order": approach.by_order, "sides": approach.sides })
-        });
-        all.insert("approach".into(), approach.collect());
         serde_json::to_string_pretty(&value).expect("names are texts and numbers are numbers") + "\n"
-    }
-
-    /// What is open and what is expected: the part that a calibration's report has, too.
-    fn members(&self, all: &mut Map<String, Value>) {
-        let possible = self.possible.iter().map(|possible| {
-            let causes: Vec<Value> = possible
-                .causes
-                .iter()
-                .map(|cause| json!({ "kind": cause.kind.name(), "place": cause.place }))
-                .collect();
-            json!({ "causes": causes, "curve": possible.curve, "probability": possible.probability, "follows": possible.follows })
-        });
-        all.insert("possible".into(), possible.collect());
-        let pairs = self.pairs.iter().map(|pair| {
-            json!({
-                "of": pair.of,
-                "log_odds": pair.log_odds,
-                "expected_if_first": pair.expected[0],
-                "expected_if_second": pair.expected[1],
-                "separated": pair.separated,
-                "vary": pair.vary,
-            })
-        });
-        all.insert("pairs".into(), pairs.collect());
-        all.insert("for_separation".into(), json!(self.for_separation));
-        all.insert("unsure".into(), json!({ "now": self.unsure[0], "expected": self.unsure[1] }));
     }
 }
