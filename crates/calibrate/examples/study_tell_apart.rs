@@ -3,7 +3,7 @@
 //! `... -- real ROBOT.urdf DATA.csv [DRAWS]` with `TIP` and `UNITS` in the environment.
 //!
 //! Simulated: a robot off by its tolerances with one effect, measured at a poor set of postures (every joint in a third of
-//! its range) such that the cause is not named; then poses from the whole range are added. Real: a hundred rows drawn at random,
+//! its range, or all of it and the effect weak) such that the cause is not named; then poses from the whole range are added. Real: a hundred rows drawn at random,
 //! the others are candidates, what is left of them judges.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
@@ -24,9 +24,25 @@ use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Rows of the poor set, share of each joint's range that it holds, poses added.
+/// How a run came to leave something open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct World {
+    /// What it is called.
+    pub name: &'static str,
+    /// Share of each joint's range that its postures hold.
+    pub share: f64,
+    /// Least and most that the effect moves the measured values by over the whole range, mm.
+    pub strength: (f64, f64),
+}
+
+/// Postures in a part of the range; and an effect that is weak beside a noise of 0.05 mm.
+pub const WORLDS: [World; 2] = [
+    World { name: "narrow postures", share: 0.35, strength: (0.06, 0.16) },
+    World { name: "weak effects", share: 1.0, strength: (0.015, 0.05) },
+];
+
+/// Rows of the run, poses added.
 const ROWS: usize = 60;
-const SHARE: f64 = 0.35;
 const ADDED: usize = 20;
 /// Rows that judge.
 const JUDGES: usize = 300;
@@ -91,19 +107,20 @@ fn ended(found: &Calibration, kind: &str, place: &str, judges: &Measurements) ->
 }
 
 /// One case; none where the effect cannot be simulated, or where nothing is left open.
-pub fn case(chain: &Chain, statics: &Statics, seed: u64) -> Option<Case> {
+pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option<Case> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let kind = KINDS[seed as usize % KINDS.len()];
     let joint = random.random_range(0..chain.joints().len());
     let place = chain.joints()[joint].name.clone();
-    let strength = 0.06 + 0.1 * random.random::<f64>();
+    let (least, most) = world.strength;
+    let strength = least + (most - least) * random.random::<f64>();
     let specification = format!("{kind}@{place}={strength:.3}mm");
     let poor: Vec<(f64, f64)> = chain
         .coordinates()
         .iter()
         .map(|coordinate| {
             let (low, high) = coordinate.range();
-            let width = SHARE * (high - low);
+            let width = world.share * (high - low);
             let from = low + (high - low - width) * random.random::<f64>();
             (from, width)
         })
@@ -166,7 +183,8 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     if numbers.is_empty() { f64::NAN } else { numbers[numbers.len() / 2] }
 }
 
-fn simulated(robots: &[String], wanted: usize) {
+fn simulated(world: World, robots: &[String], wanted: usize) {
+    println!("{}", world.name);
     let names = ["before", "told apart", "D-optimal", "at random"];
     let mut all: Vec<Case> = Vec::new();
     for path in robots {
@@ -174,7 +192,7 @@ fn simulated(robots: &[String], wanted: usize) {
         let (mut cases, mut tried) = (Vec::new(), 0u64);
         while cases.len() < wanted && tried < 12 * wanted as u64 {
             tried += 1;
-            if let Some(case) = case(&robot.chain, &robot.statics, 1000 + tried) {
+            if let Some(case) = case(&robot.chain, &robot.statics, world, 1000 + tried) {
                 println!(
                     "{path} {} {}: before {:+.1}, expected {:+.1}, then {}",
                     1000 + tried,
@@ -300,5 +318,5 @@ fn main() {
             .map(|name| format!("{folder}/{name}.urdf"))
             .to_vec()
     };
-    simulated(&robots, cases);
+    WORLDS.into_iter().for_each(|world| simulated(world, &robots, cases));
 }

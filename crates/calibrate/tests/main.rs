@@ -31,6 +31,7 @@ mod repeats;
 mod rows;
 mod runs;
 mod statistics;
+mod tell_apart;
 mod tips;
 mod tracing;
 mod webcam;

@@ -12,7 +12,7 @@
 mod design;
 mod written;
 
-use self::design::{Design, Separation};
+use self::design::{Design, Offered, Separation};
 use super::{PlanError, PlanOptions, allowed, as_predicted, candidates};
 use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, RUN_ORDER, VELOCITY};
 use crate::observation::measurements::{Covariate, Covariates, Measurements};
@@ -156,7 +156,7 @@ pub fn tell_apart(
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: visible, candidates: total });
     }
     let hypotheses = open.hypotheses(&rows).ok_or(PlanError::Degenerate)?;
-    let mut design = Design::new(&hypotheses, seen, series.len());
+    let mut design = Design::new(Offered::of(&hypotheses, seen, series.len()));
     design.choose(options.count, exchange);
     let separations = design.separations();
     let [now, expected] = design.unsure(&separations);

@@ -119,6 +119,15 @@ pub struct Predicted {
 }
 
 impl Predicted {
+    /// From vectors of `size` cells each, value by value.
+    ///
+    /// # Panics
+    /// There is not one vector for each value.
+    pub fn new(expected: Vec<f64>, features: Vec<f64>, size: usize) -> Self {
+        assert_eq!(features.len(), expected.len() * size, "there is a vector for each value");
+        Self { expected, features, size }
+    }
+
     fn feature(&self, value: usize) -> &[f64] {
         &self.features[value * self.size..(value + 1) * self.size]
     }
