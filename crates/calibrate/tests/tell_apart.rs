@@ -11,7 +11,7 @@ use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
-use denavit_calibrate::observation::kinds::{ObservationKind, POSE, POSITION, SOCKET};
+use denavit_calibrate::observation::kinds::{ObservationKind, PLANE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{NoEffects, Scene};
@@ -112,10 +112,11 @@ fn what_cannot_be_chosen_is_refused() {
     assert!(matches!(error, PlanError::TooFewCandidates { wanted: 5, left: 3, .. }), "{error}");
     let short = PlanOptions { candidates: Some(vec![vec![0.0]]), ..PlanOptions::new(&chain, 1, POSITION) };
     assert!(matches!(found.tell_apart(&statics, &short, true), Err(PlanError::Length { .. })));
-    let options = SimulationOptions { kind: SOCKET, rows: 60, targets: 4, seed: 2, ..Default::default() };
-    let data = simulate(&chain, &options, &NoEffects).data;
-    let asked = CalibrateOptions::geometry(&chain);
-    let found = calibrate(&chain, &statics, data, None, &asked).unwrap();
-    let error = found.tell_apart(&statics, &PlanOptions::new(&chain, 5, POSITION), true).unwrap_err();
+    let puma = denavit_model::examples::puma_like();
+    let options = SimulationOptions { kind: PLANE, rows: 300, noise_position: 1e-5, ..Default::default() };
+    let data = simulate(&puma, &options, &NoEffects).data;
+    let (statics, asked) = (Statics::of_chain(&puma), CalibrateOptions::geometry(&puma));
+    let found = calibrate(&puma, &statics, data, None, &asked).unwrap();
+    let error = found.tell_apart(&statics, &PlanOptions::new(&puma, 5, POSITION), true).unwrap_err();
     assert!(matches!(error, PlanError::Held(_)), "{error}");
 }

@@ -23,11 +23,10 @@ fn title(possible: &Possible) -> String {
 
 /// Odds as one says them: 40:1, 1:40.
 fn odds(log: f64) -> String {
-    let of = |odds: f64| match odds {
-        odds if odds > MOST_ODDS => "over 1000000".into(),
-        odds if odds < 9.5 => format!("{odds:.1}"),
-        odds => format!("{:.0}", round_to_two(odds)),
-    };
+    if log.abs() > MOST_ODDS.ln() {
+        return if log > 0.0 { format!("over {MOST_ODDS:.0}:1") } else { format!("below 1:{MOST_ODDS:.0}") };
+    }
+    let of = |odds: f64| if odds < 9.5 { format!("{odds:.1}") } else { format!("{:.0}", round_to_two(odds)) };
     if log < 0.0 { format!("1:{}", of((-log).exp())) } else { format!("{}:1", of(log.exp())) }
 }
 
@@ -60,8 +59,10 @@ impl Prospect {
 
     /// A short paragraph for the report of a calibration; none where nothing is open.
     pub fn in_short(&self) -> Option<String> {
-        // That in question between the most probable and what comes nearest to it.
-        let pair = self.pairs.first()?;
+        // The most probable, and the next that lacks a cause of it.
+        let causes = |index: usize| &self.possible[index].causes;
+        let lacks = |pair: &&Pair| pair.of[0] == 0 && causes(0).iter().any(|cause| !causes(pair.of[1]).contains(cause));
+        let pair = self.pairs.iter().find(lacks).or_else(|| self.pairs.first())?;
         let [a, b] = pair.of.map(|index| title(&self.possible[index]));
         let (poses, Unsure { now, expected }) = (self.poses, self.unsure);
         let settles = if pair.separated {
@@ -113,12 +114,12 @@ impl TellApart {
         }
         text.push('\n');
         if prospect.open() {
-            let _ = writeln!(text, "pair     odds now       expected if the first is true, if the second is");
-            for pair in &prospect.pairs {
+            let _ = writeln!(text, "pair     odds now         expected if the first is true, if the second is");
+            for pair in prospect.pairs.iter().filter(|pair| pair.of[0] == 0) {
                 let [a, b] = pair.of.map(|index| index + 1);
                 let name = format!("{a} : {b}");
                 let [first, second] = [pair.expected_if_first, pair.expected_if_second].map(odds);
-                let _ = writeln!(text, "{name:<7}  {:<13}  {first:<28}  {second}", odds(pair.log_odds));
+                let _ = writeln!(text, "{name:<7}  {:<15}  {first:<28}  {second}", odds(pair.log_odds));
             }
             for pair in prospect.in_question().filter(|pair| !pair.separated) {
                 let [a, b] = pair.of.map(|index| index + 1);
