@@ -110,7 +110,7 @@ fn ended(found: &Calibration, kind: &str, place: &str, judges: &Measurements) ->
 /// One case; none where the effect cannot be simulated, or where nothing is left open.
 pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option<Case> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let kind = KINDS[seed as usize % KINDS.len()];
+    let kind = KINDS[usize::try_from(seed).unwrap() % KINDS.len()];
     let joint = random.random_range(0..chain.joints().len());
     let place = chain.joints()[joint].name.clone();
     let (least, most) = world.strength;
@@ -147,7 +147,7 @@ pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option
     let asked = options(chain);
     let found = calibrate(chain, statics, run.data.clone(), None, &asked).ok()?;
     let before = ended(&found, kind, &place, &judges);
-    if before.right || !found.trace.as_ref().is_some_and(|trace| trace.open.is_some()) {
+    if before.right || found.trace.as_ref().is_none_or(|trace| trace.open.is_none()) {
         return None;
     }
     let plan_options = PlanOptions::new(chain, ADDED, POSITION);
@@ -348,5 +348,7 @@ fn main() {
             .map(|name| format!("{folder}/{name}.urdf"))
             .to_vec()
     };
-    WORLDS.into_iter().for_each(|world| simulated(world, &robots, cases));
+    for world in WORLDS {
+        simulated(world, &robots, cases);
+    }
 }

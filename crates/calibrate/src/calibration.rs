@@ -349,10 +349,15 @@ pub fn calibrate_and_tell(
         train: Arc::new(train),
         test: test.map(Arc::new),
     };
-    result.report.placements = Some(rows::placements(&result));
-    result.report.rows = Rows::of(&result);
-    result.report.prospect = result.prospect(statics);
+    describe(&mut result, statics);
     Ok(result)
+}
+
+/// The parts of the report that are of the whole result.
+fn describe(result: &mut Calibration, statics: &Statics) {
+    result.report.placements = Some(rows::placements(result));
+    result.report.rows = Rows::of(result);
+    result.report.prospect = result.prospect(statics);
 }
 
 /// What the noise of the adopted fit is made of, which may hold error curves.

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 /// Joints whose side of approach is offered both ways, at most: each doubles the candidates.
 const MOST_SIDES: usize = 2;
-/// Poses over the joint limits at which the prediction is judged.
+/// Poses at which the prediction is judged.
 const JUDGED: usize = 200;
 /// A pair whose odds are expected to rise by less than this factor, logarithm, is not separated.
 const SEPARATED: f64 = 1.0;
@@ -60,7 +60,7 @@ pub struct Pair {
     pub vary: Vec<String>,
 }
 
-/// Error that is left unsure, m: root mean square over the joint range.
+/// Error that is left unsure, m: root mean square over the joint range, or over the candidates where they were given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Unsure {
     /// Now.
@@ -106,6 +106,8 @@ pub struct TellApart {
     pub candidates: Vec<usize>,
     /// Candidates that could be used.
     pub usable: usize,
+    /// Whether the prediction is judged at candidates that were given, and not over the joint range.
+    pub at_given: bool,
     /// Exchanges made.
     pub exchanges: usize,
     /// Sides of approach that matter.
@@ -140,11 +142,10 @@ pub fn tell_apart(
         .map(|(joint, column, by_order)| (column, by_order, chain.joints()[joint].coordinate))
         .collect();
     let sides = Sides::offered(&offered);
-    let wanted = reference(chain, options)?;
-    let wanted = wanted.iter().filter(|q| allowed(chain, arm, q, &PlanOptions { allowed: None, ..options.clone() }));
+    let wanted = judged(chain, options, &usable.iter().map(|&index| &all[index]).collect::<Vec<_>>())?;
     let each = usable.iter().flat_map(|&index| (0..sides.ways()).map(move |way| (index, way)));
     let each: Vec<(usize, usize)> = each.collect();
-    let poses = each.iter().map(|(index, _)| &all[*index]).chain(wanted);
+    let poses = each.iter().map(|(index, _)| &all[*index]).chain(&wanted);
     let nothing_yet = Measurements::empty("candidates", data.joints.clone(), data.scene.clone());
     let mut rows = as_predicted(arm, nothing_yet, &series, poses);
     let number: Vec<usize> = rows.lines.iter().map(|line| line - 1).collect();
@@ -176,6 +177,7 @@ pub fn tell_apart(
         poses: chosen.iter().map(|(index, _)| all[*index].clone()).collect(),
         candidates: chosen.iter().map(|(index, _)| *index).collect(),
         usable: visible,
+        at_given: options.candidates.is_some(),
         exchanges: design.exchanges,
         prospect: Prospect {
             poses: chosen.len(),
@@ -187,17 +189,14 @@ pub fn tell_apart(
     })
 }
 
-/// Poses at which the prediction is judged: spread over the joint limits, whatever the candidates are.
-fn reference(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, PlanError> {
-    candidates(
-        chain,
-        &PlanOptions {
-            candidates: None,
-            spread: JUDGED.min(options.spread),
-            seed: !options.seed % 997,
-            ..options.clone()
-        },
-    )
+/// Poses at which the prediction is judged: some of the candidates where they were given, else spread over the joint limits.
+fn judged(chain: &Chain, options: &PlanOptions, given: &[&Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
+    if options.candidates.is_some() {
+        return Ok(given.iter().step_by(given.len().div_ceil(JUDGED).max(1)).map(|pose| (*pose).clone()).collect());
+    }
+    let anywhere =
+        PlanOptions { allowed: None, spread: JUDGED.min(options.spread), seed: !options.seed % 997, ..options.clone() };
+    candidates(chain, &anywhere)
 }
 
 /// What was observed in the last row that says more than where a target sits.

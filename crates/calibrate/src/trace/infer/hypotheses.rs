@@ -196,8 +196,7 @@ impl Open {
         joints
     }
 
-    /// Causes in question: of each joint that a cause acts at which not all sets hold, the set of the list without it that is the
-    /// most probable.
+    /// Causes in question: joints at which a cause acts that not all sets hold, with that cause.
     fn challenged(&self) -> Vec<(usize, &Candidate)> {
         let mut joints: Vec<(usize, &Candidate)> = Vec::new();
         for candidate in self.sets.iter().flat_map(|set| &set.terms) {
@@ -233,6 +232,54 @@ impl Open {
         state
     }
 
+    /// All terms, each once.
+    fn candidates(&self) -> Vec<Candidate> {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for candidate in self.sets.iter().flat_map(|set| &set.terms) {
+            if !candidates.iter().any(|other| other.term == candidate.term) {
+                candidates.push(candidate.clone());
+            }
+        }
+        candidates
+    }
+
+    /// The setting of each set, and the kernels that the curves of these joints have in any of them.
+    fn settings(&self, joints: &[usize]) -> Option<(Vec<Setting>, Vec<Vec<Kernel>>)> {
+        let mut kernels: Vec<Vec<Kernel>> = vec![Vec::new(); joints.len()];
+        let mut settings = Vec::new();
+        for set in &self.sets {
+            let mut setting = Setting { curves: vec![0; joints.len()], unnamed: None };
+            for (joint, kernel) in &set.curves {
+                let at = joints.iter().position(|other| other == joint)?;
+                let known = kernels[at].iter().position(|other| other == kernel);
+                let own = known.unwrap_or_else(|| {
+                    kernels[at].push(*kernel);
+                    kernels[at].len() - 1
+                });
+                setting.curves[at] = own + 1;
+            }
+            settings.push(setting);
+        }
+        Some((settings, kernels))
+    }
+
+    /// The curves that stand in the stead of a cause, where its joint has none in the set without it.
+    fn challenges<'a>(
+        &self,
+        challenged: &[(usize, &'a Candidate)],
+        joints: &[usize],
+        settings: &[Setting],
+    ) -> Vec<Challenge<'a>> {
+        let of = |&(joint, candidate): &(usize, &'a Candidate)| {
+            let curve = joints.iter().position(|other| *other == joint)?;
+            let holds = |set: &OpenSet| set.terms.iter().any(|other| other.term == candidate.term);
+            let with = self.sets.iter().position(holds)?;
+            let without = self.sets.iter().position(|set| !holds(set))?;
+            (settings[without].curves[curve] == 0).then_some(Challenge { curve, candidate, with, without })
+        };
+        challenged.iter().filter_map(of).collect()
+    }
+
     /// What each hypothesis predicts of `rows`, which have the scene and the recorded columns of the run; `None` where one has
     /// no solution.
     pub fn hypotheses(&self, rows: &Measurements) -> Option<Hypotheses> {
@@ -242,12 +289,7 @@ impl Open {
         // What the fit's own curves explain is put back, whether a hypothesis has them or not.
         joints.extend(self.fit.effects.curves.iter().map(|curve| curve.joint));
         let state = self.state(rows, &joints);
-        let mut candidates: Vec<Candidate> = Vec::new();
-        for candidate in self.sets.iter().flat_map(|set| &set.terms) {
-            if !candidates.iter().any(|other| other.term == candidate.term) {
-                candidates.push(candidate.clone());
-            }
-        }
+        let candidates = self.candidates();
         let round = Round::beside(&self.data, &state, &self.reference, Some(&candidates), &[], 1);
         let members: Vec<Member> = candidates
             .iter()
@@ -258,34 +300,9 @@ impl Open {
                 least_precision: least_precision(candidate),
             })
             .collect();
-        let mut kernels: Vec<Vec<Kernel>> = vec![Vec::new(); state.joints.len()];
-        let place = |joint: usize| state.joints.iter().position(|other| *other == joint);
-        let mut settings = Vec::new();
-        for set in &self.sets {
-            let mut setting = Setting { curves: vec![0; state.joints.len()], unnamed: None };
-            for (joint, kernel) in &set.curves {
-                let at = place(*joint)?;
-                let known = kernels[at].iter().position(|other| other == kernel);
-                setting.curves[at] = 1 + known.unwrap_or_else(|| {
-                    kernels[at].push(*kernel);
-                    kernels[at].len() - 1
-                });
-            }
-            settings.push(setting);
-        }
+        let (settings, mut kernels) = self.settings(&state.joints)?;
         let lines = self.lines(rows, &state, &candidates);
-        // A curve in the stead of a cause is as large as the cause is at the rows to come.
-        let mut challenges = Vec::new();
-        for (joint, candidate) in challenged {
-            let member = candidates.iter().position(|other| other.term == candidate.term)?;
-            let at = place(joint)?;
-            let holds = |set: &OpenSet| set.terms.iter().any(|other| other.term == candidate.term);
-            let with = self.sets.iter().position(|set| holds(set))?;
-            let without = self.sets.iter().position(|set| !holds(set))?;
-            if settings[without].curves[at] == 0 {
-                challenges.push((at, member, with, without));
-            }
-        }
+        let challenges = self.challenges(&challenged, &state.joints, &settings);
         let contest = |kernels: &[Vec<Kernel>], work: &mut dyn FnMut(&Contest<'_>) -> Option<()>| {
             work(&Contest {
                 always: round.always,
@@ -325,9 +342,11 @@ impl Open {
             }
             Some(())
         })?;
-        for (at, member, with, without) in challenges {
+        for Challenge { curve: at, candidate, with, without } in challenges {
+            // A curve in the stead of a cause is as large as the cause is at the rows to come.
+            let member = candidates.iter().position(|other| other.term == candidate.term)?;
             let size = list[with].size_of(&members[member].columns, &lines, at) * noise.sqrt();
-            let length = length_of(&candidates[member].term, state.joints[at]);
+            let length = length_of(&candidate.term, state.joints[at]);
             if !(size > 0.0 && size.is_finite()) {
                 continue;
             }
@@ -348,12 +367,7 @@ impl Open {
                 Some(())
             });
         }
-        let top = list.iter().map(|one| one.log_probability).fold(f64::NEG_INFINITY, f64::max);
-        let sum = list.iter().map(|one| (one.log_probability - top).exp()).sum::<f64>().ln() + top;
-        for hypothesis in &mut list {
-            hypothesis.log_probability -= sum;
-            hypothesis.probability = hypothesis.log_probability.exp();
-        }
+        share_out(&mut list);
         (noise > 0.0 && noise.is_finite()).then_some(Hypotheses { list, lines, noise })
     }
 
@@ -375,7 +389,9 @@ impl Open {
                 let (own, others) = rest.split_at_mut(waves.len());
                 rest = others;
                 waves.values_into(self.chain().joints()[*joint].value(reading), own);
-                own.iter_mut().for_each(|cell| *cell *= column[value]);
+                for cell in own {
+                    *cell *= column[value];
+                }
             }
         }
         let (mut rows, mut metres) = (Vec::with_capacity(data.len()), Vec::with_capacity(values));
@@ -393,6 +409,24 @@ impl Open {
             rows.push(from..metres.len());
         }
         Lines { cells, width, joints: laid.joints, rows, metres }
+    }
+}
+
+/// A curve, by its place among the curves, in the stead of a cause: the best set with the cause and the best without it.
+struct Challenge<'a> {
+    curve: usize,
+    candidate: &'a Candidate,
+    with: usize,
+    without: usize,
+}
+
+/// Makes probabilities of the masses.
+fn share_out(list: &mut [Hypothesis]) {
+    let top = list.iter().map(|one| one.log_probability).fold(f64::NEG_INFINITY, f64::max);
+    let sum = list.iter().map(|one| (one.log_probability - top).exp()).sum::<f64>().ln() + top;
+    for hypothesis in list {
+        hypothesis.log_probability -= sum;
+        hypothesis.probability = hypothesis.log_probability.exp();
     }
 }
 

@@ -10,7 +10,7 @@ use crate::identify::solve::Fit;
 use crate::identify::threads::in_parallel;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Unnamed, rivals_of_best};
+use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::hypotheses::{Cause, Open, OpenSet};
@@ -198,27 +198,45 @@ pub(crate) fn judge(
         .collect();
     let unsure: Vec<usize> =
         set.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
-    let sets = possible(&seen, &names, set, &unsure).into_iter().map(|(set, log_mass)| {
-        let known = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
-        let suits = known.max_by(|a, b| contest.at(&a.0, &set).total_cmp(&contest.at(&b.0, &set)));
-        let chosen = suits.map_or_else(|| contest.bare().curves, |(_, setting)| setting.curves.clone());
-        let curves = chosen
-            .iter()
-            .enumerate()
-            .filter_map(|(index, kernel)| Some((state.joints[index], kernels[index][kernel.checked_sub(1)?])));
-        let mut causes: Vec<Cause> = Vec::new();
-        for (kind, place) in set.iter().map(|&member| names[member].clone()) {
-            let cause = Cause { kind, place };
-            if !causes.contains(&cause) {
-                causes.push(cause);
-            }
-        }
-        let terms = set.iter().map(|&member| candidates[member].clone()).collect();
-        OpenSet { terms, causes, log_mass, curves: curves.collect() }
-    });
-    let sets: Vec<OpenSet> = sets.collect();
+    let left = possible(&seen, &names, set, &unsure);
+    let sets: Vec<OpenSet> = left
+        .into_iter()
+        .map(|(set, log_mass)| OpenSet {
+            causes: causes(&set, &names),
+            curves: curves_beside(&contest, &settings, &set, &state.joints),
+            terms: set.iter().map(|&member| candidates[member].clone()).collect(),
+            log_mass,
+        })
+        .collect();
     let open = (sets.len() > 1).then(|| Open::new(data, survey, fit, reference, sets));
     Judgement { members, open }
+}
+
+/// The names of a set's members, each once.
+fn causes(set: &[usize], names: &[(Kind, String)]) -> Vec<Cause> {
+    let mut causes: Vec<Cause> = Vec::new();
+    for (kind, place) in set.iter().map(|&member| names[member].clone()) {
+        let cause = Cause { kind, place };
+        if !causes.contains(&cause) {
+            causes.push(cause);
+        }
+    }
+    causes
+}
+
+/// The curves that suit a set best, of the settings without structure.
+fn curves_beside(
+    contest: &Contest<'_>,
+    settings: &[(Ground, Setting)],
+    set: &[usize],
+    joints: &[usize],
+) -> Vec<(usize, Kernel)> {
+    let known = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
+    let suits = known.max_by(|a, b| contest.at(&a.0, set).total_cmp(&contest.at(&b.0, set)));
+    let chosen = suits.map_or_else(|| contest.bare().curves, |(_, setting)| setting.curves.clone());
+    let kernel =
+        |(curve, kernel): (usize, usize)| Some((joints[curve], contest.kernels[curve][kernel.checked_sub(1)?]));
+    chosen.into_iter().enumerate().filter_map(kernel).collect()
 }
 
 /// The sets of causes that are left possible, the best first, each with the logarithm of the mass of all sets of the same names: those of

@@ -158,7 +158,9 @@ impl<'a> Design<'a> {
                     all.for_each(|(cell, covariance)| *cell -= gain * covariance);
                 }
                 let root = variance.sqrt().recip();
-                covariances.iter_mut().for_each(|cell| *cell *= root);
+                for cell in &mut covariances {
+                    *cell *= root;
+                }
                 for (block, row) in own.blocks.iter_mut().zip(self.offered.rows) {
                     let share = &covariances[row.clone()];
                     for (cells, left) in block.chunks_exact_mut(row.len().max(1)).zip(share) {
@@ -179,7 +181,9 @@ impl<'a> Design<'a> {
     /// Begins anew with these rows.
     fn begin(&mut self, rows: &[usize]) {
         self.now.clone_from(&self.begun);
-        rows.iter().for_each(|&row| self.add(row, false));
+        for &row in rows {
+            self.add(row, false);
+        }
     }
 
     /// 1 + the covariance of a row's values under a hypothesis, factored.

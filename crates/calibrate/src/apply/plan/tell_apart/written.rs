@@ -129,9 +129,10 @@ impl TellApart {
         let Unsure { now, expected } = prospect.unsure;
         let _ = writeln!(
             text,
-            "error that remains unsure: {:.3} mm now, {:.3} mm expected with these poses (root mean square over the joint range)",
+            "error that remains unsure: {:.3} mm now, {:.3} mm expected with these poses (root mean square over the {})",
             now * 1e3,
-            expected * 1e3
+            expected * 1e3,
+            if self.at_given { "candidates" } else { "joint range" }
         );
         for approach in &self.approach {
             let joint = &approach.joint;
