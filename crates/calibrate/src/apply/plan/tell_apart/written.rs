@@ -68,7 +68,7 @@ impl Prospect {
         let settles = if pair.separated {
             format!(
                 "{poses} more poses, chosen to tell {a} from {b}, are expected to bring the odds from {} to {} if the first acts, to \
-                 {} if the second does; `denavit plan ROBOT --tell-apart RUN.csv` writes them.",
+                 {} if the second does; `denavit plan` writes them, told the run to tell apart.",
                 odds(pair.log_odds),
                 odds(pair.expected_if_first),
                 odds(pair.expected_if_second)
