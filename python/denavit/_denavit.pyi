@@ -206,6 +206,14 @@ def plan(
     prior: tuple[str, str] | None,
     seed: int,
 ) -> tuple[str, str, str, _Array]: ...
+def tell_apart(
+    fit: Fit,
+    wanted: int,
+    candidates: _Array | None,
+    spread: int,
+    box: list[float],
+    seed: int,
+) -> tuple[str, str, str, _Array]: ...
 def simulate(
     chain: Chain,
     rows: int,

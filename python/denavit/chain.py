@@ -235,9 +235,13 @@ class Chain(Shown, Frozen):
         target: Sequence[float] = (0.1, 0.0, 0.1),
         anchor: Sequence[float] | None = None,
         prior: str | os.PathLike[str] | Fit | None = None,
+        tell_apart: Fit | None = None,
         seed: int = 0,
     ) -> Plan:
         """Choose the poses to measure that make the robot best observable; `denavit plan`.
+
+        With ``tell_apart`` those that settle what a fit left open: which of several causes acts, or where nothing is open,
+        those that make its prediction surest.
 
         Args:
             count: Poses to choose.
@@ -248,13 +252,24 @@ class Chain(Shown, Frozen):
             target: Where the target sits on the tip, m.
             anchor: Where the anchor of a distance instrument stands, base frame, m; by default the arm's size away.
             prior: An earlier calibration of this robot, as a fit or as its JSON file: poses are chosen for what they add.
+            tell_apart: A fit of this chain. What is measured, and with which target, is then as in its last row; measure the
+                poses in their order, and append them to the rows of the fit.
             seed: Of the spread candidates and of the random poses that the plan is compared with.
 
         Raises:
             ArgumentError: Fewer candidates than poses are left within the limits and the box, or an argument cannot be.
         """
+        from denavit.errors import ArgumentError
         from denavit.fit import earlier
         from denavit.run import plan
+        from denavit.run import tell_apart as chosen_for
+
+        if tell_apart is not None:
+            if measure != "positions" or tuple(target) != (0.1, 0.0, 0.1) or anchor is not None or prior is not None:
+                raise ArgumentError("tell_apart: leave out measure, target, anchor and prior; the fit has its own")
+            if [c.name for c in tell_apart._chain.coordinates] != [c.name for c in self.coordinates]:
+                raise ArgumentError("tell_apart: this is a fit of a chain with other joints")
+            return chosen_for(tell_apart, count, candidates, spread, box, seed)
 
         return plan(self, count, measure, candidates, spread, box, target, anchor, earlier(prior), seed)
 

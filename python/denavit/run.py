@@ -29,7 +29,7 @@ class Plan:
         q: The poses, rad and m, shape ``(count, n)``.
         json: Everything, as ``denavit plan --json`` prints it.
         csv: The poses as a file.
-        text: How observable they make the robot, in words.
+        text: What they are good for, in words.
     """
 
     q: Array
@@ -98,6 +98,15 @@ def plan(
     away = None if anchor is None else list(anchor)
     where = list(box), list(target), away
     found, csv, text, q = _denavit.plan(chain._native, count, measure, rows, spread, *where, prior, seed)
+    return Plan(q, json.loads(found), csv, text)
+
+
+def tell_apart(
+    fit: Fit, count: int, candidates: ArrayLike | None, spread: int, box: Sequence[float], seed: int
+) -> Plan:
+    """See `Chain.plan`."""
+    rows = _joint_rows("candidates", candidates)
+    found, csv, text, q = _denavit.tell_apart(fit._fitted(), count, rows, spread, list(box), seed)
     return Plan(q, json.loads(found), csv, text)
 
 

@@ -38,7 +38,7 @@ mod _denavit {
     #[pymodule_export]
     use crate::robot::{Robot, read_text};
     #[pymodule_export]
-    use crate::run::{plan, simulate};
+    use crate::run::{plan, simulate, tell_apart};
     #[pymodule_export]
     use crate::table::Table;
 }

@@ -85,6 +85,13 @@ pub struct Fit {
     notes: Vec<String>,
 }
 
+impl Fit {
+    /// The calibration, and what gravity acts on.
+    pub fn result(&self) -> (&Calibration, &Statics) {
+        (&self.result, &self.statics)
+    }
+}
+
 #[pymethods]
 impl Fit {
     /// The contract of `denavit calibrate --json`.

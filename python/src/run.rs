@@ -4,14 +4,14 @@
 
 use crate::chain::Chain;
 use crate::errors::{argument, measured};
-use crate::measured::{kind, prior_file};
+use crate::measured::{Fit, kind, prior_file};
 use crate::robot::reading;
 use denavit_calibrate::apply::plan::{PlanOptions, plan as planned};
 use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
 use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
 use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_readings};
 use denavit_calibrate::effects::SavedEffects;
-use denavit_calibrate::observation::kinds::PIXEL;
+use denavit_calibrate::observation::kinds::{PIXEL, POSITION};
 use denavit_calibrate::observation::measurements::Units;
 use denavit_load::measured::{corners, earlier, moving, sight};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _};
@@ -100,6 +100,34 @@ pub fn plan<'py>(
     let poses = PyArray1::from_iter(py, found.poses.iter().flatten().copied());
     let poses = poses.reshape([found.poses.len(), nominal.coordinates().len()])?;
     Ok((found.to_json(nominal, kind), found.to_csv(nominal, Units::default()), found.to_text(), poses))
+}
+
+/// The same of poses that settle what a fit left open: `denavit plan --tell-apart`.
+#[pyfunction]
+#[pyo3(signature = (fit, wanted, candidates, spread, r#box, seed))]
+pub fn tell_apart<'py>(
+    py: Python<'py>,
+    fit: &Fit,
+    wanted: usize,
+    candidates: Option<PyReadonlyArray2<'_, f64>>,
+    spread: usize,
+    r#box: Vec<f64>,
+    seed: u64,
+) -> PyResult<PlanMade<'py>> {
+    let (result, statics) = fit.result();
+    let nominal = &result.arm().nominal;
+    let options = PlanOptions {
+        candidates: candidates.map(|array| joint_rows("candidates", &array, nominal)).transpose()?,
+        spread: count("spread", spread)?,
+        allowed: corners(&r#box).map_err(|failure| measured(&failure))?,
+        seed,
+        ..PlanOptions::new(nominal, count("count", wanted)?, POSITION)
+    };
+    let found = py.detach(|| result.tell_apart(statics, &options, true));
+    let found = found.map_err(|failure| argument(failure.to_string()))?;
+    let poses = PyArray1::from_iter(py, found.poses.iter().flatten().copied());
+    let poses = poses.reshape([found.poses.len(), nominal.coordinates().len()])?;
+    Ok((found.to_json(nominal), found.to_csv(nominal, Units::default()), found.to_text(), poses))
 }
 
 /// Files of a simulated run: rows to fit, rows measured later, what they were made of.

@@ -371,6 +371,19 @@ def test_errors_name_file_line_and_hint(drawn: dn.Chain) -> None:
         dn.calibrate(drawn, tracker(), test=tracker())
 
 
+def test_poses_settle_what_a_fit_left_open(drawn: dn.Chain) -> None:
+    run = drawn.simulate(60, seed=5, effect=["joint_compliance@elbow_joint=0.05mm"])
+    fit = dn.calibrate(drawn, run.data)
+    chosen = drawn.plan(6, tell_apart=fit, spread=100)
+    assert chosen.q.shape == (6, 6)
+    assert chosen.json["schema"] == "denavit.tell_apart/1"
+    unsure = chosen.json["prospect"]["unsure"]
+    assert 0 < unsure["expected"] < unsure["now"] < 1e-3
+    assert chosen == drawn.plan(6, tell_apart=fit, spread=100)
+    with pytest.raises(dn.ArgumentError, match="leave out measure"):
+        drawn.plan(6, tell_apart=fit, measure="poses")
+
+
 def test_plans_are_poses_to_simulate_at(drawn: dn.Chain) -> None:
     plan = drawn.plan(12, spread=200)
     assert plan.q.shape == (12, 6)

@@ -1,6 +1,7 @@
 //! Commands and plans in the units that were asked for; an arm that keeps its configuration.
 
 use super::Trial;
+use crate::golden::snapshot;
 
 const POSES: &str = "x,y,z,roll,pitch,yaw\n";
 
@@ -109,4 +110,27 @@ fn a_few_new_poses_go_on_from_an_earlier_calibration() {
     trial.refuses("calibrate arm.urdf --data later.csv --prior first.csv", "first.csv: not a calibration");
     trial.refuses("plan now.urdf --count 5 --prior before.json", "give the robot as it was drawn then");
     trial.refuses(&format!("{again} --json before.json"), "before.json");
+}
+
+#[test]
+fn what_a_run_left_open_is_planned_for() {
+    let trial = Trial::new();
+    let effect = "--effect backlash@elbow_joint=0.05mm";
+    trial.run(&format!("simulate arm.urdf --rows 60 --seed 5 -o run.csv {effect}")).succeeded();
+    let said = trial.run("plan arm.urdf --tell-apart run.csv --count 8 --spread 200 -o poses.csv").succeeded();
+    snapshot("plan_tell_apart", &said);
+    let poses = trial.text("poses.csv");
+    assert_eq!(poses.lines().filter(|line| !line.starts_with('#')).count(), 9, "{poses}");
+    assert!(said.lines().all(|line| poses.contains(&format!("# {line}\n"))), "{poses}");
+    // What is written can be measured, in the unit that it is in.
+    trial.run("simulate arm.urdf --poses poses.csv -o more.csv").succeeded();
+    let in_degrees = "plan arm.urdf --tell-apart run.csv --count 8 --spread 200";
+    trial.refuses(&format!("{in_degrees} --units mm,deg"), "run.csv");
+    let report = trial.run("calibrate arm.urdf --data run.csv").succeeded();
+    assert!(report.contains("`denavit plan` writes them, told the run to tell apart."), "{report}");
+    trial.refuses("plan arm.urdf --tell-apart none.csv", "none.csv");
+    trial.refuses("plan arm.urdf", "--count");
+    trial.refuses("plan arm.urdf --tell-apart run.csv --measure poses", "--measure");
+    trial.refuses("plan arm.urdf --tell-apart run.csv --count 8 --spread 4", "ask for fewer");
+    trial.refuses("plan arm.urdf --tell-apart run.csv -o run.csv", "run.csv");
 }

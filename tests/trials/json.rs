@@ -35,6 +35,13 @@ const KINDS: &[Kind] = &[
     printed("denavit.identifiability/1", "what measurements can tell", "identify arm.urdf --json"),
     printed("denavit.plan/1", "poses to measure", "plan arm.urdf --count 10 --spread 100 --json"),
     Kind {
+        schema: "denavit.tell_apart/1",
+        purpose: "poses that settle what a run left open",
+        before: &["simulate arm.urdf --rows 60 --seed 6 -o run.csv --effect joint_compliance@elbow_joint=0.05mm"],
+        command: "plan arm.urdf --tell-apart run.csv --count 10 --spread 100 --json",
+        file: None,
+    },
+    Kind {
         schema: "denavit.measure/1",
         purpose: "each row while one measures, a line of JSON a row",
         before: &["simulate arm.urdf --rows 20 -o data.csv"],

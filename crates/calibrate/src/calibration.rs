@@ -5,6 +5,7 @@ pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
 pub mod monitor;
+pub mod open;
 pub mod prediction;
 pub mod rows;
 mod stages;
@@ -335,6 +336,7 @@ pub fn calibrate_and_tell(
         differs_from_drawing: differs,
         effects: entries(true),
         one_of: entries(false),
+        prospect: None,
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(&reached.fit, &reached.gains)),
         fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, &reached.fit, &reached.deflections)),
         unexplained: unexplained(found.as_ref()),
@@ -353,8 +355,7 @@ pub fn calibrate_and_tell(
         train: Arc::new(train),
         test: test.map(Arc::new),
     };
-    result.report.placements = Some(rows::placements(&result));
-    result.report.rows = Rows::of(&result);
+    describe(&mut result, statics);
     Ok(result)
 }
 
@@ -394,6 +395,13 @@ impl Searched<'_> {
         let start = geometric.with_model(statics, beside.as_ref());
         Ok((None, Some(fit_curves(&survey, self.data, &start, &geometric.arm, options))))
     }
+}
+
+/// The parts of the report that are of the whole result.
+fn describe(result: &mut Calibration, statics: &Statics) {
+    result.report.placements = Some(rows::placements(result));
+    result.report.rows = Rows::of(result);
+    result.report.prospect = result.prospect(statics);
 }
 
 /// What the noise of the adopted fit is made of, which may hold error curves.

@@ -30,6 +30,7 @@ use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
+use crate::trace::infer::hypotheses::Open;
 use crate::trace::infer::named::Alternative;
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
@@ -149,6 +150,8 @@ pub struct Trace {
     pub scan: Vec<ScanCell>,
     /// What no entry explains.
     pub leftover: Leftover,
+    /// The sets of causes that are left possible, where they are more than one.
+    pub open: Option<Arc<Open>>,
 }
 
 /// The first pass of the search alone: every candidate against the geometric fit, the best of each kind at each place.

@@ -33,6 +33,7 @@ mod repeats;
 mod rows;
 mod runs;
 mod statistics;
+mod tell_apart;
 mod tips;
 mod tracing;
 mod webcam;

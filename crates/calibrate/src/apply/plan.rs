@@ -4,6 +4,7 @@
 //! then by exchange (Fedorov 1972; Mitchell 1974, DETMAX) until no exchange helps.
 
 pub mod next;
+pub mod tell_apart;
 mod written;
 
 use crate::identify::posterior::{Earlier, expecting};
@@ -402,7 +403,8 @@ impl Design {
 }
 
 /// Rows at these poses with what the arm predicts of the `series` of `rows` as measured: only the derivatives are used. A series
-/// that cannot be seen from a pose is left out of its row, a pose from which nothing can be seen out of the rows.
+/// that cannot be seen from a pose is left out of its row, a pose from which nothing can be seen out of the rows; the line of
+/// a row is the number of its pose, counted from 1.
 fn as_predicted<'a>(
     arm: &Arm,
     mut rows: Measurements,
@@ -410,7 +412,7 @@ fn as_predicted<'a>(
     poses: impl IntoIterator<Item = &'a Vec<f64>>,
 ) -> Measurements {
     let (mut state, still, mut values) = (RowState::default(), Perturbation::none(arm.joints.len()), Vec::new());
-    for pose in poses {
+    for (index, pose) in poses.into_iter().enumerate() {
         arm.state_into(pose, 0, None, &mut state);
         let mut any = false;
         for &index in series {
@@ -425,7 +427,7 @@ fn as_predicted<'a>(
             }
         }
         if any {
-            rows.end_row(pose, rows.len() + 1, false);
+            rows.end_row(pose, index + 1, false);
         }
     }
     rows

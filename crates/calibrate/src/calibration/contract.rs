@@ -1,5 +1,6 @@
 //! The JSON of `calibrate`: names and order are a contract.
 
+use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::drawing_differences::DrawingDifference;
 use crate::calibration::rows::{Placements, Rows};
@@ -14,7 +15,7 @@ use crate::trace::infer::lines::Line;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats`, `noise`, `curves` and `fields` to the first, and changes
+/// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats`, `noise`, `curves`, `fields` and `prospect` to the first, and changes
 /// nothing of it.
 pub const SCHEMA: &str = crate::identify::posterior::CALIBRATION_SCHEMA;
 
@@ -75,6 +76,9 @@ pub struct CalibrationReport {
     /// Effects that stay in the model although another may act in their stead; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub one_of: Vec<EffectEntry>,
+    /// What poses measured next are expected to settle of them; left out where nothing is open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prospect: Option<Prospect>,
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,

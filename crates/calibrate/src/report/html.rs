@@ -1,5 +1,6 @@
 //! A calibration as a page with plots, in one file.
 
+use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::{Calibration, StageResiduals};
 use crate::effects::catalogue::{KINDS, Kind};
 use crate::observation::arm::Arm;
@@ -55,6 +56,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 poses => result.train.scene.channels.iter().any(|part| part.unit == "rad"),
                 effects => Value::from(Serde(effects(result)?)),
                 curves => Value::from(Serde(curves(result)?)),
+                prospect => result.report.prospect.as_ref().and_then(Prospect::in_short),
                 structure => result.trace.as_ref().and_then(findings::structure),
                 scan => Value::from(Serde(result.trace.as_ref().map(scan))),
                 remains => Value::from(Serde(remains(result, after)?)),

@@ -1,5 +1,6 @@
 //! A calibration as text for a terminal.
 
+use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{CalibrationReport, Held, Stage, TipEntry};
@@ -228,6 +229,9 @@ pub fn calibration(result: &Calibration) -> String {
     match &result.trace {
         Some(trace) if report.adopted == Adopted::Effects || trace.findings.is_empty() => {
             text.push_str(&findings(trace));
+            if let Some(prospect) = report.prospect.as_ref().and_then(Prospect::in_short) {
+                let _ = writeln!(text, "{prospect}");
+            }
             text.push_str(held_out_in_time(result, trace));
         }
         _ => {}

@@ -14,6 +14,7 @@ pub(crate) mod deflection;
 pub mod evidence;
 mod gaps;
 pub mod gram;
+pub mod hypotheses;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of orders to try")]
 pub mod lines;
 pub mod maximum;
@@ -22,3 +23,4 @@ pub mod named;
 mod replicates;
 
 pub use curves::{CurveOptions, fit_curves};
+pub use hypotheses::{Cause, Hypotheses, Hypothesis, Open};

@@ -14,10 +14,11 @@ use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
 use crate::trace::infer::curves::{fit_curves, fit_curves_near};
 use crate::trace::infer::lines::lines;
-use crate::trace::infer::named::{Judged, Question, judge};
+use crate::trace::infer::named::{Judged, Judgement, Question, judge};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::select::{State, Tracer, same_terms};
 use crate::trace::{Finding, Portrait, Trace, TraceOptions};
+use std::sync::Arc;
 
 /// Rows that causes are looked for in, at most, and values: 800 positions, 400 poses. More tell more of curves, but a cause
 /// that these do not show is none to be named, and the time grows with them.
@@ -94,8 +95,8 @@ pub(crate) fn trace(
     }
     proposed.retain(|candidate| wide_enough(candidate, &part, statics));
     proposed.truncate(MOST_JUDGED);
-    let judged = if proposed.is_empty() {
-        Vec::new()
+    let Judgement { members: judged, open } = if proposed.is_empty() {
+        Judgement::default()
     } else {
         let structures: Vec<Leftover> = near.iter().map(|near| remains(&tracer, &near.fit)).collect();
         let structures: Vec<_> = structures.into_iter().map(|leftover| leftover.blocks).collect();
@@ -133,6 +134,7 @@ pub(crate) fn trace(
         candidates: tracer.candidates.len(),
         scan: found.scan,
         leftover,
+        open: open.map(Arc::new),
     }
 }
 

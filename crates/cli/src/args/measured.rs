@@ -306,7 +306,12 @@ look at the poses before the robot takes them.
 Examples:
   denavit plan arm.urdf --count 40 -o poses.csv
   denavit plan arm.urdf --count 40 --measure distances --box 0.2,1,-0.5,0.5,0,1
-  denavit plan arm.urdf --count 25 --candidates safe_poses.csv --json";
+  denavit plan arm.urdf --count 25 --candidates safe_poses.csv --json
+  denavit plan arm.urdf --tell-apart run.csv -o poses.csv       what a run left open: poses that settle it
+
+With --tell-apart the run is calibrated as denavit calibrate does it. Where it leaves several causes possible, poses are chosen \
+that tell them apart, and the odds that are to be expected are printed; where nothing is open, poses that make the prediction \
+surest. Measure the poses in the order in which they are written, and append them to the run. See docs/effects.md.";
 
 /// Arguments of `denavit plan`.
 #[derive(Debug, Args)]
@@ -315,9 +320,16 @@ pub struct PlanArguments {
     /// Which robot.
     #[command(flatten)]
     pub robot: RobotArguments,
-    /// Poses to choose
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub count: u16,
+    /// Poses to choose [default with --tell-apart: 20]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), required_unless_present = "tell_apart")]
+    pub count: Option<u16>,
+    /// The rows of a run, or - for standard input: poses that settle what its calibration leaves open, measured as its last row
+    /// was; several files are several setups
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["measure", "target", "anchor"])]
+    pub tell_apart: Vec<String>,
+    /// What the columns of the run are.
+    #[command(flatten)]
+    pub import: ImportArguments,
     /// What will be measured
     #[arg(long, value_enum, default_value_t = MeasureName::Positions)]
     pub measure: MeasureName,
@@ -328,7 +340,7 @@ pub struct PlanArguments {
     #[arg(long, value_name = "N", default_value_t = 1000, conflicts_with = "candidates",
         value_parser = clap::value_parser!(u16).range(1..))]
     pub spread: u16,
-    /// Units of the candidates and of the chosen poses: lengths m, mm, um or in; angles rad, mrad or deg
+    /// Units of the run, of the candidates and of the chosen poses: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
     /// What an earlier calibration knows of the axes, as denavit calibrate --json wrote it: poses that add to that

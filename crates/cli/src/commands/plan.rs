@@ -3,25 +3,55 @@
 use crate::args::PlanArguments;
 use crate::delivery::Delivery;
 use crate::failure::Failure;
-use crate::measured;
+use crate::measured::{self, Robot};
 use crate::output::Status;
 use crate::progress::Spinner;
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_load::measured::corners;
+use denavit_calibrate::calibration::{Calibration, calibrate};
+use denavit_calibrate::observation::measurements::Units;
+use denavit_load::measured::{Rows, RowsAsked, SearchAsked, corners, other_chains, rows, search};
+use denavit_model::Chain;
 use denavit_model::nalgebra::Vector3;
 
 /// Runs the command.
 pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     let (candidates, prior) = (arguments.candidates.as_deref(), arguments.prior.as_deref());
-    measured::one_standard_input(&[Some(&arguments.robot.robot), candidates, prior])?;
-    let inputs = arguments.robot.files().chain(candidates).chain(prior);
+    let mut inputs = vec![Some(arguments.robot.robot.as_str()), candidates, prior];
+    inputs.extend(arguments.tell_apart.iter().map(|file| Some(file.as_str())));
+    measured::one_standard_input(&inputs)?;
+    let inputs = arguments.robot.files().chain(candidates).chain(prior).chain(arguments.import.files());
+    let inputs = inputs.chain(arguments.tell_apart.iter().map(String::as_str));
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
     let units = measured::units(&arguments.units)?;
-    let chain = measured::robot(&arguments.robot)?.chain;
-    let usual = PlanOptions::new(&chain, arguments.count.into(), measured::kind(arguments.measure));
-    let read = |file: &String| measured::joint_values(file, &chain, &arguments.units);
-    let options = PlanOptions {
-        earlier: measured::known_before(prior, &chain)?,
+    let robot = measured::robot(&arguments.robot)?;
+    let chain = &robot.chain;
+    let options = options(arguments, chain)?;
+    if !arguments.tell_apart.is_empty() {
+        let found = calibrated(arguments, &robot, units)?;
+        let spinner = Spinner::start("choosing poses");
+        let planned = found.tell_apart(&robot.statics, &options, true)?;
+        drop(spinner);
+        delivery.deliver(|| Ok(planned.to_csv(chain, units)), || Ok(planned.to_json(chain)))?;
+        delivery.summary(&planned.to_text())?;
+        return Ok(Status::Same);
+    }
+    let spinner = Spinner::start("choosing poses");
+    let planned = plan(chain, &options)?;
+    drop(spinner);
+    delivery.deliver(|| Ok(planned.to_csv(chain, units)), || Ok(planned.to_json(chain, options.kind)))?;
+    delivery.summary(&planned.to_text())?;
+    Ok(Status::Same)
+}
+
+/// Poses chosen where nobody says how many: what the report of a calibration speaks of.
+const USUAL_COUNT: u16 = 20;
+
+fn options(arguments: &PlanArguments, chain: &Chain) -> Result<PlanOptions, Failure> {
+    let count = arguments.count.unwrap_or(USUAL_COUNT);
+    let usual = PlanOptions::new(chain, count.into(), measured::kind(arguments.measure));
+    let read = |file: &String| measured::joint_values(file, chain, &arguments.units);
+    Ok(PlanOptions {
+        earlier: measured::known_before(arguments.prior.as_deref(), chain)?,
         candidates: arguments.candidates.as_ref().map(read).transpose()?,
         spread: arguments.spread.into(),
         allowed: corners(&arguments.r#box)?,
@@ -29,13 +59,25 @@ pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
         anchor: if arguments.anchor.is_empty() { usual.anchor } else { place("--anchor", &arguments.anchor)? },
         seed: arguments.seed,
         ..usual
-    };
-    let spinner = Spinner::start("choosing poses");
-    let planned = plan(&chain, &options)?;
+    })
+}
+
+/// The run calibrated as `denavit calibrate` does it where nothing else is said.
+fn calibrated(arguments: &PlanArguments, robot: &Robot, units: Units) -> Result<Calibration, Failure> {
+    let import = measured::import_options(&arguments.import)?;
+    let read = |file: &String| measured::data_file(file, units, import.clone());
+    let data = arguments.tell_apart.iter().map(read).collect::<Result<_, _>>()?;
+    let asked = RowsAsked { data, ..RowsAsked::default() };
+    let Rows { data, notes, .. } = rows(&asked, &robot.chain)?;
+    measured::mention(&notes);
+    let prior = arguments.prior.as_deref().map(measured::bare_file).transpose()?;
+    let mut options = search(&SearchAsked { prior, ..SearchAsked::default() }, &robot.chain)?;
+    options.noise = false;
+    options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
+    let spinner = Spinner::start("calibrating the run");
+    let found = calibrate(&robot.chain, &robot.statics, data, None, &options)?;
     drop(spinner);
-    delivery.deliver(|| Ok(planned.to_csv(&chain, units)), || Ok(planned.to_json(&chain, options.kind)))?;
-    delivery.summary(&planned.to_text())?;
-    Ok(Status::Same)
+    Ok(found)
 }
 
 fn place(option: &str, written: &[f64]) -> Result<Vector3<f64>, Failure> {

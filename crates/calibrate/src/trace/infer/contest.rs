@@ -12,6 +12,7 @@
 
 use crate::effects::curve::Waves;
 use crate::identify::triangle::{Triangle, dot};
+use crate::trace::infer::evidence::System;
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Kernel;
 use denavit_model::nalgebra::{DMatrix, DVector};
@@ -100,6 +101,16 @@ pub struct Ground {
     count: f64,
 }
 
+/// Geometry, frames, curves and structure of a setting: which columns, their products with the prior, and what they must bring.
+struct Held {
+    index: Vec<usize>,
+    /// Lower triangle, row by row.
+    matrix: Vec<f64>,
+    right: Vec<f64>,
+    log_prior: f64,
+    odds: f64,
+}
+
 /// Every set seen, with its score at the setting that suits it best, and which that is.
 pub type Seen = BTreeMap<Vec<usize>, (f64, usize)>;
 
@@ -109,8 +120,8 @@ impl Contest<'_> {
         Setting { curves: vec![0; self.waves.len()], unnamed: None }
     }
 
-    /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
-    pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Ground> {
+    /// Everything of a setting but the candidates, with its prior.
+    fn held(&self, gram: &Gram, setting: &Setting) -> Held {
         let mut index: Vec<usize> = (0..self.always).collect();
         let mut prior = vec![0.0; self.always];
         let mut log_prior = 0.0;
@@ -126,7 +137,7 @@ impl Contest<'_> {
             }
         }
         let mut first = gram.plain;
-        let mut held: Vec<(Range<usize>, usize)> = Vec::new();
+        let mut curves: Vec<(Range<usize>, usize)> = Vec::new();
         for (curve, waves) in self.waves.iter().enumerate() {
             if let Some(kernel) = setting.curves[curve].checked_sub(1) {
                 odds -= CURVE + (self.waves.len() as f64).ln();
@@ -140,7 +151,7 @@ impl Contest<'_> {
                     sum += self.means[curve][offset].powi(2) * variance;
                 }
                 log_prior += (1.0 + self.firm[curve] * sum).ln();
-                held.push((from..index.len(), curve));
+                curves.push((from..index.len(), curve));
             }
             first += waves.len();
         }
@@ -157,7 +168,7 @@ impl Contest<'_> {
                 matrix[i * size + k] += self.precision[(i, k)];
             }
         }
-        for (range, curve) in held {
+        for (range, curve) in curves {
             for i in range.clone() {
                 let pull = self.firm[curve] * self.means[curve][i - range.start];
                 for k in range.start..=i {
@@ -165,6 +176,15 @@ impl Contest<'_> {
                 }
             }
         }
+        let right: Vec<f64> =
+            (0..size).map(|i| gram.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }).collect();
+        Held { index, matrix, right, log_prior, odds }
+    }
+
+    /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
+    pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Ground> {
+        let Held { index, mut matrix, right, log_prior, odds } = self.held(gram, setting);
+        let size = index.len();
         let scale: Vec<f64> = (0..size).map(|i| matrix[i * size + i].powf(-0.5)).collect();
         for i in 0..size {
             for k in 0..=i {
@@ -174,9 +194,7 @@ impl Contest<'_> {
         let factor = Triangle::factor(matrix, size)?;
         let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
         let base = odds + 0.5 * (log_prior - factor.log_determinant() + 2.0 * log_scale);
-        let right: Vec<f64> = (0..size)
-            .map(|i| (gram.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }) * scale[i])
-            .collect();
+        let right: Vec<f64> = right.iter().zip(&scale).map(|(right, scale)| right * scale).collect();
         let half = factor.forward(&right);
         let columns: Vec<usize> = self.members.iter().flat_map(|member| member.columns.clone()).collect();
         let shares: Vec<Vec<f64>> = columns
@@ -201,25 +219,61 @@ impl Contest<'_> {
     }
 
     /// The score of a set at a setting.
-    fn at(&self, ground: &Ground, set: &[usize]) -> f64 {
-        let columns: Vec<usize> = set.iter().flat_map(|&member| self.members[member].columns.clone()).collect();
+    pub fn at(&self, ground: &Ground, set: &[usize]) -> f64 {
         let odds: f64 = set.iter().map(|&member| self.members[member].log_odds).sum();
-        if columns.is_empty() {
+        if set.iter().all(|&member| self.members[member].columns.is_empty()) {
             return Self::score(ground, 0.0, 0.0, odds);
         }
-        let least: Vec<f64> = set
-            .iter()
-            .flat_map(|&member| {
-                let Member { columns, least_precision, .. } = &self.members[member];
-                columns.clone().map(|_| *least_precision)
-            })
-            .collect();
-        // A cause may be far stronger than what one row shows of it: its prior is as wide as suits it (the g of Zellner's
-        // prior by empirical Bayes; George, Foster 2000), one width for all.
-        let widths = WIDTHS.iter().map(|width| {
-            self.at_width(ground, &columns, &|i| (self.precision[(columns[i], columns[i])] / width).max(least[i]), odds)
+        self.at_widths(ground, set).map(|(score, _)| score).fold(f64::NEG_INFINITY, f64::max)
+            - (WIDTHS.len() as f64).ln()
+    }
+
+    /// The score of a set at each width of its prior, with that width, but for the price of choosing one.
+    fn at_widths(&self, ground: &Ground, set: &[usize]) -> impl Iterator<Item = (f64, f64)> {
+        let columns = self.columns_of(set);
+        let odds: f64 = set.iter().map(|&member| self.members[member].log_odds).sum();
+        WIDTHS.iter().map(move |&width| {
+            let precisions = self.precisions(set, width);
+            (self.at_width(ground, &columns, &|i| precisions[i], odds), width)
+        })
+    }
+
+    /// The columns of a set's members.
+    fn columns_of(&self, set: &[usize]) -> Vec<usize> {
+        set.iter().flat_map(|&member| self.members[member].columns.clone()).collect()
+    }
+
+    /// Prior precision of a set's coefficients. A cause may be far stronger than what one row shows of it: its prior is as
+    /// wide as suits it (the g of Zellner's prior by empirical Bayes; George, Foster 2000), one width for all.
+    fn precisions(&self, set: &[usize], width: f64) -> Vec<f64> {
+        let own = set.iter().flat_map(|&member| {
+            let Member { columns, least_precision, .. } = &self.members[member];
+            columns.clone().map(move |column| (self.precision[(column, column)] / width).max(*least_precision))
         });
-        widths.fold(f64::NEG_INFINITY, f64::max) - (WIDTHS.len() as f64).ln()
+        own.collect()
+    }
+
+    /// The model of a set at a setting, its prior as wide as suits it: what is needed to say what it predicts.
+    pub fn system(&self, gram: &Gram, (ground, setting): (&Ground, &Setting), set: &[usize]) -> (Vec<usize>, System) {
+        let best = self.at_widths(ground, set).max_by(|a, b| a.0.total_cmp(&b.0));
+        let precisions = self.precisions(set, best.map_or(1.0, |(_, width)| width));
+        let mut held = self.held(gram, setting);
+        let before = held.index.len();
+        held.index.extend(self.columns_of(set));
+        held.right.extend(held.index[before..].iter().map(|&column| gram.right[column]));
+        let size = held.index.len();
+        let mut matrix = vec![0.0; size * size];
+        for i in 0..size {
+            if i < before {
+                matrix[i * size..=i * size + i].copy_from_slice(&held.matrix[i * before..=i * before + i]);
+                continue;
+            }
+            for k in 0..=i {
+                matrix[i * size + k] = gram.cell(held.index[i], held.index[k]);
+            }
+            matrix[i * size + i] += precisions[i - before];
+        }
+        (held.index, System { matrix, right: held.right, square: gram.square + self.charge, count: gram.count })
     }
 
     fn score(ground: &Ground, drop: f64, determinants: f64, odds: f64) -> f64 {
@@ -322,8 +376,8 @@ impl Contest<'_> {
 
     /// Searches from several starts, and finds the settings that suit the sets which matter.
     ///
-    /// Returns every set seen, and the settings.
-    pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<Setting>) {
+    /// Returns every set seen, and the settings with what they leave of the candidates.
+    pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<(Ground, Setting)>) {
         let mut settings: Vec<Setting> = Vec::new();
         let mut grounds: Vec<Ground> = Vec::new();
         let add = |setting: Setting, grounds: &mut Vec<Ground>, settings: &mut Vec<Setting>| -> Option<usize> {
@@ -343,7 +397,7 @@ impl Contest<'_> {
         }
         let mut seen = Seen::new();
         if grounds.is_empty() {
-            return (seen, settings);
+            return (seen, Vec::new());
         }
         for _ in 0..3 {
             seen.clear();
@@ -377,7 +431,7 @@ impl Contest<'_> {
                 *scored = self.best(&grounds, set);
             }
         }
-        (seen, settings)
+        (seen, grounds.into_iter().zip(settings).collect())
     }
 
     /// Settings that differ in the structure (axis 0) or in one curve (the axes after it).
@@ -512,6 +566,6 @@ mod tests {
         }
         let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
-        assert_eq!((best.as_slice(), &settings[*at]), (&[1][..], &contest.bare()));
+        assert_eq!((best.as_slice(), &settings[*at].1), (&[1][..], &contest.bare()));
     }
 }

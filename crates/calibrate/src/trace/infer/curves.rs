@@ -162,10 +162,10 @@ fn with_deflections(
 
 /// The model at one point of the iteration.
 pub(super) struct State {
-    fit: Fit<EffectModel>,
+    pub(super) fit: Fit<EffectModel>,
     /// Joints that have a curve.
     pub(super) joints: Vec<usize>,
-    waves: Vec<Waves>,
+    pub(super) waves: Vec<Waves>,
     ranges: Vec<(f64, f64)>,
     /// What each curve is a function of, row by row.
     readings: Vec<Vec<f64>>,
@@ -281,6 +281,58 @@ fn asked_for(
     (Hyperparameters { log_noise: hyper.log_noise, kernels }, kept)
 }
 
+/// A linearisation with the columns of the model that are laid over its rows.
+pub(super) struct Laid {
+    pub(super) linear: Linear,
+    /// Geometry and frames, then effects: those of the fit, or candidates and other columns.
+    pub(super) plain: Vec<Vec<f64>>,
+    /// Of the curves' joints.
+    pub(super) joints: Vec<Vec<f64>>,
+    /// How many are of geometry and frames.
+    always: usize,
+    /// Columns of each candidate, then of each other block.
+    candidates: Vec<Range<usize>>,
+}
+
+impl Laid {
+    /// Columns by value; without candidates the effects of the fit are among them.
+    pub(super) fn of(
+        data: &Measurements,
+        fit: &Fit<EffectModel>,
+        joints: &[usize],
+        reference: &Arm,
+        candidates: Option<&[Candidate]>,
+        others: &[Block],
+    ) -> Self {
+        let mut carriers: Vec<Carrier> = joints.iter().map(|&joint| Carrier::Joint(joint)).collect();
+        let wanted = candidates.unwrap_or_default().iter().map(|candidate| candidate.term.carrier);
+        for carrier in wanted.chain(others.iter().map(|block| block.carrier)) {
+            if !carriers.contains(&carrier) {
+                carriers.push(carrier);
+            }
+        }
+        let linear = linearise(data, fit, reference, &carriers);
+        let values = linear.values();
+        let column = |matrix: &'_ DMatrix<f64>, index: usize| -> Vec<f64> {
+            matrix.column(index).rows(0, values).iter().map(|cell| -cell).collect()
+        };
+        let always = linear.geometry.ncols();
+        let mut plain: Vec<Vec<f64>> = (0..always).map(|k| column(&linear.geometry, k)).collect();
+        let joints: Vec<Vec<f64>> = (0..joints.len()).map(|k| column(&linear.carriers, k)).collect();
+        if candidates.is_none() {
+            plain.extend((0..linear.effects.ncols()).map(|k| column(&linear.effects, k)));
+        }
+        let scorer = CandidateScorer { data, statics: &fit.effects.statics, linear: &linear };
+        let mut ranges = Vec::new();
+        let columns = candidates.unwrap_or_default().iter().map(|candidate| scorer.columns(&candidate.term));
+        for columns in columns.chain(others.iter().map(|block| block.columns(&scorer))) {
+            ranges.push(plain.len()..plain.len() + columns.ncols());
+            plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
+        }
+        Self { linear, plain, joints, always, candidates: ranges }
+    }
+}
+
 /// One linearisation with its products.
 pub(super) struct Round {
     linear: Linear,
@@ -337,39 +389,16 @@ impl Round {
                 *weight *= shared;
             }
         }
-        let mut carriers: Vec<Carrier> = state.joints.iter().map(|&joint| Carrier::Joint(joint)).collect();
-        let wanted = candidates.unwrap_or_default().iter().map(|candidate| candidate.term.carrier);
-        for carrier in wanted.chain(others.iter().map(|block| block.carrier)) {
-            if !carriers.contains(&carrier) {
-                carriers.push(carrier);
-            }
-        }
-        let linear = linearise(data, &fit, reference, &carriers);
+        let Laid { linear, plain, joints, always, candidates: ranges } =
+            Laid::of(data, &fit, &state.joints, reference, candidates, others);
         let values = linear.values();
-        let column = |matrix: &'_ DMatrix<f64>, index: usize| -> Vec<f64> {
-            matrix.column(index).rows(0, values).iter().map(|cell| -cell).collect()
-        };
-        let always = linear.geometry.ncols();
-        let mut plain: Vec<Vec<f64>> = (0..always).map(|k| column(&linear.geometry, k)).collect();
-        let joints: Vec<Vec<f64>> = (0..state.joints.len()).map(|k| column(&linear.carriers, k)).collect();
         // Effects and curves enter with what they are, not with how they change.
         let mut explained: Vec<f64> = linear.residual.rows(0, values).iter().copied().collect();
         let coefficients = fit.effects.effects.iter().flat_map(|effect| effect.coefficients.iter().copied());
         for (index, coefficient) in coefficients.enumerate() {
-            let column = column(&linear.effects, index);
-            for (y, x) in explained.iter_mut().zip(&column) {
-                *y += x * coefficient;
+            for (y, x) in explained.iter_mut().zip(linear.effects.column(index).iter()) {
+                *y -= x * coefficient;
             }
-            if candidates.is_none() {
-                plain.push(column);
-            }
-        }
-        let scorer = CandidateScorer { data, statics: &fit.effects.statics, linear: &linear };
-        let mut ranges = Vec::new();
-        let columns = candidates.unwrap_or_default().iter().map(|candidate| scorer.columns(&candidate.term));
-        for columns in columns.chain(others.iter().map(|block| block.columns(&scorer))) {
-            ranges.push(plain.len()..plain.len() + columns.ncols());
-            plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
         }
         for curve in &fit.effects.curves {
             let Some(index) = state.joints.iter().position(|&joint| joint == curve.joint) else { continue };

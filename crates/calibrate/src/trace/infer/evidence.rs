@@ -11,7 +11,7 @@
 use crate::effects::curve::Waves;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::gram::Gram;
-use crate::trace::infer::model::{Hyperparameters, Kernel};
+use crate::trace::infer::model::Hyperparameters;
 use denavit_model::nalgebra::DMatrix;
 
 /// A curve of which the data tell less than this, in numbers, is left out of the factor: it changes a score by half of that.
@@ -69,6 +69,18 @@ impl Posterior {
     }
 }
 
+/// For each curve the prior variance of each wave and the derivative of its logarithm by the length's; none for a curve that the data do
+/// not see.
+type Variances = Vec<Option<Vec<(f64, f64)>>>;
+
+struct Factored {
+    score: f64,
+    solved: Solved,
+    /// Which of the model's numbers were solved for.
+    columns: Vec<usize>,
+    variances: Variances,
+}
+
 impl Model<'_> {
     /// The log marginal likelihood; `None` where the system is not positive.
     pub fn score(&self, hyper: &Hyperparameters) -> Option<f64> {
@@ -91,7 +103,7 @@ impl Model<'_> {
         }
         let mut gradient = vec![0.0];
         let mut first = self.gram.plain;
-        for (curve, (waves, variances)) in self.waves.iter().zip(&factored.seen).enumerate() {
+        for (curve, (waves, variances)) in self.waves.iter().zip(&factored.variances).enumerate() {
             let (mut by_variance, mut by_length) = (0.0, 0.0);
             let Some(variances) = variances else {
                 used -= waves.len() as f64;
@@ -155,39 +167,44 @@ impl Model<'_> {
         1.0 + self.firm[curve] * sum
     }
 
-    /// For each curve the prior variances of its waves, where the data could tell it from nothing.
-    fn seen(&self, hyper: &Hyperparameters) -> Vec<Option<Vec<(f64, f64)>>> {
-        let noise = (-hyper.log_noise).exp();
-        let mut index = self.gram.plain;
-        let of = |((kernel, waves), gaps): ((&Kernel, &Waves), &Vec<f64>)| {
-            let variances = kernel.variances(waves);
-            let count = waves.len();
-            let precision = |own: usize| {
-                self.gram.cell(index + own, index + own) * noise + gaps.get(own * count + own).copied().unwrap_or(0.0)
-            };
-            let seen: f64 = variances.iter().enumerate().map(|(own, (variance, _))| variance * precision(own)).sum();
-            index += count;
-            (seen > UNSEEN).then_some(variances)
-        };
-        hyper.kernels.iter().zip(self.waves).zip(self.gaps).map(of).collect()
+    /// The prior variances of all curves.
+    fn variances(&self, hyper: &Hyperparameters) -> Variances {
+        hyper.kernels.iter().zip(self.waves).map(|(kernel, waves)| Some(kernel.variances(waves))).collect()
     }
 
-    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
-        let (whole, plain) = (self.gram.size, self.gram.plain);
+    /// Those of the curves that the data could tell from nothing.
+    fn seen(&self, hyper: &Hyperparameters) -> Variances {
         let noise = (-hyper.log_noise).exp();
-        let seen = self.seen(hyper);
-        // Of a curve that the data do not see they say nothing: prior and posterior are the same, and their determinants.
-        let mut columns: Vec<usize> = (0..plain).collect();
-        let mut first = plain;
-        for (waves, seen) in self.waves.iter().zip(&seen) {
-            columns.extend((first..first + waves.len()).filter(|_| seen.is_some()));
-            first += waves.len();
+        let mut index = self.gram.plain;
+        let mut of_curves = self.variances(hyper);
+        for (variances, gaps) in of_curves.iter_mut().zip(self.gaps) {
+            let own = variances.as_deref().unwrap_or_default();
+            let precision = |k: usize| {
+                self.gram.cell(index + k, index + k) * noise + gaps.get(k * own.len() + k).copied().unwrap_or(0.0)
+            };
+            let seen: f64 = own.iter().enumerate().map(|(k, (variance, _))| variance * precision(k)).sum();
+            index += own.len();
+            if seen < UNSEEN {
+                *variances = None;
+            }
         }
-        let size = columns.len();
+        of_curves
+    }
+
+    /// The system at given hyperparameters, in units of its noise, and log |Λ|.
+    pub fn system(&self, hyper: &Hyperparameters) -> (System, f64) {
+        let all: Vec<usize> = (0..self.gram.size).collect();
+        self.system_of(hyper, &all, &self.variances(hyper))
+    }
+
+    /// The same of these columns: the plain ones and those of the curves that have variances.
+    fn system_of(&self, hyper: &Hyperparameters, columns: &[usize], variances: &Variances) -> (System, f64) {
+        let (whole, size, plain) = (self.gram.size, columns.len(), self.gram.plain);
+        let noise = (-hyper.log_noise).exp();
         let mut matrix = vec![0.0; size * size];
-        for (row, &i) in matrix.chunks_exact_mut(size).zip(&columns) {
-            let of = &self.gram.matrix[i * whole..=i * whole + i];
-            row.iter_mut().zip(columns.iter().take_while(|k| **k <= i)).for_each(|(cell, &k)| *cell = of[k] * noise);
+        for (row, &i) in matrix.chunks_exact_mut(size).zip(columns) {
+            let cells = &self.gram.matrix[i * whole..=i * whole + i];
+            row.iter_mut().zip(columns.iter().take_while(|k| **k <= i)).for_each(|(cell, &k)| *cell = cells[k] * noise);
         }
         let mut right: Vec<f64> = columns.iter().map(|&i| self.gram.right[i] * noise).collect();
         for (sum, pull) in right.iter_mut().zip(self.pull) {
@@ -201,7 +218,7 @@ impl Model<'_> {
         }
         let mut log_prior = self.log_precision;
         let mut index = plain;
-        for (curve, variances) in seen.iter().enumerate() {
+        for (curve, variances) in variances.iter().enumerate() {
             let Some(variances) = variances else { continue };
             log_prior += self.charge_of_mean(curve, variances).ln();
             let first = index;
@@ -224,6 +241,74 @@ impl Model<'_> {
                 index += 1;
             }
         }
+        (System { matrix, right, square, count: self.gram.count }, log_prior)
+    }
+
+    fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
+        // Of a curve that the data do not see they say nothing: prior and posterior are the same, and their determinants.
+        let variances = self.seen(hyper);
+        let mut columns: Vec<usize> = (0..self.gram.plain).collect();
+        let mut first = self.gram.plain;
+        for (waves, seen) in self.waves.iter().zip(&variances) {
+            columns.extend((first..first + waves.len()).filter(|_| seen.is_some()));
+            first += waves.len();
+        }
+        let (system, log_prior) = self.system_of(hyper, &columns, &variances);
+        let square = system.square;
+        let solved = system.solved()?;
+        let half = &solved.half;
+        let score =
+            0.5 * (log_prior - solved.log_determinant() - self.gram.count * hyper.log_noise - square + dot(half, half));
+        score.is_finite().then_some(Factored { score, solved, columns, variances })
+    }
+}
+
+impl Factored {
+    /// What is said of `size` numbers in all: of those that were not solved for, nothing.
+    fn posterior(&self, size: usize) -> Posterior {
+        let Solved { factor, half, scale } = &self.solved;
+        let own = scale.len();
+        let (mut root, mut mean) = (vec![0.0; size * size], vec![0.0; size]);
+        let inverse = factor.inverse_columns();
+        for (index, (column, scale)) in inverse.chunks_exact(own).zip(scale).enumerate() {
+            let at = self.columns[index];
+            for (cell, &row) in column[index..].iter().zip(&self.columns[index..]) {
+                root[at * size + row] = cell * scale;
+            }
+            mean[at] = scale * dot(&column[index..], &half[index..]);
+        }
+        Posterior { mean, root, size }
+    }
+}
+
+/// A model's numbers as a linear system: A m = b, A the posterior precision.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// Lower triangle of A, row by row.
+    pub matrix: Vec<f64>,
+    /// b.
+    pub right: Vec<f64>,
+    /// What there is to explain, with what the prior takes of the present state.
+    pub square: f64,
+    /// Values, weighted.
+    pub count: f64,
+}
+
+/// A solved system: D A D = L Lᵀ with D the inverse root of A's diagonal.
+#[derive(Debug, Clone)]
+pub struct Solved {
+    factor: Triangle,
+    /// L⁻¹ D b.
+    half: Vec<f64>,
+    /// The diagonal of D.
+    scale: Vec<f64>,
+}
+
+impl System {
+    /// `None` where it is not positive.
+    pub fn solved(self) -> Option<Solved> {
+        let Self { mut matrix, mut right, .. } = self;
+        let size = right.len();
         let scale: Vec<f64> = (0..size).map(|i| matrix[i * size + i].powf(-0.5)).collect();
         for i in 0..size {
             for k in 0..=i {
@@ -231,40 +316,31 @@ impl Model<'_> {
             }
             right[i] *= scale[i];
         }
-        let log_scale: f64 = scale.iter().map(|scale| scale.ln()).sum();
         let factor = Triangle::factor(matrix, size)?;
         let half = factor.forward(&right);
-        let log_determinant = factor.log_determinant() - 2.0 * log_scale;
-        let score =
-            0.5 * (log_prior - log_determinant - self.gram.count * hyper.log_noise - square + dot(&half, &half));
-        score.is_finite().then_some(Factored { score, factor, half, scale, columns, seen })
+        Some(Solved { factor, half, scale })
     }
 }
 
-struct Factored {
-    score: f64,
-    factor: Triangle,
-    half: Vec<f64>,
-    scale: Vec<f64>,
-    /// Which numbers these are.
-    columns: Vec<usize>,
-    /// For each curve the prior variances of its waves; none for one that the data do not see.
-    seen: Vec<Option<Vec<(f64, f64)>>>,
-}
+impl Solved {
+    /// log |A|.
+    fn log_determinant(&self) -> f64 {
+        self.factor.log_determinant() - 2.0 * self.scale.iter().map(|scale| scale.ln()).sum::<f64>()
+    }
 
-impl Factored {
-    /// What is said of `size` numbers in all: of those that are not among these, nothing.
-    fn posterior(&self, size: usize) -> Posterior {
-        let own = self.scale.len();
-        let (mut root, mut mean) = (vec![0.0; size * size], vec![0.0; size]);
-        let inverse = self.factor.inverse_columns();
-        for (index, (column, scale)) in inverse.chunks_exact(own).zip(&self.scale).enumerate() {
-            let at = self.columns[index];
-            for (cell, &row) in column[index..].iter().zip(&self.columns[index..]) {
-                root[at * size + row] = cell * scale;
-            }
-            mean[at] = scale * dot(&column[index..], &self.half[index..]);
-        }
-        Posterior { mean, root, size }
+    /// How much of what there is to explain the numbers explain: bᵀ A⁻¹ b.
+    pub fn explained(&self) -> f64 {
+        dot(&self.half, &self.half)
+    }
+
+    /// A value that is predicted by these columns, as a vector f with fᵀ f its variance and fᵀ g its covariance with another: L⁻¹ D x.
+    pub fn feature(&self, columns: &[f64]) -> Vec<f64> {
+        let scaled: Vec<f64> = columns.iter().zip(&self.scale).map(|(x, scale)| x * scale).collect();
+        self.factor.forward(&scaled)
+    }
+
+    /// What is expected of the value with this feature.
+    pub fn expected(&self, feature: &[f64]) -> f64 {
+        dot(feature, &self.half)
     }
 }

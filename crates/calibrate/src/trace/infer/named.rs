@@ -10,9 +10,10 @@ use crate::identify::solve::Fit;
 use crate::identify::threads::in_parallel;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Unnamed, rivals_of_best};
+use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
+use crate::trace::infer::hypotheses::{Cause, Open, OpenSet};
 use crate::trace::infer::lines::beside_a_scale;
 use crate::trace::infer::model::{Kernel, LARGEST};
 use crate::trace::leftover::Block;
@@ -27,6 +28,12 @@ pub const FOUND_AGAIN: f64 = 0.8;
 /// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
+/// A set of causes with this much of the mass is left possible even where no member of the best is unsure.
+const POSSIBLE: f64 = 0.1;
+/// Sets of the same names may be so many that each is this much behind what they are together, logarithm.
+const BESIDE: f64 = 3.0;
+/// So many sets are kept apart, the most probable.
+const MOST_POSSIBLE: usize = 6;
 /// A rival holds at least this much of the mass.
 const RIVAL: f64 = 0.02;
 /// And is met in the other's absence this much more often than in its presence, logarithm.
@@ -99,7 +106,16 @@ fn name(candidate: &Candidate, fit: &Fit<EffectModel>) -> (Kind, String) {
     (candidate.term.kind, candidate.term.carrier.place(&fit.effects.statics.chain))
 }
 
-/// Judges candidates beside geometry, frames, curves and unnamed structure; what comes back is the most probable set.
+/// What the judgement ends with.
+#[derive(Default)]
+pub(crate) struct Judgement {
+    /// The members of the most probable set.
+    pub members: Vec<Judged>,
+    /// What is left possible, where that is more than one set of causes.
+    pub open: Option<Open>,
+}
+
+/// Judges candidates beside geometry, frames, curves and unnamed structure: the most probable set, and what is left possible.
 ///
 /// # Shape and units
 /// `fit`: a model near the truth, whose effects are set aside. `reference` as in [`crate::identify::solve::fit`].
@@ -109,7 +125,7 @@ pub(crate) fn judge(
     fit: &Fit<EffectModel>,
     reference: &Arm,
     question: &Question<'_>,
-) -> Vec<Judged> {
+) -> Judgement {
     let candidates = question.candidates;
     let mut state = State::new(survey, data, fit);
     let kernel = |joint: usize| kernels_of(question.curves, joint);
@@ -150,7 +166,7 @@ pub(crate) fn judge(
     let starts: Vec<Vec<usize>> =
         question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
     let (seen, settings) = contest.run(&round.gram, &starts);
-    let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Vec::new() };
+    let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Judgement::default() };
     let names: Vec<(Kind, String)> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
     let mass = |holds: &dyn Fn(&[usize]) -> bool| mass(&seen, holds);
     let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
@@ -162,7 +178,7 @@ pub(crate) fn judge(
     kept.dedup();
     let again = |gram: &Gram| -> Vec<usize> {
         let grounds: Vec<Ground> =
-            kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting])).collect();
+            kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect();
         let mut seen = Seen::new();
         for start in &which {
             contest.climb(&grounds, &mut seen, start);
@@ -170,7 +186,8 @@ pub(crate) fn judge(
         seen.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set)
     };
     let resampled = if set.is_empty() { Vec::new() } else { resampled(&round.parts, &again) };
-    set.iter()
+    let members: Vec<Judged> = set
+        .iter()
         .map(|&member| {
             let mine = &names[member];
             let without = seen
@@ -188,7 +205,89 @@ pub(crate) fn judge(
                 rivals: rivals(&seen, &names, mine),
             }
         })
-        .collect()
+        .collect();
+    let unsure: Vec<usize> =
+        set.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
+    let left = possible(&seen, &names, set, &unsure);
+    let sets: Vec<OpenSet> = left
+        .into_iter()
+        .map(|(set, log_mass)| OpenSet {
+            causes: causes(&set, &names),
+            curves: curves_beside(&contest, &settings, &set, &state.joints),
+            terms: set.iter().map(|&member| candidates[member].clone()).collect(),
+            log_mass,
+        })
+        .collect();
+    let open = (sets.len() > 1).then(|| Open::new(data, survey, fit, reference, sets));
+    Judgement { members, open }
+}
+
+/// The names of a set's members, each once.
+fn causes(set: &[usize], names: &[(Kind, String)]) -> Vec<Cause> {
+    let mut causes: Vec<Cause> = Vec::new();
+    for (kind, place) in set.iter().map(|&member| names[member].clone()) {
+        let cause = Cause { kind, place };
+        if !causes.contains(&cause) {
+            causes.push(cause);
+        }
+    }
+    causes
+}
+
+/// The curves that suit a set best, of the settings without structure.
+fn curves_beside(
+    contest: &Contest<'_>,
+    settings: &[(Ground, Setting)],
+    set: &[usize],
+    joints: &[usize],
+) -> Vec<(usize, Kernel)> {
+    let known = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
+    let suits = known.max_by(|a, b| contest.at(&a.0, set).total_cmp(&contest.at(&b.0, set)));
+    let chosen = suits.map_or_else(|| contest.bare().curves, |(_, setting)| setting.curves.clone());
+    let kernel =
+        |(curve, kernel): (usize, usize)| Some((joints[curve], contest.kernels[curve][kernel.checked_sub(1)?]));
+    chosen.into_iter().enumerate().filter_map(kernel).collect()
+}
+
+/// The sets of causes that are left possible, the best first, each with the logarithm of the mass of all sets of the same names: those of
+/// [`POSSIBLE`] and more, and for each member that is not sure what else would have to be true: the best set with each of its rivals in
+/// its stead, and the best without it.
+fn possible(seen: &Seen, names: &[(Kind, String)], best: &[usize], unsure: &[usize]) -> Vec<(Vec<usize>, f64)> {
+    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+    let signature = |set: &[usize]| {
+        let mut own: Vec<(&str, &str)> = set.iter().map(|&one| (names[one].0.name(), names[one].1.as_str())).collect();
+        own.sort_unstable();
+        own.dedup();
+        own
+    };
+    let mut by_score: Vec<(&Vec<usize>, f64)> = seen.iter().map(|(set, (score, _))| (set, *score)).collect();
+    by_score.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let first =
+        |holds: &dyn Fn(&[usize]) -> bool| by_score.iter().find(|(set, _)| holds(set)).map(|(set, _)| (*set).clone());
+    let mass_of = |set: &[usize]| mass(seen, &|other| signature(other) == signature(set));
+    let mut sets: Vec<Vec<usize>> = vec![best.to_vec()];
+    for &member in unsure {
+        let mine = &names[member];
+        for rival in rivals(seen, names, mine) {
+            let name = (rival.kind, rival.place);
+            sets.extend(first(&|set| has(set, &name) && !has(set, mine)));
+        }
+        sets.extend(first(&|set| !has(set, mine)));
+    }
+    let top = by_score[0].1;
+    let near = by_score.iter().take_while(|(_, score)| top - score < -POSSIBLE.ln() + BESIDE);
+    let near: Vec<Vec<usize>> = near.map(|(set, _)| (*set).clone()).collect();
+    sets.extend(near.into_iter().filter(|set| mass_of(set) > POSSIBLE.ln()));
+    let mut possible: Vec<(Vec<usize>, f64)> = Vec::new();
+    for set in sets {
+        if !possible.iter().any(|(other, _)| signature(other) == signature(&set)) {
+            let mass = mass_of(&set);
+            possible.push((set, mass));
+        }
+    }
+    possible[1..].sort_by(|a, b| b.1.total_cmp(&a.1));
+    possible.truncate(MOST_POSSIBLE);
+    possible
 }
 
 /// Kernels that the curve of a joint had beside the models at hand, and would have beside a scale of the joint: none of these models
@@ -206,7 +305,7 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
 }
 
 /// Causes are expected to have the size that they have in machines; 0 where nothing is known.
-fn least_precision(candidate: &Candidate) -> f64 {
+pub(super) fn least_precision(candidate: &Candidate) -> f64 {
     match candidate.term.kind {
         Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash => LARGEST.powi(-2),
         Kind::Drift => FARTHEST.powi(-2),

@@ -1,0 +1,51 @@
+//! What a calibration left open, and the poses that would settle it.
+
+use crate::apply::plan::tell_apart::{Prospect, TellApart, tell_apart};
+use crate::apply::plan::{PlanError, PlanOptions};
+use crate::calibration::Calibration;
+use crate::effects::driver::Statics;
+use crate::effects::survey::Survey;
+use crate::identify::carried::Carried;
+use crate::observation::kinds::POSITION;
+use crate::trace::infer::hypotheses::Open;
+use std::sync::Arc;
+
+/// Poses that the report speaks of.
+pub const MORE_POSES: usize = 20;
+/// Candidates among which it looks for them.
+const FEW_CANDIDATES: usize = 60;
+
+impl Calibration {
+    /// The sets of causes that the run leaves possible; where nothing is open the one model that was adopted, with its geometry,
+    /// effects and curves.
+    pub fn open(&self, statics: &Statics) -> Arc<Open> {
+        if let Some(open) = self.trace.as_ref().and_then(|found| found.open.clone()) {
+            return open;
+        }
+        let survey = Survey::of(statics, &self.train, Vec::new());
+        let geometric = &self.identification.geometric;
+        let earlier = self.carried.as_ref().map(Carried::beside);
+        let plain = || geometric.with_model(statics, earlier.as_ref());
+        let fit = self.beyond_geometry().cloned().unwrap_or_else(plain);
+        Arc::new(Open::of_fit(&survey, &self.train, &fit, &geometric.arm))
+    }
+
+    /// Chooses poses to measure next: those that tell apart what the run left open, else those that make the prediction
+    /// surest; see [`tell_apart`](crate::apply::plan::tell_apart).
+    ///
+    /// # Errors
+    /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
+    pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions, exchange: bool) -> Result<TellApart, PlanError> {
+        tell_apart(&self.open(statics), &self.train, options, exchange)
+    }
+
+    /// What some more poses would settle of the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates, no exchange.
+    pub(super) fn prospect(&self, statics: &Statics) -> Option<Prospect> {
+        if self.report.one_of.is_empty() {
+            return None;
+        }
+        let usual = PlanOptions::new(&self.arm().nominal, MORE_POSES, POSITION);
+        let options = PlanOptions { spread: FEW_CANDIDATES, ..usual };
+        self.tell_apart(statics, &options, false).ok().map(|planned| planned.prospect)
+    }
+}
