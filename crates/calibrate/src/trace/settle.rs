@@ -4,7 +4,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Driver, Statics};
-use crate::effects::model::EffectModel;
+use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::identify::solve::Fit;
@@ -25,7 +25,7 @@ use std::sync::Arc;
 const MOST_ROWS: usize = 800;
 const MOST_VALUES: usize = 2400;
 /// Candidates that are judged, at most.
-const MOST_JUDGED: usize = 80;
+const MOST_JUDGED: usize = 100;
 /// From this probability on a cause stays in the model although it is not named (Barbieri, Berger 2004: the median
 /// probability model predicts best); with its rivals', for where one of several acts the best of them predicts better than none.
 const KEPT: f64 = 0.5;
@@ -85,12 +85,14 @@ pub(crate) fn trace(
             fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
         }
     });
-    let mut proposed = found.candidates;
-    for curve in near.iter().flat_map(|near| &near.fit.effects.curves) {
-        for candidate in own_causes(&tracer.candidates, curve) {
-            if !proposed.iter().any(|other| other.term == candidate.term) {
-                proposed.push(candidate);
-            }
+    // First what would be plain to an engineer, then what the search came upon, then what spectra show.
+    let curves_near = || near.iter().flat_map(|near| &near.fit.effects.curves);
+    let plain = curves_near().flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
+    let of_lines = curves_near().flat_map(|curve| causes_of_lines(&tracer.candidates, curve));
+    let mut proposed: Vec<Candidate> = Vec::new();
+    for candidate in plain.chain(found.candidates).chain(of_lines) {
+        if !proposed.iter().any(|other| other.term == candidate.term) {
+            proposed.push(candidate);
         }
     }
     proposed.retain(|candidate| wide_enough(candidate, &part, statics));
@@ -184,38 +186,34 @@ fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> Leftover {
     leftover::examine(tracer, &tracer.scorer(&linear))
 }
 
-/// Causes that a joint's own curve may hide: its scale, the lines of its spectrum, its compliance, its play.
-fn own_causes(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
-    let own = |kind: Kind| {
-        candidates.iter().filter(move |candidate| {
-            candidate.term.kind == kind && candidate.term.carrier == Carrier::Joint(curve.joint)
-        })
-    };
-    let mut causes: Vec<Candidate> = own(Kind::JointScale).chain(own(Kind::JointCompliance)).cloned().collect();
-    if let Some(wave) = own(Kind::TransmissionError).next() {
-        for line in lines(curve) {
-            let whole = line.order.round().max(1.0);
-            for (order, scanned) in [(whole, 0), (line.order, 1)] {
-                let mut cause = wave.clone();
-                cause.term.driver = Driver::Harmonic { joint: curve.joint, order };
-                cause.scanned = scanned;
-                causes.push(cause);
+/// Causes that a joint's own curve may hide: its scale, its compliance, its play. Of several forms of one the plain ones are
+/// proposed; the search finds the others where they are.
+fn plain_causes(candidates: &[Candidate], joint: usize) -> Vec<Candidate> {
+    let plain = |candidate: &&Candidate| {
+        let Term { kind, carrier, driver, .. } = &candidate.term;
+        *carrier == Carrier::Joint(joint)
+            && match kind {
+                Kind::JointScale => true,
+                Kind::JointCompliance => matches!(driver, Driver::Torque(_) | Driver::Covariate(_)),
+                Kind::Backlash => matches!(driver, Driver::Approach { .. } | Driver::GravitySide(_)),
+                _ => false,
             }
-        }
-    }
-    causes.extend(own(Kind::Backlash).cloned());
-    // Of several forms of one cause the plain one is proposed; the search finds the others where they are.
-    causes.retain(|cause| {
-        !matches!(
-            cause.term.driver,
-            Driver::TorqueTerms { .. }
-                | Driver::SprungTorque(_)
-                | Driver::HardeningTorque { .. }
-                | Driver::FrictionSide { .. }
-                | Driver::LoadedSide { .. }
-        ) && !(cause.term.kind == Kind::Backlash && cause.term.driver.covariate().is_some())
-    });
-    causes
+    };
+    candidates.iter().filter(plain).cloned().collect()
+}
+
+/// Periodic errors of the orders that stand out of a curve's spectrum, whole and as they are.
+fn causes_of_lines(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
+    let periodic = |candidate: &&Candidate| {
+        candidate.term.kind == Kind::TransmissionError && candidate.term.carrier == Carrier::Joint(curve.joint)
+    };
+    let Some(wave) = candidates.iter().find(periodic) else { return Vec::new() };
+    let orders = lines(curve).into_iter().flat_map(|line| [(line.order.round().max(1.0), 0), (line.order, 1)]);
+    let of = |(order, scanned): (f64, usize)| {
+        let driver = Driver::Harmonic { joint: curve.joint, order };
+        Candidate { term: Term { driver, ..wave.term.clone() }, scanned }
+    };
+    orders.map(of).collect()
 }
 
 /// Whether a bump holds enough rows to be seen as one: what stands between two rows is nothing.
