@@ -9,6 +9,7 @@ mod real;
 use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::trace::infer::CurveOptions;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
@@ -35,7 +36,7 @@ fn main() {
         for curves in [true, false] {
             let mut options = CalibrateOptions::geometry(&real.chain);
             if curves {
-                options.curves = Some(Default::default());
+                options.curves = Some(CurveOptions::default());
             } else {
                 options.trace = Some(TraceOptions::new(options.identify.clone()));
             }

@@ -16,7 +16,7 @@ impl Real {
     pub fn robot(path: &str) -> Self {
         let units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
         let text = std::fs::read_to_string(path).unwrap();
-        if path.ends_with(".csv") {
+        if std::path::Path::new(path).extension().is_some_and(|ending| ending == "csv") {
             let Source::Table { table, .. } = sources::read(path, &text, Stated::default()).unwrap() else {
                 panic!("{path}: no D-H table")
             };

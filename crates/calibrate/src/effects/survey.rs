@@ -182,8 +182,9 @@ impl Survey {
         let per_period = 2.0 * PI / self.span(joint);
         let highest = HIGHEST_ORDER_OF_A_GEAR.min(per_period * self.rows as f64 / ROWS_PER_PERIOD);
         let from = f64::from(HIGHEST_ORDER);
-        let steps = if self.slides(joint) { 0.0 } else { (highest - from) * HIGH_ORDERS_PER_PERIOD / per_period };
-        (1..=steps.max(0.0) as u32).map(|k| from + f64::from(k) * per_period / HIGH_ORDERS_PER_PERIOD).collect()
+        let step = per_period / HIGH_ORDERS_PER_PERIOD;
+        let orders = std::iter::successors(Some(from + step), |order| Some(order + step));
+        orders.take_while(|order| *order <= highest && !self.slides(joint)).collect()
     }
 
     /// Orders of the motor side: once and twice per motor turn.
