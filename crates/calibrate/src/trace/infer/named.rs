@@ -340,17 +340,13 @@ fn mass(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
     (sum(holds) - sum(&|_| true)).min(0.0)
 }
 
-/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind; but of periodic
-/// errors those of a whole order, which an engineer would try first, are together as likely as all that a scan finds.
+/// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind; but where a kind has
+/// plain forms and others, the plain ones together are as likely as all others.
 fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
     let kind = candidate.term.kind;
     let of_kind = || counted.iter().filter(|other| other.term.kind == kind);
-    let same = if let Driver::Harmonic { .. } = candidate.term.driver {
-        2 * of_kind().filter(|other| (other.scanned == 0) == (candidate.scanned == 0)).count()
-    } else {
-        of_kind().count()
-    };
-    let same = same.max(1);
+    let alike = of_kind().filter(|other| is_plain(other) == is_plain(candidate)).count().max(1);
+    let same = if alike < of_kind().count() { 2 * alike } else { alike };
     let scanned = match &candidate.term.driver {
         // The first step is one of the catalogue's; each further one may be after any row.
         Driver::Steps { at, .. } => REFINED + (at.len() - 1) as f64 * (rows as f64).ln(),
@@ -359,6 +355,21 @@ fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
     };
     let instrument = if candidate.term.carrier == Carrier::Scale { 1.0 } else { 0.0 };
     -((KINDS.len() * same) as f64).ln() - 0.5 * handicap(kind) - scanned - instrument
+}
+
+/// Whether a cause has the form that an engineer would try first: a whole order, all of a torque, one side or the other, a base that
+/// gives alike each way.
+fn is_plain(candidate: &Candidate) -> bool {
+    match candidate.term.driver {
+        Driver::Harmonic { .. } => candidate.scanned == 0,
+        Driver::SprungTorque(_)
+        | Driver::HardeningTorque { .. }
+        | Driver::FrictionSide { .. }
+        | Driver::LoadedSide { .. }
+        | Driver::LevelOverturning => false,
+        Driver::Covariate(_) => candidate.term.kind != Kind::Backlash,
+        _ => true,
+    }
 }
 
 /// What is found on each half of the run, which is split into two again and again: complementary pairs (Shah and Samworth, Journal of the
