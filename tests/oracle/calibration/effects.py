@@ -208,15 +208,20 @@ def link_compliance(rng, arm):
     return Hidden("link_compliance", [arm.joints[i].name], act, {"bearing": bool(bearing)})
 
 
+def _overturning(moment):
+    """The level part of the load's moment on the base about its origin, N m."""
+    first = moment.placements[0]
+    force, torque = moment.carried[0]
+    force, torque = first.rotation @ force, first.rotation @ torque
+    overturning = -(torque + np.cross(first.translation, force))
+    overturning[2] = 0.0
+    return overturning
+
+
 def base_compliance(rng, arm):
     def act(size):
         def on(body, moment, give):
-            first = moment.placements[0]
-            force, torque = moment.carried[0]
-            force, torque = first.rotation @ force, first.rotation @ torque
-            overturning = -(torque + np.cross(first.translation, force))
-            overturning[2] = 0.0
-            give.base = _turn(3e-6 * size * overturning) * give.base
+            give.base = _turn(3e-6 * size * _overturning(moment)) * give.base
         return on
     return Hidden("base_compliance", ["base"], act, {})
 

@@ -6,7 +6,7 @@ softer one way is still a base that gives.
 
 import numpy as np
 
-from effects import Hidden, _loaded, _pick, _turn
+from effects import Hidden, _loaded, _overturning, _pick, _turn
 
 
 def softer_base(rng, arm):
@@ -19,11 +19,7 @@ def softer_base(rng, arm):
     give_way = np.outer(soft, soft) + stiff * np.outer(firm, firm) + leaning * stiff * (np.outer(soft, firm) + np.outer(firm, soft))
     def act(size):
         def on(body, moment, give):
-            first = moment.placements[0]
-            force, torque = moment.carried[0]
-            force, torque = first.rotation @ force, first.rotation @ torque
-            overturning = -(torque + np.cross(first.translation, force))
-            give.base = _turn(3e-6 * size * (give_way @ overturning)) * give.base
+            give.base = _turn(3e-6 * size * (give_way @ _overturning(moment))) * give.base
         return on
     return Hidden("base_compliance", ["base"], act, {"softer about": line, "stiff": stiff})
 
