@@ -101,9 +101,7 @@ def plan(
     return Plan(q, json.loads(found), csv, text)
 
 
-def tell_apart(
-    fit: Fit, count: int, candidates: ArrayLike | None, spread: int, box: Sequence[float], seed: int
-) -> Plan:
+def tell_apart(fit: Fit, count: int, candidates: ArrayLike | None, spread: int, box: Sequence[float], seed: int) -> Plan:
     """See `Chain.plan`."""
     rows = _joint_rows("candidates", candidates)
     found, csv, text, q = _denavit.tell_apart(fit._fitted(), count, rows, spread, list(box), seed)

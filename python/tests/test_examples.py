@@ -55,6 +55,7 @@ def test_every_call_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytes
     some = {"robot": chain.robot, "chain": chain, "Q": chain.sample(10), "N": 5, "seed": 1, "q": np.zeros(2), "data": run.data}
     some |= {"table": chain.table(), "source": "ur5e.urdf", "base": "base", "tip": "tool0", "convention": "distal"}
     some |= {"a": "ur5e.urdf", "b": "arm.urdf", "file": "run.csv", "units": "m,rad", "frame": frame, "later": run.test}
+    some |= {"fit": denavit.calibrate(chain, run.data)}
     some |= {"columns": {name: frame[name] for name in frame}, "poses": chain.fk(chain.sample(3)), "dn": denavit}
     calls = [
         call

@@ -442,6 +442,8 @@ def test_an_interrupt_ends_a_fit_at_once_and_leaves_nothing_running(drawn: dn.Ch
     assert main is not None
     threads = running()
     waits = []
+    # A program that was started in the background has Ctrl-C switched off.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     for after in (0.05, 0.3, 0.8, 1.5):
         asked: list[float] = []
 
