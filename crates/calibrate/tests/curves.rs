@@ -81,21 +81,26 @@ fn a_gear_of_many_orders_is_a_curve_of_its_joint() {
     assert!(inside > 75, "{inside} of 90 places lie within two standard deviations");
 }
 
-/// A joint's torque is mostly a function of its own reading: a curve alone would take it over, and be wrong where the next joint
-/// stands otherwise than in the rows.
-#[test]
-fn what_gravity_does_is_no_curve_and_holds_in_other_postures() {
-    let chain = puma_like();
-    let mut model = gear();
-    model.effects.extend([1, 2].map(|joint| Effect {
+/// Joints 2 and 3 that give under gravity, rad/(N m).
+pub fn giving(softness: f64) -> [Effect; 2] {
+    [1, 2].map(|joint| Effect {
         term: Term {
             kind: Kind::JointCompliance,
             carrier: Carrier::Joint(joint),
             driver: Driver::Torque(joint),
             coupling: Coupling::Each,
         },
-        coefficients: vec![1e-5],
-    }));
+        coefficients: vec![softness],
+    })
+}
+
+/// A joint's torque is mostly a function of its own reading: a curve alone would take it over, and be wrong where the next joint
+/// stands otherwise than in the rows.
+#[test]
+fn what_gravity_does_is_no_curve_and_holds_in_other_postures() {
+    let chain = puma_like();
+    let mut model = gear();
+    model.effects.extend(giving(1e-5));
     let options = SimulationOptions { kind: POSITION, rows: 1500, seed: 4, ..Default::default() };
     let all = simulate(&chain, &options, &model).data;
     let (folded, stretched): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|&row| all.reading(row)[2] > 0.3);

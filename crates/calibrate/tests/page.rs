@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
+use crate::curves::giving;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::carrier::Carrier;
@@ -99,15 +100,7 @@ fn curves_and_what_gives_under_gravity_are_drawn() {
         coefficients: vec![3e-4, -2e-4],
     };
     let mut effects = vec![wave(1, 3.3), wave(2, 4.7)];
-    effects.extend([1, 2].map(|joint| Effect {
-        term: Term {
-            kind: Kind::JointCompliance,
-            carrier: Carrier::Joint(joint),
-            driver: Driver::Torque(joint),
-            coupling: Coupling::Each,
-        },
-        coefficients: vec![1.5e-5],
-    }));
+    effects.extend(giving(1.5e-5));
     let hidden = EffectModel::new(statics.clone(), effects);
     let run = simulate(chain, &SimulationOptions { rows: 400, ..Default::default() }, &hidden);
     let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(chain) };

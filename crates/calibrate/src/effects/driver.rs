@@ -415,6 +415,26 @@ impl Statics {
     }
 }
 
+/// The drivers that follow one joint, as a pattern that names it.
+macro_rules! follows_a_joint {
+    ($joint:ident) => {
+        Self::Reading($joint)
+            | Self::Harmonic { joint: $joint, .. }
+            | Self::Bump { joint: $joint, .. }
+            | Self::Torque($joint)
+            | Self::TorqueTerms { joint: $joint, .. }
+            | Self::SprungTorque($joint)
+            | Self::HardeningTorque { joint: $joint, .. }
+            | Self::MomentAcross($joint)
+            | Self::Cantilever($joint)
+            | Self::EndMoment($joint)
+            | Self::Approach { joint: $joint, .. }
+            | Self::GravitySide($joint)
+            | Self::FrictionSide { joint: $joint, .. }
+            | Self::LoadedSide { joint: $joint, .. }
+    };
+}
+
 impl<C> Driver<C> {
     /// How many values it has.
     pub fn len(&self, statics: &Statics) -> usize {
@@ -433,20 +453,7 @@ impl<C> Driver<C> {
     /// The joint that it follows, where it follows one.
     pub fn joint(&self) -> Option<usize> {
         match *self {
-            Self::Reading(joint)
-            | Self::Harmonic { joint, .. }
-            | Self::Bump { joint, .. }
-            | Self::Torque(joint)
-            | Self::TorqueTerms { joint, .. }
-            | Self::SprungTorque(joint)
-            | Self::HardeningTorque { joint, .. }
-            | Self::MomentAcross(joint)
-            | Self::Cantilever(joint)
-            | Self::EndMoment(joint)
-            | Self::Approach { joint, .. }
-            | Self::GravitySide(joint)
-            | Self::FrictionSide { joint, .. }
-            | Self::LoadedSide { joint, .. } => Some(joint),
+            follows_a_joint!(joint) => Some(joint),
             _ => None,
         }
     }
@@ -454,20 +461,7 @@ impl<C> Driver<C> {
     /// The same, to be counted anew.
     pub(super) fn joint_mut(&mut self) -> Option<&mut usize> {
         match self {
-            Self::Reading(joint)
-            | Self::Harmonic { joint, .. }
-            | Self::Bump { joint, .. }
-            | Self::Torque(joint)
-            | Self::TorqueTerms { joint, .. }
-            | Self::SprungTorque(joint)
-            | Self::HardeningTorque { joint, .. }
-            | Self::MomentAcross(joint)
-            | Self::Cantilever(joint)
-            | Self::EndMoment(joint)
-            | Self::Approach { joint, .. }
-            | Self::GravitySide(joint)
-            | Self::FrictionSide { joint, .. }
-            | Self::LoadedSide { joint, .. } => Some(joint),
+            follows_a_joint!(joint) => Some(joint),
             _ => None,
         }
     }

@@ -15,6 +15,7 @@ use crate::identify::solve::{Fit, Noise, gross};
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
+use crate::trace::infer::contest::{Contest, Member, Unnamed};
 use crate::trace::infer::deflection;
 use crate::trace::infer::evidence::{Model, Posterior};
 use crate::trace::infer::gaps;
@@ -470,6 +471,27 @@ impl Round {
             firm: &self.firm,
             visible: &self.visible,
             gaps: &self.gaps,
+        }
+    }
+
+    /// The comparison of sets of these members, beside curves with these kernels and beside structure.
+    pub(super) fn contest<'a>(
+        &'a self,
+        kernels: &'a [Vec<Kernel>],
+        unnamed: &'a [Unnamed],
+        members: &'a [Member],
+    ) -> Contest<'a> {
+        Contest {
+            always: self.always,
+            precision: &self.precision,
+            pull: &self.pull,
+            charge: self.charge,
+            waves: &self.waves,
+            means: &self.means,
+            firm: &self.firm,
+            kernels,
+            unnamed,
+            members,
         }
     }
 

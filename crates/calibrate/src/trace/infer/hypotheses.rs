@@ -17,11 +17,11 @@ use crate::identify::threads::{available, dealt};
 use crate::identify::triangle::dot;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::trace::infer::contest::{Contest, Member, Setting};
+use crate::trace::infer::contest::Setting;
 use crate::trace::infer::curves::{Laid, Round, State};
 use crate::trace::infer::evidence::Solved;
 use crate::trace::infer::model::Kernel;
-use crate::trace::infer::named::least_precision;
+use crate::trace::infer::named::members;
 use denavit_model::Chain;
 use serde::Serialize;
 
@@ -291,57 +291,33 @@ impl Open {
         let state = self.state(rows, &joints);
         let candidates = self.candidates();
         let round = Round::beside(&self.data, &state, &self.reference, Some(&candidates), &[], 1);
-        let members: Vec<Member> = candidates
-            .iter()
-            .zip(&round.candidates)
-            .map(|(candidate, columns)| Member {
-                columns: columns.clone(),
-                log_odds: 0.0,
-                least_precision: least_precision(candidate),
-            })
-            .collect();
+        let members = members(&round, &candidates, |_| 0.0);
         let (settings, mut kernels) = self.settings(&state.joints)?;
         let lines = self.lines(rows, &state, &candidates);
         let challenges = self.challenges(&challenged, &state.joints, &settings);
-        let contest = |kernels: &[Vec<Kernel>], work: &mut dyn FnMut(&Contest<'_>) -> Option<()>| {
-            work(&Contest {
-                always: round.always,
-                precision: &round.precision,
-                pull: &round.pull,
-                charge: round.charge,
-                waves: &round.waves,
-                means: &round.means,
-                firm: &round.firm,
-                kernels,
-                unnamed: &[],
-                members: &members,
-            })
-        };
         let index = |set: &OpenSet| -> Vec<usize> {
             let of = |term: &Candidate| candidates.iter().position(|other| other.term == term.term);
             set.terms.iter().filter_map(of).collect()
         };
         let mut noise = f64::INFINITY;
         let mut list: Vec<Hypothesis> = Vec::new();
-        contest(&kernels, &mut |contest| {
-            for (set, setting) in self.sets.iter().zip(&settings) {
-                let ground = contest.ground(&round.gram, setting)?;
-                let (columns, system) = contest.system(&round.gram, (&ground, setting), &index(set));
-                let (square, count) = (system.square, system.count);
-                let solved = system.solved()?;
-                noise = noise.min((square - solved.explained()) / count);
-                list.push(Hypothesis {
-                    causes: set.causes.clone(),
-                    curves: set.curves.iter().map(|(joint, _)| *joint).collect(),
-                    terms: set.terms.iter().map(|candidate| candidate.term.clone()).collect(),
-                    probability: 0.0,
-                    log_probability: set.log_mass,
-                    columns,
-                    solved,
-                });
-            }
-            Some(())
-        })?;
+        let contest = round.contest(&kernels, &[], &members);
+        for (set, setting) in self.sets.iter().zip(&settings) {
+            let ground = contest.ground(&round.gram, setting)?;
+            let (columns, system) = contest.system(&round.gram, (&ground, setting), &index(set));
+            let (square, count) = (system.square, system.count);
+            let solved = system.solved()?;
+            noise = noise.min((square - solved.explained()) / count);
+            list.push(Hypothesis {
+                causes: set.causes.clone(),
+                curves: set.curves.iter().map(|(joint, _)| *joint).collect(),
+                terms: set.terms.iter().map(|candidate| candidate.term.clone()).collect(),
+                probability: 0.0,
+                log_probability: set.log_mass,
+                columns,
+                solved,
+            });
+        }
         for Challenge { curve: at, candidate, with, without } in challenges {
             // A curve in the stead of a cause is as large as the cause is at the rows to come.
             let member = candidates.iter().position(|other| other.term == candidate.term)?;
@@ -353,7 +329,8 @@ impl Open {
             kernels[at].push(Kernel { log_variance: 2.0 * size.ln(), log_length: length.ln() });
             let mut setting = settings[without].clone();
             setting.curves[at] = kernels[at].len();
-            contest(&kernels, &mut |contest| {
+            let contest = round.contest(&kernels, &[], &members);
+            let challenger = || {
                 let set = index(&self.sets[without]);
                 let bare = contest.at(&contest.ground(&round.gram, &settings[without])?, &set);
                 let ground = contest.ground(&round.gram, &setting)?;
@@ -363,9 +340,10 @@ impl Open {
                 let like = list[without].clone();
                 let log_probability = self.sets[without].log_mass + gain;
                 let curves = like.curves.iter().copied().chain([state.joints[at]]).collect();
-                list.push(Hypothesis { curves, log_probability, columns, solved, ..like });
-                Some(())
-            });
+                Some(Hypothesis { curves, log_probability, columns, solved, ..like })
+            };
+            let challenger = challenger();
+            list.extend(challenger);
         }
         share_out(&mut list);
         (noise > 0.0 && noise.is_finite()).then_some(Hypotheses { list, lines, noise })

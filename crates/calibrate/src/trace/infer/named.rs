@@ -20,6 +20,7 @@ use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
 
 /// A cause is named from this probability on.
 pub const NAMED: f64 = 0.95;
@@ -134,15 +135,7 @@ pub(crate) fn judge(
     let kernels: Vec<Vec<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
     let blocks: Vec<Block> = question.structures.iter().flatten().cloned().collect();
     let round = Round::beside(data, &state, reference, Some(candidates), &blocks, PARTS);
-    let members: Vec<Member> = candidates
-        .iter()
-        .zip(&round.candidates)
-        .map(|(candidate, columns)| Member {
-            columns: columns.clone(),
-            log_odds: log_odds(candidate, question.counted, data.len()),
-            least_precision: least_precision(candidate),
-        })
-        .collect();
+    let members = members(&round, candidates, |candidate| log_odds(candidate, question.counted, data.len()));
     let mut of_blocks = round.candidates[candidates.len()..].iter();
     let unnamed: Vec<Unnamed> = question
         .structures
@@ -150,18 +143,7 @@ pub(crate) fn judge(
         .map(|structure| Unnamed { columns: of_blocks.by_ref().take(structure.len()).cloned().flatten().collect() })
         .filter(|structure| !structure.columns.is_empty())
         .collect();
-    let contest = Contest {
-        always: round.always,
-        precision: &round.precision,
-        pull: &round.pull,
-        charge: round.charge,
-        waves: &round.waves,
-        means: &round.means,
-        firm: &round.firm,
-        kernels: &kernels,
-        unnamed: &unnamed,
-        members: &members,
-    };
+    let contest = round.contest(&kernels, &unnamed, &members);
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
     let starts: Vec<Vec<usize>> =
         question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
@@ -304,8 +286,18 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
+/// The candidates of a round as members of sets, with their prior odds.
+pub(super) fn members(round: &Round, candidates: &[Candidate], log_odds: impl Fn(&Candidate) -> f64) -> Vec<Member> {
+    let of = |(candidate, columns): (&Candidate, &Range<usize>)| Member {
+        columns: columns.clone(),
+        log_odds: log_odds(candidate),
+        least_precision: least_precision(candidate),
+    };
+    candidates.iter().zip(&round.candidates).map(of).collect()
+}
+
 /// Causes are expected to have the size that they have in machines; 0 where nothing is known.
-pub(super) fn least_precision(candidate: &Candidate) -> f64 {
+fn least_precision(candidate: &Candidate) -> f64 {
     match candidate.term.kind {
         Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash => LARGEST.powi(-2),
         Kind::Drift => FARTHEST.powi(-2),
