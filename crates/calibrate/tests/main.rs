@@ -30,6 +30,7 @@ mod real;
 mod recovery;
 mod redundancy;
 mod repeats;
+mod retold;
 mod rows;
 mod runs;
 mod statistics;

@@ -172,7 +172,10 @@ impl EffectModel {
         joints: &[ChainJoint],
         out: &mut Perturbation,
     ) -> Posture {
-        self.bend(conditions, joints, out).unwrap_or_else(|| self.statics.posture(conditions, None))
+        let mut own = Perturbation::none(joints.len());
+        let posture = self.bend(conditions, joints, &mut own);
+        out.add(&own);
+        posture.unwrap_or_else(|| self.statics.posture(conditions, Some(&own)))
     }
 
     /// The same; `None` where nothing hangs on how the arm stands.
@@ -183,7 +186,8 @@ impl EffectModel {
         }
         let mut steady = Perturbation::none(joints.len());
         self.add_steady(conditions, joints, &mut steady);
-        let mut posture = self.statics.posture(conditions, None);
+        // A joint that counts from the ground stands elsewhere than it reads.
+        let mut posture = self.statics.posture(conditions, Some(&steady));
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
             .acting()
             .filter(|effect| effect.term.driver.needs_posture())
@@ -213,12 +217,14 @@ impl EffectModel {
     }
 
     /// How the arm stands where the effects do this to it, as drivers look at it; nothing where none does.
-    fn stood(&self, conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
+    fn stood(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], by: &Perturbation) -> Posture {
         let drivers = || self.acting().map(|effect| &effect.term.driver);
         if drivers().any(Driver::feels_gravity) {
             self.statics.posture(conditions, Some(by))
         } else if drivers().any(Driver::needs_posture) {
-            self.statics.posture(conditions, None)
+            let mut steady = Perturbation::none(joints.len());
+            self.add_steady(conditions, joints, &mut steady);
+            self.statics.posture(conditions, Some(&steady))
         } else {
             Posture::default()
         }
@@ -321,7 +327,7 @@ impl Effects for EffectModel {
             return;
         }
         let conditions = Conditions::of(row);
-        let posture = self.stood(&conditions, at.by);
+        let posture = self.stood(&conditions, &arm.joints, at.by);
         let mut first = 0;
         for effect in &self.effects {
             let directions = self.directions(&effect.term, &arm.joints, conditions.tip);

@@ -12,7 +12,7 @@ use crate::identify::threads::{both, in_parallel};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
-use crate::trace::infer::curves::{fit_curves, fit_curves_near};
+use crate::trace::infer::curves::{CurveFit, fit_curves, fit_curves_near};
 use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, Question, judge};
 use crate::trace::leftover::{self, Leftover};
@@ -77,14 +77,17 @@ pub(crate) fn trace(
     };
     let models = [None].into_iter().chain(found.states.iter().enumerate().filter(new).map(|(_, state)| Some(state)));
     let models: Vec<Option<&State>> = models.collect();
-    let near = in_parallel(&models, |model| match model {
-        Some(state) => with(&state.chosen, &state.fit, &part, &tracer.survey).1,
-        None if rows.len() == data.len() => curves.clone(),
+    let bare = geometric.with_model(statics, options.earlier.as_ref());
+    let fitted = in_parallel(&models, |model| match model {
+        Some(state) => with(&state.chosen, &state.fit, &part, &tracer.survey),
+        None if rows.len() == data.len() => (bare.clone(), curves.clone()),
         None => {
-            let plain = on_rows(&geometric.with_model(statics, options.earlier.as_ref()), data, &rows);
-            fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known)
+            let plain = on_rows(&bare, data, &rows);
+            let beside = fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known);
+            (plain, beside)
         }
     });
+    let near: Vec<&CurveFit> = fitted.iter().map(|(_, near)| near).collect();
     // First what would be plain to an engineer, then what the search came upon, then what spectra show.
     let curves_near = || near.iter().flat_map(|near| &near.fit.effects.curves);
     let plain = curves_near().flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
@@ -116,11 +119,16 @@ pub(crate) fn trace(
     };
     let mut judged: Vec<Judged> = judged.into_iter().filter(|one| one.named() || one.shared() >= KEPT).collect();
     judged.truncate(options.max_effects);
+    // In the order of the search: a model that it ended with need not be fitted again.
+    let order = &found.states[0].chosen;
+    judged.sort_by_key(|one| order.iter().position(|known| known.term == one.candidate.term).unwrap_or(order.len()));
     let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
-    let (plain, last) = if kept.is_empty() {
-        (geometric.with_model(statics, options.earlier.as_ref()), curves.clone())
-    } else {
-        with(&kept, &found.states[0].fit, data, &survey)
+    let same = |model: &Option<&State>| model.is_some_and(|state| same_terms(&state.chosen, &kept));
+    let known_fit = models.iter().position(same).filter(|_| rows.len() == data.len());
+    let (plain, last) = match known_fit {
+        _ if kept.is_empty() => (bare.clone(), curves.clone()),
+        Some(model) => fitted[model].clone(),
+        None => with(&kept, &found.states[0].fit, data, &survey),
     };
     let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Bound on the probability to take the wrong hypothesis from which on a further pose is better spent on the prediction: a
-/// cause must be found on halves of the rows, too, and with half the evidence this is 0.02.
+/// cause must be found again on halves of the rows, whose evidence differs by as much as that of another run; with half of it this is 0.02.
 const SETTLED: f64 = 4e-4;
 /// A pose must lower the logarithm of the bound by this much, or it is better spent on the prediction: twenty of them would not
 /// change odds by a sixth.
