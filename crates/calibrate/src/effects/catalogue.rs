@@ -5,7 +5,7 @@
 //! `every_kind_offers_terms_that_a_fit_can_use` covers both.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, CURRENT, Driver, EFFORT, MOTOR_TORQUE};
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, CURRENT, Driver, EFFORT, MOTOR_TORQUE, Side};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
@@ -289,22 +289,20 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
     survey
         .moving()
         .flat_map(|i| {
-            let given = survey.of_joint(i, APPROACH).map(|side| (side, false));
-            let known = given.or_else(|| Some((survey.of_joint(i, APPROACH_FROM_ROWS)?, true)));
-            let by_side = known.clone().map(|(side, from_rows)| {
-                each(Kind::Backlash, Carrier::Joint(i), Driver::Approach { joint: i, from_rows, side })
-            });
+            let recorded = |(ending, from_rows): (&str, bool)| {
+                Some(Side { joint: i, from_rows, column: survey.of_joint(i, ending)? })
+            };
+            let known = [(APPROACH, false), (APPROACH_FROM_ROWS, true)].into_iter().find_map(recorded);
+            let by_side = known.clone().map(|side| each(Kind::Backlash, Carrier::Joint(i), Driver::Approach(side)));
             let by_gravity = each(Kind::Backlash, Carrier::Joint(i), Driver::GravitySide(i));
             let loaded = known.filter(|_| survey.statics.feels_gravity(i));
-            let by_both = loaded.clone().into_iter().flat_map(move |(side, from_rows)| {
+            let by_both = loaded.clone().into_iter().flat_map(move |side| {
                 survey.torques_of(i, &FRICTIONS).map(move |friction| {
-                    let driver = Driver::FrictionSide { joint: i, friction, from_rows, side: side.clone() };
+                    let driver = Driver::FrictionSide { side: side.clone(), friction };
                     candidate(Kind::Backlash, Carrier::Joint(i), driver, Coupling::Each, 1)
                 })
             });
-            let by_load = loaded.clone().map(|(side, from_rows)| {
-                each(Kind::Backlash, Carrier::Joint(i), Driver::LoadedSide { joint: i, from_rows, side })
-            });
+            let by_load = loaded.clone().map(|side| each(Kind::Backlash, Carrier::Joint(i), Driver::LoadedSide(side)));
             let wound_up = survey.wound_up(i).map(move |column| {
                 candidate(Kind::Backlash, Carrier::Joint(i), Driver::Covariate(column), Coupling::Each, 1)
             });

@@ -146,9 +146,8 @@ impl EffectSpecification {
                 ("knee", Driver::Torque(joint)) => {
                     term.driver = Driver::HardeningTorque { joint: *joint, knee: number()? };
                 }
-                ("friction", Driver::Approach { joint, from_rows, side }) => {
-                    let (joint, from_rows, side) = (*joint, *from_rows, side.clone());
-                    term.driver = Driver::FrictionSide { joint, friction: number()?, from_rows, side };
+                ("friction", Driver::Approach(side)) => {
+                    term.driver = Driver::FrictionSide { side: side.clone(), friction: number()? };
                 }
                 ("step", driver @ Driver::Covariate(_)) if self.kind == Kind::Drift => {
                     let Driver::Covariate(column) = driver else { continue };
@@ -338,7 +337,8 @@ mod tests {
         assert_eq!(effect.term.driver, Driver::HardeningTorque { joint: 1, knee: 8.0 });
         assert!(effect.coefficients[0] == 0.0 && effect.coefficients[1] > 0.0);
         let effect = of(&format!("backlash@{second}:friction=4=1e-4"));
-        assert!(matches!(effect.term.driver, Driver::FrictionSide { joint: 1, friction: 4.0, from_rows: true, .. }));
+        let Driver::FrictionSide { side, friction } = effect.term.driver else { panic!("{effect:?}") };
+        assert_eq!((side.joint, side.from_rows, friction), (1, true, 4.0));
         let refused =
             |text: &str| specified_effects(&[text.parse().unwrap()], &statics, &run, 0).unwrap_err().to_string();
         assert!(refused(&format!("backlash@{second}:friction=0=1e-4")).ends_with("friction must be above 0"));
