@@ -44,6 +44,8 @@ pub enum Kind {
     Latency,
     /// The instrument's metre is not a metre.
     InstrumentScale,
+    /// What is read along the line of sight depends on the target, and on how that is turned to the instrument.
+    TargetIncidence,
 }
 
 /// A kind's entry in the catalogue.
@@ -156,9 +158,9 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::Thermal,
         name: "thermal",
-        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature",
-        units: "carrier's unit per °C",
-        source: "thermal expansion",
+        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature; or joint value or length of its link += c · warmth, its own travel through a lag of first order (one of a few)",
+        units: "carrier's unit per °C; per rad/s or rad/row (m/s, m/row)",
+        source: "thermal expansion; friction's heat and Newton's law of cooling",
         terms: thermal,
     },
     Entry {
@@ -184,6 +186,14 @@ pub const KINDS: &[Entry] = &[
         units: "m/m",
         source: "wavelength or scale error of the instrument",
         terms: instrument_scale,
+    },
+    Entry {
+        kind: Kind::TargetIncidence,
+        name: "target_incidence",
+        formula: "range += c · u, u the direction from the instrument to the target in the tip's axes; or range += c, the same from every side",
+        units: "m",
+        source: "range and angles have two centres in the target: a ball of glass in an eccentric shell, a window (US patent 7388654); a wrong prism constant",
+        terms: target_incidence,
     },
 ];
 
@@ -388,7 +398,15 @@ fn thermal(survey: &Survey) -> Vec<Candidate> {
         let own = survey.of_joint(i, ".temperature")?;
         Some(each(Kind::Thermal, Carrier::Joint(i), Driver::Covariate(own)))
     });
-    general.chain(own).collect()
+    let by_work = survey.moving().flat_map(|i| {
+        let grows = [Carrier::Joint(i), Carrier::LinkLength(i)];
+        let of = move |carrier, column: &Column| {
+            candidate(Kind::Thermal, carrier, Driver::Covariate(column.clone()), Coupling::Each, 1)
+        };
+        let warmth: Vec<Column> = survey.warmth(i).collect();
+        grows.into_iter().flat_map(move |carrier| warmth.iter().map(|column| of(carrier, column)).collect::<Vec<_>>())
+    });
+    general.chain(own).chain(by_work).collect()
 }
 
 fn drift(survey: &Survey) -> Vec<Candidate> {
@@ -423,6 +441,11 @@ fn latency(survey: &Survey) -> Vec<Candidate> {
 
 fn instrument_scale(_: &Survey) -> Vec<Candidate> {
     vec![each(Kind::InstrumentScale, Carrier::Scale, Driver::Constant)]
+}
+
+fn target_incidence(survey: &Survey) -> Vec<Candidate> {
+    let along = |carrier| each(Kind::TargetIncidence, carrier, Driver::Constant);
+    if survey.sight { vec![along(Carrier::Sight), along(Carrier::Range)] } else { Vec::new() }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ pub use self::statics::{Conditions, LinkEnd, Posture, Statics};
 
 use self::piecewise::hats;
 use self::side::side_of;
+use crate::effects::history::History;
 use crate::observation::arm::AxisBasis;
 use crate::observation::measurements::Column;
 use crate::observation::measurements::covariates::PAYLOAD;
@@ -24,6 +25,8 @@ use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Screw};
 use serde::{Deserialize, Serialize};
 
+/// Name of the covariate that gives the time of a row, s.
+pub const TIME: &str = "time";
 /// Name of the covariate that counts rows in run order.
 pub const RUN_ORDER: &str = "run order";
 /// Ending of the covariates that give the side from which a joint came, +1 from below.
@@ -35,6 +38,9 @@ pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
 pub const WOUND_UP: &str = ".wound up over";
 /// Travels after which a joint that turned back is wound up to all but 1/e, rad or m.
 pub const MEMORIES: [f64; 3] = [0.02, 0.1, 0.5];
+/// Within the names of the covariates that say how warm a joint's own work has made it, rad or m by row or by second: read from the order
+/// of the rows, and of the clock.
+pub const WARMTH: &str = ".warmth over";
 /// Ending of the covariates that give a joint's velocity.
 pub const VELOCITY: &str = ".velocity";
 
@@ -404,7 +410,13 @@ impl Driver {
             Self::MomentAcross(_) | Self::EndMoment(_) | Self::Overturning | Self::LevelOverturning => "N m",
             Self::Cantilever(_) => "1/(N m²)",
             Self::Velocities(_) => "1/s",
-            Self::Covariate(column) => unit_of(column.name()),
+            Self::Covariate(column) => match History::of_column(column.name()) {
+                Some((name, told)) => {
+                    let joint = chain.joints().iter().position(|joint| joint.name == name);
+                    told.unit(joint.is_some_and(slides))
+                }
+                None => unit_of(column.name()),
+            },
             _ => "1",
         }
     }

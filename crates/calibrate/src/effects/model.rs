@@ -54,7 +54,10 @@ impl<D> Term<D> {
 
     /// Whether it has a part in where the tip is; the others change what is measured.
     pub fn moves_the_tip(&self) -> bool {
-        !matches!(self.carrier, Carrier::Target | Carrier::Anchor | Carrier::Scale | Carrier::Reading)
+        !matches!(
+            self.carrier,
+            Carrier::Target | Carrier::Anchor | Carrier::Scale | Carrier::Reading | Carrier::Sight | Carrier::Range
+        )
     }
 }
 
@@ -289,6 +292,7 @@ pub fn add_sensitivity(action: &Action, amount: f64, state: &RowState, out: &mut
         Action::Anchor(shift) => out.anchor += shift * amount,
         Action::Scale => out.scale += amount,
         Action::Reading => out.reading += amount,
+        Action::Sight(sight) => out.sight += *sight * amount,
     }
 }
 

@@ -107,8 +107,12 @@ impl Tracer<'_> {
             }
             Driver::Decay { .. } | Driver::Steps { .. } | Driver::Smooth { .. } | Driver::Covariate(_) => {
                 let name = driver.covariate()?;
+                let unit = match driver {
+                    Driver::Covariate(_) => driver.unit(chain, 0),
+                    _ => crate::effects::driver::unit_of(name),
+                };
                 let column = self.data.covariate(name)?;
-                Some((format!("{name}, {}", crate::effects::driver::unit_of(name)), column.values.clone()))
+                Some((format!("{name}, {unit}"), column.values.clone()))
             }
             Driver::Torque(joint) | Driver::SprungTorque(joint) | Driver::HardeningTorque { joint, .. } => {
                 let name = format!("gravity on {}, {}", chain.joints()[*joint].name, driver.unit(chain, 0));

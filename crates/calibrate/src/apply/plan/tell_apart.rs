@@ -15,7 +15,7 @@ mod written;
 use self::design::{Design, Offered, Separation};
 use super::{PlanError, PlanOptions, allowed, as_predicted, candidates};
 use crate::effects::driver::{RUN_ORDER, VELOCITY};
-use crate::effects::recorded::told_by_order;
+use crate::effects::history::History;
 use crate::observation::measurements::{Covariate, Covariates, Measurements};
 use crate::trace::infer::hypotheses::{Approached, Cause, Hypotheses, Hypothesis, Open};
 use denavit_model::Chain;
@@ -303,9 +303,10 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
                 separations.iter().find(|one| (one.true_one, one.other) == (a, b)).map_or(0.0, |one| one.rise)
             };
             let log_odds = possible[a].log_probability - possible[b].log_probability;
+            let of_the_way = |name: &str| History::of_column(name).is_some_and(|(_, told)| told.is_of_the_way());
             let only = |one: usize, other: usize| {
                 let own = possible[one].follows.iter().filter(move |name| !possible[other].follows.contains(name));
-                own.filter(|name| !told_by_order(name)).map(|name| words(name))
+                own.filter(|name| !of_the_way(name)).map(|name| words(name))
             };
             let mut vary: Vec<String> = only(a, b).chain(only(b, a)).collect();
             vary.dedup();
@@ -326,6 +327,9 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
 fn words(column: &str) -> String {
     if column == RUN_ORDER {
         return "the time between rows".into();
+    }
+    if let Some((joint, History::Warmth { .. })) = History::of_column(column) {
+        return format!("how much {joint} works before it is measured");
     }
     match column.strip_suffix(VELOCITY) {
         Some(joint) => format!("the velocity of {joint}"),

@@ -5,11 +5,11 @@
 //! variance s (1 + xᵀ A⁻¹ x), s the variance of the noise.
 //! Structure without a name has no columns beyond the measured rows, so it has no part in what is predicted.
 
-use crate::effects::approach::CameFrom;
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::curve::Waves;
 use crate::effects::driver::Driver;
+use crate::effects::history::History;
 use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::gram::cross_gram;
@@ -219,7 +219,7 @@ impl Open {
             return Some((side.joint, side.column.name().to_owned(), side.from_rows));
         }
         let column = driver.covariate()?;
-        let (joint, _) = CameFrom::of_column(column)?;
+        let (joint, _) = History::of_column(column).filter(|(_, told)| told.is_of_the_way())?;
         let joint = self.chain().joints().iter().position(|own| own.name == joint)?;
         Some((joint, column.to_owned(), true))
     }
