@@ -493,7 +493,7 @@ mod tests {
                     assert_eq!(candidate.term.kind, entry.kind);
                     let q = vec![0.2; chain.coordinates().len()];
                     let conditions = Conditions { reading: &q, recorded: data.covariates.row(7), tip: 0 };
-                    let posture = statics.posture(&conditions, None);
+                    let posture = statics.posture(chain.joints(), &conditions, None);
                     let mut values = Vec::new();
                     candidate.term.driver.values_into(&statics, &conditions, &posture, &mut values);
                     assert!(candidate.term.coefficients(&statics) > 0 && values.iter().all(|value| value.is_finite()));

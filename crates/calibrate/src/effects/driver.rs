@@ -6,50 +6,28 @@
 //! test `every_driver_gives_as_many_values_as_it_says` then covers it.
 
 mod bump;
+mod columns;
 mod piecewise;
 mod side;
 mod statics;
 mod torque;
 
 pub use self::bump::BumpShape;
+pub use self::columns::{
+    APPROACH, APPROACH_FROM_ROWS, CURRENT, EFFORT, MEMORIES, MOTOR_TORQUE, RUN_ORDER, TIME, VELOCITY, WARMTH, WOUND_UP,
+    unit_of,
+};
 pub use self::side::Side;
-pub use self::statics::{Conditions, LinkEnd, Posture, Statics};
+pub use self::statics::{AxisNow, Conditions, LinkEnd, Posture, Statics};
 
 use self::piecewise::hats;
 use self::side::side_of;
 use crate::effects::history::History;
 use crate::observation::arm::AxisBasis;
 use crate::observation::measurements::Column;
-use crate::observation::measurements::covariates::PAYLOAD;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Screw};
 use serde::{Deserialize, Serialize};
-
-/// Name of the covariate that gives the time of a row, s.
-pub const TIME: &str = "time";
-/// Name of the covariate that counts rows in run order.
-pub const RUN_ORDER: &str = "run order";
-/// Ending of the covariates that give the side from which a joint came, +1 from below.
-pub const APPROACH: &str = ".approach";
-/// Ending of the same when it was read from the order of the rows.
-pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
-/// Within the names of the covariates that say how far a joint has wound itself up since it last turned back, -1 to +1, for one of
-/// [`MEMORIES`]: read from the order of the rows.
-pub const WOUND_UP: &str = ".wound up over";
-/// Travels after which a joint that turned back is wound up to all but 1/e, rad or m.
-pub const MEMORIES: [f64; 3] = [0.02, 0.1, 0.5];
-/// Within the names of the covariates that say how warm a joint's own work has made it, rad or m by row or by second: read from the order
-/// of the rows, and of the clock.
-pub const WARMTH: &str = ".warmth over";
-/// Ending of the covariates that give a joint's velocity.
-pub const VELOCITY: &str = ".velocity";
-
-/// Endings of the covariates that give what a joint's motor works against: torque, the same as ROS calls it (N·m; N for a slide), and current, A.
-pub const MOTOR_TORQUE: &str = ".torque";
-/// See [`MOTOR_TORQUE`].
-pub const EFFORT: &str = ".effort";
-/// See [`MOTOR_TORQUE`].
-pub const CURRENT: &str = ".current";
 
 /// What drives an effect. Joints are counted from 0, base to tip.
 ///
@@ -337,7 +315,7 @@ impl Driver {
             }
             Self::MomentAcross(joint) => {
                 let basis = AxisBasis::of(&joints[*joint].screw);
-                let moment = posture.state.before[*joint].rotation.inverse() * posture.loads[*joint].moment;
+                let moment = posture.state.before[*joint].rotation.inverse() * posture.moment_across(*joint);
                 out.extend([moment.dot(&basis.a), moment.dot(&basis.b)]);
             }
             Self::Cantilever(joint) => {
@@ -433,19 +411,6 @@ impl Driver {
     }
 }
 
-/// The unit that the contract gives to a recorded quantity.
-pub fn unit_of(covariate: &str) -> &'static str {
-    match covariate {
-        "time" => "s",
-        PAYLOAD => "kg",
-        RUN_ORDER => "row",
-        name if name.ends_with("temperature") => "°C",
-        name if name.ends_with(MOTOR_TORQUE) || name.ends_with(EFFORT) => "N m",
-        name if name.ends_with(CURRENT) => "A",
-        _ => "1",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -493,7 +458,7 @@ mod tests {
             }
             let q = vec![0.3; statics.chain.coordinates().len()];
             let conditions = Conditions { reading: &q, recorded: recorded.row(0), tip: 0 };
-            let posture = statics.posture(&conditions, None);
+            let posture = statics.posture(chain.joints(), &conditions, None);
             for driver in drivers {
                 let mut values = Vec::new();
                 driver.values_into(&statics, &conditions, &posture, &mut values);

@@ -97,8 +97,13 @@ impl History {
 
     /// The joint of a column that the order of rows tells, and what it tells.
     pub fn of_column(name: &str) -> Option<(&str, Self)> {
-        let side = name.strip_suffix(APPROACH).map(|joint| (joint, Self::Side));
-        side.or_else(|| Self::all().find_map(|told| Some((name.strip_suffix(told.ending().as_str())?, told))))
+        if let Some(joint) = name.strip_suffix(APPROACH) {
+            return Some((joint, Self::Side));
+        }
+        // Most columns tell nothing of the kind, and this is asked often.
+        let may = [APPROACH_FROM_ROWS, WOUND_UP, WARMTH].iter().any(|word| name.contains(word));
+        let mut told = may.then(Self::all).into_iter().flatten();
+        told.find_map(|told| Some((name.strip_suffix(told.ending().as_str())?, told)))
     }
 
     /// Its unit, for a joint that slides or turns.

@@ -175,7 +175,7 @@ impl EffectModel {
         joints: &[ChainJoint],
         out: &mut Perturbation,
     ) -> Posture {
-        self.bend(conditions, joints, out).unwrap_or_else(|| self.statics.posture(conditions, None))
+        self.bend(conditions, joints, out).unwrap_or_else(|| self.statics.posture(joints, conditions, None))
     }
 
     /// The same; `None` where nothing hangs on how the arm stands.
@@ -186,7 +186,7 @@ impl EffectModel {
         }
         let mut steady = Perturbation::none(joints.len());
         self.add_steady(conditions, joints, &mut steady);
-        let mut posture = self.statics.posture(conditions, None);
+        let mut posture = self.statics.posture(joints, conditions, None);
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
             .acting()
             .filter(|effect| effect.term.driver.needs_posture())
@@ -209,19 +209,19 @@ impl EffectModel {
                 out.add(&given);
                 return Some(posture);
             }
-            posture = self.statics.posture(conditions, Some(&given));
+            posture = self.statics.posture(joints, conditions, Some(&given));
         }
         out.add(&bent(&posture));
         Some(posture)
     }
 
     /// How the arm stands where the effects do this to it, as drivers look at it; nothing where none does.
-    fn stood(&self, conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
+    fn stood(&self, joints: &[ChainJoint], conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
         let drivers = || self.acting().map(|effect| &effect.term.driver);
         if drivers().any(Driver::feels_gravity) {
-            self.statics.posture(conditions, Some(by))
+            self.statics.posture(joints, conditions, Some(by))
         } else if drivers().any(Driver::needs_posture) {
-            self.statics.posture(conditions, None)
+            self.statics.posture(joints, conditions, None)
         } else {
             Posture::default()
         }
@@ -325,7 +325,7 @@ impl Effects for EffectModel {
             return;
         }
         let conditions = Conditions::of(row);
-        let posture = self.stood(&conditions, at.by);
+        let posture = self.stood(&arm.joints, &conditions, at.by);
         let mut first = 0;
         for effect in &self.effects {
             let directions = self.directions(&effect.term, &arm.joints, conditions.tip);

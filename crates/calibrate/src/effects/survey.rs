@@ -308,7 +308,7 @@ fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
     let mut largest = vec![0.0_f64; statics.chain.joints().len()];
     let few = rows.len().div_ceil(POSTURES).max(1);
     for &row in rows.iter().step_by(few) {
-        let posture = statics.posture(&Conditions::of(Row::new(data, row)), None);
+        let posture = statics.posture(statics.chain.joints(), &Conditions::of(Row::new(data, row)), None);
         for (joint, largest) in largest.iter_mut().enumerate() {
             *largest = largest.max(statics.torque(&posture, joint).abs());
         }

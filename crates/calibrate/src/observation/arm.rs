@@ -222,8 +222,10 @@ impl AlongSight {
     ///
     /// `instrument`: instrument_from_base, `tip`: base_from_tip.
     pub fn beyond(&self, there: &Vector3<f64>, instrument: &Pose, tip: &Pose) -> Vector3<f64> {
-        let seen = there.try_normalize(0.0).filter(|_| *self != Self::default());
-        let along = seen.map(|along| instrument.rotation.inverse() * along);
+        if *self == Self::default() {
+            return Vector3::zeros();
+        }
+        let along = there.try_normalize(0.0).map(|along| instrument.rotation.inverse() * along);
         along.map_or_else(Vector3::zeros, |along| along * (self.steady + (tip.rotation * self.turning).dot(&along)))
     }
 }

@@ -1,23 +1,42 @@
 //! The chain and its masses, and how the arm stands with them in a row.
 
 use crate::effects::carrier::{axis_points, link_points, points_of};
-use crate::effects::gravity::{Load, Masses};
+use crate::effects::gravity::{Load, Masses, PointMass};
 use crate::observation::arm::{Perturbation, Row, RowState};
 use crate::observation::measurements::RecordedRow;
-use denavit_model::nalgebra::Point3;
+use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
 use std::sync::Arc;
 
 /// An axis whose direction times that of gravity is more than this stands upright: within 2.6°.
 const UPRIGHT: f64 = 0.999;
 
-/// Where the arm stands and what it carries, for the nominal chain.
+/// Where the arm stands and what it carries.
 #[derive(Debug, Clone, Default)]
 pub struct Posture {
     /// Motions of the joints.
     pub state: RowState,
     /// Gravity on each joint.
     pub loads: Vec<Load>,
+    /// The axis of each joint.
+    pub axes: Vec<AxisNow>,
+}
+
+/// Where a joint's axis stands, base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisNow {
+    /// Its direction, of length 1.
+    pub along: Vector3<f64>,
+    /// From the axis to the point that the joint's [`Load`] is about, m.
+    pub lever: Vector3<f64>,
+}
+
+impl AxisNow {
+    /// That of a joint that what carries it has moved so far from home; `point`: what its load is about, at home, m.
+    fn of(joint: &ChainJoint, point: &Point3<f64>, before: &Pose) -> Self {
+        let lever = joint.screw.line().map_or_else(Vector3::zeros, |line| point - line.nearest_to(point));
+        Self { along: before.rotation * joint.screw.direction().into_inner(), lever: before.rotation * lever }
+    }
 }
 
 /// What a driver may look at in one row.
@@ -121,14 +140,20 @@ impl Statics {
         (joint..self.chain.joints().len()).filter(move |&other| self.tips.carries(joint, other)).take(most)
     }
 
-    /// Stands the arm as one row has it, given way by a perturbation where one is known.
+    /// Stands an arm with these joints as one row has it, given way by a perturbation where one is known: with the axes of `joints`, actual
+    /// ones where they are known. Gravity points as the drawing has it.
     ///
     /// Joints that are not on the way to the row's tip stand as they read: what they carry loads the joints before them.
-    pub fn posture(&self, conditions: &Conditions<'_>, perturbation: Option<&Perturbation>) -> Posture {
+    pub fn posture(
+        &self,
+        joints: &[ChainJoint],
+        conditions: &Conditions<'_>,
+        perturbation: Option<&Perturbation>,
+    ) -> Posture {
         let mut state = RowState::default();
         let tip = &self.tips[conditions.tip];
         let mut last = None;
-        for (index, joint) in self.chain.joints().iter().enumerate() {
+        for (index, joint) in joints.iter().enumerate() {
             let mut reached = self.carriers[index].map_or_else(Pose::identity, |carrier| state.after[carrier]);
             if tip.joints[index] {
                 last = Some(index);
@@ -146,8 +171,26 @@ impl Statics {
         }
         state.tip = reached * tip.home;
         let payload = last.map(|joint| (joint, conditions.recorded.payload()));
-        let loads = self.masses.loads(&self.points, &self.carriers, &state, payload);
-        Posture { state, loads }
+        let loads = self.masses.loads(&self.centres(joints), &self.points, &self.carriers, &state, payload);
+        let axes = joints.iter().zip(&self.points).zip(&state.before);
+        let axes = axes.map(|((joint, point), before)| AxisNow::of(joint, point, before)).collect();
+        Posture { state, loads, axes }
+    }
+
+    /// Where an arm with these joints has its masses, base frame at home, m: each link moves along with the axis that it turns about, by the
+    /// least motion that brings the axis from where it is drawn to where it is. How the link is turned about the axis itself is as drawn.
+    pub fn centres(&self, joints: &[ChainJoint]) -> Vec<Point3<f64>> {
+        let carried = |mass: &PointMass| {
+            let (drawn, actual) = (&self.chain.joints()[mass.joint].screw, &joints[mass.joint].screw);
+            if drawn == actual {
+                return mass.centre;
+            }
+            let turn = se3::least_rotation(&drawn.direction(), &actual.direction());
+            let point = &self.points[mass.joint];
+            let on = |screw: &Screw| screw.line().map_or(*point, |line| line.nearest_to(point));
+            on(actual) + turn * (mass.centre - on(drawn))
+        };
+        self.masses.points.iter().map(carried).collect()
     }
 
     /// Whether gravity may load a joint: not one that turns about an upright axis wherever the joints before it stand. What
@@ -160,5 +203,34 @@ impl Statics {
         let before = (0..joint).filter(|&other| self.tips.carries(other, joint)).map(|other| &joints[other]);
         let stays = before.filter(|before| turns(before)).all(upright);
         !(stays && turns(&joints[joint]) && upright(&joints[joint]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::arm::{Arm, AxisBasis};
+    use denavit_model::examples;
+
+    #[test]
+    fn masses_stay_as_far_from_their_axes_as_they_are_drawn() {
+        for chain in examples::all() {
+            let statics = Statics::of_chain(&chain);
+            let drawn: Vec<Point3<f64>> = statics.masses.points.iter().map(|mass| mass.centre).collect();
+            assert_eq!(statics.centres(chain.joints()), drawn);
+            let mut arm = Arm::new(&chain, &crate::Scene::default());
+            for (index, joint) in chain.joints().iter().enumerate() {
+                let moved = if joint.screw.line().is_some() { [0.02, -0.03] } else { [0.0; 2] };
+                arm.change_axis(index, &AxisBasis::of(&joint.screw), [0.02, -0.01], moved, 0.0);
+            }
+            let turning = statics.masses.points.iter().zip(statics.centres(&arm.joints));
+            for (mass, centre) in turning.filter(|(mass, _)| chain.joints()[mass.joint].screw.line().is_some()) {
+                let away =
+                    |screw: &Screw, point: &Point3<f64>| (screw.line().unwrap().nearest_to(point) - point).norm();
+                let drawn = away(&chain.joints()[mass.joint].screw, &mass.centre);
+                let actual = away(&arm.joints[mass.joint].screw, &centre);
+                assert!((drawn - actual).abs() < 1e-12 && centre != mass.centre, "{}: {drawn} {actual}", chain.name());
+            }
+        }
     }
 }

@@ -8,15 +8,29 @@ use denavit_model::nalgebra::{Rotation3, Vector3};
 /// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
 const TWIST_TO_BEND: f64 = 1.3;
 
+impl Posture {
+    /// Gravity's moment about where a joint's axis stands, base frame, N·m.
+    fn moment(&self, joint: usize) -> Vector3<f64> {
+        let load = &self.loads[joint];
+        load.moment + self.axes[joint].lever.cross(&load.force)
+    }
+
+    /// What of it is across the axis.
+    pub(super) fn moment_across(&self, joint: usize) -> Vector3<f64> {
+        let (moment, along) = (self.moment(joint), self.axes[joint].along);
+        moment - along * along.dot(&moment)
+    }
+}
+
 impl Statics {
     /// Gravity's torque (N·m) or force (N) on a joint along its own motion.
     pub fn torque(&self, posture: &Posture, joint: usize) -> f64 {
-        let turn = posture.state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
-        let load = &posture.loads[joint];
+        let along = posture.axes[joint].along;
+        let (moment, force) = (|| along.dot(&posture.moment(joint)), || along.dot(&posture.loads[joint].force));
         match &self.chain.joints()[joint].screw {
-            Screw::Prismatic(_) => turn.dot(&load.force),
-            Screw::Revolute(_) => turn.dot(&load.moment),
-            Screw::Helical { pitch, .. } => turn.dot(&load.moment) + pitch.metres_per_radian() * turn.dot(&load.force),
+            Screw::Prismatic(_) => force(),
+            Screw::Revolute(_) => moment(),
+            Screw::Helical { pitch, .. } => moment() + pitch.metres_per_radian() * force(),
         }
     }
 
@@ -37,7 +51,7 @@ impl Statics {
 
     pub(super) fn torque_terms(&self, posture: &Posture, joint: usize, links: usize, out: &mut Vec<f64>) {
         let state = &posture.state;
-        let axis = state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
+        let axis = posture.axes[joint].along;
         // Torque per first moment h (kg m): axis · (h × gravity) = (gravity × axis) · h.
         let lever = self.masses.gravity.cross(&axis);
         for link in self.carried(joint, links) {
@@ -74,6 +88,7 @@ impl Statics {
 mod tests {
     use super::*;
     use crate::effects::driver::Conditions;
+    use crate::observation::arm::Arm;
     use crate::observation::measurements::RecordedRow;
     use denavit_model::examples;
 
@@ -82,28 +97,34 @@ mod tests {
         for chain in examples::all() {
             let statics = Statics::of_chain(&chain);
             let recorded = RecordedRow::nothing();
-            let energy = |q: &[f64]| -> f64 {
-                let posture = statics.posture(&Conditions { reading: q, recorded, tip: 0 }, None);
-                statics
-                    .masses
-                    .points
-                    .iter()
-                    .map(|p| -p.mass * statics.masses.gravity.dot(&(posture.state.after[p.joint] * p.centre).coords))
-                    .sum()
-            };
-            let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
-            let posture = statics.posture(&Conditions { reading: &q, recorded, tip: 0 }, None);
-            for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
-                let movers: Vec<usize> = (0..statics.chain.joints().len())
-                    .filter(|&j| statics.chain.joints()[j].coordinate == coordinate)
-                    .collect();
-                let (mut up, mut low) = (q.clone(), q.clone());
-                up[index] += 1e-5;
-                low[index] -= 1e-5;
-                let slope = (energy(&up) - energy(&low)) / 2e-5;
-                let torque: f64 =
-                    movers.iter().map(|&j| statics.torque(&posture, j) * statics.chain.joints()[j].scale).sum();
-                assert!((torque + slope).abs() < 1e-5 * (1.0 + slope.abs()), "{torque} {slope}");
+            // As drawn, and with axes that are not where they are drawn.
+            let mut arm = Arm::new(&chain, &crate::Scene::default());
+            for (index, joint) in chain.joints().iter().enumerate() {
+                let moved = if joint.screw.line().is_some() { [0.02, -0.03] } else { [0.0; 2] };
+                arm.change_axis(index, &AxisBasis::of(&joint.screw), [0.02, -0.01], moved, 0.0);
+            }
+            for joints in [chain.joints(), &arm.joints] {
+                let energy = |q: &[f64]| -> f64 {
+                    let posture = statics.posture(joints, &Conditions { reading: q, recorded, tip: 0 }, None);
+                    let masses = statics.masses.points.iter().zip(statics.centres(joints));
+                    let high = masses
+                        .map(|(p, centre)| (posture.state.after[p.joint] * centre).coords * p.mass)
+                        .map(|moment| -statics.masses.gravity.dot(&moment));
+                    high.sum()
+                };
+                let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
+                let posture = statics.posture(joints, &Conditions { reading: &q, recorded, tip: 0 }, None);
+                for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
+                    let movers: Vec<usize> = (0..statics.chain.joints().len())
+                        .filter(|&j| statics.chain.joints()[j].coordinate == coordinate)
+                        .collect();
+                    let (mut up, mut low) = (q.clone(), q.clone());
+                    up[index] += 1e-5;
+                    low[index] -= 1e-5;
+                    let slope = (energy(&up) - energy(&low)) / 2e-5;
+                    let torque: f64 = movers.iter().map(|&j| statics.torque(&posture, j) * joints[j].scale).sum();
+                    assert!((torque + slope).abs() < 1e-5 * (1.0 + slope.abs()), "{torque} {slope}");
+                }
             }
         }
     }
