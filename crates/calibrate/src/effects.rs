@@ -8,6 +8,7 @@ pub mod curve;
 pub mod curve_modes;
 pub mod driver;
 pub mod gravity;
+pub mod history;
 pub mod model;
 mod one_tip;
 pub mod probe;

@@ -334,7 +334,11 @@ fn a_torso_carries_both_arms() {
         statics.masses.gravity = Vector3::new(3.0, -4.0, -8.0);
         let q: Vec<f64> = (0..chain.coordinates().len()).map(|k| 0.7 * (k as f64).sin()).collect();
         let at = |q: &[f64], tip: usize| {
-            statics.posture(&Conditions { reading: q, recorded: RecordedRow::nothing(), tip }, None)
+            statics.posture(
+                statics.chain.joints(),
+                &Conditions { reading: q, recorded: RecordedRow::nothing(), tip },
+                None,
+            )
         };
         let energy = |q: &[f64]| -> f64 {
             let posture = at(q, 0);

@@ -70,6 +70,23 @@ fn a_soft_joint_is_found_by_its_torque() {
     check(Kind::JointCompliance, Carrier::Joint(1), Driver::Torque(1), &[8e-6]);
 }
 
+/// Loads on the drawing's axes made this a joint with a balancer's spring, whose sine and cosine took up what 2 mrad do.
+#[test]
+fn a_soft_joint_stays_plain_on_an_arm_that_is_not_as_drawn() {
+    let (chain, statics) = robot("universal_robots/ur5e.urdf");
+    let soft = |joint: usize, c: f64| effect(Kind::JointCompliance, Carrier::Joint(joint), Driver::Torque(joint), &[c]);
+    let model = EffectModel::new(statics.clone(), vec![soft(1, 4.5e-5), soft(2, 8.8e-5)]);
+    let options =
+        SimulationOptions { rows: 300, seed: 22, turn: 2e-3, shift: 2e-3, noise_position: 2e-5, ..Default::default() };
+    let data = simulate(&chain, &options, &model).data;
+    let options = TraceOptions::new(IdentifyOptions::axes(&chain));
+    let geometric = identify(&chain, &data, &options.identify).geometric;
+    let found = trace(&statics, &data, &geometric, &options);
+    let mut drivers: Vec<Driver> = found.findings.iter().map(|finding| finding.term.driver.clone()).collect();
+    drivers.sort_by_key(Driver::joint);
+    assert_eq!(drivers, [Driver::Torque(1), Driver::Torque(2)]);
+}
+
 #[test]
 fn an_order_within_a_gear_is_found_without_its_ratio() {
     check(Kind::TransmissionError, Carrier::Joint(3), Driver::Harmonic { joint: 3, order: 17.3 }, &[4e-4, 3e-4]);

@@ -3,8 +3,6 @@
 //! A joint that stands still keeps the side that it had. Readings of a joint that stands still jitter by the noise of its
 //! encoder, so what counts as a move is read from the run itself.
 
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, MEMORIES, WOUND_UP};
-
 /// A move of less is none: controllers are told positions to a microradian or a micrometre, rad or m.
 pub const LEAST_MOVE: f64 = 1e-6;
 /// The jitter of an encoder is below this, rad or m.
@@ -34,76 +32,9 @@ pub fn side_after(moved: f64, still: f64, had: f64) -> f64 {
     if moved.abs() <= still { had } else { moved.signum() }
 }
 
-/// What the order of the rows tells of a joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum CameFrom {
-    /// The side from which it came, +1 from below.
-    Side,
-    /// How far it has wound itself up against friction, -1 to +1: with each move it comes nearer to the side to which it goes by
-    /// 1 - exp(-travel/memory) of the way (Dahl 1968, "A solid friction model", with exponent 1).
-    WoundUp {
-        /// rad or m.
-        memory: f64,
-    },
-}
-
-impl CameFrom {
-    /// All that is told.
-    pub fn all() -> impl Iterator<Item = Self> {
-        std::iter::once(Self::Side).chain(MEMORIES.into_iter().map(|memory| Self::WoundUp { memory }))
-    }
-
-    /// The ending of the column that tells it, after the joint's name, where it was read from the order of the rows.
-    pub fn ending(self) -> String {
-        match self {
-            Self::Side => APPROACH_FROM_ROWS.to_owned(),
-            Self::WoundUp { memory } => format!("{WOUND_UP} {memory}"),
-        }
-    }
-
-    /// The joint of a column that the order of rows tells, and what it tells.
-    pub fn of_column(name: &str) -> Option<(&str, Self)> {
-        let side = name.strip_suffix(APPROACH).map(|joint| (joint, Self::Side));
-        side.or_else(|| Self::all().find_map(|told| Some((name.strip_suffix(told.ending().as_str())?, told))))
-    }
-
-    /// Its value after a move; `still`: the largest change that is no move; `had`: the value before, 0 where there is none yet.
-    pub fn after(self, moved: f64, still: f64, had: f64) -> f64 {
-        match self {
-            Self::Side => side_after(moved, still, had),
-            Self::WoundUp { .. } if moved.abs() <= still => had,
-            Self::WoundUp { memory } => had + (moved.signum() - had) * -(-moved.abs() / memory).exp_m1(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_told_has_its_column_and_winds_up_towards_the_side() {
-        for told in CameFrom::all() {
-            let name = format!("elbow{}", told.ending());
-            assert_eq!(CameFrom::of_column(&name), Some(("elbow", told)), "{name}");
-            let mut state = 0.0;
-            for _ in 0..40 {
-                state = told.after(0.05, LEAST_MOVE, state);
-            }
-            assert!(state > 0.9, "{told:?} {state}");
-            assert_eq!(told.after(0.0, LEAST_MOVE, state), state);
-            let back = told.after(-0.05, LEAST_MOVE, state);
-            match told {
-                CameFrom::Side => assert_eq!(back, -1.0),
-                CameFrom::WoundUp { memory } => {
-                    let expected = -1.0 + (state + 1.0) * (-0.05 / memory).exp();
-                    assert!((back - expected).abs() < 1e-12, "{back} {expected}");
-                }
-            }
-        }
-        assert_eq!(CameFrom::of_column("elbow.approach"), Some(("elbow", CameFrom::Side)));
-        assert_eq!(CameFrom::of_column("temperature"), None);
-    }
 
     #[test]
     fn jitter_is_no_move_and_a_small_move_is_one() {

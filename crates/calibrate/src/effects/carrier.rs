@@ -4,7 +4,7 @@
 //! that uses it in [`super::catalogue::KINDS`]; the test `every_direction_does_what_its_action_says` then covers it.
 
 use crate::effects::driver::{LinkEnd, Statics};
-use crate::observation::arm::{AxisBasis, Perturbation};
+use crate::observation::arm::{AlongSight, AxisBasis, Perturbation};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw, Tips};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,18 @@ pub enum Carrier {
     Scale,
     /// The zero of a distance instrument, m: one direction.
     Reading,
+    /// What an instrument reads too far along its line of sight, as it follows how the target is turned to it, m: three directions, the
+    /// tip's axes.
+    ///
+    /// An instrument that reads a range and two angles has two centres in a target: where its range ends and where its angles point.
+    /// With both fixed to the tip, at t + s for the angles and at t + s + c for the range, what is read is off by s + u (u · c), u the line of
+    /// sight. The shift s is one of the target itself; what is left is the range's error u · c, first harmonic of the angle of
+    /// incidence. A ball of glass (index n) whose silvered shell sits δ off the ball's centre has its angles' centre at δ and the
+    /// range's at n δ, so c = (n - 1) δ. Windows and prisms have both centres at one depth up to the square of the angle of
+    /// incidence.
+    Sight,
+    /// The zero of an instrument's range: what it reads too far from every side, m, such as a wrong prism constant: one direction.
+    Range,
     /// Every joint's value at once, rad or m: one direction per joint.
     AllJoints,
 }
@@ -64,6 +76,8 @@ pub enum Action {
     Scale,
     /// The instrument's zero, m.
     Reading,
+    /// What is read too far along the line of sight.
+    Sight(AlongSight),
 }
 
 impl Action {
@@ -75,6 +89,7 @@ impl Action {
             Self::Anchor(shift) => perturbation.anchor += shift * amount,
             Self::Scale => perturbation.scale += amount,
             Self::Reading => perturbation.reading += amount,
+            Self::Sight(sight) => perturbation.sight += *sight * amount,
         }
     }
 }
@@ -200,6 +215,8 @@ impl Carrier {
             Self::Anchor => unit.iter().map(|u| vec![Action::Anchor(*u)]).collect(),
             Self::Scale => vec![vec![Action::Scale]],
             Self::Reading => vec![vec![Action::Reading]],
+            Self::Sight => unit.iter().map(|u| vec![Action::Sight(AlongSight { turning: *u, steady: 0.0 })]).collect(),
+            Self::Range => vec![vec![Action::Sight(AlongSight { turning: Vector3::zeros(), steady: 1.0 })]],
             Self::AllJoints => {
                 let moved = |i: usize| if on_the_way(i) { twist(i, joints[i].screw.twist()) } else { Vec::new() };
                 (0..joints.len()).map(moved).collect()
@@ -227,7 +244,7 @@ impl Carrier {
         match self {
             Self::Lengths => "links".into(),
             Self::Base | Self::BaseTurn => "base".into(),
-            Self::Target => "target".into(),
+            Self::Target | Self::Sight | Self::Range => "target".into(),
             Self::Anchor => "anchor".into(),
             Self::Scale => "instrument".into(),
             Self::Reading => "wire zero".into(),
@@ -255,6 +272,8 @@ impl Carrier {
             | Self::Target
             | Self::Anchor
             | Self::Reading
+            | Self::Sight
+            | Self::Range
             | Self::LinkEnd(_)
             | Self::Base => "m",
             Self::LinkLength(_) | Self::Lengths | Self::Scale => "m/m",
@@ -269,6 +288,7 @@ impl Carrier {
             Self::Sideways(_) => ["shift_a", "shift_b"][direction],
             Self::Base | Self::BaseTurn | Self::LinkEnd(_) | Self::LinkEndTurn(_) => SIX[direction],
             Self::Target | Self::Anchor => SIX[direction + 3],
+            Self::Sight => ["along_x", "along_y", "along_z"][direction],
             _ => "",
         }
     }

@@ -5,7 +5,7 @@
 //! `every_kind_offers_terms_that_a_fit_can_use` covers both.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, CURRENT, Driver, EFFORT, MOTOR_TORQUE};
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, BumpShape, CURRENT, Driver, EFFORT, MOTOR_TORQUE, Side};
 use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
@@ -44,6 +44,8 @@ pub enum Kind {
     Latency,
     /// The instrument's metre is not a metre.
     InstrumentScale,
+    /// What is read along the line of sight depends on the target, and on how that is turned to the instrument.
+    TargetIncidence,
 }
 
 /// A kind's entry in the catalogue.
@@ -156,9 +158,9 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::Thermal,
         name: "thermal",
-        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature",
-        units: "carrier's unit per °C",
-        source: "thermal expansion",
+        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature; or joint value or length of its link += c · warmth, its own travel through a lag of first order (one of a few)",
+        units: "carrier's unit per °C; per rad/s or rad/row (m/s, m/row)",
+        source: "thermal expansion; friction's heat and Newton's law of cooling",
         terms: thermal,
     },
     Entry {
@@ -184,6 +186,14 @@ pub const KINDS: &[Entry] = &[
         units: "m/m",
         source: "wavelength or scale error of the instrument",
         terms: instrument_scale,
+    },
+    Entry {
+        kind: Kind::TargetIncidence,
+        name: "target_incidence",
+        formula: "range += c · u, u the direction from the instrument to the target in the tip's axes; or range += c, the same from every side",
+        units: "m",
+        source: "range and angles have two centres in the target: a ball of glass in an eccentric shell, a window (US patent 7388654); a wrong prism constant",
+        terms: target_incidence,
     },
 ];
 
@@ -289,22 +299,20 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
     survey
         .moving()
         .flat_map(|i| {
-            let given = survey.of_joint(i, APPROACH).map(|side| (side, false));
-            let known = given.or_else(|| Some((survey.of_joint(i, APPROACH_FROM_ROWS)?, true)));
-            let by_side = known.clone().map(|(side, from_rows)| {
-                each(Kind::Backlash, Carrier::Joint(i), Driver::Approach { joint: i, from_rows, side })
-            });
+            let recorded = |(ending, from_rows): (&str, bool)| {
+                Some(Side { joint: i, from_rows, column: survey.of_joint(i, ending)? })
+            };
+            let known = [(APPROACH, false), (APPROACH_FROM_ROWS, true)].into_iter().find_map(recorded);
+            let by_side = known.clone().map(|side| each(Kind::Backlash, Carrier::Joint(i), Driver::Approach(side)));
             let by_gravity = each(Kind::Backlash, Carrier::Joint(i), Driver::GravitySide(i));
             let loaded = known.filter(|_| survey.statics.feels_gravity(i));
-            let by_both = loaded.clone().into_iter().flat_map(move |(side, from_rows)| {
+            let by_both = loaded.clone().into_iter().flat_map(move |side| {
                 survey.torques_of(i, &FRICTIONS).map(move |friction| {
-                    let driver = Driver::FrictionSide { joint: i, friction, from_rows, side: side.clone() };
+                    let driver = Driver::FrictionSide { side: side.clone(), friction };
                     candidate(Kind::Backlash, Carrier::Joint(i), driver, Coupling::Each, 1)
                 })
             });
-            let by_load = loaded.clone().map(|(side, from_rows)| {
-                each(Kind::Backlash, Carrier::Joint(i), Driver::LoadedSide { joint: i, from_rows, side })
-            });
+            let by_load = loaded.clone().map(|side| each(Kind::Backlash, Carrier::Joint(i), Driver::LoadedSide(side)));
             let wound_up = survey.wound_up(i).map(move |column| {
                 candidate(Kind::Backlash, Carrier::Joint(i), Driver::Covariate(column), Coupling::Each, 1)
             });
@@ -390,7 +398,15 @@ fn thermal(survey: &Survey) -> Vec<Candidate> {
         let own = survey.of_joint(i, ".temperature")?;
         Some(each(Kind::Thermal, Carrier::Joint(i), Driver::Covariate(own)))
     });
-    general.chain(own).collect()
+    let by_work = survey.moving().flat_map(|i| {
+        let grows = [Carrier::Joint(i), Carrier::LinkLength(i)];
+        let of = move |carrier, column: &Column| {
+            candidate(Kind::Thermal, carrier, Driver::Covariate(column.clone()), Coupling::Each, 1)
+        };
+        let warmth: Vec<Column> = survey.warmth(i).collect();
+        grows.into_iter().flat_map(move |carrier| warmth.iter().map(|column| of(carrier, column)).collect::<Vec<_>>())
+    });
+    general.chain(own).chain(by_work).collect()
 }
 
 fn drift(survey: &Survey) -> Vec<Candidate> {
@@ -425,6 +441,11 @@ fn latency(survey: &Survey) -> Vec<Candidate> {
 
 fn instrument_scale(_: &Survey) -> Vec<Candidate> {
     vec![each(Kind::InstrumentScale, Carrier::Scale, Driver::Constant)]
+}
+
+fn target_incidence(survey: &Survey) -> Vec<Candidate> {
+    let along = |carrier| each(Kind::TargetIncidence, carrier, Driver::Constant);
+    if survey.sight { vec![along(Carrier::Sight), along(Carrier::Range)] } else { Vec::new() }
 }
 
 #[cfg(test)]
@@ -472,7 +493,7 @@ mod tests {
                     assert_eq!(candidate.term.kind, entry.kind);
                     let q = vec![0.2; chain.coordinates().len()];
                     let conditions = Conditions { reading: &q, recorded: data.covariates.row(7), tip: 0 };
-                    let posture = statics.posture(&conditions, None);
+                    let posture = statics.posture(chain.joints(), &conditions, None);
                     let mut values = Vec::new();
                     candidate.term.driver.values_into(&statics, &conditions, &posture, &mut values);
                     assert!(candidate.term.coefficients(&statics) > 0 && values.iter().all(|value| value.is_finite()));

@@ -5,48 +5,35 @@
 //! [`Driver::joint`], [`Driver::named_by`] and [`Driver::unit`], and an entry that uses it in [`super::catalogue::KINDS`]; the
 //! test `every_driver_gives_as_many_values_as_it_says` then covers it.
 
-use crate::effects::carrier::{axis_points, link_points, points_of};
-use crate::effects::gravity::{Load, Masses};
-use crate::observation::arm::{AxisBasis, Perturbation, Row, RowState};
-use crate::observation::measurements::covariates::PAYLOAD;
-use crate::observation::measurements::{Column, RecordedRow};
-use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
-use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
+mod bump;
+mod columns;
+mod piecewise;
+mod side;
+mod statics;
+mod torque;
+
+pub use self::bump::BumpShape;
+pub use self::columns::{
+    APPROACH, APPROACH_FROM_ROWS, CURRENT, EFFORT, MEMORIES, MOTOR_TORQUE, RUN_ORDER, TIME, VELOCITY, WARMTH, WOUND_UP,
+    unit_of,
+};
+pub use self::side::Side;
+pub use self::statics::{AxisNow, Conditions, LinkEnd, Posture, Statics};
+
+use self::piecewise::hats;
+use self::side::side_of;
+use crate::effects::history::History;
+use crate::observation::arm::AxisBasis;
+use crate::observation::measurements::Column;
+use denavit_model::nalgebra::Vector3;
+use denavit_model::{Chain, Screw};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-
-/// Name of the covariate that counts rows in run order.
-pub const RUN_ORDER: &str = "run order";
-/// Ending of the covariates that give the side from which a joint came, +1 from below.
-pub const APPROACH: &str = ".approach";
-/// Ending of the same when it was read from the order of the rows.
-pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
-/// Within the names of the covariates that say how far a joint has wound itself up since it last turned back, -1 to +1, for one of
-/// [`MEMORIES`]: read from the order of the rows.
-pub const WOUND_UP: &str = ".wound up over";
-/// Travels after which a joint that turned back is wound up to all but 1/e, rad or m.
-pub const MEMORIES: [f64; 3] = [0.02, 0.1, 0.5];
-/// Ending of the covariates that give a joint's velocity.
-pub const VELOCITY: &str = ".velocity";
-
-/// Endings of the covariates that give what a joint's motor works against: torque, the same as ROS calls it (N·m; N for a slide), and current, A.
-pub const MOTOR_TORQUE: &str = ".torque";
-/// See [`MOTOR_TORQUE`].
-pub const EFFORT: &str = ".effort";
-/// See [`MOTOR_TORQUE`].
-pub const CURRENT: &str = ".current";
-
-/// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
-const TWIST_TO_BEND: f64 = 1.3;
-
-/// An axis whose direction times that of gravity is more than this stands upright: within 2.6°.
-const UPRIGHT: f64 = 0.999;
 
 /// What drives an effect. Joints are counted from 0, base to tip.
 ///
 /// `C`: what stands for a recorded quantity, a column of the data at hand, or a name before it is bound to one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", bound(deserialize = "C: Deserialize<'de> + Default"))]
 pub enum Driver<C = Column> {
     /// 1.
     Constant,
@@ -102,41 +89,21 @@ pub enum Driver<C = Column> {
     /// The same about two lines across gravity, N·m, two values: gravity has no moment about its own line.
     LevelOverturning,
     /// The side from which a joint came, +1 from below.
-    Approach {
-        /// The joint.
-        joint: usize,
-        /// Read from the order of the rows, for the file does not say.
-        from_rows: bool,
-        /// Where it is recorded.
-        #[serde(skip)]
-        side: C,
-    },
+    Approach(Side<C>),
     /// The side to which gravity pushes a joint, +1 or -1.
     GravitySide(usize),
     /// The side on which a joint with play comes to rest, +1 or -1: where gravity is stronger than friction its own, else that
     /// which the joint was driven to.
     FrictionSide {
-        /// The joint.
-        joint: usize,
+        /// The side to which it was driven.
+        #[serde(flatten)]
+        side: Side<C>,
         /// Friction, N·m (N for a slide).
         friction: f64,
-        /// The side from which it came is read from the order of the rows.
-        from_rows: bool,
-        /// Where it is recorded.
-        #[serde(skip)]
-        side: C,
     },
     /// The side from which a joint came times the size of gravity's torque on it, N·m (N for a slide): friction grows with what a
     /// joint carries, and the output stays behind by it.
-    LoadedSide {
-        /// The joint.
-        joint: usize,
-        /// The side is read from the order of the rows.
-        from_rows: bool,
-        /// Where it is recorded.
-        #[serde(skip)]
-        side: C,
-    },
+    LoadedSide(Side<C>),
     /// Every joint's velocity, rad/s or m/s; a joint that stands still in every row needs none.
     #[serde(skip)]
     Velocities(Vec<JointVelocity<C>>),
@@ -176,245 +143,6 @@ pub struct JointVelocity<C = Column> {
     pub of_coordinate: C,
 }
 
-/// The outline of a bump over u = (value - at)/width.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BumpShape {
-    /// exp(-u²/2).
-    Bell,
-    /// 1 - |u|/2, 0 beyond.
-    Tent,
-    /// (1 + cos(π u/2.5))/2, 0 beyond.
-    Wave,
-}
-
-impl BumpShape {
-    /// Every outline.
-    pub const ALL: [Self; 3] = [Self::Bell, Self::Tent, Self::Wave];
-
-    /// Height at u.
-    pub fn height(self, u: f64) -> f64 {
-        match self {
-            Self::Bell => (-0.5 * u * u).exp(),
-            Self::Tent => (1.0 - 0.5 * u.abs()).max(0.0),
-            Self::Wave if u.abs() > 2.5 => 0.0,
-            Self::Wave => 0.5 + 0.5 * (std::f64::consts::PI * u / 2.5).cos(),
-        }
-    }
-}
-
-/// Where the arm stands and what it carries, for the nominal chain.
-#[derive(Debug, Clone, Default)]
-pub struct Posture {
-    /// Motions of the joints.
-    pub state: RowState,
-    /// Gravity on each joint.
-    pub loads: Vec<Load>,
-}
-
-/// What a driver may look at in one row.
-#[derive(Clone, Copy)]
-pub struct Conditions<'a> {
-    /// Joint readings in coordinate order, rad or m.
-    pub reading: &'a [f64],
-    /// What was recorded beside them.
-    pub recorded: RecordedRow<'a>,
-    /// The tip that was measured, of several: its place among [`Statics::tips`].
-    pub tip: usize,
-}
-
-impl<'a> Conditions<'a> {
-    /// Those of a row.
-    pub fn of(row: Row<'a>) -> Self {
-        Self { reading: row.reading(), recorded: row.recorded(), tip: row.tip() }
-    }
-}
-
-/// The chain and its masses: what drivers are computed with. Of several tips the joints of all, see [`Chain::joined`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Statics {
-    /// The nominal chain.
-    pub chain: Chain,
-    /// Its tips.
-    pub tips: Arc<Tips>,
-    /// What gravity acts on.
-    pub masses: Masses,
-    /// One point per joint and one for each tip, base frame at home, m: where links begin and end.
-    pub points: Vec<Point3<f64>>,
-    /// For each joint the one that carries it.
-    carriers: Vec<Option<usize>>,
-}
-
-/// Where a link ends on the way to a tip.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinkEnd {
-    /// The twist of [`Perturbation::twists`] that acts there: that of the next joint, or the tip's.
-    pub slot: usize,
-    /// At home, base frame, m.
-    pub point: Point3<f64>,
-}
-
-impl Statics {
-    /// Of these parts; `points`: one per joint and one for each tip.
-    pub(super) fn new(chain: Chain, tips: Arc<Tips>, masses: Masses, points: Vec<Point3<f64>>) -> Self {
-        let carriers = tips.carriers();
-        Self { chain, tips, masses, points, carriers }
-    }
-
-    /// For a chain of this robot, its angles as intended.
-    pub fn of(robot: &Robot, chain: &Chain) -> Self {
-        Self::placed(&PlacedRobot::new(robot, Reading::Intended), chain)
-    }
-
-    /// For a chain of this robot, its angles read as for the chain.
-    pub fn placed(robot: &PlacedRobot, chain: &Chain) -> Self {
-        Self::placed_tips(robot, chain, &Arc::new(Tips::only(chain)))
-    }
-
-    /// For the joints of several tips of this robot, angles read as for them.
-    pub fn placed_tips(robot: &PlacedRobot, chain: &Chain, tips: &Arc<Tips>) -> Self {
-        let masses = Masses::of(robot, chain, tips);
-        let points = points_of(chain, tips, |chain| link_points(robot, chain));
-        Self::new(chain.clone(), tips.clone(), masses, points)
-    }
-
-    /// For a chain without a tree: masses stand in, links run from axis to axis.
-    pub fn of_chain(chain: &Chain) -> Self {
-        Self::of_tips(chain, &Arc::new(Tips::only(chain)))
-    }
-
-    /// The same for the joints of several tips.
-    pub fn of_tips(chain: &Chain, tips: &Arc<Tips>) -> Self {
-        let (masses, points) = (Masses::stand_in(chain, tips), points_of(chain, tips, axis_points));
-        Self::new(chain.clone(), tips.clone(), masses, points)
-    }
-
-    /// The joint that carries a joint; none where it stands on the base.
-    pub fn carrier(&self, joint: usize) -> Option<usize> {
-        self.carriers[joint]
-    }
-
-    /// The joints on the way to a tip, base to tip.
-    pub fn on_the_way(&self, tip: usize) -> impl Iterator<Item = usize> + '_ {
-        self.tips[tip].on_the_way()
-    }
-
-    /// Where a joint's link ends on the way to a tip; none where the joint is not on it.
-    pub fn link_end(&self, joint: usize, tip: usize) -> Option<LinkEnd> {
-        let joints = self.chain.joints().len();
-        self.tips[tip].joints[joint].then(|| match self.on_the_way(tip).find(|&other| other > joint) {
-            Some(next) => LinkEnd { slot: next, point: self.points[next] },
-            None => LinkEnd { slot: joints, point: self.points[joints + tip] },
-        })
-    }
-
-    /// The joint itself and those that it carries, at most so many.
-    pub(super) fn carried(&self, joint: usize, most: usize) -> impl Iterator<Item = usize> + '_ {
-        (joint..self.chain.joints().len()).filter(move |&other| self.tips.carries(joint, other)).take(most)
-    }
-
-    /// Stands the arm as one row has it, given way by a perturbation where one is known.
-    ///
-    /// Joints that are not on the way to the row's tip stand as they read: what they carry loads the joints before them.
-    pub fn posture(&self, conditions: &Conditions<'_>, perturbation: Option<&Perturbation>) -> Posture {
-        let mut state = RowState::default();
-        let tip = &self.tips[conditions.tip];
-        let mut last = None;
-        for (index, joint) in self.chain.joints().iter().enumerate() {
-            let mut reached = self.carriers[index].map_or_else(Pose::identity, |carrier| state.after[carrier]);
-            if tip.joints[index] {
-                last = Some(index);
-                if let Some(perturbation) = perturbation {
-                    reached *= se3::exp(&perturbation.twists[index]);
-                }
-            }
-            state.before.push(reached);
-            reached *= joint.screw.motion(joint.value(conditions.reading));
-            state.after.push(reached);
-        }
-        let mut reached = last.map_or_else(Pose::identity, |last| state.after[last]);
-        if let Some(last) = perturbation.and_then(|perturbation| perturbation.twists.last()) {
-            reached *= se3::exp(last);
-        }
-        state.tip = reached * tip.home;
-        let payload = last.map(|joint| (joint, conditions.recorded.payload()));
-        let loads = self.masses.loads(&self.points, &self.carriers, &state, payload);
-        Posture { state, loads }
-    }
-
-    /// Whether gravity may load a joint: not one that turns about an upright axis wherever the joints before it stand. What
-    /// little torque the tilt of a mounted base makes there tells nothing that geometry does not.
-    pub fn feels_gravity(&self, joint: usize) -> bool {
-        let down = self.masses.gravity.normalize();
-        let upright = |joint: &ChainJoint| joint.screw.direction().dot(&down).abs() > UPRIGHT;
-        let turns = |joint: &ChainJoint| !matches!(joint.screw, Screw::Prismatic(_));
-        let joints = self.chain.joints();
-        let before = (0..joint).filter(|&other| self.tips.carries(other, joint)).map(|other| &joints[other]);
-        let stays = before.filter(|before| turns(before)).all(upright);
-        !(stays && turns(&joints[joint]) && upright(&joints[joint]))
-    }
-
-    /// Gravity's torque (N·m) or force (N) on a joint along its own motion.
-    pub fn torque(&self, posture: &Posture, joint: usize) -> f64 {
-        let turn = posture.state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
-        let load = &posture.loads[joint];
-        match &self.chain.joints()[joint].screw {
-            Screw::Prismatic(_) => turn.dot(&load.force),
-            Screw::Revolute(_) => turn.dot(&load.moment),
-            Screw::Helical { pitch, .. } => turn.dot(&load.moment) + pitch.metres_per_radian() * turn.dot(&load.force),
-        }
-    }
-
-    /// Gravity's moment on the base about its origin, base frame, N·m.
-    fn overturning(&self, posture: &Posture) -> Vector3<f64> {
-        let on_the_base = self.carriers.iter().zip(&self.points).zip(&posture.loads);
-        let moments = on_the_base.filter(|((carrier, _), _)| carrier.is_none());
-        moments.map(|((_, at), load)| load.moment + at.coords.cross(&load.force)).sum()
-    }
-
-    /// Two lines across gravity, base frame: x and y as nearly as may be.
-    fn level(&self) -> [Vector3<f64>; 2] {
-        let down = self.masses.gravity.normalize();
-        let along = if down.x.abs() < down.y.abs().max(down.z.abs()) { Vector3::x() } else { Vector3::z() };
-        let first = (along - down * down.dot(&along)).normalize();
-        [first, first.cross(&down)]
-    }
-
-    fn torque_terms(&self, posture: &Posture, joint: usize, links: usize, out: &mut Vec<f64>) {
-        let state = &posture.state;
-        let axis = state.before[joint].rotation * self.chain.joints()[joint].screw.direction().into_inner();
-        // Torque per first moment h (kg m): axis · (h × gravity) = (gravity × axis) · h.
-        let lever = self.masses.gravity.cross(&axis);
-        for link in self.carried(joint, links) {
-            let basis = AxisBasis::of(&self.chain.joints()[link].screw);
-            let rotation = &state.after[link].rotation;
-            out.push(lever.dot(&(rotation * basis.a)));
-            out.push(lever.dot(&(rotation * basis.b)));
-        }
-    }
-
-    fn cantilever(&self, posture: &Posture, joint: usize, tip: usize) -> [Vector3<f64>; 2] {
-        let Some(end) = self.link_end(joint, tip) else { return [Vector3::zeros(); 2] };
-        let reach = end.point - self.points[joint];
-        let length = reach.norm();
-        if length == 0.0 {
-            return [Vector3::zeros(); 2];
-        }
-        let to_home: Rotation3<f64> = posture.state.after[joint].rotation.inverse();
-        let (force, torque) = match posture.loads.get(end.slot) {
-            Some(load) => (to_home * load.force, to_home * load.moment),
-            None => (Vector3::zeros(), Vector3::zeros()),
-        };
-        let along = reach / length;
-        let twist = along * along.dot(&torque);
-        let bend = torque - twist;
-        let turn = (bend + twist * TWIST_TO_BEND) * length + reach.cross(&force) * (0.5 * length);
-        let basis = force - along * along.dot(&force);
-        let shift = basis * (length.powi(3) / 3.0) + bend.cross(&reach) * (0.5 * length);
-        [turn, shift]
-    }
-}
-
 /// The drivers that follow one joint, as a pattern that names it.
 macro_rules! follows_a_joint {
     ($joint:ident) => {
@@ -428,10 +156,10 @@ macro_rules! follows_a_joint {
             | Self::MomentAcross($joint)
             | Self::Cantilever($joint)
             | Self::EndMoment($joint)
-            | Self::Approach { joint: $joint, .. }
             | Self::GravitySide($joint)
-            | Self::FrictionSide { joint: $joint, .. }
-            | Self::LoadedSide { joint: $joint, .. }
+            | Self::Approach(Side { joint: $joint, .. })
+            | Self::FrictionSide { side: Side { joint: $joint, .. }, .. }
+            | Self::LoadedSide(Side { joint: $joint, .. })
     };
 }
 
@@ -466,6 +194,23 @@ impl<C> Driver<C> {
         }
     }
 
+    /// The side of a joint that it follows, where it follows one: what [`Driver::columns`] has of it, what a file leaves out, and what
+    /// poses to come are offered by.
+    pub fn side(&self) -> Option<&Side<C>> {
+        match self {
+            Self::Approach(side) | Self::FrictionSide { side, .. } | Self::LoadedSide(side) => Some(side),
+            _ => None,
+        }
+    }
+
+    /// The same, to be named.
+    pub(super) fn side_mut(&mut self) -> Option<&mut Side<C>> {
+        match self {
+            Self::Approach(side) | Self::FrictionSide { side, .. } | Self::LoadedSide(side) => Some(side),
+            _ => None,
+        }
+    }
+
     /// Whether its values depend on how far the arm has given way.
     pub fn feels_gravity(&self) -> bool {
         matches!(
@@ -492,14 +237,11 @@ impl<C> Driver<C> {
     pub fn columns(&self) -> Vec<&C> {
         match self {
             Self::Covariate(column)
-            | Self::Approach { side: column, .. }
-            | Self::FrictionSide { side: column, .. }
-            | Self::LoadedSide { side: column, .. }
             | Self::Decay { covariate: column, .. }
             | Self::Steps { covariate: column, .. }
             | Self::Smooth { covariate: column, .. } => vec![column],
             Self::Velocities(moving) => moving.iter().map(|joint| &joint.of_coordinate).collect(),
-            _ => Vec::new(),
+            _ => self.side().map(|side| &side.column).into_iter().collect(),
         }
     }
 
@@ -524,16 +266,12 @@ impl<C> Driver<C> {
             Self::EndMoment(joint) => Driver::EndMoment(*joint),
             Self::Overturning => Driver::Overturning,
             Self::LevelOverturning => Driver::LevelOverturning,
-            Self::Approach { joint, from_rows, side } => {
-                Driver::Approach { joint: *joint, from_rows: *from_rows, side: named(side)? }
-            }
+            Self::Approach(side) => Driver::Approach(side.named_by(named)?),
             Self::GravitySide(joint) => Driver::GravitySide(*joint),
-            Self::FrictionSide { joint, friction, from_rows, side } => {
-                Driver::FrictionSide { joint: *joint, friction: *friction, from_rows: *from_rows, side: named(side)? }
+            Self::FrictionSide { side, friction } => {
+                Driver::FrictionSide { side: side.named_by(named)?, friction: *friction }
             }
-            Self::LoadedSide { joint, from_rows, side } => {
-                Driver::LoadedSide { joint: *joint, from_rows: *from_rows, side: named(side)? }
-            }
+            Self::LoadedSide(side) => Driver::LoadedSide(side.named_by(named)?),
             Self::Velocities(moving) => {
                 let of = |JointVelocity { joint, of_coordinate }: &JointVelocity<C>| {
                     Ok(JointVelocity { joint: *joint, of_coordinate: named(of_coordinate)? })
@@ -577,7 +315,7 @@ impl Driver {
             }
             Self::MomentAcross(joint) => {
                 let basis = AxisBasis::of(&joints[*joint].screw);
-                let moment = posture.state.before[*joint].rotation.inverse() * posture.loads[*joint].moment;
+                let moment = posture.state.before[*joint].rotation.inverse() * posture.moment_across(*joint);
                 out.extend([moment.dot(&basis.a), moment.dot(&basis.b)]);
             }
             Self::Cantilever(joint) => {
@@ -596,19 +334,15 @@ impl Driver {
                 let (moment, [first, second]) = (statics.overturning(posture), statics.level());
                 out.extend([moment.dot(&first), moment.dot(&second)]);
             }
-            Self::Approach { side, .. } => out.push(recorded(side)),
-            Self::FrictionSide { joint, friction, side, .. } => {
-                // What comes from below lags behind, as what gravity pushes down does.
-                let torque = statics.torque(posture, *joint) - friction * recorded(side);
-                out.push(if torque < 0.0 { -1.0 } else { 1.0 });
+            Self::Approach(side) => out.push(side.value(&conditions.recorded)),
+            Self::FrictionSide { side, friction } => {
+                let torque = statics.torque(posture, side.joint);
+                out.push(side.at_rest(&conditions.recorded, torque, *friction));
             }
-            Self::LoadedSide { joint, side, .. } => {
-                out.push(recorded(side) * statics.torque(posture, *joint).abs());
+            Self::LoadedSide(side) => {
+                out.push(side.value(&conditions.recorded) * statics.torque(posture, side.joint).abs());
             }
-            Self::GravitySide(joint) => {
-                let torque = statics.torque(posture, *joint);
-                out.push(if torque < 0.0 { -1.0 } else { 1.0 });
-            }
+            Self::GravitySide(joint) => out.push(side_of(statics.torque(posture, *joint))),
             Self::Velocities(moving) => {
                 let first = out.len();
                 out.resize(first + joints.len(), 0.0);
@@ -643,7 +377,7 @@ impl Driver {
             Self::Torque(joint)
             | Self::SprungTorque(joint)
             | Self::HardeningTorque { joint, .. }
-            | Self::LoadedSide { joint, .. } => {
+            | Self::LoadedSide(Side { joint, .. }) => {
                 if slides(*joint) {
                     "N"
                 } else {
@@ -654,7 +388,13 @@ impl Driver {
             Self::MomentAcross(_) | Self::EndMoment(_) | Self::Overturning | Self::LevelOverturning => "N m",
             Self::Cantilever(_) => "1/(N m²)",
             Self::Velocities(_) => "1/s",
-            Self::Covariate(column) => unit_of(column.name()),
+            Self::Covariate(column) => match History::of_column(column.name()) {
+                Some((name, told)) => {
+                    let joint = chain.joints().iter().position(|joint| joint.name == name);
+                    told.unit(joint.is_some_and(slides))
+                }
+                None => unit_of(column.name()),
+            },
             _ => "1",
         }
     }
@@ -669,33 +409,6 @@ impl Driver {
             _ => None,
         }
     }
-}
-
-/// The unit that the contract gives to a recorded quantity.
-pub fn unit_of(covariate: &str) -> &'static str {
-    match covariate {
-        "time" => "s",
-        PAYLOAD => "kg",
-        RUN_ORDER => "row",
-        name if name.ends_with("temperature") => "°C",
-        name if name.ends_with(MOTOR_TORQUE) || name.ends_with(EFFORT) => "N m",
-        name if name.ends_with(CURRENT) => "A",
-        _ => "1",
-    }
-}
-
-/// Piecewise linear basis over the knots; the first one is left out and the ends are held.
-fn hats(value: f64, knots: &[f64], out: &mut Vec<f64>) {
-    let (Some(first), Some(last)) = (knots.first(), knots.last()) else { return };
-    // Not `clamp`, which panics where the knots are not in order.
-    let value = value.max(*first).min(*last);
-    out.extend((1..knots.len()).map(|k| {
-        if value <= knots[k] {
-            ((value - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0)
-        } else {
-            knots.get(k + 1).map_or(1.0, |next| ((next - value) / (next - knots[k])).max(0.0))
-        }
-    }));
 }
 
 #[cfg(test)]
@@ -725,6 +438,7 @@ mod tests {
                 Driver::Smooth { covariate: name(), knots: vec![f64::NAN, 1.0] },
             ];
             for joint in 0..n {
+                let side = |from_rows| Side { joint, from_rows, column: name() };
                 drivers.extend([
                     Driver::Reading(joint),
                     Driver::Harmonic { joint, order: 2.5 },
@@ -736,15 +450,15 @@ mod tests {
                     Driver::MomentAcross(joint),
                     Driver::Cantilever(joint),
                     Driver::EndMoment(joint),
-                    Driver::Approach { joint, from_rows: true, side: name() },
+                    Driver::Approach(side(true)),
                     Driver::GravitySide(joint),
-                    Driver::FrictionSide { joint, friction: 2.0, from_rows: false, side: name() },
-                    Driver::LoadedSide { joint, from_rows: true, side: name() },
+                    Driver::FrictionSide { side: side(false), friction: 2.0 },
+                    Driver::LoadedSide(side(true)),
                 ]);
             }
             let q = vec![0.3; statics.chain.coordinates().len()];
             let conditions = Conditions { reading: &q, recorded: recorded.row(0), tip: 0 };
-            let posture = statics.posture(&conditions, None);
+            let posture = statics.posture(chain.joints(), &conditions, None);
             for driver in drivers {
                 let mut values = Vec::new();
                 driver.values_into(&statics, &conditions, &posture, &mut values);
@@ -757,49 +471,5 @@ mod tests {
                 assert_eq!(written.named(&statics.chain).len(&statics), values.len(), "{text}");
             }
         }
-    }
-
-    #[test]
-    fn torque_is_the_change_of_potential_energy() {
-        for chain in examples::all() {
-            let statics = Statics::of_chain(&chain);
-            let recorded = RecordedRow::nothing();
-            let energy = |q: &[f64]| -> f64 {
-                let posture = statics.posture(&Conditions { reading: q, recorded, tip: 0 }, None);
-                statics
-                    .masses
-                    .points
-                    .iter()
-                    .map(|p| -p.mass * statics.masses.gravity.dot(&(posture.state.after[p.joint] * p.centre).coords))
-                    .sum()
-            };
-            let q: Vec<f64> = (0..statics.chain.coordinates().len()).map(|k| 0.4 + 0.3 * k as f64).collect();
-            let posture = statics.posture(&Conditions { reading: &q, recorded, tip: 0 }, None);
-            for (index, coordinate) in (0..q.len()).map(|k| (k, k)) {
-                let movers: Vec<usize> = (0..statics.chain.joints().len())
-                    .filter(|&j| statics.chain.joints()[j].coordinate == coordinate)
-                    .collect();
-                let (mut up, mut low) = (q.clone(), q.clone());
-                up[index] += 1e-5;
-                low[index] -= 1e-5;
-                let slope = (energy(&up) - energy(&low)) / 2e-5;
-                let torque: f64 =
-                    movers.iter().map(|&j| statics.torque(&posture, j) * statics.chain.joints()[j].scale).sum();
-                assert!((torque + slope).abs() < 1e-5 * (1.0 + slope.abs()), "{torque} {slope}");
-            }
-        }
-    }
-
-    #[test]
-    fn hats_are_straight_between_knots_and_held_beyond() {
-        let at = |value: f64| {
-            let mut out = Vec::new();
-            hats(value, &[0.0, 1.0, 3.0], &mut out);
-            out
-        };
-        assert_eq!(at(0.5), [0.5, 0.0]);
-        assert_eq!(at(2.0), [0.5, 0.5]);
-        assert_eq!(at(-1.0), [0.0, 0.0]);
-        assert_eq!(at(7.0), [0.0, 1.0]);
     }
 }

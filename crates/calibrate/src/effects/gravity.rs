@@ -93,10 +93,12 @@ impl Masses {
 
     /// Loads on every joint in a row.
     ///
-    /// `points`: one per joint, base frame at home, m; `carriers`: for each joint the one that carries it; `payload` (kg)
+    /// `centres`: of the masses, base frame at home, m, as [`Masses::points`] has them or where an actual arm carries them; `points`: one per
+    /// joint, base frame at home, m; `carriers`: for each joint the one that carries it; `payload` (kg)
     /// hangs at the tip's origin, on a joint.
     pub fn loads(
         &self,
+        centres: &[Point3<f64>],
         points: &[Point3<f64>],
         carriers: &[Option<usize>],
         state: &RowState,
@@ -106,8 +108,8 @@ impl Masses {
         // Mass and first moment about the base origin of everything from the tip down to joint i.
         let mut mass = vec![0.0; n];
         let mut first = vec![Vector3::zeros(); n];
-        for point in &self.points {
-            let centre = state.after[point.joint] * point.centre;
+        for (point, centre) in self.points.iter().zip(centres) {
+            let centre = state.after[point.joint] * centre;
             mass[point.joint] += point.mass;
             first[point.joint] += centre.coords * point.mass;
         }
@@ -151,7 +153,8 @@ mod tests {
         let mut state = RowState::default();
         Arm::new(&chain, &crate::Scene::default()).state_into(&[0.0, 0.0], 0, None, &mut state);
         let points = axis_points(&chain);
-        let loads = masses.loads(&points, &[None, Some(0)], &state, Some((1, 2.0)));
+        let centres: Vec<Point3<f64>> = masses.points.iter().map(|mass| mass.centre).collect();
+        let loads = masses.loads(&centres, &points, &[None, Some(0)], &state, Some((1, 2.0)));
         let length = (points[2] - points[1]).norm();
         let mass = STAND_IN_DENSITY * length;
         let expected = -STANDARD_GRAVITY * (mass * length / 2.0 + 2.0 * length);

@@ -54,7 +54,10 @@ impl<D> Term<D> {
 
     /// Whether it has a part in where the tip is; the others change what is measured.
     pub fn moves_the_tip(&self) -> bool {
-        !matches!(self.carrier, Carrier::Target | Carrier::Anchor | Carrier::Scale | Carrier::Reading)
+        !matches!(
+            self.carrier,
+            Carrier::Target | Carrier::Anchor | Carrier::Scale | Carrier::Reading | Carrier::Sight | Carrier::Range
+        )
     }
 }
 
@@ -175,7 +178,7 @@ impl EffectModel {
         let mut own = Perturbation::none(joints.len());
         let posture = self.bend(conditions, joints, &mut own);
         out.add(&own);
-        posture.unwrap_or_else(|| self.statics.posture(conditions, Some(&own)))
+        posture.unwrap_or_else(|| self.statics.posture(joints, conditions, Some(&own)))
     }
 
     /// The same; `None` where nothing hangs on how the arm stands.
@@ -187,7 +190,7 @@ impl EffectModel {
         let mut steady = Perturbation::none(joints.len());
         self.add_steady(conditions, joints, &mut steady);
         // A joint that counts from the ground stands elsewhere than it reads.
-        let mut posture = self.statics.posture(conditions, Some(&steady));
+        let mut posture = self.statics.posture(joints, conditions, Some(&steady));
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
             .acting()
             .filter(|effect| effect.term.driver.needs_posture())
@@ -210,21 +213,21 @@ impl EffectModel {
                 out.add(&given);
                 return Some(posture);
             }
-            posture = self.statics.posture(conditions, Some(&given));
+            posture = self.statics.posture(joints, conditions, Some(&given));
         }
         out.add(&bent(&posture));
         Some(posture)
     }
 
     /// How the arm stands where the effects do this to it, as drivers look at it; nothing where none does.
-    fn stood(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], by: &Perturbation) -> Posture {
+    fn stood(&self, joints: &[ChainJoint], conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
         let drivers = || self.acting().map(|effect| &effect.term.driver);
         if drivers().any(Driver::feels_gravity) {
-            self.statics.posture(conditions, Some(by))
+            self.statics.posture(joints, conditions, Some(by))
         } else if drivers().any(Driver::needs_posture) {
             let mut steady = Perturbation::none(joints.len());
             self.add_steady(conditions, joints, &mut steady);
-            self.statics.posture(conditions, Some(&steady))
+            self.statics.posture(joints, conditions, Some(&steady))
         } else {
             Posture::default()
         }
@@ -295,6 +298,7 @@ pub fn add_sensitivity(action: &Action, amount: f64, state: &RowState, out: &mut
         Action::Anchor(shift) => out.anchor += shift * amount,
         Action::Scale => out.scale += amount,
         Action::Reading => out.reading += amount,
+        Action::Sight(sight) => out.sight += *sight * amount,
     }
 }
 
@@ -327,7 +331,7 @@ impl Effects for EffectModel {
             return;
         }
         let conditions = Conditions::of(row);
-        let posture = self.stood(&conditions, &arm.joints, at.by);
+        let posture = self.stood(&arm.joints, &conditions, at.by);
         let mut first = 0;
         for effect in &self.effects {
             let directions = self.directions(&effect.term, &arm.joints, conditions.tip);

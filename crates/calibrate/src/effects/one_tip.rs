@@ -95,6 +95,8 @@ fn renumbered(carrier: Carrier, own: &[Option<usize>]) -> Option<Carrier> {
         | Carrier::Anchor
         | Carrier::Scale
         | Carrier::Reading
+        | Carrier::Sight
+        | Carrier::Range
         | Carrier::AllJoints => carrier,
     })
 }

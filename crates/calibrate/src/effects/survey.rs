@@ -1,7 +1,8 @@
 //! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
 
-use crate::effects::approach::{CameFrom, still};
-use crate::effects::driver::{Conditions, JointVelocity, RUN_ORDER, Statics, VELOCITY};
+use crate::effects::approach::still;
+use crate::effects::driver::{Conditions, JointVelocity, RUN_ORDER, Statics, TIME, VELOCITY};
+use crate::effects::history::{History, Move, Pace};
 use crate::observation::arm::Row;
 use crate::observation::kinds::ObservationKind;
 use crate::observation::measurements::{Column, Covariate, Measurements};
@@ -26,6 +27,9 @@ const BUMP_WIDTHS: [f64; 4] = [0.015, 0.03, 0.06, 0.1];
 const STEP_PLACES: usize = 60;
 /// Rows of which the torques are looked at.
 const POSTURES: usize = 200;
+/// Shortest and longest lag of warmth that a run shows, as shares of its length: what is shorter is the last moves alone, what is longer no
+/// more than all travel since the first row.
+const LAGS: [f64; 2] = [0.03, 2.0];
 /// A step needs this many rows on either side.
 const ROWS_BESIDE_STEP: usize = 6;
 
@@ -45,6 +49,8 @@ pub struct Survey {
     pub statics: Statics,
     /// Whether values are read in an instrument's frame.
     pub instrument: bool,
+    /// Whether the places of targets are read along lines of sight.
+    pub sight: bool,
     /// Whether lengths from points that stand still are read.
     pub anchor: bool,
     /// How many rows there are, locating ones left out.
@@ -84,7 +90,7 @@ impl Survey {
         let of_the_room = |name: &str| name.ends_with("temperature") && !name.ends_with(".temperature");
         let temperatures = recorded.iter().filter(|column| of_the_room(column.name())).cloned().collect();
         let velocities = velocities(statics, data, &ranges, &recorded);
-        let clock = ["time", RUN_ORDER].into_iter().find_map(|name| {
+        let clock = [TIME, RUN_ORDER].into_iter().find_map(|name| {
             let column = data.covariate(name).filter(|column| varies(column))?;
             let mut sorted: Vec<f64> = rows.iter().map(|&row| column.values[row]).collect();
             sorted.sort_by(f64::total_cmp);
@@ -93,11 +99,13 @@ impl Survey {
         });
         let anchored = |kind: &ObservationKind| kind.unknowns().point.is_some() && kind.own_target().is_none();
         let (instrument, anchor) = (data.scene.has_instruments(), data.scene.kinds().iter().any(anchored));
+        let sight = data.scene.kinds().iter().any(|kind| kind.has_a_line_of_sight());
         let torques = torques(statics, data, &rows);
         let (statics, rows) = (statics.clone(), rows.len());
         Self {
             statics,
             instrument,
+            sight,
             anchor,
             rows,
             ranges,
@@ -112,9 +120,28 @@ impl Survey {
 
     /// What tells how far a joint has wound itself up, for each memory.
     pub fn wound_up(&self, joint: usize) -> impl Iterator<Item = Column> + '_ {
-        CameFrom::all()
-            .filter(|told| *told != CameFrom::Side)
-            .filter_map(move |told| self.of_joint(joint, &told.ending()))
+        self.told(joint, |told| matches!(told, History::WoundUp { .. }))
+    }
+
+    /// What tells how warm its own work has made a joint, for each lag that the run is neither far too short nor far too long to show.
+    pub fn warmth(&self, joint: usize) -> impl Iterator<Item = Column> + '_ {
+        let clock = self.clock.as_ref();
+        let by_time = clock.is_some_and(|clock| clock.column.name() == TIME);
+        let own = if by_time { Pace::Seconds } else { Pace::Rows };
+        let (shortest, longest) = clock.map_or((1.0, 0.0), |clock| {
+            let [shortest, longest] = LAGS.map(|share| share * clock.span());
+            (shortest, longest)
+        });
+        self.told(joint, move |told| match told {
+            History::Warmth { lag, pace } => pace == own && (shortest..=longest).contains(&lag),
+            _ => false,
+        })
+    }
+
+    /// The columns of a joint that tell so much of what the order of the rows tells.
+    fn told<'a>(&'a self, joint: usize, wanted: impl Fn(History) -> bool + 'a) -> impl Iterator<Item = Column> + 'a {
+        let told = History::told(true).filter(move |told| wanted(*told));
+        told.filter_map(move |told| self.of_joint(joint, &told.ending()))
     }
 
     /// These shares of the largest torque of gravity on a joint; none where gravity does not load it.
@@ -281,7 +308,7 @@ fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
     let mut largest = vec![0.0_f64; statics.chain.joints().len()];
     let few = rows.len().div_ceil(POSTURES).max(1);
     for &row in rows.iter().step_by(few) {
-        let posture = statics.posture(&Conditions::of(Row::new(data, row)), None);
+        let posture = statics.posture(statics.chain.joints(), &Conditions::of(Row::new(data, row)), None);
         for (joint, largest) in largest.iter_mut().enumerate() {
             *largest = largest.max(statics.torque(&posture, joint).abs());
         }
@@ -289,7 +316,8 @@ fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
     largest
 }
 
-/// Adds what the order of the rows tells: run order, and for each joint the side from which it came and how far it has wound itself up.
+/// Adds what the order of the rows tells: run order, and for each joint the side from which it came, how far it has wound itself up and how
+/// warm its own work has made it.
 pub fn with_run_order(data: Measurements) -> Measurements {
     ordered(data, None)
 }
@@ -305,19 +333,29 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
     let rows = data.len();
     let order = (0..rows).map(|row| (first + row) as f64).collect();
     data.covariates.push(Covariate { name: RUN_ORDER.into(), values: order });
+    let before = before.filter(|before| !before.is_empty());
+    let times = data.column(TIME).ok().and_then(|_| data.covariate(TIME)).map(|column| column.values.clone());
+    let last_time = before.and_then(|before| before.covariate(TIME)?.values.last().copied());
     for (index, joint) in data.joints.clone().iter().enumerate() {
         let readings: Vec<f64> = (0..rows).map(|row| data.reading(row)[index]).collect();
         let still = still(&readings);
-        for told in CameFrom::all() {
+        for told in History::told(times.is_some()) {
             let name = format!("{joint}{}", told.ending());
-            let mut last =
-                before.filter(|before| !before.is_empty()).map(|before| before.reading(before.len() - 1)[index]);
+            let mut last = before.map(|before| before.reading(before.len() - 1)[index]);
+            let mut then = last_time;
             let mut state = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
             let after = |(row, here): (usize, &f64)| {
                 // A cell that was left empty, as it may be where the joint does not move the tip, reads 0.
                 if *here != 0.0 || data.moves_its_tip(row, index) {
-                    let moved = here - last.replace(*here).unwrap_or(*here);
-                    state = told.after(moved, still, state);
+                    let moved = last.replace(*here).map(|last| here - last);
+                    let now = times.as_ref().map(|times| times[row]);
+                    let since = then;
+                    then = now.or(then);
+                    let seconds = now.zip(since).map(|(now, since)| now - since);
+                    // Nobody knows what came before the first row of all.
+                    if let Some(moved) = moved {
+                        state = told.after(Move { moved, still, seconds }, state);
+                    }
                 }
                 state
             };

@@ -1,6 +1,6 @@
 //! Drivers as a file has them: what they follow is a name, which is bound to a column before anything is computed.
 
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, Driver, JointVelocity, VELOCITY};
+use crate::effects::driver::{Driver, JointVelocity, VELOCITY};
 use denavit_model::Chain;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -26,23 +26,15 @@ impl WrittenDriver {
 
     /// The driver with the names of all that it follows.
     pub fn named(self, chain: &Chain) -> Driver<String> {
-        match self.0 {
-            Driver::Approach { joint, from_rows, .. } => {
-                Driver::Approach { joint, from_rows, side: side_of(chain, joint, from_rows) }
-            }
-            Driver::FrictionSide { joint, friction, from_rows, .. } => {
-                Driver::FrictionSide { joint, friction, from_rows, side: side_of(chain, joint, from_rows) }
-            }
-            Driver::LoadedSide { joint, from_rows, .. } => {
-                Driver::LoadedSide { joint, from_rows, side: side_of(chain, joint, from_rows) }
-            }
-            Driver::Velocities(_) => {
-                let coordinate = |joint: usize| &chain.coordinates()[chain.joints()[joint].coordinate].name;
-                let of = |joint| JointVelocity { joint, of_coordinate: format!("{}{VELOCITY}", coordinate(joint)) };
-                Driver::Velocities((0..chain.joints().len()).map(of).collect())
-            }
-            driver => driver,
+        let mut driver = self.0;
+        if let Some(side) = driver.side_mut() {
+            side.name_column(chain);
+        } else if let Driver::Velocities(moving) = &mut driver {
+            let coordinate = |joint: usize| &chain.coordinates()[chain.joints()[joint].coordinate].name;
+            let of = |joint| JointVelocity { joint, of_coordinate: format!("{}{VELOCITY}", coordinate(joint)) };
+            *moving = (0..chain.joints().len()).map(of).collect();
         }
+        driver
     }
 
     /// The joint that it follows, where it follows one.
@@ -68,12 +60,6 @@ impl WrittenDriver {
                 .into()
         })
     }
-}
-
-/// What the column is called that says from which side a joint came.
-fn side_of(chain: &Chain, joint: usize, from_rows: bool) -> String {
-    let ending = if from_rows { APPROACH_FROM_ROWS } else { APPROACH };
-    format!("{}{ending}", chain.joints()[joint].name)
 }
 
 impl Serialize for WrittenDriver {

@@ -11,6 +11,7 @@ use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
 use crate::effects::curve_modes::{CurveModes, Varying};
 use crate::effects::driver::{RUN_ORDER, Statics};
+use crate::effects::history::{History, Pace};
 use crate::effects::model::{Effect, EffectModel};
 use crate::identify::continued::{CONTRADICTED, WEIGHTS, borne_out, log_evidence};
 use crate::identify::known_effects::KnownEffects;
@@ -317,7 +318,12 @@ fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, V
             log_evidence: None,
         };
         let bound = model.bound_effect(effect, &|name| data.column(name));
-        if term.kind == Kind::Drift || term.driver.columns().into_iter().any(|name| name == RUN_ORDER) {
+        // How long a row takes is another matter in another run.
+        let by_rows = |name: &String| {
+            let pace = History::of_column(name).map(|(_, told)| told);
+            *name == RUN_ORDER || matches!(pace, Some(History::Warmth { pace: Pace::Rows, .. }))
+        };
+        if term.kind == Kind::Drift || term.driver.columns().into_iter().any(by_rows) {
             part.state = PartState::OfThatRun;
         } else if !term.moves_the_tip() {
             part.state = PartState::OfThatSetup;

@@ -390,8 +390,9 @@ fn locate<E: Effects>(
             let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
             let in_base =
                 instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);
+            let beyond = perturbation.sight.beyond(&measured, &instrument, &state.tip);
             let on_tip = state.tip.inverse()
-                * Point3::from(in_base - leftover(fit, fitted, (data.reading(row), data.tip_of(row))));
+                * Point3::from(in_base - beyond - leftover(fit, fitted, (data.reading(row), data.tip_of(row))));
             sum += on_tip.coords - perturbation.target;
             count += 1.0;
         }

@@ -203,6 +203,46 @@ pub struct Perturbation {
     pub scale: f64,
     /// The instrument reads a distance too long by this, m.
     pub reading: f64,
+    /// What an instrument that looks at the target reads too far along its line of sight.
+    pub sight: AlongSight,
+}
+
+/// What an instrument that looks at the target reads too far along its line of sight: [`AlongSight::turning`] · u + [`AlongSight::steady`],
+/// u being the direction from the instrument to the target in the tip's axes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AlongSight {
+    /// What follows how the target is turned to the instrument, tip frame, m.
+    pub turning: Vector3<f64>,
+    /// What is the same from every side, m.
+    pub steady: f64,
+}
+
+impl AlongSight {
+    /// How much too far what stands at `there` in an instrument's frame (m) is read, base frame, m.
+    ///
+    /// `instrument`: instrument_from_base, `tip`: base_from_tip.
+    pub fn beyond(&self, there: &Vector3<f64>, instrument: &Pose, tip: &Pose) -> Vector3<f64> {
+        if *self == Self::default() {
+            return Vector3::zeros();
+        }
+        let along = there.try_normalize(0.0).map(|along| instrument.rotation.inverse() * along);
+        along.map_or_else(Vector3::zeros, |along| along * (self.steady + (tip.rotation * self.turning).dot(&along)))
+    }
+}
+
+impl std::ops::Mul<f64> for AlongSight {
+    type Output = Self;
+
+    fn mul(self, amount: f64) -> Self {
+        Self { turning: self.turning * amount, steady: self.steady * amount }
+    }
+}
+
+impl std::ops::AddAssign for AlongSight {
+    fn add_assign(&mut self, other: Self) {
+        self.turning += other.turning;
+        self.steady += other.steady;
+    }
 }
 
 impl Perturbation {
@@ -214,6 +254,7 @@ impl Perturbation {
             anchor: Vector3::zeros(),
             scale: 0.0,
             reading: 0.0,
+            sight: AlongSight::default(),
         }
     }
 
@@ -226,6 +267,7 @@ impl Perturbation {
         self.anchor += other.anchor;
         self.scale += other.scale;
         self.reading += other.reading;
+        self.sight += other.sight;
     }
 
     /// Back to no perturbation, without allocation.
@@ -235,6 +277,7 @@ impl Perturbation {
         self.anchor = Vector3::zeros();
         self.scale = 0.0;
         self.reading = 0.0;
+        self.sight = AlongSight::default();
     }
 }
 

@@ -249,6 +249,11 @@ pub trait Observe: Sync {
     /// SO(3) at the residual of the orientation.
     fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, left: &Matrix3<f64>, rows: &mut Rows<'_>);
 
+    /// Whether it reads the place of its target in a frame at whose origin its instrument stands, as trackers and cameras do.
+    fn has_a_line_of_sight(&self) -> bool {
+        false
+    }
+
     /// Whether it is the target's position, and orientation where there is that part, in the instrument's frame: the
     /// numbers are then x, y, z and the rotation matrix column by column, and rows can be computed several at a time.
     fn has_simd_residuals(&self) -> bool {

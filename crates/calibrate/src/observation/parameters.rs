@@ -1,6 +1,6 @@
 //! The numbers that a fit may change, and their order.
 
-use crate::observation::arm::{Arm, AxisBasis, Perturbation, Perturbed, Row};
+use crate::observation::arm::{AlongSight, Arm, AxisBasis, Perturbation, Perturbed, Row};
 use crate::observation::effects_prior::EffectsPrior;
 use crate::observation::frames::Frames;
 use crate::observation::measurements::{KnownLength, Measurements, MissingColumn, Scene};
@@ -515,11 +515,20 @@ pub struct Sensitivity {
     pub scale: f64,
     /// Change of the distance read, m.
     pub reading: f64,
+    /// Change of what is read too far along the line of sight.
+    pub sight: AlongSight,
 }
 
 impl Default for Sensitivity {
     fn default() -> Self {
-        Self { twist: Vector6::zeros(), target: Vector3::zeros(), anchor: Vector3::zeros(), scale: 0.0, reading: 0.0 }
+        Self {
+            twist: Vector6::zeros(),
+            target: Vector3::zeros(),
+            anchor: Vector3::zeros(),
+            scale: 0.0,
+            reading: 0.0,
+            sight: AlongSight::default(),
+        }
     }
 }
 

@@ -59,8 +59,8 @@ pub(crate) fn values(fit: &Fit<EffectModel>, index: usize, first: usize) -> Vec<
         Driver::HardeningTorque { joint, knee } => {
             values.push(chosen("knee", *knee, Driver::Torque(*joint).unit(&statics.chain, 0)));
         }
-        Driver::FrictionSide { joint, friction, .. } => {
-            values.push(chosen("friction", *friction, Driver::Torque(*joint).unit(&statics.chain, 0)));
+        Driver::FrictionSide { side, friction } => {
+            values.push(chosen("friction", *friction, Driver::Torque(side.joint).unit(&statics.chain, 0)));
         }
         Driver::Decay { constant, covariate, .. } => {
             values.push(chosen("time_constant", *constant, unit_of(covariate.name())));

@@ -3,8 +3,8 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Kind;
 use crate::effects::driver::Driver;
-use crate::effects::driver::{APPROACH, WOUND_UP};
 use crate::effects::model::{Coupling, Term};
+use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
 use crate::observation::measurements::Column;
@@ -220,7 +220,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
         }
     }
     for column in &survey.recorded {
-        if [APPROACH, WOUND_UP].iter().any(|ending| column.name().contains(ending)) {
+        if told_by_order(column.name()) {
             continue;
         }
         if let Some(values) = pieces(tracer, scorer, column) {

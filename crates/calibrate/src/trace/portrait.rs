@@ -1,7 +1,7 @@
 //! An effect as its rows show it: the residual along its direction against what drives it, before, with, and after.
 
 use crate::effects::catalogue::Candidate;
-use crate::effects::driver::Driver;
+use crate::effects::driver::{Driver, Side};
 use crate::effects::model::Coupling;
 use crate::trace::linear::Linear;
 use crate::trace::search::CandidateScorer;
@@ -107,14 +107,20 @@ impl Tracer<'_> {
             }
             Driver::Decay { .. } | Driver::Steps { .. } | Driver::Smooth { .. } | Driver::Covariate(_) => {
                 let name = driver.covariate()?;
+                let unit = match driver {
+                    Driver::Covariate(_) => driver.unit(chain, 0),
+                    _ => crate::effects::driver::unit_of(name),
+                };
                 let column = self.data.covariate(name)?;
-                Some((format!("{name}, {}", crate::effects::driver::unit_of(name)), column.values.clone()))
+                Some((format!("{name}, {unit}"), column.values.clone()))
             }
             Driver::Torque(joint) | Driver::SprungTorque(joint) | Driver::HardeningTorque { joint, .. } => {
                 let name = format!("gravity on {}, {}", chain.joints()[*joint].name, driver.unit(chain, 0));
                 Some((name, rows.map(|row| values[row * count]).collect()))
             }
-            Driver::Approach { joint, .. } | Driver::GravitySide(joint) | Driver::FrictionSide { joint, .. } => {
+            Driver::Approach(Side { joint, .. })
+            | Driver::GravitySide(joint)
+            | Driver::FrictionSide { side: Side { joint, .. }, .. } => {
                 let name = format!("side of {}", chain.joints()[*joint].name);
                 Some((name, rows.map(|row| values[row * count]).collect()))
             }

@@ -70,8 +70,8 @@ impl CandidateScorer<'_> {
                 let log = highest(at, (0.2 * knee).ln(), (5.0 * knee).ln());
                 score(Driver::HardeningTorque { joint, knee: log.exp() }, 1)
             }
-            Driver::FrictionSide { joint, friction, from_rows, side } => {
-                let with = |friction: f64| Driver::FrictionSide { joint, friction, from_rows, side: side.clone() };
+            Driver::FrictionSide { side, friction } => {
+                let with = |friction: f64| Driver::FrictionSide { side: side.clone(), friction };
                 let finer = |(middle, reach): (f64, f64)| {
                     best_stretch(|friction| drop(with(friction)), middle - reach, middle + reach)
                 };

@@ -169,10 +169,11 @@ impl CandidateScorer<'_> {
 
 /// What a kind must do better than another that looks alike: odds of twelve to one for the cause that is met more often.
 ///
-/// A joint is softer than a link or a bearing; a slide's scale is off more often than an instrument's.
+/// A joint is softer than a link or a bearing; a slide's scale is off more often than an instrument's; a target is moved on the tip more
+/// often than its range errs.
 pub(crate) fn handicap(kind: Kind) -> f64 {
     match kind {
-        Kind::LinkCompliance | Kind::InstrumentScale => 5.0,
+        Kind::LinkCompliance | Kind::InstrumentScale | Kind::TargetIncidence => 5.0,
         _ => 0.0,
     }
 }

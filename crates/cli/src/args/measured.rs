@@ -369,7 +369,7 @@ pub struct PlanArguments {
 const SIMULATE_EXAMPLES: &str = "\
 An effect is KIND@PLACE=STRENGTH: one of the kinds of docs/effects.md; a joint's name or base, links, target, \
 anchor, instrument, \"wire zero\", \"all joints\"; what it moves the measured values by (0.3mm, root mean square) or its \
-coefficient in SI units. What a kind leaves open is set as KIND@PLACE:order=3=0.1mm (order; at and width; knee; friction; step; with).
+coefficient in SI units. What a kind leaves open is set as KIND@PLACE:order=3=0.1mm (order; at and width; knee; friction; step; with; over).
 
 Examples:
   denavit simulate arm.urdf -o data.csv --rows 120 --seed 7

@@ -1,16 +1,18 @@
 //! Commands for a list of poses in the order in which the robot takes them.
 
 use super::{Allowed, Command, Wanted, compensate};
-use crate::effects::approach::{CameFrom, LEAST_MOVE};
-use crate::effects::driver::Conditions;
+use crate::effects::approach::LEAST_MOVE;
+use crate::effects::driver::{Conditions, TIME};
+use crate::effects::history::{History, Move};
 use crate::effects::{SavedEffects, recorded};
 use crate::observation::measurements::covariates::PAYLOAD;
 use crate::observation::measurements::poses::Poses;
 use crate::observation::measurements::{Covariate, Covariates, MissingColumn};
 use denavit_model::Chain;
 
-/// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach,
-/// and how far joints have wound themselves up, are those that the nominal commands have in this order where nobody gives them.
+/// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach, how far joints have
+/// wound themselves up and how warm they have become since the first command are those that the nominal commands have in this
+/// order where nobody gives them, warmth by the clock with a column `time` of the poses.
 ///
 /// # Errors
 /// An effect with a part in where the tip is follows what is neither a column of the poses nor given.
@@ -36,6 +38,7 @@ pub fn in_order(
     let open = open.into_iter().map(|(name, joint, told)| Ok((column(&name)?, joint, told)));
     let open = open.collect::<Result<Vec<_>, MissingColumn>>()?;
     let mut states = vec![0.0; open.len()];
+    let times = poses.covariates.iter().find(|column| column.name == TIME).map(|column| &column.values);
     let mut commands = Vec::with_capacity(rows);
     for row in 0..rows {
         let start = poses.joints.get(row).unwrap_or(&near);
@@ -43,6 +46,8 @@ pub fn in_order(
             Some(pose) => Wanted::Pose(*pose),
             None => Wanted::Joints(start.clone()),
         };
+        let seconds = times.filter(|_| row > 0).map(|times| times[row] - times[row - 1]);
+        let step = |from: f64, to: f64| Move { moved: to - from, still: LEAST_MOVE, seconds };
         let actual = |q: &[f64]| {
             let conditions = |recorded: &Covariates| {
                 model.fk(calibrated, &Conditions { reading: q, recorded: recorded.row(row), tip: 0 })
@@ -52,8 +57,7 @@ pub fn in_order(
             }
             let mut with_sides = recorded.clone();
             for ((column, joint, told), state) in open.iter().zip(&states) {
-                let now =
-                    before.as_ref().map_or(0.0, |before| told.after(q[*joint] - before[*joint], LEAST_MOVE, *state));
+                let now = before.as_ref().map_or(0.0, |before| told.after(step(before[*joint], q[*joint]), *state));
                 with_sides.set(column, || now);
             }
             conditions(&with_sides)
@@ -66,7 +70,7 @@ pub fn in_order(
         }
         if let Some(before) = &before {
             for ((_, joint, told), state) in open.iter().zip(&mut states) {
-                *state = told.after(command.nominal[*joint] - before[*joint], LEAST_MOVE, *state);
+                *state = told.after(step(before[*joint], command.nominal[*joint]), *state);
             }
         }
         before = Some(command.nominal.clone());
@@ -82,14 +86,18 @@ fn followed(
     chain: &Chain,
     poses: &Poses,
     given: &[(String, f64)],
-) -> (Covariates, Vec<(String, usize, CameFrom)>) {
+) -> (Covariates, Vec<(String, usize, History)>) {
     let rows = poses.lines.len();
     let (mut recorded, mut open) = (Covariates::none(), Vec::new());
     for name in effects.needed().into_iter().chain([PAYLOAD.to_owned()]) {
         let plain = recorded::plain(&name);
         let column = poses.covariates.iter().find(|column| column.name == plain).map(|column| column.values.clone());
         let side = || {
-            let (joint, told) = CameFrom::of_column(&plain)?;
+            let (joint, told) = History::of_column(&plain)?;
+            // Without a clock nobody knows what it would have told: the column is missing.
+            if told.needs_a_clock() && !poses.covariates.iter().any(|column| column.name == TIME) {
+                return None;
+            }
             let index = chain.coordinates().iter().position(|coordinate| coordinate.name == joint)?;
             open.push((name.clone(), index, told));
             Some(vec![0.0; rows])

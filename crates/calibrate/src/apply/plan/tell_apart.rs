@@ -14,9 +14,10 @@ mod written;
 
 use self::design::{Design, Offered, Separation};
 use super::{PlanError, PlanOptions, allowed, as_predicted, candidates};
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, RUN_ORDER, VELOCITY};
+use crate::effects::driver::{RUN_ORDER, VELOCITY};
+use crate::effects::history::History;
 use crate::observation::measurements::{Covariate, Covariates, Measurements};
-use crate::trace::infer::hypotheses::{Cause, Hypotheses, Hypothesis, Open};
+use crate::trace::infer::hypotheses::{Approached, Cause, Hypotheses, Hypothesis, Open};
 use denavit_model::Chain;
 use serde::Serialize;
 
@@ -136,12 +137,7 @@ pub fn tell_apart(
     let all = candidates(chain, options)?;
     let total = all.len();
     let usable: Vec<usize> = (0..total).filter(|&index| allowed(chain, arm, &all[index], options)).collect();
-    let offered: Vec<(String, bool, usize)> = open
-        .approached()
-        .into_iter()
-        .map(|(joint, column, by_order)| (column, by_order, chain.joints()[joint].coordinate))
-        .collect();
-    let sides = Sides::offered(&offered);
+    let sides = Sides::offered(&open.approached(), chain);
     let wanted = judged(chain, options, &usable.iter().map(|&index| &all[index]).collect::<Vec<_>>())?;
     let each = usable.iter().flat_map(|&index| (0..sides.ways()).map(move |way| (index, way)));
     let each: Vec<(usize, usize)> = each.collect();
@@ -151,7 +147,7 @@ pub fn tell_apart(
     let number: Vec<usize> = rows.lines.iter().map(|line| line - 1).collect();
     let seen = number.iter().take_while(|number| **number < each.len()).count();
     let way = |row: usize| each.get(number[row]).map(|(_, way)| *way);
-    rows.covariates = recorded(data, rows.len(), |column, row| way(row).and_then(|way| sides.side(column, way)));
+    rows.covariates = recorded(data, rows.len(), |column, row| way(row).and_then(|way| sides.told(column, way)));
     let visible = seen / sides.ways();
     if visible < options.count || options.count == 0 {
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: visible, candidates: total });
@@ -164,10 +160,10 @@ pub fn tell_apart(
     let mut chosen: Vec<(usize, usize)> = design.chosen.iter().map(|&row| each[number[row]]).collect();
     sides.in_order(&mut chosen, &all);
     let name = |coordinate: usize| chain.coordinates()[coordinate].name.clone();
-    let approach = sides.list.iter().map(|(column, by_order, coordinate)| Approach {
-        joint: name(*coordinate),
-        by_order: *by_order,
-        sides: chosen.iter().map(|(_, way)| sides.side(column, *way).unwrap_or(1.0)).collect(),
+    let approach = sides.list.iter().enumerate().map(|(index, offer)| Approach {
+        joint: name(offer.coordinate),
+        by_order: offer.approached.by_order,
+        sides: chosen.iter().map(|(_, way)| Sides::side(index, *way)).collect(),
     });
     let possible = possible(&hypotheses, chain);
     let pairs = pairs(&possible, &separations);
@@ -219,20 +215,27 @@ fn recorded(data: &Measurements, rows: usize, told: impl Fn(&str, usize) -> Opti
     columns.collect::<Vec<_>>().into()
 }
 
+/// A joint that is offered from both sides.
+struct Offer {
+    /// What it is the side of.
+    approached: Approached,
+    coordinate: usize,
+}
+
 /// From which sides candidates are offered.
 struct Sides {
-    /// Column, whether the order of the rows tells it, coordinate.
-    list: Vec<(String, bool, usize)>,
+    list: Vec<Offer>,
 }
 
 impl Sides {
     /// Where the order of the rows makes the sides, only one joint's can be chosen.
-    fn offered(approached: &[(String, bool, usize)]) -> Self {
-        let mut list: Vec<(String, bool, usize)> = Vec::new();
+    fn offered(approached: &[Approached], chain: &Chain) -> Self {
+        let mut list: Vec<Offer> = Vec::new();
         for joint in approached {
-            let ordered = list.iter().any(|(_, by_order, _)| *by_order);
-            if list.len() < MOST_SIDES && !(ordered && joint.1) {
-                list.push(joint.clone());
+            let ordered = list.iter().any(|other| other.approached.by_order);
+            if list.len() < MOST_SIDES && !(ordered && joint.by_order) {
+                let coordinate = chain.joints()[joint.joint].coordinate;
+                list.push(Offer { approached: joint.clone(), coordinate });
             }
         }
         Self { list }
@@ -243,20 +246,25 @@ impl Sides {
         1 << self.list.len()
     }
 
-    /// The side in one of the ways: +1 from below, -1 from above.
-    fn side(&self, column: &str, way: usize) -> Option<f64> {
-        let index = self.list.iter().position(|(own, ..)| own == column)?;
-        Some(if way >> index & 1 == 0 { 1.0 } else { -1.0 })
+    /// What a column that tells a side has in one of the ways: +1 from below, -1 from above, wound up all the way.
+    fn told(&self, column: &str, way: usize) -> Option<f64> {
+        let tells = |offer: &Offer| offer.approached.columns.iter().any(|own| own == column);
+        Some(Self::side(self.list.iter().position(tells)?, way))
+    }
+
+    /// The side of the joint offered at this place of the list.
+    fn side(index: usize, way: usize) -> f64 {
+        if way >> index & 1 == 0 { 1.0 } else { -1.0 }
     }
 
     /// Puts poses in an order in which the joint whose side the order tells comes from the sides chosen: first those from
     /// below, rising, then those from above, falling.
     fn in_order(&self, chosen: &mut [(usize, usize)], poses: &[Vec<f64>]) {
-        let Some(index) = self.list.iter().position(|(_, by_order, _)| *by_order) else {
+        let Some(index) = self.list.iter().position(|offer| offer.approached.by_order) else {
             chosen.sort_unstable();
             return;
         };
-        let coordinate = self.list[index].2;
+        let coordinate = self.list[index].coordinate;
         let key = |(pose, way): &(usize, usize)| {
             let reading = poses[*pose][coordinate];
             if way >> index & 1 == 0 { (0, reading) } else { (1, -reading) }
@@ -295,10 +303,10 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
                 separations.iter().find(|one| (one.true_one, one.other) == (a, b)).map_or(0.0, |one| one.rise)
             };
             let log_odds = possible[a].log_probability - possible[b].log_probability;
-            let of_posture = |name: &String| name.ends_with(APPROACH) || name.ends_with(APPROACH_FROM_ROWS);
+            let of_the_way = |name: &str| History::of_column(name).is_some_and(|(_, told)| told.is_of_the_way());
             let only = |one: usize, other: usize| {
                 let own = possible[one].follows.iter().filter(move |name| !possible[other].follows.contains(name));
-                own.filter(|name| !of_posture(name)).map(|name| words(name))
+                own.filter(|name| !of_the_way(name)).map(|name| words(name))
             };
             let mut vary: Vec<String> = only(a, b).chain(only(b, a)).collect();
             vary.dedup();
@@ -319,6 +327,9 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
 fn words(column: &str) -> String {
     if column == RUN_ORDER {
         return "the time between rows".into();
+    }
+    if let Some((joint, History::Warmth { .. })) = History::of_column(column) {
+        return format!("how much {joint} works before it is measured");
     }
     match column.strip_suffix(VELOCITY) {
         Some(joint) => format!("the velocity of {joint}"),

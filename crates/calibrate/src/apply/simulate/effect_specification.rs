@@ -4,6 +4,7 @@
 use crate::apply::simulate::Simulation;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::driver::{BumpShape, Driver, Statics};
+use crate::effects::history::History;
 use crate::effects::model::{Coupling, Effect, EffectModel, Term};
 use crate::effects::survey::{Survey, with_run_order};
 use crate::identify::residual_statistics::residuals;
@@ -34,7 +35,7 @@ pub struct EffectSpecification {
     pub kind: Kind,
     /// Where: a joint, `base`, `links`, `target`, `anchor`, `instrument`, `wire zero` or `all joints`.
     pub place: String,
-    /// What the kind leaves open: order, at, width, knee, friction, with, step.
+    /// What the kind leaves open: order, at, width, knee, friction, with, step, over.
     settings: Vec<(String, String)>,
     /// How strong.
     pub strength: Strength,
@@ -146,9 +147,11 @@ impl EffectSpecification {
                 ("knee", Driver::Torque(joint)) => {
                     term.driver = Driver::HardeningTorque { joint: *joint, knee: number()? };
                 }
-                ("friction", Driver::Approach { joint, from_rows, side }) => {
-                    let (joint, from_rows, side) = (*joint, *from_rows, side.clone());
-                    term.driver = Driver::FrictionSide { joint, friction: number()?, from_rows, side };
+                ("friction", Driver::Approach(side)) => {
+                    term.driver = Driver::FrictionSide { side: side.clone(), friction: number()? };
+                }
+                ("over", Driver::Covariate(column)) if self.kind == Kind::Thermal => {
+                    *column = self.warmth(survey, &first, number()?)?;
                 }
                 ("step", driver @ Driver::Covariate(_)) if self.kind == Kind::Drift => {
                     let Driver::Covariate(column) = driver else { continue };
@@ -166,6 +169,7 @@ impl EffectSpecification {
                         Driver::Torque(_) => "knee",
                         Driver::Approach { .. } => "friction",
                         Driver::Covariate(_) if self.kind == Kind::Drift => "step",
+                        Driver::Covariate(_) if self.kind == Kind::Thermal => "over",
                         Driver::Reading(_) if self.kind == Kind::JointCoupling => "with",
                         _ => "nothing",
                     };
@@ -183,6 +187,25 @@ impl EffectSpecification {
             return Err(self.wrong(format!("{name} must be above 0")));
         }
         Ok(term)
+    }
+
+    /// What tells how warm a joint's own work has made it with this lag.
+    fn warmth(&self, survey: &Survey, term: &Term, wanted: f64) -> Result<Column, EffectSpecificationError> {
+        let lag = |column: &Column| match History::of_column(column.name()) {
+            Some((_, History::Warmth { lag, .. })) => Some((lag, column.clone())),
+            _ => None,
+        };
+        let joint = term.carrier.joint();
+        let known = joint.into_iter().flat_map(|joint| survey.warmth(joint).filter_map(|column| lag(&column)));
+        let known: Vec<(f64, Column)> = known.collect();
+        let own = known.iter().find(|(lag, _)| *lag == wanted).map(|(_, column)| column.clone());
+        own.ok_or_else(|| {
+            let lags: Vec<String> = known.iter().map(|(lag, _)| lag.to_string()).collect();
+            self.wrong(format!(
+                "over is {wanted}; what a joint's own work warms lags by one of {} here",
+                lags.join(", ")
+            ))
+        })
     }
 }
 
@@ -338,7 +361,8 @@ mod tests {
         assert_eq!(effect.term.driver, Driver::HardeningTorque { joint: 1, knee: 8.0 });
         assert!(effect.coefficients[0] == 0.0 && effect.coefficients[1] > 0.0);
         let effect = of(&format!("backlash@{second}:friction=4=1e-4"));
-        assert!(matches!(effect.term.driver, Driver::FrictionSide { joint: 1, friction: 4.0, from_rows: true, .. }));
+        let Driver::FrictionSide { side, friction } = effect.term.driver else { panic!("{effect:?}") };
+        assert_eq!((side.joint, side.from_rows, friction), (1, true, 4.0));
         let refused =
             |text: &str| specified_effects(&[text.parse().unwrap()], &statics, &run, 0).unwrap_err().to_string();
         assert!(refused(&format!("backlash@{second}:friction=0=1e-4")).ends_with("friction must be above 0"));

@@ -53,7 +53,7 @@ impl Observe for Pose {
     }
 
     fn by_effect(&self, seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
-        position::by_scale(seen, effect)
+        position::by_instrument(seen, effect)
     }
 
     fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, left: &Matrix3<f64>, rows: &mut Rows<'_>) {
@@ -62,6 +62,10 @@ impl Observe for Pose {
         for row in 0..3 {
             rows.put(3 + row, column, &[-left[(row, 0)], -left[(row, 1)], -left[(row, 2)]]);
         }
+    }
+
+    fn has_a_line_of_sight(&self) -> bool {
+        true
     }
 
     fn has_simd_residuals(&self) -> bool {

@@ -1,8 +1,10 @@
 //! The place of a target in the instrument's frame.
 //!
-//! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m what is read, p the target.
+//! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m what is read, p the target. The instrument stands at the origin of
+//! the frame in which it reads, so m/|m| is its line of sight.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
+use crate::observation::arm::AlongSight;
 use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Vector3};
@@ -19,13 +21,19 @@ fn read(seen: &Seen<'_>) -> Vector3<f64> {
 /// What was read, in the base frame.
 pub(super) fn in_base(seen: &Seen<'_>) -> Vector3<f64> {
     let instrument = seen.instrument();
-    instrument.rotation.inverse() * (read(seen) / (1.0 + seen.perturbation.scale) - instrument.translation.vector)
+    let read = read(seen) / (1.0 + seen.perturbation.scale) - instrument.translation.vector;
+    instrument.rotation.inverse() * read - beyond(seen, &seen.perturbation.sight)
 }
 
-/// What a longer scale of the instrument does.
-pub(super) fn by_scale(seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
+/// What is read too far along the line of sight, base frame.
+fn beyond(seen: &Seen<'_>, sight: &AlongSight) -> Vector3<f64> {
+    sight.beyond(&read(seen), seen.instrument(), seen.tip)
+}
+
+/// What the instrument does: a longer scale, and more along its line of sight.
+pub(super) fn by_instrument(seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
     let scale = effect.scale / (1.0 + seen.perturbation.scale).powi(2);
-    -(seen.instrument().rotation.inverse() * read(seen) * scale)
+    -(seen.instrument().rotation.inverse() * read(seen) * scale) - beyond(seen, &effect.sight)
 }
 
 /// Columns of the instrument in the rows of the place.
@@ -42,7 +50,8 @@ pub(super) fn instrument_columns(seen: &Seen<'_>, layout: &Layout, rows: &mut Ro
 pub(super) fn predict(seen: &Seen<'_>, values: &mut Vec<f64>) {
     let instrument = seen.instrument();
     let there = instrument.rotation * seen.predicted + instrument.translation.vector;
-    values.extend((there * (1.0 + seen.perturbation.scale)).iter());
+    let beyond = instrument.rotation * seen.perturbation.sight.beyond(&there, instrument, seen.tip);
+    values.extend((there * (1.0 + seen.perturbation.scale) + beyond).iter());
 }
 
 pub(super) fn disturb(values: &mut [f64], errors: &mut Disturbance<'_>) {
@@ -82,11 +91,15 @@ impl Observe for Position {
     }
 
     fn by_effect(&self, seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
-        by_scale(seen, effect)
+        by_instrument(seen, effect)
     }
 
     fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, _left: &Matrix3<f64>, rows: &mut Rows<'_>) {
         instrument_columns(seen, layout, rows);
+    }
+
+    fn has_a_line_of_sight(&self) -> bool {
+        true
     }
 
     fn has_simd_residuals(&self) -> bool {

@@ -9,6 +9,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::curve::Waves;
 use crate::effects::driver::Driver;
+use crate::effects::history::History;
 use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::gram::cross_gram;
@@ -81,6 +82,17 @@ pub struct Open {
     reference: Arm,
     /// The most probable first.
     sets: Vec<OpenSet>,
+}
+
+/// A joint whose side of approach matters to what a run leaves open.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Approached {
+    /// The joint.
+    pub joint: usize,
+    /// The columns that tell it: the side, or how far the joint has wound itself up towards it.
+    pub columns: Vec<String>,
+    /// Whether the order of the rows tells all of them.
+    pub by_order: bool,
 }
 
 /// Hypotheses about one run, and what they predict of rows to come.
@@ -182,18 +194,34 @@ impl Open {
         &self.fit.effects.statics.chain
     }
 
-    /// The joints whose side of approach a hypothesis follows, the most probable first, each with the name of the column and
-    /// whether the order of the rows tells it.
-    pub fn approached(&self) -> Vec<(usize, String, bool)> {
-        let mut joints: Vec<(usize, String, bool)> = Vec::new();
+    /// The joints whose way to where they stand a hypothesis follows, the most probable first.
+    pub fn approached(&self) -> Vec<Approached> {
+        let mut joints: Vec<Approached> = Vec::new();
         for candidate in self.sets.iter().flat_map(|set| &set.terms) {
-            if let Driver::Approach { joint, from_rows, side } = &candidate.term.driver
-                && !joints.iter().any(|(known, ..)| known == joint)
-            {
-                joints.push((*joint, side.name().to_owned(), *from_rows));
+            let Some((joint, column, by_order)) = self.approach_of(&candidate.term.driver) else { continue };
+            let known = joints.iter().position(|known| known.joint == joint).unwrap_or_else(|| {
+                joints.push(Approached { joint, columns: Vec::new(), by_order: true });
+                joints.len() - 1
+            });
+            let known = &mut joints[known];
+            known.by_order &= by_order;
+            if !known.columns.contains(&column) {
+                known.columns.push(column);
             }
         }
         joints
+    }
+
+    /// The joint whose side of approach a driver follows, or how far that has wound itself up; the column, and whether the order of the
+    /// rows tells it.
+    fn approach_of(&self, driver: &Driver) -> Option<(usize, String, bool)> {
+        if let Some(side) = driver.side() {
+            return Some((side.joint, side.column.name().to_owned(), side.from_rows));
+        }
+        let column = driver.covariate()?;
+        let (joint, _) = History::of_column(column).filter(|(_, told)| told.is_of_the_way())?;
+        let joint = self.chain().joints().iter().position(|own| own.name == joint)?;
+        Some((joint, column.to_owned(), true))
     }
 
     /// Causes in question: joints at which a cause acts that not all sets hold, with that cause.

@@ -5,6 +5,7 @@ use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::curve::Curve;
 use crate::effects::driver::Driver;
 use crate::effects::model::EffectModel;
+use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
 use crate::identify::threads::in_parallel;
@@ -301,7 +302,9 @@ pub(super) fn members(round: &Round, candidates: &[Candidate], log_odds: impl Fn
 /// Causes are expected to have the size that they have in machines; 0 where nothing is known.
 fn least_precision(candidate: &Candidate) -> f64 {
     match candidate.term.kind {
-        Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash => LARGEST.powi(-2),
+        Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash | Kind::TargetIncidence => {
+            LARGEST.powi(-2)
+        }
         Kind::Drift => FARTHEST.powi(-2),
         _ => 0.0,
     }
@@ -361,7 +364,7 @@ fn is_plain(candidate: &Candidate) -> bool {
         | Driver::FrictionSide { .. }
         | Driver::LoadedSide { .. }
         | Driver::LevelOverturning => false,
-        Driver::Covariate(_) => candidate.term.kind != Kind::Backlash,
+        Driver::Covariate(ref column) => !told_by_order(column.name()),
         _ => true,
     }
 }

@@ -1,0 +1,236 @@
+//! The chain and its masses, and how the arm stands with them in a row.
+
+use crate::effects::carrier::{axis_points, link_points, points_of};
+use crate::effects::gravity::{Load, Masses, PointMass};
+use crate::observation::arm::{Perturbation, Row, RowState};
+use crate::observation::measurements::RecordedRow;
+use denavit_model::nalgebra::{Point3, Vector3};
+use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
+use std::sync::Arc;
+
+/// An axis whose direction times that of gravity is more than this stands upright: within 2.6°.
+const UPRIGHT: f64 = 0.999;
+
+/// Where the arm stands and what it carries.
+#[derive(Debug, Clone, Default)]
+pub struct Posture {
+    /// Motions of the joints.
+    pub state: RowState,
+    /// Gravity on each joint.
+    pub loads: Vec<Load>,
+    /// The axis of each joint.
+    pub axes: Vec<AxisNow>,
+}
+
+/// Where a joint's axis stands, base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisNow {
+    /// Its direction, of length 1.
+    pub along: Vector3<f64>,
+    /// From the axis to the point that the joint's [`Load`] is about, m.
+    pub lever: Vector3<f64>,
+}
+
+impl AxisNow {
+    /// That of a joint that what carries it has moved so far from home; `point`: what its load is about, at home, m.
+    fn of(joint: &ChainJoint, point: &Point3<f64>, before: &Pose) -> Self {
+        let lever = joint.screw.line().map_or_else(Vector3::zeros, |line| point - line.nearest_to(point));
+        Self { along: before.rotation * joint.screw.direction().into_inner(), lever: before.rotation * lever }
+    }
+}
+
+/// What a driver may look at in one row.
+#[derive(Clone, Copy)]
+pub struct Conditions<'a> {
+    /// Joint readings in coordinate order, rad or m.
+    pub reading: &'a [f64],
+    /// What was recorded beside them.
+    pub recorded: RecordedRow<'a>,
+    /// The tip that was measured, of several: its place among [`Statics::tips`].
+    pub tip: usize,
+}
+
+impl<'a> Conditions<'a> {
+    /// Those of a row.
+    pub fn of(row: Row<'a>) -> Self {
+        Self { reading: row.reading(), recorded: row.recorded(), tip: row.tip() }
+    }
+}
+
+/// The chain and its masses: what drivers are computed with. Of several tips the joints of all, see [`Chain::joined`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statics {
+    /// The nominal chain.
+    pub chain: Chain,
+    /// Its tips.
+    pub tips: Arc<Tips>,
+    /// What gravity acts on.
+    pub masses: Masses,
+    /// One point per joint and one for each tip, base frame at home, m: where links begin and end.
+    pub points: Vec<Point3<f64>>,
+    /// For each joint the one that carries it.
+    pub(super) carriers: Vec<Option<usize>>,
+}
+
+/// Where a link ends on the way to a tip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkEnd {
+    /// The twist of [`Perturbation::twists`] that acts there: that of the next joint, or the tip's.
+    pub slot: usize,
+    /// At home, base frame, m.
+    pub point: Point3<f64>,
+}
+
+impl Statics {
+    /// Of these parts; `points`: one per joint and one for each tip.
+    pub(in crate::effects) fn new(chain: Chain, tips: Arc<Tips>, masses: Masses, points: Vec<Point3<f64>>) -> Self {
+        let carriers = tips.carriers();
+        Self { chain, tips, masses, points, carriers }
+    }
+
+    /// For a chain of this robot, its angles as intended.
+    pub fn of(robot: &Robot, chain: &Chain) -> Self {
+        Self::placed(&PlacedRobot::new(robot, Reading::Intended), chain)
+    }
+
+    /// For a chain of this robot, its angles read as for the chain.
+    pub fn placed(robot: &PlacedRobot, chain: &Chain) -> Self {
+        Self::placed_tips(robot, chain, &Arc::new(Tips::only(chain)))
+    }
+
+    /// For the joints of several tips of this robot, angles read as for them.
+    pub fn placed_tips(robot: &PlacedRobot, chain: &Chain, tips: &Arc<Tips>) -> Self {
+        let masses = Masses::of(robot, chain, tips);
+        let points = points_of(chain, tips, |chain| link_points(robot, chain));
+        Self::new(chain.clone(), tips.clone(), masses, points)
+    }
+
+    /// For a chain without a tree: masses stand in, links run from axis to axis.
+    pub fn of_chain(chain: &Chain) -> Self {
+        Self::of_tips(chain, &Arc::new(Tips::only(chain)))
+    }
+
+    /// The same for the joints of several tips.
+    pub fn of_tips(chain: &Chain, tips: &Arc<Tips>) -> Self {
+        let (masses, points) = (Masses::stand_in(chain, tips), points_of(chain, tips, axis_points));
+        Self::new(chain.clone(), tips.clone(), masses, points)
+    }
+
+    /// The joint that carries a joint; none where it stands on the base.
+    pub fn carrier(&self, joint: usize) -> Option<usize> {
+        self.carriers[joint]
+    }
+
+    /// The joints on the way to a tip, base to tip.
+    pub fn on_the_way(&self, tip: usize) -> impl Iterator<Item = usize> + '_ {
+        self.tips[tip].on_the_way()
+    }
+
+    /// Where a joint's link ends on the way to a tip; none where the joint is not on it.
+    pub fn link_end(&self, joint: usize, tip: usize) -> Option<LinkEnd> {
+        let joints = self.chain.joints().len();
+        self.tips[tip].joints[joint].then(|| match self.on_the_way(tip).find(|&other| other > joint) {
+            Some(next) => LinkEnd { slot: next, point: self.points[next] },
+            None => LinkEnd { slot: joints, point: self.points[joints + tip] },
+        })
+    }
+
+    /// The joint itself and those that it carries, at most so many.
+    pub(in crate::effects) fn carried(&self, joint: usize, most: usize) -> impl Iterator<Item = usize> + '_ {
+        (joint..self.chain.joints().len()).filter(move |&other| self.tips.carries(joint, other)).take(most)
+    }
+
+    /// Stands an arm with these joints as one row has it, given way by a perturbation where one is known: with the axes of `joints`, actual
+    /// ones where they are known. Gravity points as the drawing has it.
+    ///
+    /// Joints that are not on the way to the row's tip stand as they read: what they carry loads the joints before them.
+    pub fn posture(
+        &self,
+        joints: &[ChainJoint],
+        conditions: &Conditions<'_>,
+        perturbation: Option<&Perturbation>,
+    ) -> Posture {
+        let mut state = RowState::default();
+        let tip = &self.tips[conditions.tip];
+        let mut last = None;
+        for (index, joint) in joints.iter().enumerate() {
+            let mut reached = self.carriers[index].map_or_else(Pose::identity, |carrier| state.after[carrier]);
+            if tip.joints[index] {
+                last = Some(index);
+                if let Some(perturbation) = perturbation {
+                    reached *= se3::exp(&perturbation.twists[index]);
+                }
+            }
+            state.before.push(reached);
+            reached *= joint.screw.motion(joint.value(conditions.reading));
+            state.after.push(reached);
+        }
+        let mut reached = last.map_or_else(Pose::identity, |last| state.after[last]);
+        if let Some(last) = perturbation.and_then(|perturbation| perturbation.twists.last()) {
+            reached *= se3::exp(last);
+        }
+        state.tip = reached * tip.home;
+        let payload = last.map(|joint| (joint, conditions.recorded.payload()));
+        let loads = self.masses.loads(&self.centres(joints), &self.points, &self.carriers, &state, payload);
+        let axes = joints.iter().zip(&self.points).zip(&state.before);
+        let axes = axes.map(|((joint, point), before)| AxisNow::of(joint, point, before)).collect();
+        Posture { state, loads, axes }
+    }
+
+    /// Where an arm with these joints has its masses, base frame at home, m: each link moves along with the axis that it turns about, by the
+    /// least motion that brings the axis from where it is drawn to where it is. How the link is turned about the axis itself is as drawn.
+    pub fn centres(&self, joints: &[ChainJoint]) -> Vec<Point3<f64>> {
+        let carried = |mass: &PointMass| {
+            let (drawn, actual) = (&self.chain.joints()[mass.joint].screw, &joints[mass.joint].screw);
+            if drawn == actual {
+                return mass.centre;
+            }
+            let turn = se3::least_rotation(&drawn.direction(), &actual.direction());
+            let point = &self.points[mass.joint];
+            let on = |screw: &Screw| screw.line().map_or(*point, |line| line.nearest_to(point));
+            on(actual) + turn * (mass.centre - on(drawn))
+        };
+        self.masses.points.iter().map(carried).collect()
+    }
+
+    /// Whether gravity may load a joint: not one that turns about an upright axis wherever the joints before it stand. What
+    /// little torque the tilt of a mounted base makes there tells nothing that geometry does not.
+    pub fn feels_gravity(&self, joint: usize) -> bool {
+        let down = self.masses.gravity.normalize();
+        let upright = |joint: &ChainJoint| joint.screw.direction().dot(&down).abs() > UPRIGHT;
+        let turns = |joint: &ChainJoint| !matches!(joint.screw, Screw::Prismatic(_));
+        let joints = self.chain.joints();
+        let before = (0..joint).filter(|&other| self.tips.carries(other, joint)).map(|other| &joints[other]);
+        let stays = before.filter(|before| turns(before)).all(upright);
+        !(stays && turns(&joints[joint]) && upright(&joints[joint]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::arm::{Arm, AxisBasis};
+    use denavit_model::examples;
+
+    #[test]
+    fn masses_stay_as_far_from_their_axes_as_they_are_drawn() {
+        for chain in examples::all() {
+            let statics = Statics::of_chain(&chain);
+            let drawn: Vec<Point3<f64>> = statics.masses.points.iter().map(|mass| mass.centre).collect();
+            assert_eq!(statics.centres(chain.joints()), drawn);
+            let mut arm = Arm::new(&chain, &crate::Scene::default());
+            for (index, joint) in chain.joints().iter().enumerate() {
+                let moved = if joint.screw.line().is_some() { [0.02, -0.03] } else { [0.0; 2] };
+                arm.change_axis(index, &AxisBasis::of(&joint.screw), [0.02, -0.01], moved, 0.0);
+            }
+            let turning = statics.masses.points.iter().zip(statics.centres(&arm.joints));
+            for (mass, centre) in turning.filter(|(mass, _)| chain.joints()[mass.joint].screw.line().is_some()) {
+                let away =
+                    |screw: &Screw, point: &Point3<f64>| (screw.line().unwrap().nearest_to(point) - point).norm();
+                let drawn = away(&chain.joints()[mass.joint].screw, &mass.centre);
+                let actual = away(&arm.joints[mass.joint].screw, &centre);
+                assert!((drawn - actual).abs() < 1e-12 && centre != mass.centre, "{}: {drawn} {actual}", chain.name());
+            }
+        }
+    }
+}

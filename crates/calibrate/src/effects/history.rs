@@ -1,0 +1,182 @@
+//! What the order of the rows tells of a joint: one rule for measured runs and for commands.
+//!
+//! Each is a state that every move brings on, and a computed column that drivers follow as they follow recorded ones.
+
+use crate::effects::approach::side_after;
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, MEMORIES, WARMTH, WOUND_UP};
+
+/// Time constants of warmth in rows, where nobody says how long a row takes.
+const LAGS_IN_ROWS: [f64; 5] = [10.0, 40.0, 160.0, 640.0, 2560.0];
+/// Time constants of warmth, s: from a minute to some hours.
+const LAGS_IN_SECONDS: [f64; 5] = [60.0, 240.0, 960.0, 3840.0, 15360.0];
+
+/// What the order of the rows tells of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum History {
+    /// The side from which it came, +1 from below.
+    Side,
+    /// How far it has wound itself up against friction, -1 to +1: with each move it comes nearer to the side to which it goes by
+    /// 1 - exp(-travel/memory) of the way (Dahl 1968, "A solid friction model", with exponent 1).
+    WoundUp {
+        /// rad or m.
+        memory: f64,
+    },
+    /// How warm its own work has made it: its travel, by row or by second, seen through a lag of the first order. Friction makes heat in
+    /// proportion to the travel, and what is warm cools in proportion to its warmth (Newton's law of cooling).
+    Warmth {
+        /// Time constant, rows or s.
+        lag: f64,
+        /// In what it is counted.
+        pace: Pace,
+    },
+}
+
+/// In what a lag is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// By rows.
+    Rows,
+    /// By the column `time`, s.
+    Seconds,
+}
+
+/// What a joint did from one row to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// rad or m.
+    pub moved: f64,
+    /// The largest change of a reading that is no move, rad or m.
+    pub still: f64,
+    /// How long it took, s; none where nobody says.
+    pub seconds: Option<f64>,
+}
+
+impl Pace {
+    /// Of one word.
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Rows => "rows",
+            Self::Seconds => "s",
+        }
+    }
+}
+
+impl History {
+    /// All that is told, the warmth by the clock only where there is one.
+    pub fn told(clock: bool) -> impl Iterator<Item = Self> {
+        Self::all().filter(move |told| clock || !told.needs_a_clock())
+    }
+
+    /// All that may be told.
+    fn all() -> impl Iterator<Item = Self> {
+        let wound_up = MEMORIES.into_iter().map(|memory| Self::WoundUp { memory });
+        std::iter::once(Self::Side)
+            .chain(wound_up)
+            .chain(LAGS_IN_ROWS.into_iter().map(|lag| Self::Warmth { lag, pace: Pace::Rows }))
+            .chain(LAGS_IN_SECONDS.into_iter().map(|lag| Self::Warmth { lag, pace: Pace::Seconds }))
+    }
+
+    /// Whether it is told by the column `time` beside the order of the rows.
+    pub const fn needs_a_clock(self) -> bool {
+        matches!(self, Self::Warmth { pace: Pace::Seconds, .. })
+    }
+
+    /// Whether the way to a pose decides it, whatever came before.
+    pub const fn is_of_the_way(self) -> bool {
+        matches!(self, Self::Side | Self::WoundUp { .. })
+    }
+
+    /// The ending of the column that tells it, after the joint's name, where it was read from the order of the rows.
+    pub fn ending(self) -> String {
+        match self {
+            Self::Side => APPROACH_FROM_ROWS.to_owned(),
+            Self::WoundUp { memory } => format!("{WOUND_UP} {memory}"),
+            Self::Warmth { lag, pace } => format!("{WARMTH} {lag} {}", pace.word()),
+        }
+    }
+
+    /// The joint of a column that the order of rows tells, and what it tells.
+    pub fn of_column(name: &str) -> Option<(&str, Self)> {
+        if let Some(joint) = name.strip_suffix(APPROACH) {
+            return Some((joint, Self::Side));
+        }
+        // Most columns tell nothing of the kind, and this is asked often.
+        let may = [APPROACH_FROM_ROWS, WOUND_UP, WARMTH].iter().any(|word| name.contains(word));
+        let mut told = may.then(Self::all).into_iter().flatten();
+        told.find_map(|told| Some((name.strip_suffix(told.ending().as_str())?, told)))
+    }
+
+    /// Its unit, for a joint that slides or turns.
+    pub const fn unit(self, slides: bool) -> &'static str {
+        match self {
+            Self::Side | Self::WoundUp { .. } => "1",
+            Self::Warmth { pace: Pace::Rows, .. } if slides => "m/row",
+            Self::Warmth { pace: Pace::Rows, .. } => "rad/row",
+            Self::Warmth { .. } if slides => "m/s",
+            Self::Warmth { .. } => "rad/s",
+        }
+    }
+
+    /// Its value after a move; `had`: the value before, 0 where there is none yet.
+    pub fn after(self, step: Move, had: f64) -> f64 {
+        let Move { moved, still, seconds } = step;
+        let moves = moved.abs() > still;
+        match self {
+            Self::Side => side_after(moved, still, had),
+            Self::WoundUp { .. } if !moves => had,
+            Self::WoundUp { memory } => had + (moved.signum() - had) * -(-moved.abs() / memory).exp_m1(),
+            Self::Warmth { lag, pace } => {
+                let travel = if moves { moved.abs() } else { 0.0 };
+                let took = match pace {
+                    Pace::Rows => 1.0,
+                    Pace::Seconds => seconds.unwrap_or(0.0),
+                };
+                // A clock that was set back says nothing of how long it took: the heat is there, none has gone.
+                if took > 0.0 { had + (travel / took - had) * -(-took / lag).exp_m1() } else { had + travel / lag }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::approach::LEAST_MOVE;
+
+    fn step(moved: f64) -> Move {
+        Move { moved, still: LEAST_MOVE, seconds: Some(2.0) }
+    }
+
+    #[test]
+    fn what_is_told_has_its_column_and_comes_to_what_keeps_on() {
+        for told in History::told(true) {
+            let name = format!("elbow{}", told.ending());
+            assert_eq!(History::of_column(&name), Some(("elbow", told)), "{name}");
+            let mut state = 0.0;
+            for _ in 0..60_000 {
+                state = told.after(step(0.05), state);
+            }
+            let back = told.after(step(-0.05), state);
+            let stood = told.after(step(0.0), state);
+            match told {
+                History::Side => assert!(state == 1.0 && back == -1.0 && stood == state),
+                History::WoundUp { memory } => {
+                    let expected = -1.0 + (state + 1.0) * (-0.05 / memory).exp();
+                    assert!((state - 1.0).abs() < 1e-9 && (back - expected).abs() < 1e-12, "{back} {expected}");
+                    assert_eq!(stood, state);
+                }
+                History::Warmth { lag, pace } => {
+                    let took = if pace == Pace::Rows { 1.0 } else { 2.0 };
+                    // Travel by row or second, whichever way it goes; what stands cools.
+                    assert!((state - 0.05 / took).abs() < 1e-4 && (back - state).abs() < 1e-6, "{told:?} {state}");
+                    assert!((stood - state * (-took / lag).exp()).abs() < 1e-12, "{told:?} {stood}");
+                    let set_back = told.after(Move { seconds: Some(-5.0), ..step(0.05) }, state);
+                    assert!(set_back.is_finite() && set_back > 0.0);
+                }
+            }
+        }
+        assert_eq!(History::of_column("elbow.approach"), Some(("elbow", History::Side)));
+        assert_eq!(History::of_column("temperature"), None);
+        assert!(History::told(false).all(|told| !told.needs_a_clock()));
+    }
+}

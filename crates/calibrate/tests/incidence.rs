@@ -1,0 +1,100 @@
+//! A target whose range depends on how it is turned to the instrument.
+
+use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, simulate_arm};
+use denavit_calibrate::effects::survey::{Survey, with_run_order};
+use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_calibrate::identify::residual_statistics::residuals;
+use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
+use denavit_calibrate::trace::{Trace, TraceOptions, trace};
+use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_model::{Chain, Reading, urdf};
+
+fn robot() -> (Chain, Statics) {
+    let drawn = urdf::read("ur5e.urdf", include_str!("../../../robots/universal_robots/ur5e.urdf")).unwrap();
+    let chain = drawn.chain(None, None, Reading::default()).unwrap().value;
+    let statics = Statics::of(&drawn, &chain);
+    (chain, statics)
+}
+
+fn model(statics: &Statics, carrier: Carrier, coefficients: &[f64]) -> EffectModel {
+    let term = Term { kind: Kind::TargetIncidence, carrier, driver: Driver::Constant, coupling: Coupling::Each };
+    EffectModel::new(statics.clone(), vec![Effect { term, coefficients: coefficients.to_vec() }])
+}
+
+fn options(kind: ObservationKind, rows: usize, seed: u64) -> SimulationOptions {
+    SimulationOptions { kind, rows, seed, ..Default::default() }
+}
+
+fn traced(kind: ObservationKind, carrier: Carrier, coefficients: &[f64], seed: u64) -> Trace {
+    let (chain, statics) = robot();
+    let data = simulate(&chain, &options(kind, 150, seed), &model(&statics, carrier, coefficients)).data;
+    let options = TraceOptions::new(IdentifyOptions::axes(&chain));
+    let geometric = identify(&chain, &data, &options.identify).geometric;
+    trace(&statics, &with_run_order(data), &geometric, &options)
+}
+
+/// The range is read too far by c · u and the zero, the angles as they are.
+#[test]
+fn what_is_read_moves_along_the_line_of_sight_alone() {
+    let (chain, statics) = robot();
+    for kind in [POSITION, POSE] {
+        // The same readings whoever simulates them.
+        let told = Some(readings(&chain, 20, 3));
+        let quiet =
+            SimulationOptions { noise_position: 0.0, noise_orientation: 0.0, readings: told, ..options(kind, 20, 3) };
+        let bare = simulate(&chain, &quiet, &NoEffects);
+        let (c, zero) = ([2e-4, -1e-4, 3e-4], 5e-5);
+        let mut both = model(&statics, Carrier::Sight, &c);
+        both.effects.extend(model(&statics, Carrier::Range, &[zero]).effects);
+        let with = simulate_arm(&bare.arm, &quiet, &both).data;
+        let actual = bare.arm.chain();
+        for row in 0..20 {
+            let [plain, read] = [&bare.data, &with].map(|data| data.position(row, 0).unwrap());
+            let sight = plain.normalize();
+            let in_tip =
+                (bare.arm.instruments[0].rotation * actual.fk(bare.data.reading(row)).rotation).inverse() * sight;
+            let expected = c[0] * in_tip.x + c[1] * in_tip.y + c[2] * in_tip.z + zero;
+            assert!((read - plain - sight * expected).norm() < 1e-12, "{kind:?} row {row}");
+        }
+        // With the effect in the model nothing is left; its columns are what a change of each coefficient leaves.
+        let largest = |model: &EffectModel| {
+            residuals(&bare.arm, model, &with).iter().map(|one| one.place.norm()).fold(0.0, f64::max)
+        };
+        assert!(largest(&both) < 1e-9, "{}", largest(&both));
+        assert!(largest(&model(&statics, Carrier::Sight, &[0.0; 3])) > 1e-4);
+    }
+}
+
+#[test]
+fn an_eccentric_target_is_found_with_its_numbers() {
+    for (kind, seed) in [(POSITION, 7), (POSE, 8)] {
+        let truth = [1.2e-4, -0.8e-4, 1.5e-4];
+        let found = traced(kind, Carrier::Sight, &truth, seed);
+        let names: Vec<_> = found.findings.iter().map(|one| (one.term.kind, one.term.carrier, one.named)).collect();
+        assert_eq!(names, [(Kind::TargetIncidence, Carrier::Sight, true)], "{kind:?} {:?}", found.findings);
+        for (value, truth) in found.findings[0].values.iter().zip(truth) {
+            let std = value.std.unwrap();
+            assert!((value.value - truth).abs() < 4.0 * std && std < 6e-5, "{value:?} truth {truth}");
+            assert_eq!(value.unit, "m");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_prism_constant_is_found() {
+    let found = traced(POSITION, Carrier::Range, &[4e-4], 9);
+    let names: Vec<_> = found.findings.iter().map(|one| (one.term.kind, one.term.carrier)).collect();
+    assert_eq!(names, [(Kind::TargetIncidence, Carrier::Range)], "{:?}", found.findings);
+    let value = &found.findings[0].values[0];
+    assert!((value.value - 4e-4).abs() < 4.0 * value.std.unwrap(), "{value:?}");
+}
+
+#[test]
+fn it_is_no_candidate_without_a_line_of_sight() {
+    let (chain, statics) = robot();
+    let offered = |kind| {
+        let data = with_run_order(simulate(&chain, &options(kind, 30, 1), &NoEffects).data);
+        (Kind::TargetIncidence.entry().terms)(&Survey::of(&statics, &data, Vec::new())).len()
+    };
+    assert_eq!([POSITION, POSE, DISTANCE].map(offered), [2, 2, 0]);
+}
