@@ -13,7 +13,7 @@ fn bands_of_curves_hold_the_truth() {
     assert!(inside > 0.88 * all, "{inside} of {all}");
 }
 
-/// A hundred rows have fewer values than six curves have waves: the band still holds what the waves must follow, and curves are found.
+/// A hundred rows have four values for each of seven waves a curve, too few waves for what these gears do.
 #[test]
 fn bands_hold_the_truth_in_few_rows_too() {
     let found: Vec<(Share, usize, usize)> = (0..6).map(|seed| bands(100, 40 + seed)).collect();
