@@ -7,6 +7,7 @@ pub mod catalogue;
 pub mod curve;
 pub mod curve_modes;
 pub mod driver;
+pub mod field;
 pub mod gravity;
 pub mod history;
 pub mod model;

@@ -11,6 +11,7 @@ mod curves;
 mod diagnosis;
 mod exports;
 mod factory;
+mod fields;
 mod honesty;
 mod identifiability;
 mod incidence;

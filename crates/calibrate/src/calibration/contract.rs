@@ -319,16 +319,20 @@ pub struct CurveEntry {
     pub table: Vec<CurvePoint>,
 }
 
-/// What a joint gives under gravity, fitted beside the curves with masses that nobody knows. Without it curves would stand in for it.
+/// What is fitted beside the curves and hangs on several joints, no cause claimed: what a joint gives under gravity, with masses that nobody
+/// knows, which curves would stand in for; and an error of a joint that is a smooth function of two readings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldEntry {
-    /// `gravity`.
+    /// `gravity` or `two_joints`.
     pub kind: &'static str,
-    /// The joint.
+    /// The joint that turns by it.
     pub joint: String,
+    /// The two joints whose readings it hangs on; left out where it is gravity.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub of: Vec<String>,
     /// How far the joint turns by it over the rows, root mean square about the mean.
     pub rms: f64,
-    /// Of that: `rad`.
+    /// Of that: `rad`, or `m` for a slide.
     pub unit: &'static str,
     /// By how much it raises the logarithm of the marginal likelihood.
     pub log_evidence: f64,

@@ -46,6 +46,8 @@ pub enum Kind {
     InstrumentScale,
     /// What is read along the line of sight depends on the target, and on how that is turned to the instrument.
     TargetIncidence,
+    /// A smooth function of two joints' readings: no cause, and in no catalogue of causes.
+    JointField,
 }
 
 /// A kind's entry in the catalogue.
@@ -197,10 +199,20 @@ pub const KINDS: &[Entry] = &[
     },
 ];
 
+/// What is fitted without naming a cause: no search proposes it, and nobody can ask for it by its name.
+static FIELD: Entry = Entry {
+    kind: Kind::JointField,
+    name: "joint_field",
+    formula: "value_i += smooth function of value_j and value_k",
+    units: "rad or m",
+    source: "no cause: a correction that is kept where it makes rows better that it was not fitted to",
+    terms: |_| Vec::new(),
+};
+
 impl Kind {
     /// Its entry.
     pub fn entry(self) -> &'static Entry {
-        KINDS.iter().find(|entry| entry.kind == self).expect("every kind has an entry: tested")
+        KINDS.iter().chain([&FIELD]).find(|entry| entry.kind == self).expect("every kind has an entry: tested")
     }
 
     /// Its name in files and on the command line.

@@ -22,6 +22,7 @@ pub use self::statics::{AxisNow, Conditions, LinkEnd, Posture, Statics};
 
 use self::piecewise::hats;
 use self::side::side_of;
+use crate::effects::field::Products;
 use crate::effects::history::History;
 use crate::observation::arm::AxisBasis;
 use crate::observation::measurements::Column;
@@ -132,6 +133,8 @@ pub enum Driver<C = Column> {
         /// Knots, ascending.
         knots: Vec<f64>,
     },
+    /// Products of shapes of two joints' readings: a smooth function of both.
+    Products(Products),
 }
 
 /// Where a joint's velocity is recorded: as that of the coordinate that moves it.
@@ -174,6 +177,7 @@ impl<C> Driver<C> {
             Self::Velocities(_) => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
+            Self::Products(_) => Products::COUNT,
             _ => 1,
         }
     }
@@ -186,7 +190,15 @@ impl<C> Driver<C> {
         }
     }
 
-    /// The same, to be counted anew.
+    /// Every joint that it follows.
+    pub fn joints(&self) -> Vec<usize> {
+        match self {
+            Self::Products(products) => products.joints().to_vec(),
+            _ => self.joint().into_iter().collect(),
+        }
+    }
+
+    /// The same as [`Driver::joint`], to be counted anew.
     pub(super) fn joint_mut(&mut self) -> Option<&mut usize> {
         match self {
             follows_a_joint!(joint) => Some(joint),
@@ -284,6 +296,7 @@ impl<C> Driver<C> {
             }
             Self::Steps { covariate, at } => Driver::Steps { covariate: named(covariate)?, at: at.clone() },
             Self::Smooth { covariate, knots } => Driver::Smooth { covariate: named(covariate)?, knots: knots.clone() },
+            Self::Products(products) => Driver::Products(*products),
         })
     }
 }
@@ -359,6 +372,9 @@ impl Driver {
                 out.extend(at.iter().map(|&place| if value >= place { 1.0 } else { 0.0 }));
             }
             Self::Smooth { covariate, knots } => hats(recorded(covariate), knots, out),
+            Self::Products(products) => {
+                products.values_into(products.joints().map(|joint| joints[joint].value(conditions.reading)), out);
+            }
         }
     }
 
@@ -414,6 +430,7 @@ impl Driver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::field::{ShapedReading, Shapes};
     use crate::effects::written::WrittenDriver;
     use crate::observation::measurements::{Covariate, Covariates};
     use denavit_model::examples;
@@ -436,6 +453,7 @@ mod tests {
                 Driver::Smooth { covariate: name(), knots: vec![0.0, 2.0, 5.0, 9.0] },
                 Driver::Smooth { covariate: name(), knots: Vec::new() },
                 Driver::Smooth { covariate: name(), knots: vec![f64::NAN, 1.0] },
+                Driver::Products(Products { of: [ShapedReading { joint: 0, shapes: Shapes::Turns }; 2], size: 1e-4 }),
             ];
             for joint in 0..n {
                 let side = |from_rows| Side { joint, from_rows, column: name() };

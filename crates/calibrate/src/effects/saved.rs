@@ -275,7 +275,7 @@ impl SavedEffects {
         for (index, SavedEffect { effect, .. }) in saved.effects.into_iter().enumerate() {
             let kind = effect.term.kind.name();
             let bad = |why: String| SavedError::BadEffect { file: file(), index: index + 1, kind, why };
-            let highest = effect.term.carrier.joint().into_iter().chain(effect.term.driver.joint()).max();
+            let highest = effect.term.carrier.joint().into_iter().chain(effect.term.driver.joints()).max();
             if highest.is_some_and(|joint| joint >= joints.len()) {
                 let last = joints.len().saturating_sub(1);
                 return Err(bad(format!("it names joint {}; joints are 0 to {last}", highest.unwrap_or(0))));

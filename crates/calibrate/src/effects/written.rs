@@ -37,9 +37,9 @@ impl WrittenDriver {
         driver
     }
 
-    /// The joint that it follows, where it follows one.
-    pub fn joint(&self) -> Option<usize> {
-        self.0.joint()
+    /// Every joint that it follows.
+    pub fn joints(&self) -> Vec<usize> {
+        self.0.joints()
     }
 
     /// What is wrong with its numbers.
@@ -51,12 +51,13 @@ impl WrittenDriver {
             Driver::Bump { at, width, .. } => at.is_finite() && *width > 0.0,
             Driver::Decay { from, constant, .. } => from.is_finite() && *constant > 0.0,
             Driver::Steps { at, .. } => !at.is_empty() && at.is_sorted(),
+            Driver::Products(products) => products.possible(),
             Driver::Smooth { knots, .. } => knots.len() > 1 && knots.windows(2).all(|pair| pair[0] < pair[1]),
             _ => true,
         };
         (!good).then(|| {
-            "a number of its driver cannot be; width, constant and knee are above 0, friction is not below it, steps ascend, and knots are two or more \
-             that rise"
+            "a number of its driver cannot be; width, constant and knee are above 0, friction is not below it, steps ascend, knots are two or more \
+             that rise, and ranges have a length"
                 .into()
         })
     }

@@ -57,6 +57,17 @@ impl Triangle {
         x
     }
 
+    /// L⁻ᵀ b.
+    pub fn backward(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = b.to_vec();
+        for (i, row) in self.cells.chunks_exact(self.size).enumerate().rev() {
+            let (before, own) = x.split_at_mut(i);
+            own[0] /= row[i];
+            before.iter_mut().zip(row).for_each(|(cell, factor)| *cell -= factor * own[0]);
+        }
+        x
+    }
+
     /// L⁻¹, column by column: column j from its diagonal on, the cells before it zero.
     pub fn inverse_columns(&self) -> Vec<f64> {
         let size = self.size;
@@ -198,6 +209,8 @@ mod tests {
         assert!((inverse - known.inverse()).amax() < 1e-10);
         let right: Vec<f64> = (0..size).map(|i| i as f64 + 1.0).collect();
         let solved = known.l().solve_lower_triangular(&DVector::from_vec(right.clone())).unwrap();
-        assert!((DVector::from_vec(factor.forward(&right)) - solved).amax() < 1e-9);
+        assert!((DVector::from_vec(factor.forward(&right)) - &solved).amax() < 1e-9);
+        let whole = DVector::from_vec(factor.backward(solved.as_slice()));
+        assert!((whole - known.solve(&DVector::from_vec(right))).amax() < 1e-9);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::calibration::contract::{CurveEntry, CurvePoint, FieldEntry};
 use crate::effects::curve::Curve;
+use crate::effects::driver::Driver;
 use crate::effects::model::{Effect, EffectModel};
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
@@ -38,15 +39,27 @@ impl CurveEntry {
 }
 
 impl FieldEntry {
-    /// An entry for each joint that gives under gravity: the last effects of a fit.
+    /// An entry for each field: the last effects of a fit.
     pub fn of_fit(data: &Measurements, fit: &Fit<EffectModel>, gains: &[f64]) -> Vec<Self> {
         let effects = &fit.effects.effects;
-        let entry = |(effect, gain): (&Effect, &f64)| Self {
-            kind: "gravity",
-            joint: effect.term.carrier.place(&fit.effects.statics.chain),
-            rms: turned(data, fit, effect),
-            unit: "rad",
-            log_evidence: *gain,
+        let chain = &fit.effects.statics.chain;
+        let slides =
+            |joint: Option<usize>| joint.is_some_and(|j| matches!(chain.joints()[j].screw, Screw::Prismatic(_)));
+        let entry = |(effect, gain): (&Effect, &f64)| {
+            let (kind, of) = match &effect.term.driver {
+                Driver::Products(products) => {
+                    ("two_joints", products.joints().map(|joint| chain.joints()[joint].name.clone()).to_vec())
+                }
+                _ => ("gravity", Vec::new()),
+            };
+            Self {
+                kind,
+                joint: effect.term.carrier.place(chain),
+                of,
+                rms: turned(data, fit, effect),
+                unit: if slides(effect.term.carrier.joint()) { "m" } else { "rad" },
+                log_evidence: *gain,
+            }
         };
         effects[effects.len() - gains.len()..].iter().zip(gains).map(entry).collect()
     }
@@ -55,8 +68,19 @@ impl FieldEntry {
 /// What depends on several joints, one line each.
 pub fn fields(fields: &[FieldEntry]) -> String {
     let line = |field: &FieldEntry| {
-        let (joint, rms) = (&field.joint, field.rms * 1e3);
-        format!("joint {joint} gives under gravity, rms {rms:.3} mrad: fitted beside the curves, no cause claimed\n")
+        let FieldEntry { joint, of, .. } = field;
+        let (rms, unit) = (field.rms * 1e3, if field.unit == "m" { "mm" } else { "mrad" });
+        match &of[..] {
+            [first, second] => format!(
+                "joint {joint} errs by a smooth function of {first} and {second}, rms {rms:.3} {unit}: fitted beside the curves, no cause \
+                 claimed\n"
+            ),
+            _ => {
+                format!(
+                    "joint {joint} gives under gravity, rms {rms:.3} {unit}: fitted beside the curves, no cause claimed\n"
+                )
+            }
+        }
     };
     fields.iter().map(line).collect()
 }

@@ -12,6 +12,7 @@ pub mod contest;
 pub mod curves;
 pub(crate) mod deflection;
 pub mod evidence;
+pub(crate) mod field;
 mod gaps;
 pub mod gram;
 pub mod hypotheses;

@@ -8,6 +8,7 @@ use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
 use crate::observation::measurements::Column;
+use crate::trace::infer::field::Place;
 use crate::trace::projector::{Gain, Projector};
 use crate::trace::search::{CandidateScorer, p_value};
 use crate::trace::select::Tracer;
@@ -171,6 +172,12 @@ impl Variable {
 }
 
 impl Block {
+    /// The joint that errs and the two whose readings it hangs on, where it is a function of two.
+    pub(crate) fn place(&self) -> Option<Place> {
+        let [Variable::Joint(first), Variable::Joint(second)] = self.variables[..] else { return None };
+        Some(Place { joint: self.carrier.joint()?, of: [first, second] })
+    }
+
     /// In units of the noise.
     pub(crate) fn columns(&self, scorer: &CandidateScorer<'_>) -> DMatrix<f64> {
         let linear = scorer.linear;

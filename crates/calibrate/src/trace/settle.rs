@@ -9,13 +9,16 @@ use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::identify::solve::Fit;
 use crate::identify::threads::{both, in_parallel};
+use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
-use crate::trace::infer::curves::{CurveFit, fit_curves, fit_curves_near};
+use crate::trace::infer::curves::{CurveFit, fit_again, fit_curves, fit_curves_near};
+use crate::trace::infer::deflection::with_terms;
+use crate::trace::infer::field::Beside;
 use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, Question, judge};
-use crate::trace::leftover::{self, Leftover};
+use crate::trace::leftover::{self, Block, Leftover};
 use crate::trace::select::{State, Tracer, same_terms};
 use crate::trace::{Finding, Portrait, Trace, TraceOptions};
 use std::sync::Arc;
@@ -32,6 +35,10 @@ const KEPT: f64 = 0.5;
 
 /// A cause is not named where it explains less than this share of the structure that is left beside it.
 const OUTWEIGHED: f64 = 0.5;
+
+/// Smooth functions of two joints are fitted, at most, and places tried for each.
+const MOST_FIELDS: usize = 2;
+const PLACES: usize = 2;
 
 /// A bump holds so many rows.
 const ROWS_IN_BUMP: usize = 5;
@@ -132,7 +139,10 @@ pub(crate) fn trace(
     };
     let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
-    let findings = findings(judged, portraits, &leftover, &last.fit);
+    // What names a cause is the structure without fields beside it.
+    let spurious: Vec<bool> = judged.iter().map(|one| outweighed(one, &leftover)).collect();
+    let (last, leftover) = with_fields(&tracer, &survey, (data, &rows), &geometric.arm, (last, leftover));
+    let findings = findings(judged, portraits, &spurious, &last.fit);
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
@@ -154,12 +164,7 @@ fn outweighed(one: &Judged, leftover: &Leftover) -> bool {
 }
 
 /// What was judged, with the numbers that it has in the fit: its effects come first there.
-fn findings(
-    judged: Vec<Judged>,
-    portraits: Vec<Portrait>,
-    leftover: &Leftover,
-    fit: &Fit<EffectModel>,
-) -> Vec<Finding> {
+fn findings(judged: Vec<Judged>, portraits: Vec<Portrait>, spurious: &[bool], fit: &Fit<EffectModel>) -> Vec<Finding> {
     let mut first = fit.layout.effects.start;
     let mut findings = Vec::new();
     for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
@@ -167,7 +172,7 @@ fn findings(
             term: one.candidate.term.clone(),
             place: one.candidate.term.carrier.place(&fit.effects.statics.chain),
             values: values(fit, index, first),
-            named: one.named() && !outweighed(&one, leftover),
+            named: one.named() && !spurious[index],
             probability: one.probability,
             found_again: one.found_again,
             p_value: one.log_absent.exp(),
@@ -178,6 +183,41 @@ fn findings(
         first += fit.effects.effects[index].coefficients.len();
     }
     findings
+}
+
+/// A fit with the smooth functions of two joints that pay among what it leaves, and what is left then.
+///
+/// `rows`: of the tracer's data, among all.
+fn with_fields(
+    tracer: &Tracer<'_>,
+    survey: &Survey,
+    (data, rows): (&Measurements, &[usize]),
+    reference: &Arm,
+    (mut last, mut leftover): (CurveFit, Leftover),
+) -> (CurveFit, Leftover) {
+    for _ in 0..MOST_FIELDS {
+        let thin = on_rows(&last.fit, data, rows);
+        let beside = Beside { survey, data: tracer.data, fit: &thin, reference, options: tracer.options.curves };
+        let Some(with) = with_field(&beside, data, &last, &leftover) else { break };
+        last = with;
+        leftover = remains(tracer, &on_rows(&last.fit, data, rows));
+    }
+    (last, leftover)
+}
+
+/// The fit with a smooth function of two joints more, where one of those that are left pays.
+fn with_field(beside: &Beside<'_>, data: &Measurements, last: &CurveFit, leftover: &Leftover) -> Option<CurveFit> {
+    let mut places = Vec::new();
+    for place in leftover.blocks.iter().filter_map(Block::place) {
+        if !places.contains(&place) && places.len() < PLACES {
+            places.push(place);
+        }
+    }
+    let term = beside.paying(&places)?;
+    let start = with_terms(&last.fit, std::iter::once(term));
+    let fields = last.deflections.len() + 1;
+    let with = fit_again(beside.survey, data, &start, beside.reference, beside.options, fields)?;
+    with.fit.settled().then_some(with)
 }
 
 /// Rows spread evenly over the run.

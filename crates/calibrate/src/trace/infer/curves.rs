@@ -4,7 +4,7 @@
 mod left_over;
 
 use crate::effects::carrier::Carrier;
-use crate::effects::catalogue::Candidate;
+use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::curve::{Curve, Waves};
 use crate::effects::curve_modes::CurveModes;
 use crate::effects::model::EffectModel;
@@ -16,7 +16,7 @@ use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Member, Unnamed};
-use crate::trace::infer::deflection;
+use crate::trace::infer::deflection::{self, Expected};
 use crate::trace::infer::evidence::{Model, Posterior};
 use crate::trace::infer::gaps;
 use crate::trace::infer::gram::{Columns, Gram};
@@ -33,8 +33,9 @@ use std::ops::Range;
 const HIGHEST_ORDER: f64 = 60.0;
 /// Measured values for each number of the model, at least. With fewer a wave only repeats the prior, at the cube's cost.
 const VALUES_PER_NUMBER: usize = 4;
-/// A curve has at least this many waves, or it is no curve.
-const FEWEST_WAVES: usize = 3;
+/// A curve has at least this many waves, ten periods over its range: what it cannot follow would be missing from its band, too. Curves of six
+/// joints then cost less than those of four hundred positions.
+const FEWEST_WAVES: usize = 24;
 /// Linearisations, at most: one may go to leaving out curves; after that the second changes little, the third hardly
 /// anything, but where an effect bends the model.
 const ROUNDS: usize = 10;
@@ -75,7 +76,7 @@ pub struct CurveFit {
     pub score: f64,
     /// For each curve by how much it raises that.
     pub gains: Vec<f64>,
-    /// The same for what joints give under gravity beside the curves: the last effects of the model.
+    /// The same for what joints give under gravity beside the curves, and for smooth functions of two joints: the last effects of the model.
     pub deflections: Vec<f64>,
     /// How the curves are unsure.
     pub modes: CurveModes,
@@ -105,14 +106,57 @@ pub(crate) fn fit_curves_near(
     options: CurveOptions,
     near: &[Curve],
 ) -> CurveFit {
-    let given = fit;
-    let (fit, begun) = with_deflections(survey, data, fit, reference, options, near);
-    let mut state = State::new(survey, data, &fit);
+    let (with, begun) = with_deflections(survey, data, fit, reference, options, near);
+    let state = State::new(survey, data, &with);
+    let found = settled(data, state, reference, options, begun.as_ref(), near);
+    let found = found.filter(|found| !found.state.joints.is_empty());
+    let found = found.and_then(|found| found.finish(data, reference, fit.effects.effects.len()));
+    // Without a curve the fit is as it was given.
+    found.unwrap_or_else(|| CurveFit {
+        fit: fit.clone(),
+        score: f64::NEG_INFINITY,
+        gains: Vec::new(),
+        deflections: Vec::new(),
+        modes: CurveModes::none(fit.layout.len()),
+    })
+}
+
+/// A fit with its curves fitted anew, about where they are, beside a field that was added to it: the last of its effects, `fields` of which
+/// are fields. What joints give under gravity is kept.
+pub(crate) fn fit_again(
+    survey: &Survey,
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+    reference: &Arm,
+    options: CurveOptions,
+    fields: usize,
+) -> Option<CurveFit> {
+    let state = State::of_curves(survey, data, fit);
+    let begun = state.hyperparameters();
+    let found = settled(data, state, reference, options, Some(&begun), &[])?;
+    found.finish(data, reference, fit.effects.effects.len() - fields)
+}
+
+/// A state with the hyperparameters that it was fitted with.
+struct Settled {
+    state: State,
+    hyper: Hyperparameters,
+}
+
+/// Rounds from a state on until the score settles: `None` where the system cannot be solved.
+fn settled(
+    data: &Measurements,
+    mut state: State,
+    reference: &Arm,
+    options: CurveOptions,
+    begun: Option<&Hyperparameters>,
+    near: &[Curve],
+) -> Option<Settled> {
     let mut found: Option<(f64, Hyperparameters)> = None;
     for _ in 0..ROUNDS {
         let round = Round::new(data, &state, reference);
         let model = round.model();
-        let reached = match found.as_ref().map(|(_, last)| last).or(begun.as_ref()) {
+        let reached = match found.as_ref().map(|(_, last)| last).or(begun) {
             None => maximum::from_afar(&model, round.known(&state, near).as_ref(), NEGLIGIBLE),
             Some(last) => maximum::from_near(&model, last, NEGLIGIBLE),
         };
@@ -120,7 +164,7 @@ pub(crate) fn fit_curves_near(
         let (hyper, kept) = asked_for(&model, score, hyper, options);
         if kept.contains(&false) {
             state.keep(&kept);
-            if state.joints.is_empty() {
+            if state.joints.is_empty() && !has_field(&state.fit.effects) {
                 break;
             }
             found = Some((f64::NEG_INFINITY, hyper));
@@ -137,7 +181,12 @@ pub(crate) fn fit_curves_near(
             break;
         }
     }
-    state.finish(data, reference, found, given)
+    found.map(|(_, hyper)| Settled { state, hyper })
+}
+
+/// Whether a model has a smooth function of two joints among its effects.
+pub(crate) fn has_field(model: &EffectModel) -> bool {
+    model.effects.iter().any(|effect| effect.term.kind == Kind::JointField)
 }
 
 /// The fit with the deflections that the data ask for beside curves, as yet all 0, and the hyperparameters beside them.
@@ -169,8 +218,8 @@ pub(super) struct State {
     pub(super) waves: Vec<Waves>,
     ranges: Vec<(f64, f64)>,
     /// What each curve is a function of, row by row.
-    readings: Vec<Vec<f64>>,
-    groups: Vec<Vec<usize>>,
+    pub(super) readings: Vec<Vec<f64>>,
+    pub(super) groups: Vec<Vec<usize>>,
 }
 
 impl State {
@@ -201,6 +250,23 @@ impl State {
         }
     }
 
+    /// With the curves that a fit has and no others.
+    pub(super) fn of_curves(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>) -> Self {
+        let mut state = Self::new(survey, data, fit);
+        let own = |joint: usize| fit.effects.curves.iter().find(|curve| curve.joint == joint);
+        let kept: Vec<bool> = state.joints.iter().map(|&joint| own(joint).is_some()).collect();
+        state.keep(&kept);
+        state.waves = state.joints.iter().filter_map(|&joint| own(joint)).map(|curve| curve.waves.clone()).collect();
+        state
+    }
+
+    /// Those that its curves were fitted with.
+    pub(super) fn hyperparameters(&self) -> Hyperparameters {
+        let own = |joint: &usize| self.fit.effects.curves.iter().find(|curve| curve.joint == *joint);
+        let kernels = self.joints.iter().filter_map(own).map(Kernel::of).collect();
+        Hyperparameters { log_noise: 0.0, kernels }
+    }
+
     pub(super) fn keep(&mut self, kept: &[bool]) {
         fn of<T: Clone>(list: &[T], kept: &[bool]) -> Vec<T> {
             list.iter().zip(kept).filter(|(_, kept)| **kept).map(|(item, _)| item.clone()).collect()
@@ -212,41 +278,29 @@ impl State {
         let joints = &self.joints;
         self.fit.effects.curves.retain(|curve| joints.contains(&curve.joint));
     }
+}
 
-    /// The fit with the covariance and noise of the whole model.
-    fn finish(
-        mut self,
-        data: &Measurements,
-        reference: &Arm,
-        found: Option<(f64, Hyperparameters)>,
-        given: &Fit<EffectModel>,
-    ) -> CurveFit {
-        // Without a curve the fit is as it was given.
-        let none = || CurveFit {
-            fit: given.clone(),
-            score: f64::NEG_INFINITY,
-            gains: Vec::new(),
-            deflections: Vec::new(),
-            modes: CurveModes::none(given.layout.len()),
-        };
-        let Some((_, hyper)) = found.filter(|_| !self.joints.is_empty()) else { return none() };
-        let round = Round::new(data, &self, reference);
+impl Settled {
+    /// The fit with the covariance and noise of the whole model. From number `first` on its effects are fields.
+    fn finish(self, data: &Measurements, reference: &Arm, first: usize) -> Option<CurveFit> {
+        let Self { mut state, hyper } = self;
+        let round = Round::new(data, &state, reference);
         let model = round.model();
-        let (Some(score), Some(posterior)) = (model.score(&hyper), model.posterior(&hyper)) else { return none() };
-        let order = round.layout_order(&self);
+        let (score, posterior) = (model.score(&hyper)?, model.posterior(&hyper)?);
+        let order = round.layout_order(&state);
         let count = order.len();
-        self.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
-        let gains = (0..self.waves.len()).map(|curve| score - without(&model, &hyper, curve)).collect();
-        let deflections = deflection::columns(round.always, &self.fit.effects, given.effects.effects.len());
-        let deflections = deflections.iter().map(|block| deflection::gain(&model, &hyper, score, block)).collect();
+        state.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
+        let gains = (0..state.waves.len()).map(|curve| score - without(&model, &hyper, curve)).collect();
+        let fields = deflection::columns(round.always, &state.fit.effects, first);
+        let deflections = fields.iter().map(|block| deflection::gain(&model, &hyper, score, block)).collect();
         let mut first = round.gram.plain;
         let mut places = Vec::new();
-        for waves in &self.waves {
+        for waves in &state.waves {
             places.push(first..first + waves.len());
             first += waves.len();
         }
         let modes = CurveModes::of(|i, k| posterior.covariance(i, k), &places, &order);
-        CurveFit { fit: self.fit, score, gains, deflections, modes }
+        Some(CurveFit { fit: state.fit, score, gains, deflections, modes })
     }
 }
 
@@ -336,11 +390,11 @@ impl Laid {
 
 /// One linearisation with its products.
 pub(super) struct Round {
-    linear: Linear,
+    pub(super) linear: Linear,
     /// What is to be explained, the plain columns and those of the curves' joints.
-    explained: Vec<f64>,
-    plain: Vec<Vec<f64>>,
-    joints: Vec<Vec<f64>>,
+    pub(super) explained: Vec<f64>,
+    pub(super) plain: Vec<Vec<f64>>,
+    pub(super) joints: Vec<Vec<f64>>,
     /// The values in units of which everything is, summed logarithms.
     log_units: f64,
     /// Of all values.
@@ -366,7 +420,7 @@ pub(super) struct Round {
 
 impl Round {
     /// The model at a state, its effects and curves as free as geometry is.
-    fn new(data: &Measurements, state: &State, reference: &Arm) -> Self {
+    pub(super) fn new(data: &Measurements, state: &State, reference: &Arm) -> Self {
         Self::beside(data, state, reference, None, &[], 1)
     }
 
@@ -408,8 +462,8 @@ impl Round {
                 *y += x * at[*row];
             }
         }
-        let least = if candidates.is_none() { deflection::precisions(&fit.effects) } else { Vec::new() };
-        let (precision, pull, charge, log_precision) = prior(&linear, &fit, reference, &plain, &least);
+        let expected = if candidates.is_none() { deflection::expected(&fit.effects) } else { Vec::new() };
+        let (precision, pull, charge, log_precision) = prior(&linear, &fit, reference, &plain, &expected);
         let visible: Vec<f64> = joints
             .iter()
             .map(|column| values as f64 / column.iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE))
@@ -428,7 +482,7 @@ impl Round {
             rows: &linear.rows,
             weights: &linear.weights,
         };
-        let parts = by_part(&columns, state, data.len(), parts);
+        let parts = by_part(&columns, &state.waves, &state.readings, parts, &in_stretches(data.len(), parts));
         let gram = Gram::weighted(&parts, &vec![1.0; parts.len()]);
         let waves = state.waves.clone();
         let log_units = log_units(&linear, &fit.noise);
@@ -459,7 +513,7 @@ impl Round {
         -self.log_units
     }
 
-    fn model(&self) -> Model<'_> {
+    pub(super) fn model(&self) -> Model<'_> {
         Model {
             gram: &self.gram,
             precision: &self.precision,
@@ -616,22 +670,26 @@ impl Round {
     }
 }
 
-fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+pub(super) fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
     columns.iter().map(Vec::as_slice).collect()
 }
 
-/// Products by part of the run: stretches of rows are dealt to the parts in turn.
-fn by_part(columns: &Columns<'_>, state: &State, rows: usize, parts: usize) -> Vec<Gram> {
+/// Products by part of the run, as rows are dealt to so many parts.
+pub(super) fn by_part(
+    columns: &Columns<'_>,
+    waves: &[Waves],
+    readings: &[Vec<f64>],
+    parts: usize,
+    part_of: &dyn Fn(usize) -> usize,
+) -> Vec<Gram> {
     fn pick<T: Copy>(list: &[T], own: &[usize]) -> Vec<T> {
         own.iter().map(|&value| list[value]).collect()
     }
     if parts == 1 {
-        return vec![Gram::of(columns, &state.waves, &state.readings)];
+        return vec![Gram::of(columns, waves, readings)];
     }
-    let stretch = rows.div_ceil(STRETCHES * parts).max(1);
     let of_part = |part: usize| {
-        let in_part = |value: &usize| (columns.rows[*value] / stretch) % parts == part;
-        let own: Vec<usize> = (0..columns.rows.len()).filter(in_part).collect();
+        let own: Vec<usize> = (0..columns.rows.len()).filter(|value| part_of(columns.rows[*value]) == part).collect();
         let all = columns.plain.iter().chain(columns.joints);
         let picked: Vec<Vec<f64>> = all.map(|column| pick(column, &own)).collect();
         let picked = borrowed(&picked);
@@ -643,9 +701,15 @@ fn by_part(columns: &Columns<'_>, state: &State, rows: usize, parts: usize) -> V
             rows: &pick(columns.rows, &own),
             weights: &pick(columns.weights, &own),
         };
-        Gram::of(&columns, &state.waves, &state.readings)
+        Gram::of(&columns, waves, readings)
     };
     (0..parts).map(of_part).collect()
+}
+
+/// Stretches of rows are dealt to the parts in turn.
+pub(super) fn in_stretches(rows: usize, parts: usize) -> impl Fn(usize) -> usize {
+    let stretch = rows.div_ceil(STRETCHES * parts).max(1);
+    move |row| (row / stretch) % parts
 }
 
 /// The levels of noise in units of which the values are, summed logarithms.
@@ -703,7 +767,7 @@ fn prior(
     fit: &Fit<EffectModel>,
     reference: &Arm,
     plain: &[Vec<f64>],
-    least: &[f64],
+    expected: &[Expected],
 ) -> (DMatrix<f64>, Vec<f64>, f64, f64) {
     let geometry = linear.geometry.ncols();
     let mut precision = DMatrix::zeros(plain.len(), plain.len());
@@ -727,8 +791,13 @@ fn prior(
     let mut log_precision = 0.0;
     let values = linear.values() as f64;
     for (offset, column) in plain[geometry..].iter().enumerate() {
-        let least = least.get(offset).copied().unwrap_or_default().max(f64::MIN_POSITIVE);
-        let information = (column.iter().map(|x| x * x).sum::<f64>() / values).max(least);
+        let unit = column.iter().map(|x| x * x).sum::<f64>() / values;
+        let information = match expected.get(offset) {
+            Some(Expected::Known(precision)) => *precision,
+            Some(Expected::UnitInformation(least)) => unit.max(*least),
+            None => unit,
+        }
+        .max(f64::MIN_POSITIVE);
         precision[(geometry + offset, geometry + offset)] = information;
         log_precision += information.ln();
     }

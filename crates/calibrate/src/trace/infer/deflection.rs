@@ -53,7 +53,7 @@ pub(super) fn all(survey: &Survey, fit: &Fit<EffectModel>) -> Option<Fit<EffectM
 }
 
 /// The same fit with more terms, all their numbers 0.
-pub(super) fn with_terms(fit: &Fit<EffectModel>, terms: impl Iterator<Item = Term>) -> Fit<EffectModel> {
+pub(crate) fn with_terms(fit: &Fit<EffectModel>, terms: impl Iterator<Item = Term>) -> Fit<EffectModel> {
     let mut with = fit.clone();
     for term in terms {
         let coefficients = vec![0.0; term.coefficients(&fit.effects.statics)];
@@ -63,12 +63,25 @@ pub(super) fn with_terms(fit: &Fit<EffectModel>, terms: impl Iterator<Item = Ter
     with
 }
 
-/// The least prior precision of the numbers of all effects.
-pub(super) fn precisions(model: &EffectModel) -> Vec<f64> {
+/// What is expected of an effect's number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Expected {
+    /// As much as one measured value in the mean tells it, and this precision at least.
+    UnitInformation(f64),
+    /// This precision.
+    Known(f64),
+}
+
+/// What is expected of the numbers of all effects.
+pub(super) fn expected(model: &EffectModel) -> Vec<Expected> {
     let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
     let of = |effect: &Effect| {
-        let by_parts = matches!(effect.term.driver, Driver::TorqueTerms { .. });
-        std::iter::repeat_n(if by_parts { of_gravity } else { 0.0 }, effect.coefficients.len())
+        let expected = match &effect.term.driver {
+            Driver::TorqueTerms { .. } => Expected::UnitInformation(of_gravity),
+            Driver::Products(products) => Expected::Known(products.size.powi(-2)),
+            _ => Expected::UnitInformation(0.0),
+        };
+        std::iter::repeat_n(expected, effect.coefficients.len())
     };
     model.effects.iter().flat_map(of).collect()
 }
@@ -143,12 +156,12 @@ pub(super) fn gain(model: &Model<'_>, hyper: &Hyperparameters, score: f64, block
 }
 
 /// The model under another prior of the plain columns.
-fn under<'a>(model: &Model<'a>, (precision, log_precision): &'a (DMatrix<f64>, f64)) -> Model<'a> {
+pub(super) fn under<'a>(model: &Model<'a>, (precision, log_precision): &'a (DMatrix<f64>, f64)) -> Model<'a> {
     Model { precision, log_precision: *log_precision, ..model.clone() }
 }
 
 /// The prior under which these columns have no part in the model.
-fn nothing(model: &Model<'_>, columns: impl Iterator<Item = usize>) -> (DMatrix<f64>, f64) {
+pub(super) fn nothing(model: &Model<'_>, columns: impl Iterator<Item = usize>) -> (DMatrix<f64>, f64) {
     let (mut precision, mut log_precision) = (model.precision.clone(), model.log_precision);
     for column in columns {
         precision[(column, column)] *= NOTHING;

@@ -333,6 +333,11 @@ impl Solved {
         dot(&self.half, &self.half)
     }
 
+    /// What is expected of each number: A⁻¹ b.
+    pub fn mean(&self) -> Vec<f64> {
+        self.factor.backward(&self.half).iter().zip(&self.scale).map(|(x, scale)| x * scale).collect()
+    }
+
     /// A value that is predicted by these columns, as a vector f with fᵀ f its variance and fᵀ g its covariance with another: L⁻¹ D x.
     pub fn feature(&self, columns: &[f64]) -> Vec<f64> {
         let scaled: Vec<f64> = columns.iter().zip(&self.scale).map(|(x, scale)| x * scale).collect();
