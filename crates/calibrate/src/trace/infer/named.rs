@@ -30,8 +30,8 @@ pub const FOUND_AGAIN: f64 = 0.8;
 /// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
-/// So often each row of a half counts.
-const TWICE: f64 = 2.0;
+/// So often each row of a half counts: [`resampled`].
+const COUNTED: [f64; 2] = [1.0, 2.0];
 /// A set of causes with this much of the mass is left possible even where no member of the best is unsure.
 const POSSIBLE: f64 = 0.1;
 /// Sets of the same names may be so many that each is this much behind what they are together, logarithm.
@@ -70,7 +70,7 @@ pub struct Judged {
     pub probability: f64,
     /// Logarithm of the probability that it does not.
     pub log_absent: f64,
-    /// Share of the resampled runs that find it.
+    /// Share of the resampled runs that find it, halves of the run counted once or twice, whichever finds it more often.
     pub found_again: f64,
     /// By how much it raises the logarithm of the marginal likelihood, prior odds counted.
     pub gain: f64,
@@ -170,7 +170,7 @@ pub(crate) fn judge(
         }
         seen.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set)
     };
-    let resampled = if set.is_empty() { Vec::new() } else { resampled(&round.parts, &again) };
+    let resampled = if set.is_empty() { Default::default() } else { resampled(&round.parts, &again) };
     let members: Vec<Judged> = set
         .iter()
         .map(|&member| {
@@ -180,12 +180,14 @@ pub(crate) fn judge(
                 .filter(|(other, _)| !has(other, mine))
                 .map(|(_, (score, _))| *score)
                 .fold(f64::NEG_INFINITY, f64::max);
-            let again = resampled.iter().filter(|found| has(found, mine)).count();
+            let share = |runs: &Vec<Vec<usize>>| {
+                runs.iter().filter(|found| has(found, mine)).count() as f64 / runs.len().max(1) as f64
+            };
             Judged {
                 candidate: candidates[member].clone(),
                 probability: mass(&|set| has(set, mine)).exp(),
                 log_absent: mass(&|set| !has(set, mine)),
-                found_again: again as f64 / resampled.len().max(1) as f64,
+                found_again: resampled.iter().map(share).fold(0.0, f64::max),
                 gain: seen[set].0 - without,
                 rivals: rivals(&seen, &names, mine),
             }
@@ -369,24 +371,27 @@ fn is_plain(candidate: &Candidate) -> bool {
     }
 }
 
-/// What is found on each half of the run, every row of it counted twice; the run is split into two halves again and again (complementary
-/// pairs; Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
+/// What is found on each half of the run, its rows counted once and, apart from that, twice; the run is split into two halves again and again
+/// (complementary pairs; Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
 ///
 /// A half that is counted twice differs from the run by as much as another run of its length would: half of the rows left out gives an
-/// estimate the variance that it has (Shao and Wu, Annals of Statistics 17 (1989), 1176). Counted once it would ask another question:
-/// whether half of the rows had been enough.
-fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> Vec<Vec<usize>> {
+/// estimate the variance that it has (Shao and Wu, Annals of Statistics 17 (1989), 1176). But where rows are few, curves follow what noise
+/// they have twice. Counted once, what a half tells is its own, but it is half as much: a cause that the run shows well may be too little there.
+/// What either way finds again does not hang on which rows there are.
+fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> [Vec<Vec<usize>>; 2] {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut order: Vec<usize> = (0..parts.len()).collect();
-    let mut halves = Vec::with_capacity(2 * SPLITS);
+    let mut halves: Vec<Vec<usize>> = Vec::with_capacity(2 * SPLITS);
     for _ in 0..SPLITS {
         for last in (1..order.len()).rev() {
             order.swap(last, random.random_range(0..=last));
         }
-        for half in order.chunks(parts.len().div_ceil(2)) {
-            let times = |part| if half.contains(&part) { TWICE } else { 0.0 };
-            halves.push((0..parts.len()).map(times).collect::<Vec<f64>>());
-        }
+        halves.extend(order.chunks(parts.len().div_ceil(2)).map(<[usize]>::to_vec));
     }
-    in_parallel(&halves, |times| search(&Gram::weighted(parts, times)))
+    COUNTED.map(|counted| {
+        in_parallel(&halves, |half| {
+            let times = |part| if half.contains(&part) { counted } else { 0.0 };
+            search(&Gram::weighted(parts, &(0..parts.len()).map(times).collect::<Vec<f64>>()))
+        })
+    })
 }
