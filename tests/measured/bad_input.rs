@@ -52,7 +52,7 @@ fn bad_input_to_the_measuring_commands_gets_one_clear_message() {
     simulate(&["--effect", "backlash@elbow=1mm"], "backlash cannot act at \"elbow\"; it can at shoulder_pan_joint");
     simulate(&["--effect", "backlash@elbow_joint=nan"], "\"nan\" is no strength");
     simulate(&["--effect", "backlash"], "write KIND@PLACE=STRENGTH");
-    simulate(&["--effect", "thermal@base=1mm"], "add --columns temperature");
+    simulate(&["--effect", "thermal@base=1mm"], "for other places add --columns temperature");
     simulate(&["--effect", "backlash@elbow_joint:order=2=1mm"], "\"order\" cannot be set here");
     simulate(&["--columns", "humidity"], "\"humidity\" is no column that a run has");
     simulate(&["--noise", "-1"], "--noise: \"-1\" is not MM,MRAD");

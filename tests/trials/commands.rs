@@ -115,7 +115,7 @@ fn a_few_new_poses_go_on_from_an_earlier_calibration() {
 #[test]
 fn what_a_run_left_open_is_planned_for() {
     let trial = Trial::new();
-    let effect = "--effect backlash@elbow_joint=0.05mm";
+    let effect = "--effect backlash@elbow_joint=0.04mm";
     trial.run(&format!("simulate arm.urdf --rows 60 --seed 5 -o run.csv {effect}")).succeeded();
     let said = trial.run("plan arm.urdf --tell-apart run.csv --count 8 --spread 200 -o poses.csv").succeeded();
     snapshot("plan_tell_apart", &said);

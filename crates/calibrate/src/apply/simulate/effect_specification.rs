@@ -118,11 +118,10 @@ impl EffectSpecification {
         let here = all.into_iter().filter(|candidate| candidate.term.carrier.place(chain) == self.place);
         let mut terms = here.map(|candidate| candidate.term);
         let Some(first) = terms.next() else {
-            return Err(self.wrong(format!(
-                "{name} cannot act at \"{}\"; it can at {}",
-                self.place,
-                places.join(", ")
-            )));
+            let unheard = self.kind == Kind::Thermal && survey.temperatures.is_empty();
+            let more = if unheard { "; for other places add ‹columns› temperature" } else { "" };
+            let places = places.join(", ");
+            return Err(self.wrong(format!("{name} cannot act at \"{}\"; it can at {places}{more}", self.place)));
         };
         let mut term = match &first.driver {
             Driver::Harmonic { joint, .. } => {
