@@ -95,18 +95,7 @@ pub(crate) fn trace(
         }
     });
     let near: Vec<&CurveFit> = fitted.iter().map(|(_, near)| near).collect();
-    // First what would be plain to an engineer, then what the search came upon, then what spectra show.
-    let curves_near = || near.iter().flat_map(|near| &near.fit.effects.curves);
-    let plain = curves_near().flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
-    let of_lines = curves_near().flat_map(|curve| causes_of_lines(&tracer.candidates, curve));
-    let mut proposed: Vec<Candidate> = Vec::new();
-    for candidate in plain.chain(found.candidates).chain(of_lines) {
-        if !proposed.iter().any(|other| other.term == candidate.term) {
-            proposed.push(candidate);
-        }
-    }
-    proposed.retain(|candidate| wide_enough(candidate, &part, statics));
-    proposed.truncate(MOST_JUDGED);
+    let proposed = proposed(&tracer, &near, found.candidates);
     let Judgement { members: judged, open } = if proposed.is_empty() {
         Judgement::default()
     } else {
@@ -130,8 +119,9 @@ pub(crate) fn trace(
     let order = &found.states[0].chosen;
     judged.sort_by_key(|one| order.iter().position(|known| known.term == one.candidate.term).unwrap_or(order.len()));
     let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
-    let same = |model: &Option<&State>| model.is_some_and(|state| same_terms(&state.chosen, &kept));
-    let known_fit = models.iter().position(same).filter(|_| rows.len() == data.len());
+    let same = |state: &&State| same_terms(&state.chosen, &kept);
+    let known_fit =
+        models.iter().position(|model| model.as_ref().is_some_and(same)).filter(|_| rows.len() == data.len());
     let (plain, last) = match known_fit {
         _ if kept.is_empty() => (bare.clone(), curves.clone()),
         Some(model) => fitted[model].clone(),
@@ -156,6 +146,22 @@ pub(crate) fn trace(
         leftover,
         open: open.map(Arc::new),
     }
+}
+
+/// What is judged: first what would be plain to an engineer, then what the search came upon, then what spectra show.
+fn proposed(tracer: &Tracer<'_>, near: &[&CurveFit], found: Vec<Candidate>) -> Vec<Candidate> {
+    let curves_near = || near.iter().flat_map(|near| &near.fit.effects.curves);
+    let plain = curves_near().flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
+    let of_lines = curves_near().flat_map(|curve| causes_of_lines(&tracer.candidates, curve));
+    let mut proposed: Vec<Candidate> = Vec::new();
+    for candidate in plain.chain(found).chain(of_lines) {
+        if !proposed.iter().any(|other| other.term == candidate.term) {
+            proposed.push(candidate);
+        }
+    }
+    proposed.retain(|candidate| wide_enough(candidate, tracer.data, tracer.statics));
+    proposed.truncate(MOST_JUDGED);
+    proposed
 }
 
 /// Whether what no entry explains weighs more than a cause does: that may then stand in for a part of it.
