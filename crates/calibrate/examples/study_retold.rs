@@ -62,7 +62,9 @@ fn cells(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
 fn text(header: &[String], rows: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header).unwrap();
-    rows.iter().for_each(|row| writer.write_record(row).unwrap());
+    for row in rows {
+        writer.write_record(row).unwrap();
+    }
     String::from_utf8(writer.into_inner().unwrap()).unwrap()
 }
 
@@ -85,7 +87,7 @@ fn in_millimetres(case: &Case, told: &str) -> String {
         };
         match joint {
             Some(joint) if !matches!(joint.screw, Screw::Prismatic(_)) => {
-                scaled(&mut rows, column, 1.0_f64.to_degrees())
+                scaled(&mut rows, column, 1.0_f64.to_degrees());
             }
             Some(_) => scaled(&mut rows, column, 1e3),
             None if length(name) => scaled(&mut rows, column, 1e3),
@@ -99,7 +101,9 @@ fn in_millimetres(case: &Case, told: &str) -> String {
 fn with_a_column(told: &str, random: &mut ChaCha8Rng) -> String {
     let (mut header, mut rows) = cells(told);
     header.push("humidity".into());
-    rows.iter_mut().for_each(|row| row.push(random.random_range(30.0..60.0_f64).to_string()));
+    for row in &mut rows {
+        row.push(random.random_range(30.0..60.0_f64).to_string());
+    }
     text(&header, &rows)
 }
 

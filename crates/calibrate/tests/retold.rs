@@ -44,8 +44,8 @@ fn told(
     let text = write(data, &[]);
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let mut out = header.join(",");
-    more.iter().for_each(|(name, _)| out.push_str(&format!(",{name}")));
+    let names: Vec<&str> = header.iter().copied().chain(more.iter().map(|(name, _)| *name)).collect();
+    let mut out = names.join(",");
     for (row, line) in lines.enumerate() {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let of = |name: &str| cells[header.iter().position(|other| *other == name).unwrap()];
