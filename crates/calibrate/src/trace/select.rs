@@ -8,6 +8,7 @@ use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
 use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
+use crate::observation::kinds::{DISTANCE, POSE, POSITION};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::drifts::COARSE;
@@ -27,6 +28,8 @@ pub(crate) const SWAP_GAIN: f64 = 2.0;
 const SAME_DROP: f64 = 0.1;
 /// Changes of one effect for another by fitting both, at the end.
 const MOST_CONTESTS: usize = 3;
+/// No effect of a machine leaves this much in each measured component, m: only a joint that counts another joint's angle with its own.
+const FAR_OFF: f64 = 0.02;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
 /// So many of the best that could still be added are proposed.
@@ -135,9 +138,12 @@ impl<'a> Tracer<'a> {
             let linear = self.linear(&state);
             let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
             let scorer = self.scorer(&linear);
-            let scored = scorer.score(&projectors.loose, &self.candidates);
+            let mut scored = scorer.score(&projectors.loose, &self.candidates);
             if scan.is_empty() {
                 scan = self.scan(&scored);
+            }
+            if self.far_off(&state) {
+                scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
             }
             let Some(best) = self.best(&scorer, &projectors, &scored) else { break };
             if !self.helps_held_out(&scorer, &best) {
@@ -174,6 +180,12 @@ impl<'a> Tracer<'a> {
             self.propose(&self.refitted(Vec::new(), None), &mut candidates);
         }
         Proposals { candidates, states: vec![plain, state], scan }
+    }
+
+    /// Whether a model leaves so much that readings must mean something else than angles from link to link: any cause would be found in that.
+    fn far_off(&self, state: &State) -> bool {
+        let in_metres = self.data.scene.series.iter().all(|series| [POSITION, POSE, DISTANCE].contains(&series.kind));
+        in_metres && state.fit.noise.first() > FAR_OFF
     }
 
     /// Adds the terms of a state, those that come near each of them, and the best that could still be added.
