@@ -23,12 +23,7 @@ NAMED = [
     ("backlash", "rail_six_axis", "position"),
     ("joint_coupling", "seven_axis", "pose"),
     ("axis_wobble", "scara", "pose"),
-    pytest.param(
-        "local_joint_error",
-        "six_axis",
-        "position",
-        marks=pytest.mark.xfail(strict=True, reason="a bump of a few rows does not reach the probability at which causes are named"),
-    ),
+    ("local_joint_error", "six_axis", "position"),
     ("link_compliance", "rail_six_axis", "pose"),
     ("base_compliance", "seven_axis", "pose"),
     ("thermal", "rail_six_axis", "position"),
