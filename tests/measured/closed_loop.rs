@@ -106,10 +106,23 @@ fn the_loop_closes_from_simulation_to_commands() {
 
 #[test]
 fn files_of_a_calibration_turn_the_tip_as_it_was_measured() {
+    turned_as_measured("0,0", 1e-8);
+}
+
+/// Off its drawing an arm also stands by a milliradian otherwise to gravity than its calibrated frames say, which no pose shows: the fit itself
+/// leaves 0.7 µrad of what the joint gives.
+#[test]
+fn files_of_a_calibration_off_its_drawing_turn_the_tip_as_far_as_gravity_is_known() {
+    turned_as_measured("1,1", 3e-6);
+}
+
+/// `error`: mm and mrad of each axis; `within`: rad.
+fn turned_as_measured(error: &str, within: f64) {
     let (folder, ur5e) = (Folder::new(), ur5e());
     let [data, urdf, effects] = ["data.csv", "as_it_is.urdf", "effects.json"].map(|name| folder.path(name));
     let effect = "axis_wobble@wrist_1_joint:order=2=0.4mm";
-    let rows = ["--rows", "40", "--noise", "0,0", "--measure", "poses", "--columns", "payload"];
+    let rows =
+        ["--rows", "40", "--noise", "0,0", "--measure", "poses", "--columns", "payload", "--geometry-error", error];
     let simulate =
         ["simulate", &ur5e, "-o", &data, "--effect", "joint_compliance@elbow_joint=0.3mm", "--effect", effect];
     denavit(&[&simulate[..], &rows].concat()).succeeded();
@@ -132,8 +145,7 @@ fn files_of_a_calibration_turn_the_tip_as_it_was_measured() {
     // The angle between two rows is the same wherever the instrument stands and however the target sits.
     for pair in turns.windows(2) {
         let angle = |which: usize| pair[0][which].angle_to(&pair[1][which]);
-        // A link's mass stands where its axis does in the fit, where its frame does in the file: 1 mm of it is 0.3 % of what gives.
-        assert!((angle(0) - angle(1)).abs() < 3e-6, "{:e}", angle(0) - angle(1));
+        assert!((angle(0) - angle(1)).abs() < within, "{:e}", angle(0) - angle(1));
         assert!(pair[0][0].angle_to(&pair[1][0]) > 0.1);
     }
 }

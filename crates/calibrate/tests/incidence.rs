@@ -1,5 +1,6 @@
 //! A target whose range depends on how it is turned to the instrument.
 
+use crate::drawn::ur5e;
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, simulate_arm};
 use denavit_calibrate::effects::survey::{Survey, with_run_order};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
@@ -7,14 +8,6 @@ use denavit_calibrate::identify::residual_statistics::residuals;
 use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
 use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
-use denavit_model::{Chain, Reading, urdf};
-
-fn robot() -> (Chain, Statics) {
-    let drawn = urdf::read("ur5e.urdf", include_str!("../../../robots/universal_robots/ur5e.urdf")).unwrap();
-    let chain = drawn.chain(None, None, Reading::default()).unwrap().value;
-    let statics = Statics::of(&drawn, &chain);
-    (chain, statics)
-}
 
 fn model(statics: &Statics, carrier: Carrier, coefficients: &[f64]) -> EffectModel {
     let term = Term { kind: Kind::TargetIncidence, carrier, driver: Driver::Constant, coupling: Coupling::Each };
@@ -26,7 +19,7 @@ fn options(kind: ObservationKind, rows: usize, seed: u64) -> SimulationOptions {
 }
 
 fn traced(kind: ObservationKind, carrier: Carrier, coefficients: &[f64], seed: u64) -> Trace {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     let data = simulate(&chain, &options(kind, 150, seed), &model(&statics, carrier, coefficients)).data;
     let options = TraceOptions::new(IdentifyOptions::axes(&chain));
     let geometric = identify(&chain, &data, &options.identify).geometric;
@@ -36,7 +29,7 @@ fn traced(kind: ObservationKind, carrier: Carrier, coefficients: &[f64], seed: u
 /// The range is read too far by c · u and the zero, the angles as they are.
 #[test]
 fn what_is_read_moves_along_the_line_of_sight_alone() {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     for kind in [POSITION, POSE] {
         // The same readings whoever simulates them.
         let told = Some(readings(&chain, 20, 3));
@@ -91,7 +84,7 @@ fn a_wrong_prism_constant_is_found() {
 
 #[test]
 fn it_is_no_candidate_without_a_line_of_sight() {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     let offered = |kind| {
         let data = with_run_order(simulate(&chain, &options(kind, 30, 1), &NoEffects).data);
         (Kind::TargetIncidence.entry().terms)(&Survey::of(&statics, &data, Vec::new())).len()

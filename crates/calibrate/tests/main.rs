@@ -9,6 +9,7 @@ mod covariates;
 mod coverage;
 mod curves;
 mod diagnosis;
+mod drawn;
 mod exports;
 mod factory;
 mod fields;

@@ -2,24 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
+use crate::drawn::ur5e;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::report::text;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects};
-use denavit_model::Chain;
-use denavit_model::tree::Reading;
-use std::path::Path;
-
-fn ur5e() -> (Chain, Statics) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/universal_robots/ur5e.urdf");
-    let robot = denavit_model::urdf::read("ur5e.urdf", &std::fs::read_to_string(file).unwrap()).unwrap();
-    let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
-    let statics = Statics::of(&robot, &chain);
-    (chain, statics)
-}
 
 /// Positions of a robot without any effect, and 40 rows that no fit sees.
 fn clean(rows: usize, seed: u64) -> (Measurements, Measurements) {

@@ -2,22 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
+use crate::drawn::ur5e;
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::observation::measurements::{Measurements, Units, read, write};
 use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
 use denavit_model::Chain;
-use denavit_model::tree::Reading;
-use std::path::Path;
-
-fn robot() -> (Chain, Statics) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/universal_robots/ur5e.urdf");
-    let robot = denavit_model::urdf::read("ur5e.urdf", &std::fs::read_to_string(file).unwrap()).unwrap();
-    let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
-    let statics = Statics::of(&robot, &chain);
-    (chain, statics)
-}
 
 fn effect(kind: Kind, joint: usize, driver: Driver, coefficient: f64) -> Effect {
     let term = Term { kind, carrier: Carrier::Joint(joint), driver, coupling: Coupling::Each };
@@ -59,7 +50,7 @@ fn told(
 
 #[test]
 fn a_soft_joint_and_a_coupling_are_found_however_its_run_is_told() {
-    let arm = robot();
+    let arm = ur5e();
     let (chain, statics) = &arm;
     let effects = vec![
         effect(Kind::JointCompliance, 2, Driver::Torque(2), 2e-5),
@@ -89,7 +80,7 @@ fn a_soft_joint_and_a_coupling_are_found_however_its_run_is_told() {
 /// Readings as a controller gives them that counts the elbow from the ground, and the same with that taken out.
 #[test]
 fn a_soft_joint_is_found_whether_or_not_a_coupling_was_taken_out_beforehand() {
-    let arm = robot();
+    let arm = ur5e();
     let (chain, statics) = &arm;
     let effects = vec![
         effect(Kind::JointCompliance, 2, Driver::Torque(2), 4e-5),

@@ -4,6 +4,7 @@
 #[allow(dead_code, clippy::pedantic, reason = "a study is a program of its own; one case of it is a test")]
 mod study;
 
+use crate::drawn::ur5e;
 use denavit_calibrate::apply::plan::tell_apart::TellApart;
 use denavit_calibrate::apply::plan::{PlanError, PlanOptions};
 use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
@@ -15,18 +16,11 @@ use denavit_calibrate::observation::kinds::{ObservationKind, PLANE, POSE, POSITI
 use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{NoEffects, Scene};
-use denavit_model::{Chain, Reading, urdf};
-
-fn robot() -> (Chain, Statics) {
-    let drawn = urdf::read("ur5e.urdf", include_str!("../../../robots/universal_robots/ur5e.urdf")).unwrap();
-    let chain = drawn.chain(None, None, Reading::default()).unwrap().value;
-    let statics = Statics::of(&drawn, &chain);
-    (chain, statics)
-}
+use denavit_model::Chain;
 
 /// A run with these effects, calibrated.
 fn calibrated(kind: ObservationKind, rows: usize, seed: u64, effects: &[&str]) -> (Calibration, Chain, Statics) {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     let options = SimulationOptions { kind, rows, seed, ..Default::default() };
     let wanted: Vec<_> = effects.iter().map(|word| word.parse().unwrap()).collect();
     let run = simulate(&chain, &options, &NoEffects);
@@ -44,7 +38,7 @@ fn planned(found: &Calibration, statics: &Statics, options: &PlanOptions) -> Tel
 
 #[test]
 fn poses_from_the_whole_range_name_what_a_part_of_it_left_open() {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     let case = study::case(&chain, &statics, study::WORLDS[0], 1013).expect("something is left open");
     assert!(!case.before.right);
     let [told_apart, _, _] = case.after;

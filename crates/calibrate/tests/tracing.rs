@@ -5,27 +5,17 @@
 #![allow(clippy::print_stdout, reason = "tests say what they skipped")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
+use crate::drawn::drawn;
 use crate::measured::measured;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Term};
 use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
-use denavit_model::Chain;
-use denavit_model::tree::Reading;
-use std::path::Path;
-
-fn robot(path: &str) -> (Chain, Statics) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(path);
-    let robot = denavit_model::urdf::read(path, &std::fs::read_to_string(file).unwrap()).unwrap();
-    let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
-    let statics = Statics::of(&robot, &chain);
-    (chain, statics)
-}
 
 fn traced(effects: Vec<Effect>, seed: u64) -> Trace {
-    let (chain, statics) = robot("universal_robots/ur5e.urdf");
+    let (chain, statics) = drawn("universal_robots/ur5e.urdf");
     let options = SimulationOptions { rows: 150, seed, ..SimulationOptions::default() };
     let data = simulate(&chain, &options, &EffectModel::new(statics.clone(), effects)).data;
     let options = TraceOptions::new(IdentifyOptions::axes(&chain));
@@ -73,7 +63,7 @@ fn a_soft_joint_is_found_by_its_torque() {
 /// Loads on the drawing's axes made this a joint with a balancer's spring, whose sine and cosine took up what 2 mrad do.
 #[test]
 fn a_soft_joint_stays_plain_on_an_arm_that_is_not_as_drawn() {
-    let (chain, statics) = robot("universal_robots/ur5e.urdf");
+    let (chain, statics) = drawn("universal_robots/ur5e.urdf");
     let soft = |joint: usize, c: f64| effect(Kind::JointCompliance, Carrier::Joint(joint), Driver::Torque(joint), &[c]);
     let model = EffectModel::new(statics.clone(), vec![soft(1, 4.5e-5), soft(2, 8.8e-5)]);
     let options =
@@ -122,7 +112,7 @@ fn pitch_and_coupling_are_separated() {
 /// Wu, Yang, Chen, Ren 2015: 0.266 mm mean and 0.525 mm largest on the same 40 rows.
 #[test]
 fn wu_irb120_lacks_compliance() {
-    let (chain, statics) = robot("abb/irb120.urdf");
+    let (chain, statics) = drawn("abb/irb120.urdf");
     let load = |name: &str| {
         let path = measured(name)?;
         Some(read(name, std::fs::File::open(path).unwrap(), &chain, Units::default()).unwrap().data)

@@ -1,5 +1,6 @@
 //! Joints that warm with their own work, where no thermometer is.
 
+use crate::drawn::ur5e;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
 use denavit_calibrate::apply::plan::PlanOptions;
 use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
@@ -12,16 +13,9 @@ use denavit_calibrate::observation::measurements::poses::Poses;
 use denavit_calibrate::observation::measurements::{Covariate, Covariates};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Measurements, NoEffects};
-use denavit_model::{Chain, Reading, urdf};
+use denavit_model::Chain;
 
 const ROWS: usize = 200;
-
-fn robot() -> (Chain, Statics) {
-    let drawn = urdf::read("ur5e.urdf", include_str!("../../../robots/universal_robots/ur5e.urdf")).unwrap();
-    let chain = drawn.chain(None, None, Reading::default()).unwrap().value;
-    let statics = Statics::of(&drawn, &chain);
-    (chain, statics)
-}
 
 /// A run in which each joint works hard for a while and little after that, one after the other.
 fn by_turns(chain: &Chain, rows: usize, seed: u64) -> SimulationOptions {
@@ -36,7 +30,7 @@ fn by_turns(chain: &Chain, rows: usize, seed: u64) -> SimulationOptions {
 }
 
 fn with_effect(text: &str, options: &SimulationOptions) -> (Measurements, EffectModel, Chain, Statics) {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     let bare = simulate(&chain, options, &NoEffects);
     let model = specified_effects(&[text.parse().unwrap()], &statics, &bare, options.seed).unwrap();
     (simulate(&chain, options, &model).data, model, chain, statics)
@@ -49,7 +43,7 @@ fn asked(chain: &Chain) -> CalibrateOptions {
 
 #[test]
 fn a_joint_that_warms_with_its_work_is_no_drift() {
-    let (chain, _) = robot();
+    let (chain, _) = ur5e();
     let (data, truth, chain, statics) = with_effect("thermal@elbow_joint:over=40=0.4mm", &by_turns(&chain, ROWS, 5));
     let found = calibrate(&chain, &statics, data, None, &asked(&chain)).unwrap();
     let trace = found.trace.as_ref().unwrap();
@@ -67,7 +61,7 @@ fn a_joint_that_warms_with_its_work_is_no_drift() {
 
 #[test]
 fn plain_drift_is_no_warmth() {
-    let (chain, _) = robot();
+    let (chain, _) = ur5e();
     for text in ["drift@elbow_joint=0.3mm", "drift@elbow_joint:step=90=0.2mm"] {
         let (data, _, chain, statics) = with_effect(text, &by_turns(&chain, ROWS, 6));
         let found = calibrate(&chain, &statics, data, None, &asked(&chain)).unwrap();
@@ -79,7 +73,7 @@ fn plain_drift_is_no_warmth() {
 
 #[test]
 fn rows_held_out_go_on_from_the_run() {
-    let (chain, _) = robot();
+    let (chain, _) = ur5e();
     let time = |rows: std::ops::Range<usize>| Covariate {
         name: "time".into(),
         values: rows.map(|row| (15 * row + 7 * (row % 3)) as f64).collect(),
@@ -109,7 +103,7 @@ fn rows_held_out_go_on_from_the_run() {
 
 #[test]
 fn lags_follow_the_run_and_its_clock() {
-    let (chain, statics) = robot();
+    let (chain, statics) = ur5e();
     let lags = |data: Measurements| -> Vec<String> {
         let survey = Survey::of(&statics, &with_run_order(data), Vec::new());
         survey.warmth(0).map(|column| column.name().replace("shoulder_pan_joint.warmth over ", "")).collect()
@@ -126,7 +120,7 @@ fn lags_follow_the_run_and_its_clock() {
 
 #[test]
 fn commands_in_order_keep_the_warmth_of_those_before() {
-    let (chain, _) = robot();
+    let (chain, _) = ur5e();
     let (data, model, chain, statics) = with_effect("thermal@elbow_joint:over=10=0.3mm", &by_turns(&chain, 40, 4));
     let saved = SavedEffects::from_json("effects.json", &model.to_json(), &statics).unwrap();
     assert_eq!(saved, model.saved());

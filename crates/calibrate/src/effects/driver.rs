@@ -18,7 +18,7 @@ pub use self::columns::{
     unit_of,
 };
 pub use self::side::Side;
-pub use self::statics::{AxisNow, Conditions, LinkEnd, Posture, Statics};
+pub use self::statics::{Conditions, LinkEnd, Posture, StandingAxis, Statics};
 
 use self::piecewise::hats;
 use self::side::side_of;

@@ -188,8 +188,7 @@ impl EffectModel {
             self.add_steady(conditions, joints, out);
             return None;
         }
-        let mut steady = Perturbation::none(joints.len());
-        self.add_steady(conditions, joints, &mut steady);
+        let steady = self.steady(conditions, joints);
         // A joint that counts from the ground stands elsewhere than it reads.
         let mut posture = self.statics.posture(joints, conditions, Some(&steady));
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
@@ -226,15 +225,20 @@ impl EffectModel {
         if drivers().any(Driver::feels_gravity) {
             self.statics.posture(joints, conditions, Some(by))
         } else if drivers().any(Driver::needs_posture) {
-            let mut steady = Perturbation::none(joints.len());
-            self.add_steady(conditions, joints, &mut steady);
-            self.statics.posture(joints, conditions, Some(&steady))
+            self.statics.posture(joints, conditions, Some(&self.steady(conditions, joints)))
         } else {
             Posture::default()
         }
     }
 
     /// What does not hang on how the arm stands under gravity.
+    fn steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint]) -> Perturbation {
+        let mut steady = Perturbation::none(joints.len());
+        self.add_steady(conditions, joints, &mut steady);
+        steady
+    }
+
+    /// The same, added to `out`.
     fn add_steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) {
         let nowhere = Posture::default();
         for effect in self.acting().filter(|effect| !effect.term.driver.needs_posture()) {
@@ -278,7 +282,7 @@ impl EffectModel {
     /// `chain` has other joints than the model, or `conditions.reading` is too short.
     pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> Pose {
         let mut perturbation = Perturbation::none(chain.joints().len());
-        self.add_perturbation(conditions, chain.joints(), &mut perturbation);
+        self.bend(conditions, chain.joints(), &mut perturbation);
         let mut reached = Pose::identity();
         for (joint, twist) in chain.joints().iter().zip(&perturbation.twists) {
             reached *= se3::exp(twist) * joint.screw.motion(joint.value(conditions.reading));

@@ -19,19 +19,19 @@ pub struct Posture {
     /// Gravity on each joint.
     pub loads: Vec<Load>,
     /// The axis of each joint.
-    pub axes: Vec<AxisNow>,
+    pub axes: Vec<StandingAxis>,
 }
 
 /// Where a joint's axis stands, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxisNow {
+pub struct StandingAxis {
     /// Its direction, of length 1.
     pub along: Vector3<f64>,
     /// From the axis to the point that the joint's [`Load`] is about, m.
     pub lever: Vector3<f64>,
 }
 
-impl AxisNow {
+impl StandingAxis {
     /// That of a joint that what carries it has moved so far from home; `point`: what its load is about, at home, m.
     fn of(joint: &ChainJoint, point: &Point3<f64>, before: &Pose) -> Self {
         let lever = joint.screw.line().map_or_else(Vector3::zeros, |line| point - line.nearest_to(point));
@@ -173,7 +173,7 @@ impl Statics {
         let payload = last.map(|joint| (joint, conditions.recorded.payload()));
         let loads = self.masses.loads(&self.centres(joints), &self.points, &self.carriers, &state, payload);
         let axes = joints.iter().zip(&self.points).zip(&state.before);
-        let axes = axes.map(|((joint, point), before)| AxisNow::of(joint, point, before)).collect();
+        let axes = axes.map(|((joint, point), before)| StandingAxis::of(joint, point, before)).collect();
         Posture { state, loads, axes }
     }
 
