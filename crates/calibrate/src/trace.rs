@@ -31,7 +31,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
 use crate::trace::infer::hypotheses::Open;
-use crate::trace::infer::named::Alternative;
+use crate::trace::infer::named::{Alternative, KEPT};
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
@@ -110,6 +110,13 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Whether it is there for the prediction alone: neither it nor its rivals are likely, for structure that has no name and so
+    /// predicts nothing accounts for what they explain.
+    pub fn stands_in(&self) -> bool {
+        let rivals: f64 = self.rivals.iter().map(|rival| rival.probability).sum();
+        self.probability + rivals < KEPT
+    }
+
     /// The joint that drives it, where that is not the one that it acts at.
     pub fn driven_by(&self) -> Option<usize> {
         self.term.driver.joint().filter(|driver| Some(*driver) != self.term.carrier.joint())

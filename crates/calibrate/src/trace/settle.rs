@@ -29,10 +29,6 @@ const MOST_ROWS: usize = 800;
 const MOST_VALUES: usize = 2400;
 /// Candidates that are judged, at most.
 const MOST_JUDGED: usize = 100;
-/// From this probability on a cause stays in the model although it is not named (Barbieri, Berger 2004: the median
-/// probability model predicts best); with its rivals', for where one of several acts the best of them predicts better than none.
-const KEPT: f64 = 0.5;
-
 /// A cause is not named where it explains less than this share of the structure that is left beside it.
 const OUTWEIGHED: f64 = 0.5;
 
@@ -113,7 +109,7 @@ pub(crate) fn trace(
         let state = near.get(1).unwrap_or(&near[0]);
         judge(&tracer.survey, &part, &state.fit, &geometric.arm, &question)
     };
-    let mut judged: Vec<Judged> = judged.into_iter().filter(|one| one.named() || one.shared() >= KEPT).collect();
+    let mut judged: Vec<Judged> = judged.into_iter().filter(Judged::kept).collect();
     judged.truncate(options.max_effects);
     // In the order of the search: a model that it ended with need not be fitted again.
     let order = &found.states[0].chosen;

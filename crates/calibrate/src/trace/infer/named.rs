@@ -27,6 +27,10 @@ use std::ops::Range;
 pub const NAMED: f64 = 0.95;
 /// And if this share of the resampled runs finds it.
 pub const FOUND_AGAIN: f64 = 0.8;
+/// From this probability on, among models without structure that has no name, a cause stays in the model although it is not named
+/// (Barbieri, Berger 2004: the median probability model predicts best); with its rivals', for where one of several acts the best of
+/// them predicts better than none.
+pub const KEPT: f64 = 0.5;
 /// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
@@ -76,13 +80,14 @@ pub struct Judged {
     pub gain: f64,
     /// Who shares its mass.
     pub rivals: Vec<Alternative>,
+    /// How probable it is that it acts, or one in its stead, among the models that predict: those without structure that has no name.
+    pub predicts: f64,
 }
 
 impl Judged {
-    /// How probable it is that it acts, or one that may act in its stead: whether something does, whichever it be.
-    pub fn shared(&self) -> f64 {
-        let instead: f64 = self.rivals.iter().map(|rival| rival.probability).sum();
-        (self.probability + instead).min(1.0)
+    /// Whether it stays in the model: named, or for the prediction.
+    pub fn kept(&self) -> bool {
+        self.named() || self.predicts >= KEPT
     }
 
     /// Whether it is named.
@@ -168,18 +173,27 @@ pub(crate) fn judge(
         for start in &which {
             contest.climb(&grounds, &mut seen, start);
         }
-        seen.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set)
+        best_of(&seen)
     };
-    let resampled = if set.is_empty() { Default::default() } else { resampled(&round.parts, &again) };
-    let members: Vec<Judged> = set
+    // Structure without a name predicts nothing: what a prediction may hold is judged where there is none.
+    let grounds: Vec<Ground> =
+        settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).map(|(ground, _)| ground.clone()).collect();
+    let mut predicting = Seen::new();
+    for start in &which {
+        contest.climb(&grounds, &mut predicting, start);
+    }
+    let predictor = best_of(&predicting);
+    let mut all = set.clone();
+    all.extend(predictor.iter().filter(|member| !set.contains(member)));
+    let resampled = if all.is_empty() { Default::default() } else { resampled(&round.parts, &again) };
+    let members: Vec<Judged> = all
         .iter()
         .map(|&member| {
             let mine = &names[member];
-            let without = seen
-                .iter()
-                .filter(|(other, _)| !has(other, mine))
-                .map(|(_, (score, _))| *score)
-                .fold(f64::NEG_INFINITY, f64::max);
+            let best = |holds: bool| {
+                let scores = seen.iter().filter(|(other, _)| has(other, mine) == holds).map(|(_, (score, _))| *score);
+                scores.fold(f64::NEG_INFINITY, f64::max)
+            };
             let share = |runs: &Vec<Vec<usize>>| {
                 runs.iter().filter(|found| has(found, mine)).count() as f64 / runs.len().max(1) as f64
             };
@@ -188,13 +202,14 @@ pub(crate) fn judge(
                 probability: mass(&|set| has(set, mine)).exp(),
                 log_absent: mass(&|set| !has(set, mine)),
                 found_again: resampled.iter().map(share).fold(0.0, f64::max),
-                gain: seen[set].0 - without,
+                gain: best(true) - best(false),
                 rivals: rivals(&seen, &names, mine),
+                predicts: if predictor.contains(&member) { shared(&predicting, &names, mine) } else { 0.0 },
             }
         })
         .collect();
     let unsure: Vec<usize> =
-        set.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
+        all.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
     let left = possible(&seen, &names, set, &unsure);
     let sets: Vec<OpenSet> = left
         .into_iter()
@@ -327,6 +342,18 @@ fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<A
     }
     rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     rivals
+}
+
+/// How probable it is that a cause acts, or one that may act in its stead: whether something does, whichever it be.
+fn shared(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> f64 {
+    let instead: f64 = rivals(seen, names, mine).iter().map(|rival| rival.probability).sum();
+    let own = mass(seen, &|set| set.iter().any(|&other| names[other] == *mine)).exp();
+    (own + instead).min(1.0)
+}
+
+/// The set with the best score; none where there is no set.
+fn best_of(seen: &Seen) -> Vec<usize> {
+    seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set.clone())
 }
 
 /// Logarithm of the share of the mass that sets hold of which `holds` is true.
