@@ -36,12 +36,12 @@ impl Tracer<'_> {
     /// The sets of terms that are worth a fit.
     pub(crate) fn contenders(&self, state: &State, contested: Range<usize>) -> Vec<Vec<Candidate>> {
         let linear = self.linear(state);
-        let scorer = self.scorer(&linear);
+        let scorer = self.scorer(linear);
         let mut sets = Vec::new();
         for index in contested {
-            let projector = state.loosely_without(&linear, &[index]);
+            let projector = state.loosely_without(linear, &[index]);
             let own = scorer.own(&projector, &state.chosen[index]);
-            let mut scored = scorer.score(&projector, &self.candidates);
+            let mut scored = self.scored(state, &projector);
             scored.retain(|other| other.gain.rank > 0 && other.gain.drop > CONTENDS * own.gain.drop);
             scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
             let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);

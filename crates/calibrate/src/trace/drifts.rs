@@ -33,8 +33,8 @@ impl Tracer<'_> {
             })
             .collect();
         let linear = self.linear(state);
-        let scorer = self.scorer(&linear);
-        let (others, residual) = state.parts(&linear, &own);
+        let scorer = self.scorer(linear);
+        let (others, residual) = state.parts(linear, &own);
         let projector = linear.loose().beside(&[&others], &residual);
         let together = |terms: &[Candidate]| {
             let mut cells = Vec::new();

@@ -28,9 +28,9 @@ impl Tracer<'_> {
             return Vec::new();
         }
         let linear = self.linear(state);
-        let scorer = self.scorer(&linear);
-        let bare = self.linear(&self.refitted(Vec::new(), None));
-        (0..state.chosen.len()).map(|index| self.portrait(&scorer, &bare, state, index)).collect()
+        let scorer = self.scorer(linear);
+        let bare = self.refitted(Vec::new(), None);
+        (0..state.chosen.len()).map(|index| self.portrait(&scorer, self.linear(&bare), state, index)).collect()
     }
 }
 

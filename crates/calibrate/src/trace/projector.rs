@@ -77,22 +77,9 @@ impl Projector {
     /// What each of several blocks of raw columns explains, each alone: `blocks` says how many columns each has.
     ///
     /// A column of which less than the share `least` is left, beside the model and the columns of its block before it,
-    /// counts as nothing. Only products of columns are formed: what is left of C is CᵀC - (BᵀC)ᵀ(BᵀC).
+    /// counts as nothing.
     pub fn gains(&self, columns: &[f64], blocks: &[usize], least: f64) -> Vec<Gain> {
-        let rows = self.residual.len();
-        let rank = self.rank();
-        let shares = cross_gram(self.basis.as_slice(), columns, rows);
-        let along = cross_gram(self.residual.as_slice(), columns, rows);
-        let mut first = 0;
-        let block_gain = |count: &usize| {
-            let range = first..first + count;
-            first = range.end;
-            let raw = &columns[range.start * rows..range.end * rows];
-            let share = &shares[range.start * rank..range.end * rank];
-            let of_shares = if rank == 0 { vec![0.0; count * count] } else { cross_gram(share, share, rank) };
-            gain(&cross_gram(raw, raw, rows), &of_shares, along[range].to_vec(), least)
-        };
-        blocks.iter().map(block_gain).collect()
+        Products::of(self, columns, blocks).gains(self.rank(), least)
     }
 
     /// What a matrix of raw columns explains.
@@ -103,6 +90,84 @@ impl Projector {
     /// The same, with another share of a column that must be left.
     pub fn gain_of_seen(&self, columns: &DMatrix<f64>, least: f64) -> Gain {
         self.gains(columns.as_slice(), &[columns.ncols()], least)[0]
+    }
+}
+
+/// Products of blocks of columns with all that a model can do and with what it leaves. They tell what each block explains beside the model,
+/// and beside any part of it, without a look at the columns: what is left of C is CᵀC - (BᵀC)ᵀ(BᵀC), B the basis.
+#[derive(Debug, Clone, Default)]
+pub struct Products {
+    /// How many columns each block has.
+    blocks: Vec<usize>,
+    /// With the basis, column by column.
+    shares: Vec<f64>,
+    /// With the residual outside the basis.
+    along: Vec<f64>,
+    /// Of each block's columns with one another, block by block.
+    own: Vec<f64>,
+}
+
+impl Products {
+    /// Of these columns with a model; `blocks` says how many columns each block has.
+    pub fn of(model: &Projector, columns: &[f64], blocks: &[usize]) -> Self {
+        let rows = model.residual.len();
+        let mut own = Vec::new();
+        let mut first = 0;
+        for count in blocks {
+            let block = &columns[first * rows..(first + count) * rows];
+            own.extend(cross_gram(block, block, rows));
+            first += count;
+        }
+        Self {
+            blocks: blocks.to_vec(),
+            shares: cross_gram(model.basis.as_slice(), columns, rows),
+            along: cross_gram(model.residual.as_slice(), columns, rows),
+            own,
+        }
+    }
+
+    /// Those of several parts of the columns, one after the other.
+    pub fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Self::default();
+        for part in parts {
+            all.blocks.extend(part.blocks);
+            all.shares.extend(part.shares);
+            all.along.extend(part.along);
+            all.own.extend(part.own);
+        }
+        all
+    }
+
+    /// The products with a part of the model: a basis within the model's, and a residual that the model would bring to its own.
+    #[must_use]
+    pub fn beside(&self, model: &Projector, part: &Projector) -> Self {
+        let (rows, rank) = (model.residual.len(), model.rank());
+        if rank == 0 {
+            return self.clone();
+        }
+        let within = cross_gram(model.basis.as_slice(), part.basis.as_slice(), rows);
+        let returned = cross_gram(model.basis.as_slice(), part.residual.as_slice(), rows);
+        let more = cross_gram(&returned, &self.shares, rank);
+        Self {
+            blocks: self.blocks.clone(),
+            shares: cross_gram(&within, &self.shares, rank),
+            along: self.along.iter().zip(more).map(|(along, more)| along + more).collect(),
+            own: self.own.clone(),
+        }
+    }
+
+    /// What each block explains alone, beside a model of so many directions; see [`Projector::gains`].
+    pub fn gains(&self, rank: usize, least: f64) -> Vec<Gain> {
+        let (mut first, mut before) = (0, 0);
+        let block_gain = |&count: &usize| {
+            let columns = first..first + count;
+            let own = &self.own[before..before + count * count];
+            (first, before) = (columns.end, before + own.len());
+            let shares = &self.shares[columns.start * rank..columns.end * rank];
+            let of_shares = if rank == 0 { vec![0.0; own.len()] } else { cross_gram(shares, shares, rank) };
+            gain(own, &of_shares, self.along[columns].to_vec(), least)
+        };
+        self.blocks.iter().map(block_gain).collect()
     }
 }
 
@@ -149,6 +214,24 @@ mod tests {
         let projector = Projector::new(&[&model], &residual);
         let gain = projector.gain_of(&block);
         assert!((gain.drop - (rss(&model) - rss(&both))).abs() < 1e-10 && gain.rank == 2);
+    }
+
+    #[test]
+    fn products_with_a_model_tell_what_is_explained_beside_a_part_of_it() {
+        let cell = |i: usize, k: usize| ((i * (k + 2)) as f64 * 0.37).sin() + 0.2 * ((i + 3 * k) as f64).cos();
+        let geometry = DMatrix::from_fn(12, 3, cell);
+        let effects = DMatrix::from_fn(12, 2, |i, k| cell(i, k + 5));
+        let columns = DMatrix::from_fn(12, 3, |i, k| cell(i, k + 9));
+        let residual = DVector::from_fn(12, |i, _| cell(i, 20));
+        let loose = Projector::new(&[&geometry], &residual);
+        let whole = loose.beside(&[&effects], &residual);
+        // The second effect is left out: what it explained is in the residual again.
+        let part = loose.beside(&[&effects.columns(0, 1).into_owned()], &(&residual + effects.column(1) * 0.7));
+        let products = Products::of(&whole, columns.as_slice(), &[1, 2]).beside(&whole, &part);
+        let direct = part.gains(columns.as_slice(), &[1, 2], UNSEEN);
+        for (found, wanted) in products.gains(part.rank(), UNSEEN).iter().zip(direct) {
+            assert!((found.drop - wanted.drop).abs() < 1e-12 && found.rank == wanted.rank, "{found:?} {wanted:?}");
+        }
     }
 
     #[test]

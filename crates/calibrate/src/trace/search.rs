@@ -4,15 +4,16 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::threads::{available, dealt, in_stretches};
+use crate::identify::threads::{available, dealt, in_parallel, in_stretches};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::trace::ScanCell;
 use crate::trace::linear::Linear;
-use crate::trace::projector::{Gain, Projector, UNSEEN};
-use crate::trace::select::Tracer;
+use crate::trace::projector::{Gain, Products, Projector, UNSEEN};
+use crate::trace::select::{State, Tracer};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::sync::OnceLock;
 
 /// Candidates whose columns are projected together.
 const BATCH: usize = 16;
@@ -76,19 +77,66 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
     stretches.into_iter().flatten().collect()
 }
 
+/// A model linearised at a state, with what each candidate of the catalogue does there: made once, for all that is asked of the state.
+#[derive(Debug)]
+pub(crate) struct Linearised {
+    pub(crate) linear: Linear,
+    /// Loose geometry and all effects.
+    whole: OnceLock<Projector>,
+    products: OnceLock<Products>,
+}
+
+impl Linearised {
+    pub(crate) fn new(linear: Linear) -> Self {
+        Self { linear, whole: OnceLock::new(), products: OnceLock::new() }
+    }
+
+    fn whole(&self) -> &Projector {
+        let Linear { residual, effects, .. } = &self.linear;
+        self.whole.get_or_init(|| self.linear.loose().beside(&[effects], residual))
+    }
+}
+
 impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
-        let linear = self.linear(&self.refitted(Vec::new(), None));
-        self.scan(&self.scorer(&linear).score(linear.loose(), &self.candidates))
+        let state = self.refitted(Vec::new(), None);
+        self.scan(&self.scored(&state, self.linear(&state).loose()))
     }
+
+    /// Scores every candidate of the catalogue, in its order, beside loose geometry and all or some of a state's effects.
+    pub(crate) fn scored(&self, state: &State, projector: &Projector) -> Vec<Scored> {
+        let at = self.linearised(state);
+        let scorer = self.scorer(&at.linear);
+        let products = at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, &self.driven));
+        let gains = products.beside(at.whole(), projector).gains(projector.rank(), UNSEEN);
+        self.candidates.iter().zip(gains).map(|(candidate, gain)| scorer.judged(projector, candidate, gain)).collect()
+    }
+}
+
+/// What drives each candidate, row by row, wherever the arm stands; nothing where that hangs on how it stands.
+pub(crate) fn driven(data: &Measurements, statics: &Statics, candidates: &[Candidate]) -> Vec<Vec<f64>> {
+    let nowhere = Posture::default();
+    let of = |candidate: &Candidate| {
+        let driver = &candidate.term.driver;
+        let mut values = Vec::new();
+        for index in (0..data.len()).filter(|_| !driver.needs_posture()) {
+            driver.values_into(statics, &Conditions::of(Row::new(data, index)), &nowhere, &mut values);
+        }
+        values
+    };
+    in_parallel(candidates, of)
 }
 
 impl CandidateScorer<'_> {
     /// The term's columns in units of the noise, appended to `out`; returns how many.
     pub fn columns_into(&self, term: &Term, out: &mut Vec<f64>) -> usize {
+        self.driven_into(term, &self.driver_values(term), out)
+    }
+
+    /// The same where what drives the term is known, row by row.
+    fn driven_into(&self, term: &Term, values: &[f64], out: &mut Vec<f64>) -> usize {
         let Some(carrier) = self.linear.columns_of(term.carrier) else { return 0 };
-        let values = self.driver_values(term);
         let count = term.driver.len(self.statics);
         let total = self.linear.residual.len();
         let pairs: Vec<Vec<(usize, usize)>> = match term.coupling {
@@ -128,17 +176,24 @@ impl CandidateScorer<'_> {
 
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let scored =
-            dealt(candidates.chunks(BATCH), available(), || (), |(), batch| self.score_batch(projector, batch));
-        scored.into_iter().flatten().collect()
+        let gains = self.products(projector, candidates, &[]).gains(projector.rank(), UNSEEN);
+        candidates.iter().zip(gains).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
     }
 
-    fn score_batch(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let mut cells: Vec<f64> = Vec::new();
-        let counts: Vec<usize> =
-            candidates.iter().map(|candidate| self.columns_into(&candidate.term, &mut cells)).collect();
-        let gains = projector.gains(&cells, &counts, UNSEEN);
-        candidates.iter().zip(gains).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
+    /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known.
+    fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> Products {
+        let of_batch = |first: usize| {
+            let mut cells: Vec<f64> = Vec::new();
+            let batch = first..(first + BATCH).min(candidates.len());
+            let count = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
+                [] => self.columns_into(&candidates[index].term, &mut cells),
+                values => self.driven_into(&candidates[index].term, values, &mut cells),
+            };
+            let counts: Vec<usize> = batch.map(count).collect();
+            Products::of(model, &cells, &counts)
+        };
+        let firsts = (0..candidates.len()).step_by(BATCH);
+        Products::joined(dealt(firsts, available(), || (), |(), first| of_batch(first)))
     }
 
     /// What an effect of the model explains when it is put back.

@@ -16,9 +16,10 @@ use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
-use crate::trace::search::{CandidateScorer, Projectors, Scored, carriers_of};
+use crate::trace::search::{CandidateScorer, Linearised, Projectors, Scored, carriers_of, driven};
 use crate::trace::{ScanCell, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
+use std::sync::{Arc, OnceLock};
 
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
 pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
@@ -53,6 +54,8 @@ pub struct Tracer<'a> {
     pub(crate) geometric: &'a Fit<NoEffects>,
     pub(crate) survey: Survey,
     pub(crate) candidates: Vec<Candidate>,
+    /// What drives each of them, see [`driven`].
+    pub(crate) driven: Vec<Vec<f64>>,
     carriers: Vec<Carrier>,
 }
 
@@ -61,6 +64,8 @@ pub struct Tracer<'a> {
 pub struct State {
     pub(crate) chosen: Vec<Candidate>,
     pub(crate) fit: Fit<EffectModel>,
+    /// What was asked of the model there.
+    at: Arc<OnceLock<Linearised>>,
 }
 
 /// What the search puts before the judge.
@@ -74,6 +79,11 @@ pub struct Proposals {
 }
 
 impl State {
+    /// The model of a fit.
+    pub(crate) fn new(chosen: Vec<Candidate>, fit: Fit<EffectModel>) -> Self {
+        Self { chosen, fit, at: Arc::default() }
+    }
+
     /// Geometry and all effects but those of these indices, and the residual that this would leave.
     pub(crate) fn without(&self, linear: &Linear, left_out: &[usize]) -> Projectors {
         let (others, residual) = self.parts(linear, left_out);
@@ -123,7 +133,8 @@ impl<'a> Tracer<'a> {
                 carriers.push(carrier);
             }
         }
-        Self { data, statics, options, geometric, survey, candidates, carriers }
+        let driven = driven(data, statics, &candidates);
+        Self { data, statics, options, geometric, survey, candidates, driven, carriers }
     }
 
     /// The terms that are worth being judged: a search step by step, from geometry alone.
@@ -136,9 +147,9 @@ impl<'a> Tracer<'a> {
         let (mut scan, mut passes) = (Vec::new(), 0);
         while state.chosen.len() < self.options.max_effects {
             let linear = self.linear(&state);
-            let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
-            let scorer = self.scorer(&linear);
-            let mut scored = scorer.score(&projectors.loose, &self.candidates);
+            let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
+            let scorer = self.scorer(linear);
+            let mut scored = self.scored(&state, &projectors.loose);
             if scan.is_empty() {
                 scan = self.scan(&scored);
             }
@@ -202,9 +213,9 @@ impl<'a> Tracer<'a> {
             }
         }
         let linear = self.linear(state);
-        let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
-        let scorer = self.scorer(&linear);
-        let mut scored = scorer.score(&projectors.loose, &self.candidates);
+        let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
+        let scorer = self.scorer(linear);
+        let mut scored = self.scored(state, &projectors.loose);
         scored.retain(|scored| scored.gain.rank > 0 && scored.delta_bic > 0.0);
         scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         let mut seen: Vec<(Kind, Carrier)> = Vec::new();
@@ -233,7 +244,7 @@ impl<'a> Tracer<'a> {
         let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(self.statics, self.options.earlier.as_ref(), &terms);
         let fit = fit_stage(self.data, arm, &model, weights, options);
-        State { chosen, fit }
+        State::new(chosen, fit)
     }
 
     /// An effect that makes rows of the model that the robust fit took for outliers.
@@ -246,15 +257,15 @@ impl<'a> Tracer<'a> {
         if before < LEAST_REJECTED {
             return None;
         }
-        let mut open = state.clone();
+        let mut open = State::new(state.chosen.clone(), state.fit.clone());
         for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
             let size = state.fit.noise.chi_squared(self.data.series_of(at), *square).sqrt();
             *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
         }
         let linear = self.linear(&open);
-        let projectors = Projectors::new(&linear, &linear.effects, &linear.residual);
-        let scorer = self.scorer(&linear);
-        let scored = scorer.score(&projectors.loose, &self.candidates);
+        let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
+        let scorer = self.scorer(linear);
+        let scored = self.scored(&open, &projectors.loose);
         let best = self.best(&scorer, &projectors, &scored)?;
         let next = self.rescanned(self.added(state, &best.candidate));
         // Rows that the place as first scanned left out may come back.
@@ -263,8 +274,13 @@ impl<'a> Tracer<'a> {
     }
 
     /// The model linearised at a state.
-    pub(crate) fn linear(&self, state: &State) -> Linear {
-        linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers)
+    pub(crate) fn linear<'b>(&self, state: &'b State) -> &'b Linear {
+        &self.linearised(state).linear
+    }
+
+    pub(crate) fn linearised<'b>(&self, state: &'b State) -> &'b Linearised {
+        let linear = || linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers);
+        state.at.get_or_init(|| Linearised::new(linear()))
     }
 
     pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
@@ -349,12 +365,12 @@ impl<'a> Tracer<'a> {
             return state;
         }
         let linear = self.linear(&state);
-        let scorer = self.scorer(&linear);
+        let scorer = self.scorer(linear);
         let mut chosen = state.chosen.clone();
         let mut moved = false;
         for (index, candidate) in chosen.iter_mut().enumerate() {
             if candidate.scanned > 0 {
-                let projector = state.loosely_without(&linear, &[index]);
+                let projector = state.loosely_without(linear, &[index]);
                 let refined = scorer.refined(&projector, &self.survey, candidate);
                 if refined.candidate.scanned != candidate.scanned
                     || refined.gain.drop > scorer.own(&projector, candidate).gain.drop + SAME_DROP
@@ -377,16 +393,16 @@ impl<'a> Tracer<'a> {
     /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
     fn improved(&self, state: &State) -> Option<State> {
         let linear = self.linear(state);
-        let scorer = self.scorer(&linear);
+        let scorer = self.scorer(linear);
         for index in 0..state.chosen.len() {
-            let projectors = state.without(&linear, &[index]);
+            let projectors = state.without(linear, &[index]);
             let own = scorer.own(&projectors.loose, &state.chosen[index]);
             if own.delta_bic < LEAST_DELTA_BIC {
                 let mut chosen = state.chosen.clone();
                 chosen.remove(index);
                 return Some(self.followed(chosen, state));
             }
-            let scored = scorer.score(&projectors.loose, &self.candidates);
+            let scored = self.scored(state, &projectors.loose);
             let Some(best) = self.best(&scorer, &projectors, &scored) else { continue };
             let (found, had) =
                 (scorer.firm_bic(&projectors, &best.candidate), scorer.firm_bic(&projectors, &state.chosen[index]));
@@ -421,7 +437,7 @@ impl<'a> Tracer<'a> {
             let gain = projectors.loose.gain_of(&DMatrix::from_vec(total, count, columns));
             let together =
                 scorer.judged(&projectors.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
-            let scored = scorer.score(&projectors.loose, &self.candidates);
+            let scored = self.scored(state, &projectors.loose);
             let Some(best) = self.best(scorer, &projectors, &scored) else { continue };
             if best.delta_bic > together.delta_bic {
                 let mut chosen: Vec<Candidate> =
@@ -437,14 +453,14 @@ impl<'a> Tracer<'a> {
     fn without_spurious(&self, mut state: State) -> (State, Leftover) {
         loop {
             let linear = self.linear(&state);
-            let scorer = self.scorer(&linear);
+            let scorer = self.scorer(linear);
             let leftover = leftover::examine(self, &scorer);
             if !leftover.structured || state.chosen.is_empty() {
                 return (state, leftover);
             }
             let mut weakest: Option<(f64, usize)> = None;
             for index in 0..state.chosen.len() {
-                let (others, residual) = state.parts(&linear, &[index]);
+                let (others, residual) = state.parts(linear, &[index]);
                 let others = linear.loose().beside(&[&others], &residual);
                 let alone = scorer.own(&others, &state.chosen[index]);
                 let own = scorer.own(&others.beside(&[&leftover.columns], &residual), &state.chosen[index]);

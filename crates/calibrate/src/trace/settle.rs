@@ -231,9 +231,9 @@ fn thinned(data: &Measurements) -> Vec<usize> {
 
 /// What a fit leaves that smooth functions explain.
 fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> Leftover {
-    let state = State { chosen: Vec::new(), fit: fit.clone() };
+    let state = State::new(Vec::new(), fit.clone());
     let linear = tracer.linear(&state);
-    leftover::examine(tracer, &tracer.scorer(&linear))
+    leftover::examine(tracer, &tracer.scorer(linear))
 }
 
 /// Causes that a joint's own curve may hide: its scale, its compliance, its play. Of several forms of one the plain ones are

@@ -11,10 +11,11 @@
 use crate::effects::curve::Waves;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::gram::Gram;
-use crate::trace::infer::model::Hyperparameters;
+use crate::trace::infer::model::{Hyperparameters, Kernel};
 use denavit_model::nalgebra::DMatrix;
 
-/// A curve of which the data tell less than this, in numbers, is left out of the factor: it changes a score by half of that.
+/// The fastest waves of a curve of which the data tell less than this, in numbers, all together, are left out of the factor: they change a
+/// score by half of that. Of a curve that is nothing these are all, of a smooth one most.
 const UNSEEN: f64 = 0.01;
 
 /// A model whose products are formed.
@@ -69,16 +70,27 @@ impl Posterior {
     }
 }
 
-/// For each curve the prior variance of each wave and the derivative of its logarithm by the length's; none for a curve that the data do
-/// not see.
-type Variances = Vec<Option<Vec<(f64, f64)>>>;
+/// The waves of a curve as the hyperparameters have them.
+struct Expected {
+    /// Prior variance of each wave and the derivative of its logarithm by the length's.
+    variances: Vec<(f64, f64)>,
+    /// So many of the waves are solved for: the data do not see the others.
+    seen: usize,
+}
+
+impl Expected {
+    /// Those that are solved for.
+    fn seen(&self) -> &[(f64, f64)] {
+        &self.variances[..self.seen]
+    }
+}
 
 struct Factored {
     score: f64,
     solved: Solved,
     /// Which of the model's numbers were solved for.
     columns: Vec<usize>,
-    variances: Variances,
+    curves: Vec<Expected>,
 }
 
 impl Model<'_> {
@@ -103,18 +115,20 @@ impl Model<'_> {
         }
         let mut gradient = vec![0.0];
         let mut first = self.gram.plain;
-        for (curve, (waves, variances)) in self.waves.iter().zip(&factored.variances).enumerate() {
+        for (curve, (waves, expected)) in self.waves.iter().zip(&factored.curves).enumerate() {
             let (mut by_variance, mut by_length) = (0.0, 0.0);
-            let Some(variances) = variances else {
-                used -= waves.len() as f64;
+            let (seen, variances) = (expected.seen, expected.seen());
+            // Of what the data do not see they say nothing.
+            used -= (waves.len() - seen) as f64;
+            if seen == 0 {
                 gradient.extend([0.0, 0.0]);
                 first += waves.len();
                 continue;
-            };
+            }
             let charge = self.charge_of_mean(curve, variances);
             // Held to nothing, the mean is one number less that the data pay for.
             used -= 1.0;
-            for (row, cells) in self.gaps[curve].chunks_exact(waves.len()).enumerate() {
+            for (row, cells) in self.gaps[curve].chunks_exact(waves.len()).take(seen).enumerate() {
                 used -= cells[row] * posterior.covariance(first + row, first + row);
                 let before = cells[..row].iter().enumerate();
                 used -= 2.0 * before.map(|(k, cell)| cell * posterior.covariance(first + row, first + k)).sum::<f64>();
@@ -167,38 +181,41 @@ impl Model<'_> {
         1.0 + self.firm[curve] * sum
     }
 
-    /// The prior variances of all curves.
-    fn variances(&self, hyper: &Hyperparameters) -> Variances {
-        hyper.kernels.iter().zip(self.waves).map(|(kernel, waves)| Some(kernel.variances(waves))).collect()
+    /// What is expected of all waves.
+    fn expected(&self, hyper: &Hyperparameters) -> Vec<Expected> {
+        let all = |(kernel, waves): (&Kernel, &Waves)| Expected { variances: kernel.variances(waves), seen: waves.len() };
+        hyper.kernels.iter().zip(self.waves).map(all).collect()
     }
 
-    /// Those of the curves that the data could tell from nothing.
-    fn seen(&self, hyper: &Hyperparameters) -> Variances {
+    /// The same, with those left out that the data could not tell from nothing.
+    fn seen(&self, hyper: &Hyperparameters) -> Vec<Expected> {
         let noise = (-hyper.log_noise).exp();
         let mut index = self.gram.plain;
-        let mut of_curves = self.variances(hyper);
-        for (variances, gaps) in of_curves.iter_mut().zip(self.gaps) {
-            let own = variances.as_deref().unwrap_or_default();
+        let mut curves = self.expected(hyper);
+        for (Expected { variances, seen }, gaps) in curves.iter_mut().zip(self.gaps) {
             let precision = |k: usize| {
-                self.gram.cell(index + k, index + k) * noise + gaps.get(k * own.len() + k).copied().unwrap_or(0.0)
+                self.gram.cell(index + k, index + k) * noise + gaps.get(k * variances.len() + k).copied().unwrap_or(0.0)
             };
-            let seen: f64 = own.iter().enumerate().map(|(k, (variance, _))| variance * precision(k)).sum();
-            index += own.len();
-            if seen < UNSEEN {
-                *variances = None;
+            let mut told = 0.0;
+            while *seen > 0 && told < UNSEEN {
+                told += variances[*seen - 1].0 * precision(*seen - 1);
+                if told < UNSEEN {
+                    *seen -= 1;
+                }
             }
+            index += variances.len();
         }
-        of_curves
+        curves
     }
 
     /// The system at given hyperparameters, in units of its noise, and log |Λ|.
     pub fn system(&self, hyper: &Hyperparameters) -> (System, f64) {
         let all: Vec<usize> = (0..self.gram.size).collect();
-        self.system_of(hyper, &all, &self.variances(hyper))
+        self.system_of(hyper, &all, &self.expected(hyper))
     }
 
-    /// The same of these columns: the plain ones and those of the curves that have variances.
-    fn system_of(&self, hyper: &Hyperparameters, columns: &[usize], variances: &Variances) -> (System, f64) {
+    /// The same of these columns: the plain ones and those of the waves that are seen.
+    fn system_of(&self, hyper: &Hyperparameters, columns: &[usize], curves: &[Expected]) -> (System, f64) {
         let (whole, size, plain) = (self.gram.size, columns.len(), self.gram.plain);
         let noise = (-hyper.log_noise).exp();
         let mut matrix = vec![0.0; size * size];
@@ -218,26 +235,17 @@ impl Model<'_> {
         }
         let mut log_prior = self.log_precision;
         let mut index = plain;
-        for (curve, variances) in variances.iter().enumerate() {
-            let Some(variances) = variances else { continue };
-            log_prior += self.charge_of_mean(curve, variances).ln();
-            let first = index;
-            for (variance, _) in variances {
+        for (curve, expected) in curves.iter().enumerate().filter(|(_, expected)| expected.seen > 0) {
+            log_prior += self.charge_of_mean(curve, expected.seen()).ln();
+            let (first, means) = (index, &self.means[curve]);
+            for (own, (variance, _)) in expected.seen().iter().enumerate() {
                 matrix[index * size + index] += 1.0 / variance;
                 log_prior -= variance.ln();
-                let held = self.firm[curve] * self.means[curve][index - first];
-                for (cell, mean) in
-                    matrix[index * size + first..=index * size + index].iter_mut().zip(&self.means[curve])
-                {
-                    *cell += held * mean;
-                }
-                let own = index - first;
-                let gap = self.gaps[curve].chunks_exact(self.waves[curve].len()).nth(own);
-                for (cell, gap) in
-                    matrix[index * size + first..=index * size + index].iter_mut().zip(gap.unwrap_or_default())
-                {
-                    *cell += gap;
-                }
+                let held = self.firm[curve] * means[own];
+                let cells = &mut matrix[index * size + first..=index * size + index];
+                cells.iter_mut().zip(means).for_each(|(cell, mean)| *cell += held * mean);
+                let gap = self.gaps[curve].chunks_exact(means.len()).nth(own).unwrap_or_default();
+                cells.iter_mut().zip(gap).for_each(|(cell, gap)| *cell += gap);
                 index += 1;
             }
         }
@@ -245,30 +253,37 @@ impl Model<'_> {
     }
 
     fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
-        // Of a curve that the data do not see they say nothing: prior and posterior are the same, and their determinants.
-        let variances = self.seen(hyper);
+        // Of waves that the data do not see they say nothing: prior and posterior are the same, and their determinants.
+        let curves = self.seen(hyper);
         let mut columns: Vec<usize> = (0..self.gram.plain).collect();
         let mut first = self.gram.plain;
-        for (waves, seen) in self.waves.iter().zip(&variances) {
-            columns.extend((first..first + waves.len()).filter(|_| seen.is_some()));
-            first += waves.len();
+        for expected in &curves {
+            columns.extend(first..first + expected.seen);
+            first += expected.variances.len();
         }
-        let (system, log_prior) = self.system_of(hyper, &columns, &variances);
+        let (system, log_prior) = self.system_of(hyper, &columns, &curves);
         let square = system.square;
         let solved = system.solved()?;
         let half = &solved.half;
         let score =
             0.5 * (log_prior - solved.log_determinant() - self.gram.count * hyper.log_noise - square + dot(half, half));
-        score.is_finite().then_some(Factored { score, solved, columns, variances })
+        score.is_finite().then_some(Factored { score, solved, columns, curves })
     }
 }
 
 impl Factored {
-    /// What is said of `size` numbers in all: of those that were not solved for, nothing.
+    /// What is said of `size` numbers in all: of those that were not solved for, what was expected.
     fn posterior(&self, size: usize) -> Posterior {
         let Solved { factor, half, scale } = &self.solved;
         let own = scale.len();
         let (mut root, mut mean) = (vec![0.0; size * size], vec![0.0; size]);
+        let mut first = size - self.curves.iter().map(|expected| expected.variances.len()).sum::<usize>();
+        for Expected { variances, seen } in &self.curves {
+            for (offset, (variance, _)) in variances.iter().enumerate().skip(*seen) {
+                root[(first + offset) * (size + 1)] = variance.sqrt();
+            }
+            first += variances.len();
+        }
         let inverse = factor.inverse_columns();
         for (index, (column, scale)) in inverse.chunks_exact(own).zip(scale).enumerate() {
             let at = self.columns[index];
