@@ -36,7 +36,7 @@ pub struct Masses {
 }
 
 /// What joint i carries in one row: gravity on everything beyond it, base frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Load {
     /// N.
     pub force: Vector3<f64>,
@@ -91,47 +91,47 @@ impl Masses {
         Self { points: masses, gravity: down(), from_inertials: false }
     }
 
-    /// Loads on every joint in a row.
+    /// Loads on every joint in a row, in place of what is in `out`.
     ///
     /// `centres`: of the masses, base frame at home, m, as [`Masses::points`] has them or where an actual arm carries them; `points`: one per
     /// joint, base frame at home, m; `carriers`: for each joint the one that carries it; `payload` (kg)
     /// hangs at the tip's origin, on a joint.
-    pub fn loads(
+    pub fn loads_into(
         &self,
         centres: &[Point3<f64>],
         points: &[Point3<f64>],
         carriers: &[Option<usize>],
         state: &RowState,
         payload: Option<(usize, f64)>,
-    ) -> Vec<Load> {
-        let n = state.before.len();
-        // Mass and first moment about the base origin of everything from the tip down to joint i.
-        let mut mass = vec![0.0; n];
-        let mut first = vec![Vector3::zeros(); n];
-        for (point, centre) in self.points.iter().zip(centres) {
-            let centre = state.after[point.joint] * centre;
-            mass[point.joint] += point.mass;
-            first[point.joint] += centre.coords * point.mass;
-        }
-        if let Some((joint, payload)) = payload.filter(|(_, payload)| *payload != 0.0) {
-            mass[joint] += payload;
-            first[joint] += state.tip.translation.vector * payload;
+        out: &mut Vec<Load>,
+    ) {
+        out.clear();
+        out.resize(state.before.len(), Load::default());
+        // About the base origin first: everything from the tip down to joint i.
+        let hung = self.points.iter().zip(centres);
+        let hung = hung.map(|(point, centre)| (point.joint, point.mass, (state.after[point.joint] * centre).coords));
+        let payload = payload.filter(|(_, payload)| *payload != 0.0);
+        for (joint, mass, at) in hung.chain(payload.map(|(joint, mass)| (joint, mass, state.tip.translation.vector))) {
+            let force = self.gravity * mass;
+            out[joint].add(&Load { force, moment: at.cross(&force) });
         }
         // No joint stands before what carries it.
-        for joint in (0..n).rev() {
+        for joint in (0..out.len()).rev() {
             if let Some(carrier) = carriers[joint] {
-                mass[carrier] += mass[joint];
-                let beyond = first[joint];
-                first[carrier] += beyond;
+                let beyond = out[joint];
+                out[carrier].add(&beyond);
             }
         }
-        (0..n)
-            .map(|joint| {
-                let at = state.before[joint] * points[joint];
-                let force = self.gravity * mass[joint];
-                Load { force, moment: (first[joint] - at.coords * mass[joint]).cross(&self.gravity) }
-            })
-            .collect()
+        for ((load, before), point) in out.iter_mut().zip(&state.before).zip(points) {
+            load.moment -= (before * point).coords.cross(&load.force);
+        }
+    }
+}
+
+impl Load {
+    fn add(&mut self, other: &Self) {
+        self.force += other.force;
+        self.moment += other.moment;
     }
 }
 
@@ -154,7 +154,8 @@ mod tests {
         Arm::new(&chain, &crate::Scene::default()).state_into(&[0.0, 0.0], 0, None, &mut state);
         let points = axis_points(&chain);
         let centres: Vec<Point3<f64>> = masses.points.iter().map(|mass| mass.centre).collect();
-        let loads = masses.loads(&centres, &points, &[None, Some(0)], &state, Some((1, 2.0)));
+        let mut loads = Vec::new();
+        masses.loads_into(&centres, &points, &[None, Some(0)], &state, Some((1, 2.0)), &mut loads);
         let length = (points[2] - points[1]).norm();
         let mass = STAND_IN_DENSITY * length;
         let expected = -STANDARD_GRAVITY * (mass * length / 2.0 + 2.0 * length);

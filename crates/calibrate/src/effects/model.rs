@@ -189,33 +189,36 @@ impl EffectModel {
             return None;
         }
         let steady = self.steady(conditions, joints);
+        let centres = self.statics.centres(joints);
+        let mut posture = Posture::default();
         // A joint that counts from the ground stands elsewhere than it reads.
-        let mut posture = self.statics.posture(joints, conditions, Some(&steady));
+        self.statics.posture_into(joints, &centres, conditions, Some(&steady), &mut posture);
         let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
             .acting()
             .filter(|effect| effect.term.driver.needs_posture())
             .map(|effect| (effect, self.directions(&effect.term, joints, conditions.tip)))
             .collect();
-        let bent = |posture: &Posture| {
-            let mut next = steady.clone();
+        let bent = |posture: &Posture, next: &mut Perturbation| {
+            next.clear();
+            next.add(&steady);
             for (effect, directions) in &bending {
-                self.add_effect(effect, directions, conditions, posture, &mut next);
+                self.add_effect(effect, directions, conditions, posture, next);
             }
-            next
         };
-        let mut given = Perturbation::none(joints.len());
+        let (mut given, mut next) = (Perturbation::none(joints.len()), Perturbation::none(joints.len()));
         let passes = if bending.iter().any(|(effect, _)| effect.term.driver.feels_gravity()) { MOST_PASSES } else { 0 };
         for _ in 0..passes {
-            let next = bent(&posture);
+            bent(&posture, &mut next);
             let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
-            given = next;
+            std::mem::swap(&mut given, &mut next);
             if moved < STILL {
                 out.add(&given);
                 return Some(posture);
             }
-            posture = self.statics.posture(joints, conditions, Some(&given));
+            self.statics.posture_into(joints, &centres, conditions, Some(&given), &mut posture);
         }
-        out.add(&bent(&posture));
+        bent(&posture, &mut next);
+        out.add(&next);
         Some(posture)
     }
 

@@ -150,7 +150,22 @@ impl Statics {
         conditions: &Conditions<'_>,
         perturbation: Option<&Perturbation>,
     ) -> Posture {
-        let mut state = RowState::default();
+        let mut posture = Posture::default();
+        self.posture_into(joints, &self.centres(joints), conditions, perturbation, &mut posture);
+        posture
+    }
+
+    /// The same in place of what is in `out`; `centres`: where an arm with these joints has its masses, see [`Statics::centres`].
+    pub fn posture_into(
+        &self,
+        joints: &[ChainJoint],
+        centres: &[Point3<f64>],
+        conditions: &Conditions<'_>,
+        perturbation: Option<&Perturbation>,
+        Posture { state, loads, axes }: &mut Posture,
+    ) {
+        state.before.clear();
+        state.after.clear();
         let tip = &self.tips[conditions.tip];
         let mut last = None;
         for (index, joint) in joints.iter().enumerate() {
@@ -171,10 +186,10 @@ impl Statics {
         }
         state.tip = reached * tip.home;
         let payload = last.map(|joint| (joint, conditions.recorded.payload()));
-        let loads = self.masses.loads(&self.centres(joints), &self.points, &self.carriers, &state, payload);
-        let axes = joints.iter().zip(&self.points).zip(&state.before);
-        let axes = axes.map(|((joint, point), before)| StandingAxis::of(joint, point, before)).collect();
-        Posture { state, loads, axes }
+        self.masses.loads_into(centres, &self.points, &self.carriers, state, payload, loads);
+        let places = joints.iter().zip(&self.points).zip(&state.before);
+        axes.clear();
+        axes.extend(places.map(|((joint, point), before)| StandingAxis::of(joint, point, before)));
     }
 
     /// Where an arm with these joints has its masses, base frame at home, m: each link moves along with the axis that it turns about, by the

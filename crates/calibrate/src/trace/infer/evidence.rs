@@ -183,7 +183,8 @@ impl Model<'_> {
 
     /// What is expected of all waves.
     fn expected(&self, hyper: &Hyperparameters) -> Vec<Expected> {
-        let all = |(kernel, waves): (&Kernel, &Waves)| Expected { variances: kernel.variances(waves), seen: waves.len() };
+        let all =
+            |(kernel, waves): (&Kernel, &Waves)| Expected { variances: kernel.variances(waves), seen: waves.len() };
         hyper.kernels.iter().zip(self.waves).map(all).collect()
     }
 
