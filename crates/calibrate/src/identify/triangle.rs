@@ -57,6 +57,22 @@ impl Triangle {
         x
     }
 
+    /// L⁻¹ B, column by column.
+    pub fn forward_all(&self, mut columns: Vec<f64>) -> Vec<f64> {
+        let size = self.size;
+        let solve = |some: &mut [f64]| {
+            for from in (0..size).step_by(BLOCK) {
+                let to = (from + BLOCK).min(size);
+                let own = &self.cells[from * size..to * size];
+                let known = against(some, own, (from, to), size);
+                solve_rows(some, own, &known, (from, to), size);
+            }
+        };
+        let threads = if columns.len() * size < WORTH_A_THREAD { 1 } else { available() };
+        dealt(columns.chunks_mut((BLOCK * size).max(1)), threads, || (), |(), some| solve(some));
+        columns
+    }
+
     /// L⁻ᵀ b.
     pub fn backward(&self, b: &[f64]) -> Vec<f64> {
         let mut x = b.to_vec();
@@ -210,6 +226,10 @@ mod tests {
         let right: Vec<f64> = (0..size).map(|i| i as f64 + 1.0).collect();
         let solved = known.l().solve_lower_triangular(&DVector::from_vec(right.clone())).unwrap();
         assert!((DVector::from_vec(factor.forward(&right)) - &solved).amax() < 1e-9);
+        let many: Vec<f64> = (0..size * 40).map(|k| (k as f64 * 0.71).cos()).collect();
+        for (all, one) in factor.forward_all(many.clone()).chunks_exact(size).zip(many.chunks_exact(size)) {
+            assert!(all.iter().zip(factor.forward(one)).all(|(a, b)| (a - b).abs() < 1e-9));
+        }
         let whole = DVector::from_vec(factor.backward(solved.as_slice()));
         assert!((whole - known.solve(&DVector::from_vec(right))).amax() < 1e-9);
     }

@@ -11,11 +11,12 @@
 //! *setting*. Each set is scored at the setting that suits it best.
 
 use crate::effects::curve::Waves;
+use crate::identify::gram::cross_gram;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::evidence::System;
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Kernel;
-use denavit_model::nalgebra::{DMatrix, DVector};
+use denavit_model::nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -197,69 +198,50 @@ impl Contest<'_> {
         let right: Vec<f64> = right.iter().zip(&scale).map(|(right, scale)| right * scale).collect();
         let half = factor.forward(&right);
         let columns: Vec<usize> = self.members.iter().flat_map(|member| member.columns.clone()).collect();
-        let shares: Vec<Vec<f64>> = columns
+        let along = columns
             .iter()
-            .map(|&column| {
-                let along: Vec<f64> = (0..size).map(|i| gram.cell(index[i], column) * scale[i]).collect();
-                factor.forward(&along)
-            })
-            .collect();
+            .flat_map(|&column| index.iter().zip(&scale).map(move |(&own, scale)| gram.cell(own, column) * scale));
+        let shares = factor.forward_all(along.collect());
         let width = columns.len();
-        let mut schur = vec![0.0; width * width];
-        for i in 0..width {
-            for k in 0..=i {
-                let left = gram.cell(columns[i], columns[k]) - dot(&shares[i], &shares[k]);
-                schur[i * width + k] = left;
-                schur[k * width + i] = left;
-            }
+        let mut schur = cross_gram(&shares, &shares, size);
+        for (cells, &column) in schur.chunks_exact_mut(width.max(1)).zip(&columns) {
+            cells.iter_mut().zip(&columns).for_each(|(cell, &other)| *cell = gram.cell(column, other) - *cell);
         }
-        let right = columns.iter().zip(&shares).map(|(&c, share)| gram.right[c] - dot(share, &half)).collect();
+        let right = cross_gram(&half, &shares, size);
+        let right = columns.iter().zip(right).map(|(&column, share)| gram.right[column] - share).collect();
         let left = gram.square + self.charge - dot(&half, &half);
         (left > 0.0 && base.is_finite()).then_some(Ground { schur, right, width, base, left, count: gram.count })
     }
 
     /// The score of a set at a setting.
     pub fn at(&self, ground: &Ground, set: &[usize]) -> f64 {
-        let odds: f64 = set.iter().map(|&member| self.members[member].log_odds).sum();
-        if set.iter().all(|&member| self.members[member].columns.is_empty()) {
-            return Self::score(ground, 0.0, 0.0, odds);
+        self.asked(set).score(ground, &mut Vec::new())
+    }
+
+    /// What a set asks of a setting.
+    fn asked(&self, set: &[usize]) -> Asked {
+        // Members' columns follow each other among the candidates' products.
+        let first = self.members.first().map_or(0, |member| member.columns.start);
+        let mut asked = Asked { columns: Vec::new(), precisions: Vec::new(), odds: 0.0 };
+        for member in set.iter().map(|&member| &self.members[member]) {
+            asked.odds += member.log_odds;
+            for column in member.columns.clone() {
+                asked.columns.push(column - first);
+                asked.precisions.push((self.precision[(column, column)], member.least_precision));
+            }
         }
-        self.at_widths(ground, set).map(|(score, _)| score).fold(f64::NEG_INFINITY, f64::max)
-            - (WIDTHS.len() as f64).ln()
-    }
-
-    /// The score of a set at each width of its prior, with that width, but for the price of choosing one.
-    fn at_widths(&self, ground: &Ground, set: &[usize]) -> impl Iterator<Item = (f64, f64)> {
-        let columns = self.columns_of(set);
-        let odds: f64 = set.iter().map(|&member| self.members[member].log_odds).sum();
-        WIDTHS.iter().map(move |&width| {
-            let precisions = self.precisions(set, width);
-            (self.at_width(ground, &columns, &|i| precisions[i], odds), width)
-        })
-    }
-
-    /// The columns of a set's members.
-    fn columns_of(&self, set: &[usize]) -> Vec<usize> {
-        set.iter().flat_map(|&member| self.members[member].columns.clone()).collect()
-    }
-
-    /// Prior precision of a set's coefficients. A cause may be far stronger than what one row shows of it: its prior is as
-    /// wide as suits it (the g of Zellner's prior by empirical Bayes; George, Foster 2000), one width for all.
-    fn precisions(&self, set: &[usize], width: f64) -> Vec<f64> {
-        let own = set.iter().flat_map(|&member| {
-            let Member { columns, least_precision, .. } = &self.members[member];
-            columns.clone().map(move |column| (self.precision[(column, column)] / width).max(*least_precision))
-        });
-        own.collect()
+        asked
     }
 
     /// The model of a set at a setting, its prior as wide as suits it: what is needed to say what it predicts.
     pub fn system(&self, gram: &Gram, (ground, setting): (&Ground, &Setting), set: &[usize]) -> (Vec<usize>, System) {
-        let best = self.at_widths(ground, set).max_by(|a, b| a.0.total_cmp(&b.0));
-        let precisions = self.precisions(set, best.map_or(1.0, |(_, width)| width));
+        let asked = self.asked(set);
+        let at = |width: f64| (asked.at_width(ground, width, &mut Vec::new()), width);
+        let best = WIDTHS.into_iter().map(at).max_by(|a, b| a.0.total_cmp(&b.0));
+        let width = best.map_or(1.0, |(_, width)| width);
         let mut held = self.held(gram, setting);
         let before = held.index.len();
-        held.index.extend(self.columns_of(set));
+        held.index.extend(set.iter().flat_map(|&member| self.members[member].columns.clone()));
         held.right.extend(held.index[before..].iter().map(|&column| gram.right[column]));
         let size = held.index.len();
         let mut matrix = vec![0.0; size * size];
@@ -271,47 +253,15 @@ impl Contest<'_> {
             for k in 0..=i {
                 matrix[i * size + k] = gram.cell(held.index[i], held.index[k]);
             }
-            matrix[i * size + i] += precisions[i - before];
+            matrix[i * size + i] += asked.precision(i - before, width);
         }
         (held.index, System { matrix, right: held.right, square: gram.square + self.charge, count: gram.count })
     }
 
-    fn score(ground: &Ground, drop: f64, determinants: f64, odds: f64) -> f64 {
-        let left = (ground.left - drop) / ground.count;
-        if left <= 0.0 {
-            return f64::NEG_INFINITY;
-        }
-        ground.base - 0.5 * (ground.count * left.ln() + determinants) + odds
-    }
-
-    /// The same with these precisions of the members' columns.
-    fn at_width(&self, ground: &Ground, columns: &[usize], prior: &dyn Fn(usize) -> f64, odds: f64) -> f64 {
-        // Members' columns follow each other among the candidates' products.
-        let first = self.members.first().map_or(0, |member| member.columns.start);
-        let size = columns.len();
-        // Scaled, so that coefficients of any unit are told together.
-        let scale: Vec<f64> = (0..size)
-            .map(|i| {
-                let own = columns[i] - first;
-                (ground.schur[own * ground.width + own].max(0.0) + prior(i)).powf(-0.5)
-            })
-            .collect();
-        let matrix = DMatrix::from_fn(size, size, |i, k| {
-            let cell = ground.schur[(columns[i] - first) * ground.width + columns[k] - first];
-            (cell + if i == k { prior(i) } else { 0.0 }) * scale[i] * scale[k]
-        });
-        let Some(factor) = matrix.cholesky() else { return f64::NEG_INFINITY };
-        let right = DVector::from_fn(size, |i, _| ground.right[columns[i] - first] * scale[i]);
-        let drop = right.dot(&factor.solve(&right));
-        let determinants = factor.l_dirty().diagonal().iter().map(|cell| 2.0 * cell.ln()).sum::<f64>()
-            - scale.iter().map(|scale| 2.0 * scale.ln()).sum::<f64>()
-            - (0..size).map(|i| prior(i).ln()).sum::<f64>();
-        Self::score(ground, drop, determinants, odds)
-    }
-
     /// The score of a set at the setting that suits it best.
     pub fn best(&self, grounds: &[Ground], set: &[usize]) -> (f64, usize) {
-        let scores = grounds.iter().enumerate().map(|(index, ground)| (self.at(ground, set), index));
+        let (asked, mut room) = (self.asked(set), Vec::new());
+        let scores = grounds.iter().enumerate().map(|(index, ground)| (asked.score(ground, &mut room), index));
         scores.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
     }
 
@@ -454,6 +404,75 @@ impl Contest<'_> {
     }
 }
 
+/// The columns of a set, and what is expected of them.
+struct Asked {
+    /// Among the candidates' products.
+    columns: Vec<usize>,
+    /// Of each column the precision that unit information gives, and the least.
+    precisions: Vec<(f64, f64)>,
+    /// Logarithm of the set's prior odds.
+    odds: f64,
+}
+
+impl Asked {
+    /// Prior precision of a coefficient. A cause may be far stronger than what one row shows of it: its prior is as
+    /// wide as suits it (the g of Zellner's prior by empirical Bayes; George, Foster 2000), one width for all.
+    fn precision(&self, column: usize, width: f64) -> f64 {
+        let (unit, least) = self.precisions[column];
+        (unit / width).max(least)
+    }
+
+    /// The score at a setting, the prior as wide as suits it, less the price of choosing that; `room` is used again.
+    fn score(&self, ground: &Ground, room: &mut Vec<f64>) -> f64 {
+        if self.columns.is_empty() {
+            return ground.score(0.0, 0.0) + self.odds;
+        }
+        let best = WIDTHS.iter().map(|&width| self.at_width(ground, width, room)).fold(f64::NEG_INFINITY, f64::max);
+        best - (WIDTHS.len() as f64).ln()
+    }
+
+    /// The same with a prior of this width.
+    fn at_width(&self, ground: &Ground, width: f64, room: &mut Vec<f64>) -> f64 {
+        // Cholesky's factor of S + P, row by row, each with its part of L⁻¹ r behind it.
+        let row_of = |i: usize| i * (i + 1) / 2 + i;
+        room.clear();
+        let (mut drop, mut log_determinant) = (0.0, 0.0);
+        for (i, &own) in self.columns.iter().enumerate() {
+            let precision = self.precision(i, width);
+            let from = room.len();
+            for (k, &other) in self.columns[..=i].iter().enumerate() {
+                let cell = ground.schur[own * ground.width + other] + if k == i { precision } else { 0.0 };
+                let (earlier, row) = room.split_at(from);
+                let known: f64 =
+                    row.iter().zip(if k == i { row } else { &earlier[row_of(k)..] }).map(|(a, b)| a * b).sum();
+                let left = cell - known;
+                if k < i {
+                    let pivot = room[row_of(k) + k];
+                    room.push(left / pivot);
+                } else if left > 0.0 {
+                    room.push(left.sqrt());
+                } else {
+                    return f64::NEG_INFINITY;
+                }
+            }
+            let halves = (0..i).map(|k| room[from + k] * room[row_of(k) + k + 1]);
+            let half = (ground.right[own] - halves.sum::<f64>()) / room[from + i];
+            room.push(half);
+            drop += half * half;
+            log_determinant += 2.0 * room[from + i].ln() - precision.ln();
+        }
+        ground.score(drop, log_determinant) + self.odds
+    }
+}
+
+impl Ground {
+    /// Where candidates explain so much more, at the price of these determinants.
+    fn score(&self, drop: f64, determinants: f64) -> f64 {
+        let left = (self.left - drop) / self.count;
+        if left <= 0.0 { f64::NEG_INFINITY } else { self.base - 0.5 * (self.count * left.ln() + determinants) }
+    }
+}
+
 /// The best set, and for each of its members the best set without it.
 pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
     let mut order: Vec<(&Vec<usize>, f64)> = seen.iter().map(|(set, (score, _))| (set, *score)).collect();
@@ -474,6 +493,7 @@ pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
     use crate::trace::infer::gram::Columns;
+    use denavit_model::nalgebra::DVector;
 
     const VALUES: usize = 60;
 
