@@ -205,16 +205,19 @@ impl EffectModel {
                 self.add_effect(effect, directions, conditions, posture, next);
             }
         };
+        let mut last = 0.0;
         let (mut given, mut next) = (Perturbation::none(joints.len()), Perturbation::none(joints.len()));
         let passes = if bending.iter().any(|(effect, _)| effect.term.driver.feels_gravity()) { MOST_PASSES } else { 0 };
         for _ in 0..passes {
             bent(&posture, &mut next);
             let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
             std::mem::swap(&mut given, &mut next);
-            if moved < STILL {
+            // The next pass would move it by the same share of this as this is of the last.
+            if moved < STILL || moved * moved < STILL * last {
                 out.add(&given);
                 return Some(posture);
             }
+            last = moved;
             self.statics.posture_into(joints, &centres, conditions, Some(&given), &mut posture);
         }
         bent(&posture, &mut next);
