@@ -6,7 +6,7 @@
 //! ```
 //! [`model`] says what each block of columns is and how large its numbers are expected to be, [`evidence`] scores a model,
 //! [`maximum`] finds the few numbers that the score leaves free, [`curves`] fits, [`contest`] compares sets of effects,
-//! [`named`] says which of them are sure enough to be named.
+//! [`named`] says which of them are sure enough to be named, and `predictor` which of the others a prediction holds.
 
 pub mod contest;
 pub mod curves;
@@ -21,6 +21,7 @@ pub mod lines;
 pub mod maximum;
 pub mod model;
 pub mod named;
+mod predictor;
 mod replicates;
 
 pub use curves::{CurveOptions, fit_curves};

@@ -473,6 +473,11 @@ impl Ground {
     }
 }
 
+/// The set with the best score; none where there is no set.
+pub fn best_of(seen: &Seen) -> Vec<usize> {
+    seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set.clone())
+}
+
 /// The best set, and for each of its members the best set without it.
 pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
     let mut order: Vec<(&Vec<usize>, f64)> = seen.iter().map(|(set, (score, _))| (set, *score)).collect();

@@ -246,7 +246,7 @@ impl<'a> Trial<'a> {
 }
 
 /// Whether the mean of these is above 0 by more than chance.
-fn beyond_chance(falls: &[f64]) -> bool {
+pub(super) fn beyond_chance(falls: &[f64]) -> bool {
     let count = falls.len() as f64;
     let mean = falls.iter().sum::<f64>() / count;
     let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / (count - 1.0);

@@ -11,12 +11,13 @@ use crate::identify::solve::Fit;
 use crate::identify::threads::in_parallel;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, rivals_of_best};
+use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::hypotheses::{Cause, Open, OpenSet};
 use crate::trace::infer::lines::beside_a_scale;
 use crate::trace::infer::model::{Kernel, LARGEST};
+use crate::trace::infer::predictor::Predictor;
 use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
 use rand::{RngExt, SeedableRng};
@@ -80,7 +81,7 @@ pub struct Judged {
     pub gain: f64,
     /// Who shares its mass.
     pub rivals: Vec<Alternative>,
-    /// How probable it is that it acts, or one in its stead, among the models that predict: those without structure that has no name.
+    /// How probable it is that it acts, or one in its stead, among the models that predict ([`super::predictor`]).
     pub predicts: f64,
 }
 
@@ -175,16 +176,9 @@ pub(crate) fn judge(
         }
         best_of(&seen)
     };
-    // Structure without a name predicts nothing: what a prediction may hold is judged where there is none.
-    let grounds: Vec<Ground> =
-        settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).map(|(ground, _)| ground.clone()).collect();
-    let mut predicting = Seen::new();
-    for start in &which {
-        contest.climb(&grounds, &mut predicting, start);
-    }
-    let predictor = best_of(&predicting);
+    let predictor = Predictor::new(&contest, &settings, &which);
     let mut all = set.clone();
-    all.extend(predictor.iter().filter(|member| !set.contains(member)));
+    all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
     let resampled = if all.is_empty() { Default::default() } else { resampled(&round.parts, &again) };
     let members: Vec<Judged> = all
         .iter()
@@ -197,6 +191,9 @@ pub(crate) fn judge(
             let share = |runs: &Vec<Vec<usize>>| {
                 runs.iter().filter(|found| has(found, mine)).count() as f64 / runs.len().max(1) as f64
             };
+            let predicts = if predictor.set.contains(&member) { shared(&predictor.seen, &names, mine) } else { 0.0 };
+            // What is there for the prediction alone must be seen to predict.
+            let pays = predicts < KEPT || shared(&seen, &names, mine) >= KEPT || predictor.pays(&round.parts, member);
             Judged {
                 candidate: candidates[member].clone(),
                 probability: mass(&|set| has(set, mine)).exp(),
@@ -204,7 +201,7 @@ pub(crate) fn judge(
                 found_again: resampled.iter().map(share).fold(0.0, f64::max),
                 gain: best(true) - best(false),
                 rivals: rivals(&seen, &names, mine),
-                predicts: if predictor.contains(&member) { shared(&predicting, &names, mine) } else { 0.0 },
+                predicts: if pays { predicts } else { 0.0 },
             }
         })
         .collect();
@@ -349,11 +346,6 @@ fn shared(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> f64 {
     let instead: f64 = rivals(seen, names, mine).iter().map(|rival| rival.probability).sum();
     let own = mass(seen, &|set| set.iter().any(|&other| names[other] == *mine)).exp();
     (own + instead).min(1.0)
-}
-
-/// The set with the best score; none where there is no set.
-fn best_of(seen: &Seen) -> Vec<usize> {
-    seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set.clone())
 }
 
 /// Logarithm of the share of the mass that sets hold of which `holds` is true.

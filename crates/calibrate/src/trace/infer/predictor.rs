@@ -1,0 +1,104 @@
+//! What a prediction holds beside causes that are named: the best set among the models without structure that has no name, for such
+//! structure says that something is there, but predicts nothing.
+
+use crate::identify::threads::in_parallel;
+use crate::trace::infer::contest::{Contest, Ground, Seen, Setting, best_of};
+use crate::trace::infer::field::beyond_chance;
+use crate::trace::infer::gram::Gram;
+
+/// The best set that predicts, and those that it was found among.
+pub(super) struct Predictor<'a> {
+    contest: &'a Contest<'a>,
+    settings: Vec<&'a (Ground, Setting)>,
+    pub(super) set: Vec<usize>,
+    pub(super) seen: Seen,
+}
+
+impl<'a> Predictor<'a> {
+    /// The best of the sets that are found from these.
+    pub(super) fn new(contest: &'a Contest<'a>, settings: &'a [(Ground, Setting)], starts: &[Vec<usize>]) -> Self {
+        let settings: Vec<_> = settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).collect();
+        let grounds: Vec<Ground> = settings.iter().map(|(ground, _)| ground.clone()).collect();
+        let mut seen = Seen::new();
+        for start in starts {
+            contest.climb(&grounds, &mut seen, start);
+        }
+        Self { contest, settings, set: best_of(&seen), seen }
+    }
+
+    /// Whether rows that were not fitted become better with a member of the set than without it, by more than chance makes of it; `parts`
+    /// of the run are left out one after the other.
+    pub(super) fn pays(&self, parts: &[Gram], member: usize) -> bool {
+        let without: Vec<usize> = self.set.iter().copied().filter(|&other| other != member).collect();
+        let (Some(with), Some(without)) = (self.held_out(parts, &self.set), self.held_out(parts, &without)) else {
+            return false;
+        };
+        beyond_chance(&without.iter().zip(&with).map(|(without, with)| without - with).collect::<Vec<f64>>())
+    }
+
+    /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.
+    fn held_out(&self, parts: &[Gram], set: &[usize]) -> Option<Vec<f64>> {
+        let scores = self.settings.iter().map(|(ground, setting)| (self.contest.at(ground, set), setting));
+        let (_, setting) = scores.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let numbers: Vec<usize> = (0..parts.len()).collect();
+        let left = in_parallel(&numbers, |&part| {
+            let others: Vec<f64> = (0..parts.len()).map(|other| f64::from(u8::from(other != part))).collect();
+            let others = Gram::weighted(parts, &others);
+            let ground = self.contest.ground(&others, setting)?;
+            let (columns, system) = self.contest.system(&others, (&ground, setting), set);
+            let mut mean = vec![0.0; others.size];
+            for (column, number) in columns.into_iter().zip(system.solved()?.mean()) {
+                mean[column] = number;
+            }
+            Some(parts[part].misfit(&mean))
+        });
+        left.into_iter().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::infer::contest::Member;
+    use crate::trace::infer::gram::Columns;
+    use denavit_model::nalgebra::DMatrix;
+
+    /// Two columns of geometry and two candidates, of which the first acts.
+    #[test]
+    fn what_acts_pays_and_what_does_not_does_not() {
+        const VALUES: usize = 200;
+        let cell = |value: usize, k: usize| ((value * value * (k + 3)) as f64 * 0.737).sin();
+        let plain: Vec<Vec<f64>> = (0..4).map(|k| (0..VALUES).map(|value| cell(value, k)).collect()).collect();
+        let explained: Vec<f64> =
+            (0..VALUES).map(|value| plain[1][value] + 0.5 * plain[2][value] + cell(value, 40)).collect();
+        let rows: Vec<usize> = (0..VALUES).collect();
+        let of_part = |part: usize| {
+            let own = part * VALUES / 5..(part + 1) * VALUES / 5;
+            let cut: Vec<&[f64]> = plain.iter().map(|column| &column[own.clone()]).collect();
+            let (explained, rows) = (&explained[own.clone()], &rows[own.clone()]);
+            Gram::of(&Columns { explained, plain: &cut, joints: &[], rows, weights: &[1.0; VALUES / 5] }, &[], &[])
+        };
+        let parts: Vec<Gram> = (0..5).map(of_part).collect();
+        let members: Vec<Member> =
+            (2..4).map(|k| Member { columns: k..k + 1, log_odds: -2.0, least_precision: 0.0 }).collect();
+        let precision = DMatrix::from_diagonal_element(4, 4, 0.01);
+        let contest = Contest {
+            always: 2,
+            precision: &precision,
+            pull: &[0.0; 4],
+            charge: 0.0,
+            waves: &[],
+            means: &[],
+            firm: &[],
+            kernels: &[],
+            unnamed: &[],
+            members: &members,
+        };
+        let whole = Gram::weighted(&parts, &[1.0; 5]);
+        let (_, settings) = contest.run(&whole, &[]);
+        let mut predictor = Predictor::new(&contest, &settings, &[Vec::new()]);
+        assert_eq!(predictor.set, [0]);
+        predictor.set = vec![0, 1];
+        assert!(predictor.pays(&parts, 0) && !predictor.pays(&parts, 1));
+    }
+}
