@@ -31,7 +31,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
 use crate::trace::infer::hypotheses::Open;
-use crate::trace::infer::named::{Alternative, KEPT};
+use crate::trace::infer::named::{Alternative, likely};
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
@@ -114,7 +114,7 @@ impl Finding {
     /// predicts nothing accounts for what they explain.
     pub fn stands_in(&self) -> bool {
         let rivals: f64 = self.rivals.iter().map(|rival| rival.probability).sum();
-        self.probability + rivals < KEPT
+        !likely(self.probability + rivals)
     }
 
     /// The joint that drives it, where that is not the one that it acts at.

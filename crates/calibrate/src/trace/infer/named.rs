@@ -31,7 +31,7 @@ pub const FOUND_AGAIN: f64 = 0.8;
 /// From this probability on, among models without structure that has no name, a cause stays in the model although it is not named
 /// (Barbieri, Berger 2004: the median probability model predicts best); with its rivals', for where one of several acts the best of
 /// them predicts better than none.
-pub const KEPT: f64 = 0.5;
+const KEPT: f64 = 0.5;
 /// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
@@ -85,10 +85,15 @@ pub struct Judged {
     pub predicts: f64,
 }
 
+/// Whether something probably acts: a cause, or one in its stead.
+pub fn likely(probability: f64) -> bool {
+    probability >= KEPT
+}
+
 impl Judged {
     /// Whether it stays in the model: named, or for the prediction.
     pub fn kept(&self) -> bool {
-        self.named() || self.predicts >= KEPT
+        self.named() || likely(self.predicts)
     }
 
     /// Whether it is named.
@@ -193,7 +198,7 @@ pub(crate) fn judge(
             };
             let predicts = if predictor.set.contains(&member) { shared(&predictor.seen, &names, mine) } else { 0.0 };
             // What is there for the prediction alone must be seen to predict.
-            let pays = predicts < KEPT || shared(&seen, &names, mine) >= KEPT || predictor.pays(&round.parts, member);
+            let pays = !likely(predicts) || likely(shared(&seen, &names, mine)) || predictor.pays(&round.parts, member);
             Judged {
                 candidate: candidates[member].clone(),
                 probability: mass(&|set| has(set, mine)).exp(),
