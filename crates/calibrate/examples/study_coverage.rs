@@ -1,10 +1,11 @@
 //! How often intervals hold the truth: bands of error curves, coefficients of effects.
 //!
-//! `cargo run --release -p denavit-calibrate --example study_coverage -- [RUNS]`
+//! `cargo run --release -p denavit-calibrate --example study_coverage -- [RUNS] [others]`
 //!
 //! UR5e, off by 1 mrad and 1 mm on each axis, 0.05 mm noise of each component of position, readings spread over ±2.5 rad. Curves: three
 //! joints err by four sines of orders between 1.5 and 8. A curve is compared with the truth less its mean over the rows, which is
-//! the zero of the joint and therefore geometry's.
+//! the zero of the joint and therefore geometry's. With `others` the errors are others: draws of the kernel that curves are expected to have, and
+//! sines of higher orders, in few rows.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
@@ -26,9 +27,45 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 const GEAR: f64 = 3e-4;
 /// Joints that err.
 const GEARS: [usize; 3] = [1, 2, 4];
-/// Sines in the error of a joint, and the range of their orders.
+/// Sines in the error of a joint.
 const SINES: usize = 4;
-const ORDERS: std::ops::Range<f64> = 1.5..8.0;
+/// Waves that a draw of the kernel is made of.
+const WAVES: usize = 100;
+
+/// What the errors of joints are like.
+#[derive(Debug, Clone, Copy)]
+pub enum Errors {
+    /// Four sines of orders between these, of 0.3 mrad in all.
+    Sines(f64, f64),
+    /// Draws of the kernel that curves are expected to have (Matérn, 5/2): size and length scale, rad.
+    Kernel(f64, f64),
+}
+
+/// Those of gears.
+pub const SMOOTH: Errors = Errors::Sines(1.5, 8.0);
+
+impl Errors {
+    /// Of a joint, each with its order and the size of its parts, rad.
+    fn waves(self, random: &mut ChaCha8Rng) -> Vec<(f64, [f64; 2])> {
+        let count = match self {
+            Self::Sines(..) => SINES,
+            Self::Kernel(..) => WAVES,
+        };
+        let mut wave = || {
+            let normal = |random: &mut ChaCha8Rng| random.sample::<f64, _>(StandardNormal);
+            let (order, size) = match self {
+                Self::Sines(low, high) => (random.random_range(low..high), GEAR),
+                // The kernel's spectrum is that of Student's t with five degrees of freedom.
+                Self::Kernel(size, length) => {
+                    let squares: f64 = (0..5).map(|_| normal(random).powi(2)).sum();
+                    ((normal(random) / (squares / 5.0).sqrt() / length).abs(), size)
+                }
+            };
+            (order, [(); 2].map(|()| size / (count as f64).sqrt() * normal(random)))
+        };
+        (0..count).map(|_| wave()).collect()
+    }
+}
 
 /// The robot.
 pub fn ur5e() -> (Chain, Statics) {
@@ -50,16 +87,13 @@ fn at_joint(kind: Kind, joint: usize, driver: Driver, coefficients: Vec<f64>) ->
 }
 
 /// Random smooth errors of joints, of mean 0 over these readings.
-pub fn gears(readings: &[Vec<f64>], seed: u64) -> Vec<Effect> {
+pub fn gears(errors: Errors, readings: &[Vec<f64>], seed: u64) -> Vec<Effect> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x6ea5);
     let mut effects = Vec::new();
     for joint in GEARS {
         let own = effects.len();
-        for _ in 0..SINES {
-            let order = random.random_range(ORDERS);
-            let mut part = || GEAR / (SINES as f64).sqrt() * random.sample::<f64, _>(StandardNormal);
-            let coefficients = vec![part(), part()];
-            effects.push(at_joint(Kind::TransmissionError, joint, Driver::Harmonic { joint, order }, coefficients));
+        for (order, parts) in errors.waves(&mut random) {
+            effects.push(at_joint(Kind::TransmissionError, joint, Driver::Harmonic { joint, order }, parts.to_vec()));
         }
         let mean = readings.iter().map(|row| error(&effects[own..], row[joint])).sum::<f64>() / readings.len() as f64;
         effects.push(at_joint(Kind::JointScale, joint, Driver::Constant, vec![-mean]));
@@ -114,9 +148,9 @@ impl Share {
 }
 
 /// The bands of the curves of one run, over the fitted rows' readings; how many of the joints that err have one, and how many others.
-pub fn bands(rows: usize, seed: u64) -> (Share, usize, usize) {
+pub fn bands(errors: Errors, rows: usize, seed: u64) -> (Share, usize, usize) {
     let readings = readings(rows, seed);
-    let truth = gears(&readings, seed);
+    let truth = gears(errors, &readings, seed);
     let found = calibrated(truth.clone(), readings.clone(), seed, false);
     let mut share = Share::default();
     let curves = found.beyond_geometry().map_or(&[][..], |fit| &fit.effects.curves);
@@ -175,8 +209,28 @@ fn main() {
         let size = (sum(&|share| share.squares) / all).sqrt();
         println!("| {what} | {found} | {:.1} % | {:.1} | {size:.2} |", inside * 100.0, spread * 100.0);
     };
+    let others = std::env::args().nth(2).is_some_and(|word| word == "others");
+    if others {
+        let worlds = [
+            ("kernel, length 0.3 rad, 0.3 mrad", Errors::Kernel(3e-4, 0.3)),
+            ("kernel, length 0.15 rad, 1 mrad", Errors::Kernel(1e-3, 0.15)),
+            ("kernel, length 1 rad, 0.1 mrad", Errors::Kernel(1e-4, 1.0)),
+            ("sines of orders 1.5 to 8, 0.3 mrad", SMOOTH),
+            ("sines of orders 6 to 20, 0.3 mrad", Errors::Sines(6.0, 20.0)),
+        ];
+        for (what, errors) in worlds {
+            for rows in [60, 100] {
+                let found: Vec<(Share, usize, usize)> =
+                    (0..runs).map(|seed| bands(errors, rows, 5000 + seed)).collect();
+                let right: usize = found.iter().map(|run| run.1).sum();
+                let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
+                line(&format!("{what}, {rows} rows"), format!("{right} of {}", found.len() * GEARS.len()), &shares);
+            }
+        }
+        return;
+    }
     for rows in [100, 300, 1000] {
-        let found: Vec<(Share, usize, usize)> = (0..runs).map(|seed| bands(rows, 7000 + seed)).collect();
+        let found: Vec<(Share, usize, usize)> = (0..runs).map(|seed| bands(SMOOTH, rows, 7000 + seed)).collect();
         let (right, wrong) = found.iter().fold((0, 0), |sum, run| (sum.0 + run.1, sum.1 + run.2));
         let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
         let said = format!("{right} of {}, {wrong} of others", found.len() * GEARS.len());

@@ -20,7 +20,7 @@ use denavit_calibrate::trace::TraceOptions;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
-use study_coverage::{gears, readings, ur5e};
+use study_coverage::{SMOOTH, gears, readings, ur5e};
 
 /// Over which the products of waves that act run, rad: more than the readings, so that they are none of those that are fitted.
 const SPAN: f64 = 3.4;
@@ -47,7 +47,7 @@ pub fn effects(world: World, rows: usize, seed: u64) -> Vec<Effect> {
     };
     match world {
         World::Clean => Vec::new(),
-        World::Gears => gears(&readings(rows, seed), seed),
+        World::Gears => gears(SMOOTH, &readings(rows, seed), seed),
         World::Gravity => {
             [1, 2].map(|joint| at(Kind::JointCompliance, joint, Driver::Torque(joint), vec![6e-6])).to_vec()
         }

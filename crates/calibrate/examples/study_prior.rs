@@ -18,7 +18,7 @@ use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::observation::gauge;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
-use study_coverage::{gears, readings, ur5e};
+use study_coverage::{SMOOTH, gears, readings, ur5e};
 
 /// Poses of the first day.
 const FIRST: usize = 300;
@@ -35,7 +35,7 @@ pub struct Run {
 pub fn run(poses: usize, seed: u64) -> Run {
     let (chain, statics) = ur5e();
     let first = readings(FIRST, seed);
-    let mut effects = gears(&first, seed);
+    let mut effects = gears(SMOOTH, &first, seed);
     effects.extend([1, 2].map(|joint| Effect {
         term: Term {
             kind: Kind::JointCompliance,

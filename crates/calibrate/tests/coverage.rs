@@ -1,11 +1,11 @@
 //! Bands of error curves and intervals of effects hold the truth: a small slice of the study.
 
-use crate::prior_effects::study::study_coverage::{Share, bands, coefficients};
+use crate::prior_effects::study::study_coverage::{SMOOTH, Share, bands, coefficients};
 use denavit_calibrate::effects::Kind;
 
 #[test]
 fn bands_of_curves_hold_the_truth() {
-    let found: Vec<(Share, usize, usize)> = (0..3).map(|seed| bands(300, 40 + seed)).collect();
+    let found: Vec<(Share, usize, usize)> = (0..3).map(|seed| bands(SMOOTH, 300, 40 + seed)).collect();
     let inside: f64 = found.iter().map(|run| run.0.inside).sum();
     let all: f64 = found.iter().map(|run| run.0.all).sum();
     println!("{:.3} of {all} readings", inside / all);
@@ -16,7 +16,7 @@ fn bands_of_curves_hold_the_truth() {
 /// A hundred rows have four values for each of seven waves a curve, too few waves for what these gears do.
 #[test]
 fn bands_hold_the_truth_in_few_rows_too() {
-    let found: Vec<(Share, usize, usize)> = (0..6).map(|seed| bands(100, 40 + seed)).collect();
+    let found: Vec<(Share, usize, usize)> = (0..6).map(|seed| bands(SMOOTH, 100, 40 + seed)).collect();
     let sum = |of: &dyn Fn(&Share) -> f64| found.iter().map(|run| of(&run.0)).sum::<f64>();
     let (inside, all) = (sum(&|share| share.inside), sum(&|share| share.all));
     let (right, wrong) = found.iter().fold((0, 0), |sum, run| (sum.0 + run.1, sum.1 + run.2));
