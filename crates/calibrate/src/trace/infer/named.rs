@@ -43,7 +43,7 @@ const POSSIBLE: f64 = 0.1;
 const BESIDE: f64 = 3.0;
 /// So many sets are kept apart, the most probable.
 const MOST_POSSIBLE: usize = 6;
-/// A rival holds at least this much of the mass.
+/// A rival holds at least this much of the mass, and so does what is corrected for.
 const RIVAL: f64 = 0.02;
 /// And is met in the other's absence this much more often than in its presence, logarithm.
 const MORE: f64 = 0.4;
@@ -197,11 +197,14 @@ pub(crate) fn judge(
                 runs.iter().filter(|found| has(found, mine)).count() as f64 / runs.len().max(1) as f64
             };
             let predicts = if predictor.set.contains(&member) { shared(&predictor.seen, &names, mine) } else { 0.0 };
-            // What is there for the prediction alone must be seen to predict.
-            let pays = !likely(predicts) || likely(shared(&seen, &names, mine)) || predictor.pays(&round.parts, member);
+            let probability = mass(&|set| has(set, mine)).exp();
+            // What is there for the prediction must be possible; alone, it must be seen to predict.
+            let pays = likely(predicts)
+                && probability > RIVAL
+                && (likely(shared(&seen, &names, mine)) || predictor.pays(&round.parts, member));
             Judged {
                 candidate: candidates[member].clone(),
-                probability: mass(&|set| has(set, mine)).exp(),
+                probability,
                 log_absent: mass(&|set| !has(set, mine)),
                 found_again: resampled.iter().map(share).fold(0.0, f64::max),
                 gain: best(true) - best(false),
