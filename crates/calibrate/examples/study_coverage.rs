@@ -209,8 +209,15 @@ fn main() {
         let size = (sum(&|share| share.squares) / all).sqrt();
         println!("| {what} | {found} | {:.1} % | {:.1} | {size:.2} |", inside * 100.0, spread * 100.0);
     };
-    let others = std::env::args().nth(2).is_some_and(|word| word == "others");
-    if others {
+    let of_curves = |what: &str, errors: Errors, rows: usize, first: u64| -> Vec<(Share, usize, usize)> {
+        let found: Vec<(Share, usize, usize)> = (first..first + runs).map(|seed| bands(errors, rows, seed)).collect();
+        let (right, wrong) = found.iter().fold((0, 0), |sum, run| (sum.0 + run.1, sum.1 + run.2));
+        let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
+        let said = format!("{right} of {}, {wrong} of others", found.len() * GEARS.len());
+        line(&format!("{what}, {rows} rows"), said, &shares);
+        found
+    };
+    if std::env::args().nth(2).is_some_and(|word| word == "others") {
         let worlds = [
             ("kernel, length 0.3 rad, 0.3 mrad", Errors::Kernel(3e-4, 0.3)),
             ("kernel, length 0.15 rad, 1 mrad", Errors::Kernel(1e-3, 0.15)),
@@ -220,21 +227,13 @@ fn main() {
         ];
         for (what, errors) in worlds {
             for rows in [60, 100] {
-                let found: Vec<(Share, usize, usize)> =
-                    (0..runs).map(|seed| bands(errors, rows, 5000 + seed)).collect();
-                let right: usize = found.iter().map(|run| run.1).sum();
-                let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
-                line(&format!("{what}, {rows} rows"), format!("{right} of {}", found.len() * GEARS.len()), &shares);
+                of_curves(what, errors, rows, 5000);
             }
         }
         return;
     }
     for rows in [100, 300, 1000] {
-        let found: Vec<(Share, usize, usize)> = (0..runs).map(|seed| bands(SMOOTH, rows, 7000 + seed)).collect();
-        let (right, wrong) = found.iter().fold((0, 0), |sum, run| (sum.0 + run.1, sum.1 + run.2));
-        let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
-        let said = format!("{right} of {}, {wrong} of others", found.len() * GEARS.len());
-        line(&format!("error curves, {rows} rows"), said, &shares);
+        let found = of_curves("error curves", SMOOTH, rows, 7000);
         let whole = found.iter().filter(|run| run.1 == GEARS.len());
         let whole: Vec<Share> = whole.map(|run| run.0).collect();
         if whole.len() < found.len() {

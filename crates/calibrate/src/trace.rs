@@ -113,8 +113,7 @@ impl Finding {
     /// Whether it is there for the prediction alone: neither it nor its rivals are likely, for structure that has no name and so
     /// predicts nothing accounts for what they explain.
     pub fn stands_in(&self) -> bool {
-        let rivals: f64 = self.rivals.iter().map(|rival| rival.probability).sum();
-        !likely(self.probability + rivals)
+        !likely(self.probability, &self.rivals)
     }
 
     /// The joint that drives it, where that is not the one that it acts at.

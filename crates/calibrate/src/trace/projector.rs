@@ -79,7 +79,7 @@ impl Projector {
     /// A column of which less than the share `least` is left, beside the model and the columns of its block before it,
     /// counts as nothing.
     pub fn gains(&self, columns: &[f64], blocks: &[usize], least: f64) -> Vec<Gain> {
-        Products::of(self, columns, blocks).gains(self.rank(), least)
+        Products::of(self, columns, blocks).gains(least)
     }
 
     /// What a matrix of raw columns explains.
@@ -156,8 +156,9 @@ impl Products {
         }
     }
 
-    /// What each block explains alone, beside a model of so many directions; see [`Projector::gains`].
-    pub fn gains(&self, rank: usize, least: f64) -> Vec<Gain> {
+    /// What each block explains alone; see [`Projector::gains`].
+    pub fn gains(&self, least: f64) -> Vec<Gain> {
+        let rank = self.shares.len() / self.along.len().max(1);
         let (mut first, mut before) = (0, 0);
         let block_gain = |&count: &usize| {
             let columns = first..first + count;
@@ -229,7 +230,7 @@ mod tests {
         let part = loose.beside(&[&effects.columns(0, 1).into_owned()], &(&residual + effects.column(1) * 0.7));
         let products = Products::of(&whole, columns.as_slice(), &[1, 2]).beside(&whole, &part);
         let direct = part.gains(columns.as_slice(), &[1, 2], UNSEEN);
-        for (found, wanted) in products.gains(part.rank(), UNSEEN).iter().zip(direct) {
+        for (found, wanted) in products.gains(UNSEEN).iter().zip(direct) {
             assert!((found.drop - wanted.drop).abs() < 1e-12 && found.rank == wanted.rank, "{found:?} {wanted:?}");
         }
     }

@@ -109,7 +109,7 @@ impl Tracer<'_> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
         let products = at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, &self.driven));
-        let gains = products.beside(at.whole(), projector).gains(projector.rank(), UNSEEN);
+        let gains = products.beside(at.whole(), projector).gains(UNSEEN);
         self.candidates.iter().zip(gains).map(|(candidate, gain)| scorer.judged(projector, candidate, gain)).collect()
     }
 }
@@ -176,7 +176,7 @@ impl CandidateScorer<'_> {
 
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let gains = self.products(projector, candidates, &[]).gains(projector.rank(), UNSEEN);
+        let gains = self.products(projector, candidates, &[]).gains(UNSEEN);
         candidates.iter().zip(gains).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
     }
 

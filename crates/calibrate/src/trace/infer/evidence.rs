@@ -71,14 +71,14 @@ impl Posterior {
 }
 
 /// The waves of a curve as the hyperparameters have them.
-struct Expected {
+struct CurvePrior {
     /// Prior variance of each wave and the derivative of its logarithm by the length's.
     variances: Vec<(f64, f64)>,
     /// So many of the waves are solved for: the data do not see the others.
     seen: usize,
 }
 
-impl Expected {
+impl CurvePrior {
     /// Those that are solved for.
     fn seen(&self) -> &[(f64, f64)] {
         &self.variances[..self.seen]
@@ -90,7 +90,7 @@ struct Factored {
     solved: Solved,
     /// Which of the model's numbers were solved for.
     columns: Vec<usize>,
-    curves: Vec<Expected>,
+    curves: Vec<CurvePrior>,
 }
 
 impl Model<'_> {
@@ -182,28 +182,27 @@ impl Model<'_> {
     }
 
     /// What is expected of all waves.
-    fn expected(&self, hyper: &Hyperparameters) -> Vec<Expected> {
+    fn expected(&self, hyper: &Hyperparameters) -> Vec<CurvePrior> {
         let all =
-            |(kernel, waves): (&Kernel, &Waves)| Expected { variances: kernel.variances(waves), seen: waves.len() };
+            |(kernel, waves): (&Kernel, &Waves)| CurvePrior { variances: kernel.variances(waves), seen: waves.len() };
         hyper.kernels.iter().zip(self.waves).map(all).collect()
     }
 
     /// The same, with those left out that the data could not tell from nothing.
-    fn seen(&self, hyper: &Hyperparameters) -> Vec<Expected> {
+    fn seen(&self, hyper: &Hyperparameters) -> Vec<CurvePrior> {
         let noise = (-hyper.log_noise).exp();
         let mut index = self.gram.plain;
         let mut curves = self.expected(hyper);
-        for (Expected { variances, seen }, gaps) in curves.iter_mut().zip(self.gaps) {
+        for (CurvePrior { variances, seen }, gaps) in curves.iter_mut().zip(self.gaps) {
             let precision = |k: usize| {
                 self.gram.cell(index + k, index + k) * noise + gaps.get(k * variances.len() + k).copied().unwrap_or(0.0)
             };
             let mut told = 0.0;
-            while *seen > 0 && told < UNSEEN {
-                told += variances[*seen - 1].0 * precision(*seen - 1);
-                if told < UNSEEN {
-                    *seen -= 1;
-                }
-            }
+            let last = (0..variances.len()).rev().find(|&k| {
+                told += variances[k].0 * precision(k);
+                told >= UNSEEN
+            });
+            *seen = last.map_or(0, |last| last + 1);
             index += variances.len();
         }
         curves
@@ -216,7 +215,7 @@ impl Model<'_> {
     }
 
     /// The same of these columns: the plain ones and those of the waves that are seen.
-    fn system_of(&self, hyper: &Hyperparameters, columns: &[usize], curves: &[Expected]) -> (System, f64) {
+    fn system_of(&self, hyper: &Hyperparameters, columns: &[usize], curves: &[CurvePrior]) -> (System, f64) {
         let (whole, size, plain) = (self.gram.size, columns.len(), self.gram.plain);
         let noise = (-hyper.log_noise).exp();
         let mut matrix = vec![0.0; size * size];
@@ -279,7 +278,7 @@ impl Factored {
         let own = scale.len();
         let (mut root, mut mean) = (vec![0.0; size * size], vec![0.0; size]);
         let mut first = size - self.curves.iter().map(|expected| expected.variances.len()).sum::<usize>();
-        for Expected { variances, seen } in &self.curves {
+        for CurvePrior { variances, seen } in &self.curves {
             for (offset, (variance, _)) in variances.iter().enumerate().skip(*seen) {
                 root[(first + offset) * (size + 1)] = variance.sqrt();
             }

@@ -213,8 +213,7 @@ impl<'a> Trial<'a> {
         let hyper = self.at_noise(scored.log_noise);
         let mut squares = vec![0.0; stands.len()];
         for part in 0..parts.len() {
-            let others: Vec<f64> = (0..parts.len()).map(|other| f64::from(u8::from(other != part))).collect();
-            let gram = Gram::weighted(parts, &others);
+            let gram = Gram::of_others(parts, part);
             let model = self.round.model();
             let model = Model { gram: &gram, ..under(&model, &scored.prior) };
             let mean = model.system(&hyper).0.solved()?.mean();

@@ -81,19 +81,19 @@ pub struct Judged {
     pub gain: f64,
     /// Who shares its mass.
     pub rivals: Vec<Alternative>,
-    /// How probable it is that it acts, or one in its stead, among the models that predict ([`super::predictor`]).
-    pub predicts: f64,
+    /// Whether it is of use for the prediction ([`super::predictor`]).
+    pub predicts: bool,
 }
 
-/// Whether something probably acts: a cause, or one in its stead.
-pub fn likely(probability: f64) -> bool {
-    probability >= KEPT
+/// Whether something probably acts: a cause of this probability, or one in its stead.
+pub fn likely(probability: f64, rivals: &[Alternative]) -> bool {
+    probability + rivals.iter().map(|rival| rival.probability).sum::<f64>() >= KEPT
 }
 
 impl Judged {
     /// Whether it stays in the model: named, or for the prediction.
     pub fn kept(&self) -> bool {
-        self.named() || likely(self.predicts)
+        self.named() || self.predicts
     }
 
     /// Whether it is named.
@@ -181,7 +181,7 @@ pub(crate) fn judge(
         }
         best_of(&seen)
     };
-    let predictor = Predictor::new(&contest, &settings, &which);
+    let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
     let mut all = set.clone();
     all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
     let resampled = if all.is_empty() { Default::default() } else { resampled(&round.parts, &again) };
@@ -196,20 +196,24 @@ pub(crate) fn judge(
             let share = |runs: &Vec<Vec<usize>>| {
                 runs.iter().filter(|found| has(found, mine)).count() as f64 / runs.len().max(1) as f64
             };
-            let predicts = if predictor.set.contains(&member) { shared(&predictor.seen, &names, mine) } else { 0.0 };
-            let probability = mass(&|set| has(set, mine)).exp();
+            let (probability, instead) = (mass(&|set| has(set, mine)).exp(), rivals(&seen, &names, mine));
+            let predicting = || {
+                let own = self::mass(&predictor.seen, &|set| has(set, mine)).exp();
+                likely(own, &rivals(&predictor.seen, &names, mine))
+            };
             // What is there for the prediction must be possible; alone, it must be seen to predict.
-            let pays = likely(predicts)
+            let predicts = predictor.set.contains(&member)
                 && probability > RIVAL
-                && (likely(shared(&seen, &names, mine)) || predictor.pays(&round.parts, member));
+                && predicting()
+                && (likely(probability, &instead) || predictor.pays(member));
             Judged {
                 candidate: candidates[member].clone(),
                 probability,
                 log_absent: mass(&|set| !has(set, mine)),
                 found_again: resampled.iter().map(share).fold(0.0, f64::max),
                 gain: best(true) - best(false),
-                rivals: rivals(&seen, &names, mine),
-                predicts: if pays { predicts } else { 0.0 },
+                rivals: instead,
+                predicts,
             }
         })
         .collect();
@@ -347,13 +351,6 @@ fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<A
     }
     rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     rivals
-}
-
-/// How probable it is that a cause acts, or one that may act in its stead: whether something does, whichever it be.
-fn shared(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> f64 {
-    let instead: f64 = rivals(seen, names, mine).iter().map(|rival| rival.probability).sum();
-    let own = mass(seen, &|set| set.iter().any(|&other| names[other] == *mine)).exp();
-    (own + instead).min(1.0)
 }
 
 /// Logarithm of the share of the mass that sets hold of which `holds` is true.

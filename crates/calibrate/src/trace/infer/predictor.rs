@@ -5,52 +5,61 @@ use crate::identify::threads::in_parallel;
 use crate::trace::infer::contest::{Contest, Ground, Seen, Setting, best_of};
 use crate::trace::infer::field::beyond_chance;
 use crate::trace::infer::gram::Gram;
+use std::sync::OnceLock;
 
 /// The best set that predicts, and those that it was found among.
 pub(super) struct Predictor<'a> {
     contest: &'a Contest<'a>,
-    settings: Vec<&'a (Ground, Setting)>,
+    settings: Vec<&'a Setting>,
+    grounds: Vec<Ground>,
+    /// Of the run.
+    parts: &'a [Gram],
     pub(super) set: Vec<usize>,
     pub(super) seen: Seen,
+    /// What the set leaves of each part.
+    left: OnceLock<Option<Vec<f64>>>,
 }
 
 impl<'a> Predictor<'a> {
     /// The best of the sets that are found from these.
-    pub(super) fn new(contest: &'a Contest<'a>, settings: &'a [(Ground, Setting)], starts: &[Vec<usize>]) -> Self {
-        let settings: Vec<_> = settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).collect();
-        let grounds: Vec<Ground> = settings.iter().map(|(ground, _)| ground.clone()).collect();
+    pub(super) fn new(
+        contest: &'a Contest<'a>,
+        settings: &'a [(Ground, Setting)],
+        starts: &[Vec<usize>],
+        parts: &'a [Gram],
+    ) -> Self {
+        let predict = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
+        let (grounds, settings): (Vec<Ground>, Vec<&Setting>) =
+            predict.map(|(ground, setting)| (ground.clone(), setting)).unzip();
         let mut seen = Seen::new();
         for start in starts {
             contest.climb(&grounds, &mut seen, start);
         }
-        Self { contest, settings, set: best_of(&seen), seen }
+        Self { contest, settings, grounds, parts, set: best_of(&seen), seen, left: OnceLock::new() }
     }
 
-    /// Whether rows that were not fitted become better with a member of the set than without it, by more than chance makes of it; `parts`
+    /// Whether rows that were not fitted become better with a member of the set than without it, by more than chance makes of it; parts
     /// of the run are left out one after the other.
-    pub(super) fn pays(&self, parts: &[Gram], member: usize) -> bool {
+    pub(super) fn pays(&self, member: usize) -> bool {
         let without: Vec<usize> = self.set.iter().copied().filter(|&other| other != member).collect();
-        let (Some(with), Some(without)) = (self.held_out(parts, &self.set), self.held_out(parts, &without)) else {
-            return false;
-        };
-        beyond_chance(&without.iter().zip(&with).map(|(without, with)| without - with).collect::<Vec<f64>>())
+        let with = self.left.get_or_init(|| self.held_out(&self.set));
+        let (Some(with), Some(without)) = (with, self.held_out(&without)) else { return false };
+        beyond_chance(&without.iter().zip(with).map(|(without, with)| without - with).collect::<Vec<f64>>())
     }
 
     /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.
-    fn held_out(&self, parts: &[Gram], set: &[usize]) -> Option<Vec<f64>> {
-        let scores = self.settings.iter().map(|(ground, setting)| (self.contest.at(ground, set), setting));
-        let (_, setting) = scores.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let numbers: Vec<usize> = (0..parts.len()).collect();
+    fn held_out(&self, set: &[usize]) -> Option<Vec<f64>> {
+        let setting = self.settings.get(self.contest.best(&self.grounds, set).1)?;
+        let numbers: Vec<usize> = (0..self.parts.len()).collect();
         let left = in_parallel(&numbers, |&part| {
-            let others: Vec<f64> = (0..parts.len()).map(|other| f64::from(u8::from(other != part))).collect();
-            let others = Gram::weighted(parts, &others);
+            let others = Gram::of_others(self.parts, part);
             let ground = self.contest.ground(&others, setting)?;
             let (columns, system) = self.contest.system(&others, (&ground, setting), set);
             let mut mean = vec![0.0; others.size];
             for (column, number) in columns.into_iter().zip(system.solved()?.mean()) {
                 mean[column] = number;
             }
-            Some(parts[part].misfit(&mean))
+            Some(self.parts[part].misfit(&mean))
         });
         left.into_iter().collect()
     }
@@ -96,9 +105,9 @@ mod tests {
         };
         let whole = Gram::weighted(&parts, &[1.0; 5]);
         let (_, settings) = contest.run(&whole, &[]);
-        let mut predictor = Predictor::new(&contest, &settings, &[Vec::new()]);
+        let mut predictor = Predictor::new(&contest, &settings, &[Vec::new()], &parts);
         assert_eq!(predictor.set, [0]);
         predictor.set = vec![0, 1];
-        assert!(predictor.pays(&parts, 0) && !predictor.pays(&parts, 1));
+        assert!(predictor.pays(0) && !predictor.pays(1));
     }
 }
