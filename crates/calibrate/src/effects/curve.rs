@@ -81,24 +81,12 @@ impl Waves {
 
     /// The waves at a reading, into `out`.
     pub fn values_into(&self, reading: f64, out: &mut [f64]) {
-        let (angle, inside) = match self {
-            Self::Sines { low, width, .. } => (PI * (reading - low) / width, reading >= *low && reading <= low + width),
-            Self::Turns { .. } => (reading, true),
-        };
-        if !inside {
-            out.fill(0.0);
-            return;
-        }
-        let (sine, cosine) = angle.sin_cos();
-        let (mut s, mut c) = (0.0, 1.0);
-        let step = if matches!(self, Self::Turns { .. }) { 2 } else { 1 };
-        for cells in out.chunks_mut(step) {
-            (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
-            cells[0] = s;
-            if let Some(cell) = cells.get_mut(1) {
-                *cell = c;
+        let mut places = out.iter_mut();
+        self.each(reading, |value| {
+            if let Some(place) = places.next() {
+                *place = value;
             }
-        }
+        });
     }
 
     /// The waves at a reading.
@@ -106,6 +94,30 @@ impl Waves {
         let mut values = vec![0.0; self.len()];
         self.values_into(reading, &mut values);
         values
+    }
+
+    /// Takes the waves at a reading, one after the other.
+    fn each(&self, reading: f64, mut take: impl FnMut(f64)) {
+        let (angle, inside, count) = match self {
+            Self::Sines { low, width, count } => {
+                (PI * (reading - low) / width, reading >= *low && reading <= low + width, *count)
+            }
+            Self::Turns { count } => (reading, true, *count),
+        };
+        if !inside {
+            (0..self.len()).for_each(|_| take(0.0));
+            return;
+        }
+        let both = matches!(self, Self::Turns { .. });
+        let (sine, cosine) = angle.sin_cos();
+        let (mut s, mut c) = (0.0, 1.0);
+        for _ in 0..count {
+            (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
+            take(s);
+            if both {
+                take(c);
+            }
+        }
     }
 }
 
@@ -131,8 +143,9 @@ pub struct Curve {
 impl Curve {
     /// What is added to the joint's value at a reading, rad or m; 0 where there were no data.
     pub fn value(&self, reading: f64) -> f64 {
-        let values = self.waves.values(reading);
-        values.iter().zip(&self.weights).map(|(wave, weight)| wave * weight).sum()
+        let (mut weights, mut sum) = (self.weights.iter(), 0.0);
+        self.waves.each(reading, |wave| sum += weights.next().map_or(0.0, |weight| wave * weight));
+        sum
     }
 
     /// Standard deviation of the curve at a reading, rad or m; that of any such curve where there were no data.

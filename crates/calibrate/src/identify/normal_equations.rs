@@ -3,7 +3,7 @@
 use crate::identify::jacobian_block::JacobianBlock;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::simd_residuals;
-use crate::identify::threads::{available, dealt};
+use crate::identify::threads::{available, dealt, in_stretches};
 use crate::observation::arm::Arm;
 use crate::observation::parameters::Effects;
 use fearless_simd::{Level, dispatch};
@@ -131,20 +131,22 @@ impl<E: Effects> ResidualModel<'_, E> {
 
     /// Squared residual norms of every observation, lengths (m²) and angles (rad²), without derivatives.
     pub fn squares(&self, arm: &Arm) -> Vec<[f64; 2]> {
-        let mut scratch = Scratch::new(self.layout, arm);
-        let mut residual = vec![0.0; self.data.tallest_row()];
-        let mut squares = Vec::with_capacity(self.data.observations());
-        for row in 0..self.data.len() {
-            self.row_into(arm, row, &mut scratch, &mut residual, None);
-            let mut rest = residual.as_slice();
-            for observation in self.data.of_row(row) {
-                let kind = self.data.series_of(observation).kind;
-                let (own, others) = rest.split_at(kind.height());
-                let (place, turn) = own.split_at(kind.place().height);
-                squares.push([place.iter().map(|x| x * x).sum(), turn.iter().map(|x| x * x).sum()]);
-                rest = others;
+        let start = || (Scratch::new(self.layout, arm), vec![0.0; self.data.tallest_row()]);
+        let of_stretch = |(scratch, residual): &mut (Scratch, Vec<f64>), rows: Range<usize>| {
+            let mut squares = Vec::new();
+            for row in rows {
+                self.row_into(arm, row, scratch, residual, None);
+                let mut rest = residual.as_slice();
+                for observation in self.data.of_row(row) {
+                    let kind = self.data.series_of(observation).kind;
+                    let (own, others) = rest.split_at(kind.height());
+                    let (place, turn) = own.split_at(kind.place().height);
+                    squares.push([place.iter().map(|x| x * x).sum(), turn.iter().map(|x| x * x).sum()]);
+                    rest = others;
+                }
             }
-        }
-        squares
+            squares
+        };
+        in_stretches(self.data.len(), start, of_stretch).concat()
     }
 }

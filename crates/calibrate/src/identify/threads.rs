@@ -4,7 +4,7 @@ use crate::identify::stop::{carried, look};
 use std::cell::Cell;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use std::thread::ScopedJoinHandle;
 
 /// Rows of a stretch.
@@ -31,7 +31,9 @@ pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
 
 /// How many threads a computation may use, the calling one included.
 pub(crate) fn available() -> usize {
-    if ALONE.get() { 1 } else { std::thread::available_parallelism().map_or(1, usize::from) }
+    // The system is asked once: it reads files for the answer.
+    static CORES: OnceLock<usize> = OnceLock::new();
+    if ALONE.get() { 1 } else { *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from)) }
 }
 
 /// The work done on each item, in the order of the items.

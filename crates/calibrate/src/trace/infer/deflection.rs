@@ -27,6 +27,8 @@ const VALUES_PER_NUMBER: usize = 8;
 const EXPECTED: f64 = 1e-3;
 /// So many of the weakest joints are looked at closely when one is to be taken out.
 const WEAKEST: usize = 2;
+/// Where blocks raise the score by so many times what is asked, other hyperparameters without them do not make up for it.
+const FAR: f64 = 10.0;
 /// A prior this many times as firm makes a number nothing.
 const NOTHING: f64 = 1e12;
 
@@ -99,8 +101,8 @@ pub(super) fn columns(always: usize, effects: &EffectModel, first: usize) -> Vec
 
 /// Which of these blocks of columns raise the score by more than `least` each, the hyperparameters chosen anew without them.
 ///
-/// Those that do not are taken out one by one. The hyperparameters are chosen anew for the [`WEAKEST`] alone, by what a block
-/// raises the score by where they are: what makes more of a difference there is not the next to go. The last ones come back, too.
+/// Those that do not are taken out one by one. What a block raises the score by where the hyperparameters are is the most that it does:
+/// they are chosen anew for the [`WEAKEST`] alone, once no block goes without that. The last ones come back, too.
 pub(super) fn asked_for(
     model: &Model<'_>,
     blocks: &[Range<usize>],
@@ -111,42 +113,60 @@ pub(super) fn asked_for(
     let Some((mut score, mut hyper)) = maximum::from_afar(model, known, ROUGH) else {
         return (vec![false; blocks.len()], None);
     };
-    // Where neither all of them together nor any one alone makes a difference, nobody gives: so it is in most clean files.
-    let none = nothing(model, blocks.iter().cloned().flatten());
-    if let Some((bare, beside)) = maximum::from_near(&under(model, &none), &hyper, ROUGH) {
-        let alone = |block: &Range<usize>| {
-            let others = blocks.iter().filter(|other| *other != block).cloned().flatten();
-            under(model, &nothing(model, others)).score(&beside).is_some_and(|with| with - bare > least)
-        };
-        if score - bare < least && !blocks.iter().any(alone) {
-            return (vec![false; blocks.len()], Some(beside));
-        }
+    if let Some(beside) = nobody_gives(model, blocks, least, (score, &hyper)) {
+        return (vec![false; blocks.len()], Some(beside));
     }
+    let mut chosen_anew = true;
     loop {
-        let without = |block: usize| {
-            let left_out = |index: usize| index == block || !kept[index];
+        let without = |block: Option<usize>| {
+            let left_out = |index: usize| Some(index) == block || !kept[index];
             let columns = (0..blocks.len()).filter(|&index| left_out(index)).flat_map(|index| blocks[index].clone());
             nothing(model, columns)
         };
         let here = |block: usize| {
-            let prior = without(block);
+            let prior = without(Some(block));
             (under(model, &prior).score(&hyper).unwrap_or(f64::NEG_INFINITY), block)
         };
         let mut order: Vec<(f64, usize)> = (0..blocks.len()).filter(|&block| kept[block]).map(here).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let best = order
-            .into_iter()
-            .take(WEAKEST)
-            .filter_map(|(_, block)| {
-                let prior = without(block);
-                maximum::from_near(&under(model, &prior), &hyper, ROUGH).map(|(reached, hyper)| (reached, block, hyper))
-            })
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((reached, block, next)) = best.filter(|(reached, ..)| score - reached < least) else { break };
-        kept[block] = false;
-        (score, hyper) = (reached, next);
+        let Some(&(left, weakest)) = order.first() else { break };
+        let anew = |block: Option<usize>| maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
+        if chosen_anew && score - left < least || (score - left).abs() < least {
+            kept[weakest] = false;
+            (score, chosen_anew) = (left, false);
+        } else if !chosen_anew {
+            let Some(reached) = anew(None) else { break };
+            ((score, hyper), chosen_anew) = (reached, true);
+        } else {
+            let tried = order.iter().take(WEAKEST).filter_map(|&(_, block)| Some((block, anew(Some(block))?)));
+            let best = tried.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+            let Some((block, reached)) = best.filter(|(_, reached)| score - reached.0 < least) else { break };
+            kept[block] = false;
+            (score, hyper) = reached;
+        }
     }
     (kept, Some(hyper))
+}
+
+/// The hyperparameters without any of the blocks, where neither all of them together nor any one alone makes a difference: so it is in
+/// most clean files. `with`: the score with all of them, and where.
+fn nobody_gives(
+    model: &Model<'_>,
+    blocks: &[Range<usize>],
+    least: f64,
+    (with, hyper): (f64, &Hyperparameters),
+) -> Option<Hyperparameters> {
+    let none = nothing(model, blocks.iter().cloned().flatten());
+    let bare = under(model, &none);
+    if with - bare.score(hyper)? > FAR * least {
+        return None;
+    }
+    let (score, beside) = maximum::from_near(&bare, hyper, ROUGH)?;
+    let alone = |block: &Range<usize>| {
+        let others = blocks.iter().filter(|other| *other != block).cloned().flatten();
+        under(model, &nothing(model, others)).score(&beside).is_some_and(|with| with - score > least)
+    };
+    (with - score < least && !blocks.iter().any(alone)).then_some(beside)
 }
 
 /// By how much a block raises the score, the hyperparameters as they are.
