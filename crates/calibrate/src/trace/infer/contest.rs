@@ -12,6 +12,7 @@
 
 use crate::effects::curve::Waves;
 use crate::identify::gram::cross_gram;
+use crate::identify::threads::in_parallel;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::evidence::System;
 use crate::trace::infer::gram::Gram;
@@ -274,8 +275,12 @@ impl Contest<'_> {
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
             let mut best: Option<(f64, Vec<usize>)> = None;
-            for next in self.changes(&set, swapping) {
-                let score = seen.entry(next.clone()).or_insert_with(|| self.best(grounds, &next)).0;
+            let changes = self.changes(&set, swapping);
+            let new: Vec<&Vec<usize>> = changes.iter().filter(|next| !seen.contains_key(*next)).collect();
+            let scores = in_parallel(&new, |next| self.best(grounds, next));
+            seen.extend(new.into_iter().cloned().zip(scores));
+            for next in changes {
+                let score = seen[&next].0;
                 if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
                     best = Some((score, next));
                 }
@@ -376,11 +381,10 @@ impl Contest<'_> {
         }
         // All that matters at every setting.
         let most = seen.values().map(|(score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
-        for (set, scored) in &mut seen {
-            if scored.0 > most - 2.0 * BEHIND {
-                *scored = self.best(&grounds, set);
-            }
-        }
+        let near: Vec<Vec<usize>> =
+            seen.iter().filter(|(_, scored)| scored.0 > most - 2.0 * BEHIND).map(|(set, _)| set.clone()).collect();
+        let scores = in_parallel(&near, |set| self.best(&grounds, set));
+        seen.extend(near.into_iter().zip(scores));
         (seen, grounds.into_iter().zip(settings).collect())
     }
 

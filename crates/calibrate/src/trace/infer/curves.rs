@@ -41,9 +41,9 @@ const FEWEST_WAVES: usize = 24;
 const ROUNDS: usize = 10;
 /// A round that gains less than this changes no probability by a tenth.
 const SETTLED: f64 = 0.1;
-/// Nor does one count that gains less than this times the root of the number of values: the noise then changes by a tenth
+/// Nor does one count that gains less than this times the root of the number of values: the noise then changes by a quarter
 /// of its standard deviation, and rows at the edge of being outliers come and go. The step of that round is taken still.
-const SETTLED_NOISE: f64 = 0.1;
+const SETTLED_NOISE: f64 = 0.25;
 /// Stretches of the run that each part of it is made of, where there are parts: enough that no part lacks what was moved
 /// one after the other, and each long beside the time over which a run's errors are alike.
 const STRETCHES: usize = 4;

@@ -12,6 +12,7 @@ use crate::effects::field::{Products, ShapedReading, Shapes};
 use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
+use crate::identify::threads::in_parallel;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::curves::{CurveOptions, Round, State, borrowed, by_part, in_stretches};
@@ -79,13 +80,13 @@ impl Beside<'_> {
         let moving = self.survey.moving().count();
         let tests = moving * moving * moving.saturating_sub(1) / 2;
         let least = (tests as f64 / self.options.false_curves).ln();
-        let trials = places.iter().map(|place| Trial::new(*self, *place));
-        let tried = trials.filter_map(|trial| {
+        let tried = in_parallel(places, |place| {
+            let trial = Trial::new(*self, *place);
             let without = trial.without()?;
             let (size, with) = trial.best()?;
             Some((with.score - without.score, size, with, without, trial))
         });
-        let (gain, size, with, without, trial) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (gain, size, with, without, trial) = tried.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
         (gain > least && trial.pays(&with, &without)).then(|| trial.term(size))
     }
 

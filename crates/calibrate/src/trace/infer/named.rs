@@ -8,7 +8,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
-use crate::identify::threads::in_parallel;
+use crate::identify::threads::{in_parallel, on_this_thread};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
@@ -341,6 +341,9 @@ fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<A
     let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
     let (present, absent) = (mass(seen, &|set| has(set, mine)), mass(seen, &|set| !has(set, mine)));
     let mut rivals: Vec<Alternative> = Vec::new();
+    if absent.exp() <= RIVAL {
+        return rivals;
+    }
     for name in names.iter().filter(|name| *name != mine) {
         let known = rivals.iter().any(|rival| (rival.kind, &rival.place) == (name.0, &name.1));
         let instead = mass(seen, &|set| has(set, name) && !has(set, mine));
@@ -415,7 +418,8 @@ fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> [
     COUNTED.map(|counted| {
         in_parallel(&halves, |half| {
             let times = |part| if half.contains(&part) { counted } else { 0.0 };
-            search(&Gram::weighted(parts, &(0..parts.len()).map(times).collect::<Vec<f64>>()))
+            let counts: Vec<f64> = (0..parts.len()).map(times).collect();
+            on_this_thread(|| search(&Gram::weighted(parts, &counts)))
         })
     })
 }
