@@ -143,6 +143,19 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
     leftover
 }
 
+/// These structures as the tracer's rows have them.
+pub(crate) fn of_these_rows(
+    tracer: &Tracer<'_>,
+    scorer: &CandidateScorer<'_>,
+    structures: &[Vec<Block>],
+) -> Vec<Vec<Block>> {
+    let all = blocks(tracer, scorer);
+    let same = |wanted: &Block| {
+        all.iter().find(|block| block.carrier == wanted.carrier && block.variables == wanted.variables).cloned()
+    };
+    structures.iter().map(|structure| structure.iter().filter_map(same).collect()).collect()
+}
+
 /// Probability and gain of each open block.
 fn gains(projector: &Projector, columns: &[DMatrix<f64>], open: &[usize], free: f64) -> Vec<(f64, Gain, usize)> {
     let of = |&index: &usize| {

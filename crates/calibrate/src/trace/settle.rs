@@ -17,7 +17,7 @@ use crate::trace::infer::curves::{CurveFit, fit_again, fit_curves, fit_curves_ne
 use crate::trace::infer::deflection::with_terms;
 use crate::trace::infer::field::Beside;
 use crate::trace::infer::lines::lines;
-use crate::trace::infer::named::{Judged, Judgement, Question, judge};
+use crate::trace::infer::named::{Judged, Judgement, OtherRows, Question, judge};
 use crate::trace::leftover::{self, Block, Leftover};
 use crate::trace::select::{State, Tracer, same_terms};
 use crate::trace::{Finding, Portrait, Trace, TraceOptions};
@@ -27,6 +27,8 @@ use std::sync::Arc;
 /// that these do not show is none to be named, and the time grows with them.
 const MOST_ROWS: usize = 800;
 const MOST_VALUES: usize = 2400;
+/// Where there are more, so many times as many others must show a cause, too.
+const MOST_OTHERS: usize = 4;
 /// Candidates that are judged, at most.
 const MOST_JUDGED: usize = 100;
 /// A cause is not named where it explains less than this share of the structure that is left beside it.
@@ -47,10 +49,14 @@ pub(crate) fn trace(
     options: &TraceOptions,
 ) -> Trace {
     let survey = Survey::of(statics, data, options.gear_ratios.clone());
-    let rows = thinned(data);
-    let part = data.subset(&rows);
-    let thin = on_rows(geometric, data, &rows);
-    let tracer = Tracer::new(statics, &part, &thin, options);
+    let thinnings = thinnings(data);
+    let rows = &thinnings[0];
+    let thin: Vec<(Measurements, Fit<NoEffects>)> =
+        thinnings.iter().map(|rows| (data.subset(rows), on_rows(geometric, data, rows))).collect();
+    let part = &thin[0].0;
+    let tracers: Vec<Tracer<'_>> =
+        thin.iter().map(|(part, geometric)| Tracer::new(statics, part, geometric, options)).collect();
+    let tracer = &tracers[0];
     let all_curves = || {
         fit_curves(
             &survey,
@@ -82,21 +88,29 @@ pub(crate) fn trace(
     let models: Vec<Option<&State>> = models.collect();
     let bare = geometric.with_model(statics, options.earlier.as_ref());
     let fitted = in_parallel(&models, |model| match model {
-        Some(state) => with(&state.chosen, &state.fit, &part, &tracer.survey),
+        Some(state) => with(&state.chosen, &state.fit, part, &tracer.survey),
         None if rows.len() == data.len() => (bare.clone(), curves.clone()),
         None => {
-            let plain = on_rows(&bare, data, &rows);
-            let beside = fit_curves_near(&tracer.survey, &part, &plain, &geometric.arm, options.curves, known);
+            let plain = on_rows(&bare, data, rows);
+            let beside = fit_curves_near(&tracer.survey, part, &plain, &geometric.arm, options.curves, known);
             (plain, beside)
         }
     });
     let near: Vec<&CurveFit> = fitted.iter().map(|(_, near)| near).collect();
-    let proposed = proposed(&tracer, &near, found.candidates);
+    let proposed = proposed(tracer, &near, found.candidates);
     let Judgement { members: judged, open } = if proposed.is_empty() {
         Judgement::default()
     } else {
-        let structures: Vec<Leftover> = near.iter().map(|near| remains(&tracer, &near.fit)).collect();
-        let structures: Vec<_> = structures.into_iter().map(|leftover| leftover.blocks).collect();
+        let structures = near.iter().map(|near| remains(tracer, &near.fit).blocks);
+        let structures: Vec<Vec<Block>> = structures.filter(|blocks| !blocks.is_empty()).collect();
+        let state = near.get(1).unwrap_or(&near[0]);
+        let others = tracers[1..].iter().zip(&thinnings[1..]).map(|(tracer, rows)| {
+            let state = State::new(Vec::new(), on_rows(&curves.fit, data, rows));
+            let scorer = tracer.scorer(tracer.linear(&state));
+            let structures = leftover::of_these_rows(tracer, &scorer, &structures);
+            OtherRows { survey: &tracer.survey, data: tracer.data, structures }
+        });
+        let others: Vec<OtherRows<'_>> = others.collect();
         let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
         let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
         let question = Question {
@@ -105,9 +119,9 @@ pub(crate) fn trace(
             starts: &starts,
             curves: &all,
             structures: &structures,
+            others: &others,
         };
-        let state = near.get(1).unwrap_or(&near[0]);
-        judge(&tracer.survey, &part, &state.fit, &geometric.arm, &question)
+        judge(&tracer.survey, part, &state.fit, &geometric.arm, &question)
     };
     let mut judged: Vec<Judged> = judged.into_iter().filter(Judged::kept).collect();
     judged.truncate(options.max_effects);
@@ -123,11 +137,15 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let leftover = remains(&tracer, &on_rows(&last.fit, data, &rows));
+    let on = |(tracer, rows): (&Tracer<'_>, &Vec<usize>)| remains(tracer, &on_rows(&last.fit, data, rows));
+    let leftover = on((tracer, rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
     // What names a cause is the structure without fields beside it.
-    let spurious: Vec<bool> = judged.iter().map(|one| outweighed(one, &leftover)).collect();
-    let (last, leftover) = with_fields(&tracer, &survey, (data, &rows), &geometric.arm, (last, leftover));
+    let others: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(&thinnings).skip(1).collect();
+    let drops = in_parallel(&others, |other| on(*other).drop);
+    let drop = (leftover.drop + drops.iter().sum::<f64>()) / tracers.len() as f64;
+    let spurious: Vec<bool> = judged.iter().map(|one| leftover.structured && outweighed(one, drop)).collect();
+    let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
     let findings = findings(judged, portraits, &spurious, &last.fit);
     Trace {
         fit: last.fit,
@@ -160,9 +178,9 @@ fn proposed(tracer: &Tracer<'_>, near: &[&CurveFit], found: Vec<Candidate>) -> V
     proposed
 }
 
-/// Whether what no entry explains weighs more than a cause does: that may then stand in for a part of it.
-fn outweighed(one: &Judged, leftover: &Leftover) -> bool {
-    leftover.structured && 2.0 * one.gain < OUTWEIGHED * leftover.drop
+/// Whether what no entry explains, so much of the sum of squares, weighs more than a cause does: that may then stand in for a part of it.
+fn outweighed(one: &Judged, drop: f64) -> bool {
+    2.0 * one.gain < OUTWEIGHED * drop
 }
 
 /// What was judged, with the numbers that it has in the fit: its effects come first there.
@@ -222,11 +240,12 @@ fn with_field(beside: &Beside<'_>, data: &Measurements, last: &CurveFit, leftove
     with.fit.settled().then_some(with)
 }
 
-/// Rows spread evenly over the run.
-fn thinned(data: &Measurements) -> Vec<usize> {
+/// Rows spread evenly over the run; where it has more than are looked at, others between them.
+fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
     let (rows, values) = (data.len(), data.values());
     let most = rows.min(MOST_ROWS).min((rows * MOST_VALUES).div_ceil(values.max(1)));
-    (0..most).map(|k| k * rows / most).collect()
+    let count = (rows / most.max(1)).clamp(1, 1 + MOST_OTHERS);
+    (0..count).map(|j| (0..most).map(|k| (k * count + j) * rows / (most * count)).collect()).collect()
 }
 
 /// What a fit leaves that smooth functions explain.

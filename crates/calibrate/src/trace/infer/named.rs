@@ -7,7 +7,8 @@ use crate::effects::driver::Driver;
 use crate::effects::model::EffectModel;
 use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
-use crate::identify::solve::Fit;
+use crate::identify::residual::ResidualModel;
+use crate::identify::solve::{Fit, gross};
 use crate::identify::threads::{in_parallel, on_this_thread};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
@@ -75,9 +76,10 @@ pub struct Judged {
     pub probability: f64,
     /// Logarithm of the probability that it does not.
     pub log_absent: f64,
-    /// Share of the resampled runs that find it, halves of the run counted once or twice, whichever finds it more often.
+    /// Share of the resampled runs that find it, halves of the run counted once or twice, whichever finds it more often; no more than the share
+    /// of the run's other rows that find it, where there are such.
     pub found_again: f64,
-    /// By how much it raises the logarithm of the marginal likelihood, prior odds counted.
+    /// By how much it raises the logarithm of the marginal likelihood, prior odds counted; the mean over these and the other rows.
     pub gain: f64,
     /// Who shares its mass.
     pub rivals: Vec<Alternative>,
@@ -112,8 +114,50 @@ pub(crate) struct Question<'a> {
     pub starts: &'a [Vec<Candidate>],
     /// Curves as fitted beside several models: each joint may have any of its kernels.
     pub curves: &'a [&'a [Curve]],
-    /// Structures without a name.
+    /// Structures without a name; none is empty.
     pub structures: &'a [Vec<Block>],
+    /// Other rows of the run, which must show a cause, too.
+    pub others: &'a [OtherRows<'a>],
+}
+
+/// As many rows of the same run, none of them among those that are judged by.
+pub(crate) struct OtherRows<'a> {
+    pub survey: &'a Survey,
+    pub data: &'a Measurements,
+    /// The structures as these rows have them.
+    pub structures: Vec<Vec<Block>>,
+}
+
+/// Who takes part in a contest, on some rows.
+struct Entered {
+    round: Round,
+    members: Vec<Member>,
+    unnamed: Vec<Unnamed>,
+}
+
+impl Entered {
+    fn new(
+        data: &Measurements,
+        state: &State,
+        reference: &Arm,
+        question: &Question<'_>,
+        structures: &[Vec<Block>],
+        parts: usize,
+    ) -> Self {
+        let candidates = question.candidates;
+        let blocks: Vec<Block> = structures.iter().flatten().cloned().collect();
+        let round = Round::beside(data, state, reference, Some(candidates), &blocks, parts);
+        let members = members(&round, candidates, |candidate| log_odds(candidate, question.counted, data.len()));
+        let mut of_blocks = round.candidates[candidates.len()..].iter();
+        let mut columns =
+            |structure: &Vec<Block>| of_blocks.by_ref().take(structure.len()).cloned().flatten().collect();
+        let unnamed = structures.iter().map(|structure| Unnamed { columns: columns(structure) }).collect();
+        Self { round, members, unnamed }
+    }
+
+    fn contest<'a>(&'a self, kernels: &'a [Vec<Kernel>]) -> Contest<'a> {
+        self.round.contest(kernels, &self.unnamed, &self.members)
+    }
 }
 
 /// The name of a candidate: what an engineer would call the same cause.
@@ -147,17 +191,8 @@ pub(crate) fn judge(
     let has: Vec<bool> = state.joints.iter().map(|&joint| !kernel(joint).is_empty()).collect();
     state.keep(&has);
     let kernels: Vec<Vec<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
-    let blocks: Vec<Block> = question.structures.iter().flatten().cloned().collect();
-    let round = Round::beside(data, &state, reference, Some(candidates), &blocks, PARTS);
-    let members = members(&round, candidates, |candidate| log_odds(candidate, question.counted, data.len()));
-    let mut of_blocks = round.candidates[candidates.len()..].iter();
-    let unnamed: Vec<Unnamed> = question
-        .structures
-        .iter()
-        .map(|structure| Unnamed { columns: of_blocks.by_ref().take(structure.len()).cloned().flatten().collect() })
-        .filter(|structure| !structure.columns.is_empty())
-        .collect();
-    let contest = round.contest(&kernels, &unnamed, &members);
+    let entered = Entered::new(data, &state, reference, question, question.structures, PARTS);
+    let (round, contest) = (&entered.round, entered.contest(&kernels));
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
     let starts: Vec<Vec<usize>> =
         question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
@@ -165,40 +200,56 @@ pub(crate) fn judge(
     let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Judgement::default() };
     let names: Vec<(Kind, String)> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
     let mass = |holds: &dyn Fn(&[usize]) -> bool| mass(&seen, holds);
-    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+    let holds = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
     // Settings that suit the sets that matter.
     let mut which = rivals_of_best(&seen);
     which.push(Vec::new());
     let mut kept: Vec<usize> = which.iter().filter_map(|set| seen.get(set)).map(|(_, setting)| *setting).collect();
     kept.sort_unstable();
     kept.dedup();
-    let again = |gram: &Gram| -> Vec<usize> {
+    let again = |contest: &Contest<'_>, gram: &Gram| -> Seen {
         let grounds: Vec<Ground> =
             kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect();
         let mut seen = Seen::new();
         for start in &which {
             contest.climb(&grounds, &mut seen, start);
         }
-        best_of(&seen)
+        seen
     };
+    let elsewhere = in_parallel(question.others, |other| {
+        on_this_thread(|| {
+            let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
+            state.keep(&has);
+            let entered = Entered::new(other.data, &state, reference, question, &other.structures, 1);
+            again(&entered.contest(&kernels), &entered.round.gram)
+        })
+    });
     let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
     let mut all = set.clone();
     all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
-    let resampled = if all.is_empty() { Default::default() } else { resampled(&round.parts, &again) };
+    let resampled = if all.is_empty() {
+        Default::default()
+    } else {
+        resampled(&round.parts, &|gram| best_of(&again(&contest, gram)))
+    };
+    let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
     let members: Vec<Judged> = all
         .iter()
         .map(|&member| {
             let mine = &names[member];
-            let best = |holds: bool| {
-                let scores = seen.iter().filter(|(other, _)| has(other, mine) == holds).map(|(_, (score, _))| *score);
+            let best = |seen: &Seen, with: bool| {
+                let scores = seen.iter().filter(|(other, _)| holds(other, mine) == with).map(|(_, (score, _))| *score);
                 scores.fold(f64::NEG_INFINITY, f64::max)
             };
-            let share = |runs: &Vec<Vec<usize>>| {
-                runs.iter().filter(|found| has(found, mine)).count() as f64 / runs.len().max(1) as f64
+            let gain = |seen: &Seen| best(seen, true) - best(seen, false);
+            let share = |runs: &[Vec<usize>]| {
+                runs.iter().filter(|found| holds(found, mine)).count() as f64 / runs.len().max(1) as f64
             };
-            let (probability, instead) = (mass(&|set| has(set, mine)).exp(), rivals(&seen, &names, mine));
+            let found_again = resampled.iter().map(|runs| share(runs)).fold(0.0, f64::max);
+            let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there) };
+            let (probability, instead) = (mass(&|set| holds(set, mine)).exp(), rivals(&seen, &names, mine));
             let predicting = || {
-                let own = self::mass(&predictor.seen, &|set| has(set, mine)).exp();
+                let own = self::mass(&predictor.seen, &|set| holds(set, mine)).exp();
                 likely(own, &rivals(&predictor.seen, &names, mine))
             };
             // What is there for the prediction must be possible; alone, it must be seen to predict.
@@ -209,9 +260,9 @@ pub(crate) fn judge(
             Judged {
                 candidate: candidates[member].clone(),
                 probability,
-                log_absent: mass(&|set| !has(set, mine)),
-                found_again: resampled.iter().map(share).fold(0.0, f64::max),
-                gain: best(true) - best(false),
+                log_absent: mass(&|set| !holds(set, mine)),
+                found_again: found_again.min(found_elsewhere),
+                gain: (gain(&seen) + elsewhere.iter().map(gain).sum::<f64>()) / (1 + elsewhere.len()) as f64,
                 rivals: instead,
                 predicts,
             }
@@ -231,6 +282,13 @@ pub(crate) fn judge(
         .collect();
     let open = (sets.len() > 1).then(|| Open::new(data, survey, fit, reference, sets));
     Judgement { members, open }
+}
+
+/// A fit seen on rows that it was not made for.
+fn on_other_rows(fit: &Fit<EffectModel>, data: &Measurements) -> Fit<EffectModel> {
+    let squares = ResidualModel { data, layout: &fit.layout, effects: &fit.effects }.squares(&fit.arm);
+    let weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
+    Fit { weights, squares, ..fit.clone() }
 }
 
 /// The names of a set's members, each once.
