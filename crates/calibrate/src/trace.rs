@@ -31,7 +31,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
 use crate::trace::infer::hypotheses::Open;
-use crate::trace::infer::named::{Alternative, likely};
+use crate::trace::infer::named::{Alternative, likely, sure};
 pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
@@ -114,6 +114,11 @@ impl Finding {
     /// predicts nothing accounts for what they explain.
     pub fn stands_in(&self) -> bool {
         !likely(self.probability, &self.rivals)
+    }
+
+    /// Whether it is sure but for the structure that is left beside it, which has no name and weighs more.
+    pub fn is_outweighed(&self) -> bool {
+        !self.named && sure(self.probability, self.found_again)
     }
 
     /// The joint that drives it, where that is not the one that it acts at.

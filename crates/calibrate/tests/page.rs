@@ -82,7 +82,10 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     trace.leftover.places = vec![Structure { joint: Some("joint_2".into()), covariate: None, share: 0.4 }];
     let text = page(&result).unwrap();
     assert!(text.contains("<h3 class=\"open\">one of: transmission_error at joint_3 ("), "{text}");
-    assert!(text.contains("joint_scale at joint_3 (25 %)") && text.contains("corrected for, not named"));
+    assert!(text.contains("joint_scale at joint_3 (25 %)"));
+    assert!(
+        text.contains("corrected for, not named: found again") && text.contains("more is left that no effect explains")
+    );
     assert!(text.contains("Structure without a name") && text.contains("What remains follows joint_2 40 %"));
 }
 

@@ -72,7 +72,13 @@ pub fn said(finding: &Finding, trace: &Trace) -> Said {
         let alone = if rivals.is_empty() { "perhaps" } else { "one of" };
         let own = format!("{own} ({})", percent(finding.probability));
         let all: Vec<String> = std::iter::once(own).chain(rivals).collect();
-        let beside = if finding.stands_in() { "; structure without a name may account for as much" } else { "" };
+        let beside = if finding.stands_in() {
+            "; structure without a name may account for as much"
+        } else if finding.is_outweighed() {
+            ", but more is left that no effect explains"
+        } else {
+            ""
+        };
         (format!("{alone}: {}", all.join(", ")), format!("corrected for, not named: {again}{beside}"), None)
     };
     Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why, rivals }

@@ -26,9 +26,9 @@ use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
 /// A cause is named from this probability on.
-pub const NAMED: f64 = 0.95;
+const NAMED: f64 = 0.95;
 /// And if this share of the resampled runs finds it.
-pub const FOUND_AGAIN: f64 = 0.8;
+const FOUND_AGAIN: f64 = 0.8;
 /// From this probability on, among models without structure that has no name, a cause stays in the model although it is not named
 /// (Barbieri, Berger 2004: the median probability model predicts best); with its rivals', for where one of several acts the best of
 /// them predicts better than none.
@@ -87,6 +87,11 @@ pub struct Judged {
     pub predicts: bool,
 }
 
+/// Whether a cause is sure enough to be named.
+pub fn sure(probability: f64, found_again: f64) -> bool {
+    probability >= NAMED && found_again >= FOUND_AGAIN
+}
+
 /// Whether something probably acts: a cause of this probability, or one in its stead.
 pub fn likely(probability: f64, rivals: &[Alternative]) -> bool {
     probability + rivals.iter().map(|rival| rival.probability).sum::<f64>() >= KEPT
@@ -100,7 +105,7 @@ impl Judged {
 
     /// Whether it is named.
     pub fn named(&self) -> bool {
-        self.probability >= NAMED && self.found_again >= FOUND_AGAIN
+        sure(self.probability, self.found_again)
     }
 }
 
