@@ -93,6 +93,16 @@ struct Factored {
     curves: Vec<CurvePrior>,
 }
 
+/// How many of a curve's waves the data see: the others could not be told from nothing. `precision`: what the data tell of each.
+pub(super) fn waves_seen(variances: &[(f64, f64)], precision: impl Fn(usize) -> f64) -> usize {
+    let mut told = 0.0;
+    let last = (0..variances.len()).rev().find(|&k| {
+        told += variances[k].0 * precision(k);
+        told >= UNSEEN
+    });
+    last.map_or(0, |last| last + 1)
+}
+
 impl Model<'_> {
     /// The log marginal likelihood; `None` where the system is not positive.
     pub fn score(&self, hyper: &Hyperparameters) -> Option<f64> {
@@ -197,12 +207,7 @@ impl Model<'_> {
             let precision = |k: usize| {
                 self.gram.cell(index + k, index + k) * noise + gaps.get(k * variances.len() + k).copied().unwrap_or(0.0)
             };
-            let mut told = 0.0;
-            let last = (0..variances.len()).rev().find(|&k| {
-                told += variances[k].0 * precision(k);
-                told >= UNSEEN
-            });
-            *seen = last.map_or(0, |last| last + 1);
+            *seen = waves_seen(variances, precision);
             index += variances.len();
         }
         curves
