@@ -23,6 +23,7 @@ mod mixes;
 mod monitor;
 mod noise;
 mod oracle;
+mod other_rows;
 mod page;
 mod pairs;
 mod placing;

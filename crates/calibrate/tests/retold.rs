@@ -10,13 +10,13 @@ use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
 use denavit_model::Chain;
 
-fn effect(kind: Kind, joint: usize, driver: Driver, coefficient: f64) -> Effect {
+pub fn effect(kind: Kind, joint: usize, driver: Driver, coefficient: f64) -> Effect {
     let term = Term { kind, carrier: Carrier::Joint(joint), driver, coupling: Coupling::Each };
     Effect { term, coefficients: vec![coefficient] }
 }
 
 /// What is named, and where.
-fn named((chain, statics): &(Chain, Statics), data: &Measurements) -> Vec<(Kind, String)> {
+pub fn named((chain, statics): &(Chain, Statics), data: &Measurements) -> Vec<(Kind, String)> {
     let options = TraceOptions::new(IdentifyOptions::axes(chain));
     let geometric = identify(chain, data, &options.identify).geometric;
     let found = trace(statics, data, &geometric, &options);
