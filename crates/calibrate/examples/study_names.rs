@@ -1,5 +1,5 @@
-//! Which effects are named when only four rows of five are given, drawn at random:
-//! `cargo run --release -p denavit-calibrate --example study_names -- ROBOT.urdf DATA.csv [DRAWS]`.
+//! Which effects are named when only four rows of five are given, or another share of them, drawn at random:
+//! `cargo run --release -p denavit-calibrate --example study_names -- ROBOT.urdf DATA.csv [DRAWS [SHARE]]`.
 //!
 //! In the environment: `TIP` (link), `UNITS` (such as mm,deg). Last come the names that recur in fewer than eight of ten draws.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
@@ -19,19 +19,21 @@ fn main() {
     let real = Real::robot(&arguments[1]);
     let (chain, statics) = (&real.chain, &real.statics);
     let draws: u64 = arguments.get(3).map_or(10, |word| word.parse().unwrap());
+    let given: f64 = arguments.get(4).map_or(0.8, |word| word.parse().unwrap());
     let mut times: BTreeMap<String, u64> = BTreeMap::new();
     for seed in 0..draws {
         let data = real.rows(&arguments[2]);
         let mut options = CalibrateOptions::geometry(chain);
         options.trace = Some(TraceOptions::new(options.identify.clone()));
-        options.hold_out = Some(HoldOut { share: 0.2, seed });
+        options.hold_out = Some(HoldOut { share: 1.0 - given, seed });
         let found = calibrate(chain, statics, data, None, &options).unwrap_or_else(|error| panic!("{error}"));
         let place = |effect: &denavit_calibrate::calibration::contract::EffectEntry| {
             effect.joint.clone().or(effect.place.clone()).unwrap_or_default()
         };
         for effect in found.report.effects.iter().chain(&found.report.one_of) {
             let kind = &effect.kind;
-            println!("  {kind} at {}: {:.3}, again {:.2}", place(effect), effect.probability, effect.found_again);
+            let order = effect.parameters.get("order").map_or_else(String::new, |order| format!(" of order {order}"));
+            println!("  {kind} at {}{order}: {:.3}, again {:.2}", place(effect), effect.probability, effect.found_again);
         }
         let mut names: Vec<String> =
             found.report.effects.iter().map(|effect| format!("{} at {}", effect.kind, place(effect))).collect();
