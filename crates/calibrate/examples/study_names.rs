@@ -33,7 +33,12 @@ fn main() {
         for effect in found.report.effects.iter().chain(&found.report.one_of) {
             let kind = &effect.kind;
             let order = effect.parameters.get("order").map_or_else(String::new, |order| format!(" of order {order}"));
-            println!("  {kind} at {}{order}: {:.3}, again {:.2}", place(effect), effect.probability, effect.found_again);
+            println!(
+                "  {kind} at {}{order}: {:.3}, again {:.2}",
+                place(effect),
+                effect.probability,
+                effect.found_again
+            );
         }
         let mut names: Vec<String> =
             found.report.effects.iter().map(|effect| format!("{} at {}", effect.kind, place(effect))).collect();

@@ -33,9 +33,9 @@ use std::ops::Range;
 const HIGHEST_ORDER: f64 = 60.0;
 /// Measured values for each number of the model, at least. With fewer a wave only repeats the prior, at the cube's cost.
 const VALUES_PER_NUMBER: usize = 4;
-/// A curve has at least this many waves, ten periods over its range: what it cannot follow would be missing from its band, too. Curves of six
-/// joints then cost less than those of four hundred positions.
-const FEWEST_WAVES: usize = 24;
+/// A curve has at least this many waves, twenty periods over its range: what it cannot follow would be missing from its band, and a
+/// periodic error that is faster would have no curve to beat before it is named. Curves of six joints then cost less than those of four hundred positions.
+const FEWEST_WAVES: usize = 48;
 /// Linearisations, at most: one may go to leaving out curves; after that the second changes little, the third hardly
 /// anything, but where an effect bends the model.
 const ROUNDS: usize = 10;
