@@ -86,7 +86,7 @@ fn the_report_speaks_of_it_where_something_is_open() {
 
 #[test]
 fn the_order_of_the_poses_makes_the_sides_that_were_chosen() {
-    let (found, chain, statics) = calibrated(POSITION, 60, 4, &["backlash@elbow_joint=0.035mm"]);
+    let (found, chain, statics) = calibrated(POSITION, 60, 3, &["backlash@elbow_joint=0.035mm"]);
     let planned = planned(&found, &statics, &PlanOptions { spread: 300, ..PlanOptions::new(&chain, 12, POSITION) });
     let [approach] = &planned.approach[..] else { panic!("{:?}", planned.prospect.possible) };
     assert!(approach.by_order && approach.joint == "elbow_joint");
