@@ -104,13 +104,7 @@ pub(crate) fn trace(
         let structures = near.iter().map(|near| remains(tracer, &near.fit).blocks);
         let structures: Vec<Vec<Block>> = structures.filter(|blocks| !blocks.is_empty()).collect();
         let state = near.get(1).unwrap_or(&near[0]);
-        let others = tracers[1..].iter().zip(&thinnings[1..]).map(|(tracer, rows)| {
-            let state = State::new(Vec::new(), on_rows(&curves.fit, data, rows));
-            let scorer = tracer.scorer(tracer.linear(&state));
-            let structures = leftover::of_these_rows(tracer, &scorer, &structures);
-            OtherRows { survey: &tracer.survey, data: tracer.data, structures }
-        });
-        let others: Vec<OtherRows<'_>> = others.collect();
+        let others = other_rows((&tracers, &thinnings), &structures, data, &curves.fit);
         let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
         let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
         let question = Question {
@@ -137,13 +131,9 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let on = |(tracer, rows): (&Tracer<'_>, &Vec<usize>)| remains(tracer, &on_rows(&last.fit, data, rows));
-    let leftover = on((tracer, rows));
+    let (leftover, drop) = left((&tracers, &thinnings), data, &last.fit);
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
     // What names a cause is the structure without fields beside it.
-    let others: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(&thinnings).skip(1).collect();
-    let drops = in_parallel(&others, |other| on(*other).drop);
-    let drop = (leftover.drop + drops.iter().sum::<f64>()) / tracers.len() as f64;
     let spurious: Vec<bool> = judged.iter().map(|one| leftover.structured && outweighed(one, drop)).collect();
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
     let findings = findings(judged, portraits, &spurious, &last.fit);
@@ -160,6 +150,34 @@ pub(crate) fn trace(
         leftover,
         open: open.map(Arc::new),
     }
+}
+
+/// The rows that are not judged by, with the structures as they have them.
+fn other_rows<'a>(
+    (tracers, thinnings): (&'a [Tracer<'a>], &[Vec<usize>]),
+    structures: &[Vec<Block>],
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+) -> Vec<OtherRows<'a>> {
+    let of = |(tracer, rows): (&'a Tracer<'a>, &Vec<usize>)| {
+        let state = State::new(Vec::new(), on_rows(fit, data, rows));
+        let scorer = tracer.scorer(tracer.linear(&state));
+        let structures = leftover::of_these_rows(tracer, &scorer, structures);
+        OtherRows { survey: &tracer.survey, data: tracer.data, structures }
+    };
+    tracers.iter().zip(thinnings).skip(1).map(of).collect()
+}
+
+/// What a fit leaves of the rows that are judged by, and how much of the sum of squares structure explains in the mean over the other rows, too.
+fn left(
+    (tracers, thinnings): (&[Tracer<'_>], &[Vec<usize>]),
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+) -> (Leftover, f64) {
+    let each: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(thinnings).collect();
+    let mut left = in_parallel(&each, |(tracer, rows)| remains(tracer, &on_rows(fit, data, rows)));
+    let drop = left.iter().map(|leftover| leftover.drop).sum::<f64>() / left.len() as f64;
+    (left.swap_remove(0), drop)
 }
 
 /// What is judged: first what would be plain to an engineer, then what the search came upon, then what spectra show.
