@@ -131,7 +131,8 @@ pub(super) fn asked_for(
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let Some(&(left, weakest)) = order.first() else { break };
         let anew = |block: Option<usize>| maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
-        if chosen_anew && score - left < least || (score - left).abs() < least {
+        // Once a block is gone the hyperparameters are good enough for the next only where little changes.
+        if (chosen_anew && score - left < least) || (score - left).abs() < least {
             kept[weakest] = false;
             (score, chosen_anew) = (left, false);
         } else if !chosen_anew {

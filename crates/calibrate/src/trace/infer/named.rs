@@ -247,6 +247,8 @@ pub(crate) fn judge(
                 scores.fold(f64::NEG_INFINITY, f64::max)
             };
             let gain = |seen: &Seen| best(seen, true) - best(seen, false);
+            let mut gains: Vec<f64> = elsewhere.iter().map(gain).filter(|gain| gain.is_finite()).collect();
+            gains.push(gain(&seen));
             let share = |runs: &[Vec<usize>]| {
                 runs.iter().filter(|found| holds(found, mine)).count() as f64 / runs.len().max(1) as f64
             };
@@ -267,7 +269,7 @@ pub(crate) fn judge(
                 probability,
                 log_absent: mass(&|set| !holds(set, mine)),
                 found_again: found_again.min(found_elsewhere),
-                gain: (gain(&seen) + elsewhere.iter().map(gain).sum::<f64>()) / (1 + elsewhere.len()) as f64,
+                gain: gains.iter().sum::<f64>() / gains.len() as f64,
                 rivals: instead,
                 predicts,
             }
