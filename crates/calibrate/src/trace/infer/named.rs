@@ -23,6 +23,7 @@ use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// A cause is named from this probability on.
@@ -202,7 +203,9 @@ pub(crate) fn judge(
     let starts: Vec<Vec<usize>> =
         question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
     let (seen, settings) = contest.run(&round.gram, &starts);
-    let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Judgement::default() };
+    let Some((set, (_, suits))) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
+        return Judgement::default();
+    };
     let names: Vec<(Kind, String)> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
     let mass = |holds: &dyn Fn(&[usize]) -> bool| mass(&seen, holds);
     let holds = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
@@ -230,6 +233,8 @@ pub(crate) fn judge(
         })
     });
     let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
+    let suffices = OnceCell::new();
+    let suffices = || *suffices.get_or_init(|| predictor.does_as_well_as(set, &settings[*suits].1));
     let mut all = set.clone();
     all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
     let resampled = if all.is_empty() {
@@ -242,11 +247,7 @@ pub(crate) fn judge(
         .iter()
         .map(|&member| {
             let mine = &names[member];
-            let best = |seen: &Seen, with: bool| {
-                let scores = seen.iter().filter(|(other, _)| holds(other, mine) == with).map(|(_, (score, _))| *score);
-                scores.fold(f64::NEG_INFINITY, f64::max)
-            };
-            let gain = |seen: &Seen| best(seen, true) - best(seen, false);
+            let gain = |seen: &Seen| gain(seen, &|set| holds(set, mine));
             let mut gains: Vec<f64> = elsewhere.iter().map(gain).filter(|gain| gain.is_finite()).collect();
             gains.push(gain(&seen));
             let share = |runs: &[Vec<usize>]| {
@@ -259,10 +260,10 @@ pub(crate) fn judge(
                 let own = self::mass(&predictor.seen, &|set| holds(set, mine)).exp();
                 likely(own, &rivals(&predictor.seen, &names, mine))
             };
-            // What is there for the prediction must be possible; alone, it must be seen to predict.
+            // What is there for the prediction must be possible beside structure, or do without; alone, it must be seen to predict.
             let predicts = predictor.set.contains(&member)
-                && probability > RIVAL
                 && predicting()
+                && (probability > RIVAL || suffices())
                 && (likely(probability, &instead) || predictor.pays(member));
             Judged {
                 candidate: candidates[member].clone(),
@@ -419,6 +420,15 @@ fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<A
     }
     rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     rivals
+}
+
+/// By how much the best of the sets of which `holds` is true is better than the best of the others.
+fn gain(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
+    let best = |with: bool| {
+        let scores = seen.iter().filter(|(set, _)| holds(set) == with).map(|(_, (score, _))| *score);
+        scores.fold(f64::NEG_INFINITY, f64::max)
+    };
+    best(true) - best(false)
 }
 
 /// Logarithm of the share of the mass that sets hold of which `holds` is true.

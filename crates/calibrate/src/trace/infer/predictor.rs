@@ -47,9 +47,20 @@ impl<'a> Predictor<'a> {
         beyond_chance(&without.iter().zip(with).map(|(without, with)| without - with).collect::<Vec<f64>>())
     }
 
+    /// Whether rows that were not fitted are no worse with the set than with another at its setting, structure without a name in it, but for
+    /// chance: such structure is then not needed.
+    pub(super) fn does_as_well_as(&self, other: &[usize], setting: &Setting) -> bool {
+        let own = self.left.get_or_init(|| self.held_out(&self.set));
+        let (Some(own), Some(other)) = (own, self.held_out_at(other, setting)) else { return false };
+        !beyond_chance(&own.iter().zip(other).map(|(own, other)| own - other).collect::<Vec<f64>>())
+    }
+
     /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.
     fn held_out(&self, set: &[usize]) -> Option<Vec<f64>> {
-        let setting = self.settings.get(self.contest.best(&self.grounds, set).1)?;
+        self.held_out_at(set, self.settings.get(self.contest.best(&self.grounds, set).1)?)
+    }
+
+    fn held_out_at(&self, set: &[usize], setting: &Setting) -> Option<Vec<f64>> {
         let numbers: Vec<usize> = (0..self.parts.len()).collect();
         let left = in_parallel(&numbers, |&part| {
             let others = Gram::of_others(self.parts, part);
@@ -105,8 +116,13 @@ mod tests {
         };
         let whole = Gram::weighted(&parts, &[1.0; 5]);
         let (_, settings) = contest.run(&whole, &[]);
-        let mut predictor = Predictor::new(&contest, &settings, &[Vec::new()], &parts);
+        let predictor = Predictor::new(&contest, &settings, &[Vec::new()], &parts);
         assert_eq!(predictor.set, [0]);
+        let setting = &settings[0].1;
+        assert!(predictor.does_as_well_as(&[0, 1], setting));
+        let nothing = Predictor { set: Vec::new(), ..Predictor::new(&contest, &settings, &[Vec::new()], &parts) };
+        assert!(!nothing.does_as_well_as(&[0], setting) && nothing.does_as_well_as(&[1], setting));
+        let mut predictor = Predictor::new(&contest, &settings, &[Vec::new()], &parts);
         predictor.set = vec![0, 1];
         assert!(predictor.pays(0) && !predictor.pays(1));
     }
