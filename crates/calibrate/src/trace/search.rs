@@ -108,7 +108,7 @@ impl Tracer<'_> {
     pub(crate) fn scored(&self, state: &State, projector: &Projector) -> Vec<Scored> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
-        let products = at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, &self.driven));
+        let products = at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, self.driven()));
         let gains = products.beside(at.whole(), projector).gains(UNSEEN);
         self.candidates.iter().zip(gains).map(|(candidate, gain)| scorer.judged(projector, candidate, gain)).collect()
     }

@@ -55,7 +55,7 @@ pub struct Tracer<'a> {
     pub(crate) survey: Survey,
     pub(crate) candidates: Vec<Candidate>,
     /// What drives each of them, see [`driven`].
-    pub(crate) driven: Vec<Vec<f64>>,
+    driven: OnceLock<Vec<Vec<f64>>>,
     carriers: Vec<Carrier>,
 }
 
@@ -133,8 +133,12 @@ impl<'a> Tracer<'a> {
                 carriers.push(carrier);
             }
         }
-        let driven = driven(data, statics, &candidates);
-        Self { data, statics, options, geometric, survey, candidates, driven, carriers }
+        Self { data, statics, options, geometric, survey, candidates, driven: OnceLock::new(), carriers }
+    }
+
+    /// What drives each candidate, see [`driven`].
+    pub(crate) fn driven(&self) -> &[Vec<f64>] {
+        self.driven.get_or_init(|| driven(self.data, self.statics, &self.candidates))
     }
 
     /// The terms that are worth being judged: a search step by step, from geometry alone.

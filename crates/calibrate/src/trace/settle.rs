@@ -131,10 +131,10 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let (leftover, drop) = left((&tracers, &thinnings), data, &last.fit);
+    let leftover = remains(tracer, &on_rows(&last.fit, data, rows));
     let portraits = tracer.portraits(&tracer.refitted(kept, None));
     // What names a cause is the structure without fields beside it.
-    let spurious: Vec<bool> = judged.iter().map(|one| leftover.structured && outweighed(one, drop)).collect();
+    let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
     let findings = findings(judged, portraits, &spurious, &last.fit);
     Trace {
@@ -168,16 +168,22 @@ fn other_rows<'a>(
     tracers.iter().zip(thinnings).skip(1).map(of).collect()
 }
 
-/// What a fit leaves of the rows that are judged by, and how much of the sum of squares structure explains in the mean over the other rows, too.
-fn left(
+/// Which causes are outweighed by the structure that a fit leaves, in the mean over the rows that are judged by, of which this is left, and the
+/// other rows.
+fn spurious(
+    judged: &[Judged],
+    leftover: &Leftover,
     (tracers, thinnings): (&[Tracer<'_>], &[Vec<usize>]),
     data: &Measurements,
     fit: &Fit<EffectModel>,
-) -> (Leftover, f64) {
-    let each: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(thinnings).collect();
-    let mut left = in_parallel(&each, |(tracer, rows)| remains(tracer, &on_rows(fit, data, rows)));
-    let drop = left.iter().map(|leftover| leftover.drop).sum::<f64>() / left.len() as f64;
-    (left.swap_remove(0), drop)
+) -> Vec<bool> {
+    if judged.is_empty() || !leftover.structured {
+        return vec![false; judged.len()];
+    }
+    let others: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(thinnings).skip(1).collect();
+    let drops = in_parallel(&others, |(tracer, rows)| remains(tracer, &on_rows(fit, data, rows)).drop);
+    let drop = (leftover.drop + drops.iter().sum::<f64>()) / tracers.len() as f64;
+    judged.iter().map(|one| outweighed(one, drop)).collect()
 }
 
 /// What is judged: first what would be plain to an engineer, then what the search came upon, then what spectra show.

@@ -224,7 +224,14 @@ pub(crate) fn judge(
         }
         seen
     };
-    let elsewhere = in_parallel(question.others, |other| {
+    let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
+    let suffices = OnceCell::new();
+    let suffices = || *suffices.get_or_init(|| predictor.does_as_well_as(set, &settings[*suits].1));
+    let mut all = set.clone();
+    all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
+    // Where there is nothing to be found again nobody looks.
+    let others = if all.is_empty() { &[][..] } else { question.others };
+    let elsewhere = in_parallel(others, |other| {
         on_this_thread(|| {
             let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
             state.keep(&has);
@@ -232,11 +239,6 @@ pub(crate) fn judge(
             again(&entered.contest(&kernels), &entered.round.gram)
         })
     });
-    let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
-    let suffices = OnceCell::new();
-    let suffices = || *suffices.get_or_init(|| predictor.does_as_well_as(set, &settings[*suits].1));
-    let mut all = set.clone();
-    all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
     let resampled = if all.is_empty() {
         Default::default()
     } else {

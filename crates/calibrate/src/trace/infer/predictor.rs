@@ -42,17 +42,20 @@ impl<'a> Predictor<'a> {
     /// of the run are left out one after the other.
     pub(super) fn pays(&self, member: usize) -> bool {
         let without: Vec<usize> = self.set.iter().copied().filter(|&other| other != member).collect();
-        let with = self.left.get_or_init(|| self.held_out(&self.set));
-        let (Some(with), Some(without)) = (with, self.held_out(&without)) else { return false };
+        let (Some(with), Some(without)) = (self.own(), self.held_out(&without)) else { return false };
         beyond_chance(&without.iter().zip(with).map(|(without, with)| without - with).collect::<Vec<f64>>())
     }
 
     /// Whether rows that were not fitted are no worse with the set than with another at its setting, structure without a name in it, but for
     /// chance: such structure is then not needed.
     pub(super) fn does_as_well_as(&self, other: &[usize], setting: &Setting) -> bool {
-        let own = self.left.get_or_init(|| self.held_out(&self.set));
-        let (Some(own), Some(other)) = (own, self.held_out_at(other, setting)) else { return false };
+        let (Some(own), Some(other)) = (self.own(), self.held_out_at(other, setting)) else { return false };
         !beyond_chance(&own.iter().zip(other).map(|(own, other)| own - other).collect::<Vec<f64>>())
+    }
+
+    /// What its own set leaves of each part.
+    fn own(&self) -> Option<&Vec<f64>> {
+        self.left.get_or_init(|| self.held_out(&self.set)).as_ref()
     }
 
     /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.
