@@ -1,5 +1,6 @@
 //! Gram matrices: products of columns of numbers, formed in vectors of the machine, several columns at a time.
 
+use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Columns on the left and on the right whose products are formed at once: as many sums as sixteen registers hold.
@@ -8,6 +9,11 @@ pub(crate) const TILE: (usize, usize) = (4, 2);
 const WIDE: (usize, usize) = (4, 4);
 const WIDE_VECTOR: usize = 8;
 
+/// With fewer columns on the left or on the right than this it does not pay to lay out a panel.
+const FEW: (usize, usize) = (4, 10);
+/// Cells of a column that are worked on together: those of a panel then stay near the processor.
+const DEPTH: usize = 256;
+
 /// leftᵀ right, of columns of `rows` cells: a product per column of `left`, for each column of `right`.
 pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
     if rows == 0 {
@@ -15,25 +21,49 @@ pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
     }
     let counts = (left.len() / rows, right.len() / rows);
     let mut result = vec![0.0; counts.0 * counts.1];
-    add_cross_gram(left, right, (rows, rows), rows, counts, &mut result);
+    if counts.0 < FEW.0 || counts.1 < FEW.1 {
+        let sides = (Columns { cells: left, stride: rows }, Columns { cells: right, stride: rows });
+        dispatch!(Level::new(), simd => add_cross_gram_in(simd, sides, rows, counts, &mut result));
+        return result;
+    }
+    for (some, result) in right.chunks(PANEL * rows).zip(result.chunks_mut((PANEL * counts.0).max(1))) {
+        add_panel(left, some, rows, counts.0, result);
+    }
     result
 }
 
-/// Adds to `result` the products of so many columns of `left` with so many of `right`.
-///
-/// # Shape and units
-/// Columns of as many cells as the strides say, of which the first `rows` count; the last may end there. `result`: the product
-/// of columns l and r at `r * counts.0 + l`.
-pub(crate) fn add_cross_gram(
-    left: &[f64],
-    right: &[f64],
-    strides: (usize, usize),
-    rows: usize,
-    counts: (usize, usize),
-    result: &mut [f64],
-) {
-    let sides = (Columns { cells: left, stride: strides.0 }, Columns { cells: right, stride: strides.1 });
-    dispatch!(Level::new(), simd => add_cross_gram_in(simd, sides, rows, counts, result));
+/// The products of columns of `rows` cells with each other, square.
+pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
+    let count = columns.len() / rows.max(1);
+    if count < FEW.1 {
+        return cross_gram(columns, columns, rows);
+    }
+    let mut result = vec![0.0; count * count];
+    for (panel, some) in columns.chunks(PANEL * rows).enumerate() {
+        let first = panel * PANEL;
+        add_panel(&columns[first * rows..], some, rows, count, &mut result[first * count + first..]);
+    }
+    for r in 0..count {
+        for l in 0..r {
+            result[r * count + l] = result[l * count + r];
+        }
+    }
+    result
+}
+
+/// Adds the products of all columns of `left` with at most [`PANEL`] of `right`: those of one of the latter begin every `count` cells.
+fn add_panel(left: &[f64], right: &[f64], rows: usize, count: usize, result: &mut [f64]) {
+    let mut lines = Vec::with_capacity(DEPTH.min(rows));
+    let many = right.len() / rows;
+    for from in (0..rows).step_by(DEPTH) {
+        let depth = DEPTH.min(rows - from);
+        lines_of(&right[from..], rows, depth, &mut lines);
+        let take = |l: usize, sums: &Line| {
+            let cells = result[l..].iter_mut().step_by(count);
+            cells.zip(&sums[..many]).for_each(|(cell, sum)| *cell += sum);
+        };
+        dispatch!(Level::new(), simd => each_sum(simd, &left[from..], rows, &lines, take));
+    }
 }
 
 #[inline(always)]
@@ -171,16 +201,19 @@ mod tests {
     #[test]
     fn a_gram_matrix_holds_sums_over_the_rows() {
         let cell = |k: usize| (k as f64 * 0.7).sin();
-        for (rows, count, others) in [(1, 1, 1), (19, 5, 3), (32, 9, 4)] {
+        for (rows, count, others) in [(1, 1, 1), (19, 5, 3), (32, 9, 4), (7, 3, 10), (300, 21, 35)] {
             let (left, right): (Vec<f64>, Vec<f64>) =
                 ((0..rows * count).map(cell).collect(), (0..rows * others).map(|k| cell(k + 50)).collect());
             let found = cross_gram(&left, &right, rows);
             for r in 0..others {
                 for l in 0..count {
                     let sum: f64 = (0..rows).map(|i| left[l * rows + i] * right[r * rows + i]).sum();
-                    assert!((found[r * count + l] - sum).abs() < 1e-13);
+                    assert!((found[r * count + l] - sum).abs() < 1e-12);
                 }
             }
+            let whole = gram_of(&left, rows);
+            let twice = cross_gram(&left, &left, rows);
+            assert!(whole.iter().zip(twice).all(|(a, b)| (a - b).abs() < 1e-12));
         }
     }
 }

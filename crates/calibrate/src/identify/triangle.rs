@@ -1,46 +1,44 @@
-//! Cholesky factors of some hundred unknowns, in rows so that every sum runs along memory, and in blocks so that what is read
-//! once is used for several sums.
+//! Cholesky factors of some hundred unknowns, row by row and in panels of so many columns that what is read once is used for several
+//! sums.
 
-use crate::identify::gram::add_cross_gram;
+use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
-/// Rows and columns that are worked on together.
-const BLOCK: usize = 32;
+/// Rows that a thread takes at once.
+const ROWS: usize = 2 * PANEL;
 /// Fewer multiplications than this are done sooner than a second thread is there.
 const WORTH_A_THREAD: usize = 500_000;
 
-/// The lower triangle L of A = L Lᵀ, or its inverse, row by row.
+/// The lower triangle L of A = L Lᵀ, row by row.
 #[derive(Debug, Clone)]
 pub struct Triangle {
     cells: Vec<f64>,
     size: usize,
 }
 
+/// Some rows of the factor, as the rows below them need them for the columns of the same numbers.
+struct Panel {
+    from: usize,
+    to: usize,
+    /// The cells of these rows before the diagonal block.
+    before: Vec<Line>,
+    /// The inverse of the block's transpose, row by row.
+    inverse: [Line; PANEL],
+}
+
 impl Triangle {
     /// Factors a symmetric matrix given row by row, of which the lower triangle is read; `None` unless it is positive.
     pub fn factor(mut cells: Vec<f64>, size: usize) -> Option<Self> {
-        for from in (0..size).step_by(BLOCK) {
+        for from in (0..size).step_by(PANEL) {
             look();
-            let to = (from + BLOCK).min(size);
+            let to = (from + PANEL).min(size);
             let (above, below) = cells.split_at_mut(to * size);
-            let (_, own) = above.split_at_mut(from * size);
-            let square = against(own, own, (from, to), size);
-            if !factor_block(own, &square, (from, to), size) {
-                return None;
-            }
+            let panel = Panel::factored(&mut above[from * size..], (from, to), size)?;
             // The rows below each for itself: no sum depends on how many threads there are.
-            let threads = if below.len() / size * from * BLOCK < WORTH_A_THREAD { 1 } else { available() };
-            dealt(
-                below.chunks_mut(BLOCK * size),
-                threads,
-                || (),
-                |(), rows| {
-                    let known = against(rows, own, (from, to), size);
-                    solve_rows(rows, own, &known, (from, to), size);
-                },
-            );
+            let threads = if below.len() / size * from * PANEL < WORTH_A_THREAD { 1 } else { available() };
+            dealt(below.chunks_mut(ROWS * size), threads, || (), |(), rows| panel.solve(rows, 0, size));
         }
         Some(Self { cells, size })
     }
@@ -60,16 +58,10 @@ impl Triangle {
     /// L⁻¹ B, column by column.
     pub fn forward_all(&self, mut columns: Vec<f64>) -> Vec<f64> {
         let size = self.size;
-        let solve = |some: &mut [f64]| {
-            for from in (0..size).step_by(BLOCK) {
-                let to = (from + BLOCK).min(size);
-                let own = &self.cells[from * size..to * size];
-                let known = against(some, own, (from, to), size);
-                solve_rows(some, own, &known, (from, to), size);
-            }
-        };
+        let panels = self.panels();
         let threads = if columns.len() * size < WORTH_A_THREAD { 1 } else { available() };
-        dealt(columns.chunks_mut((BLOCK * size).max(1)), threads, || (), |(), some| solve(some));
+        let each = columns.chunks_mut((ROWS * size).max(1));
+        dealt(each, threads, || (), |(), some| panels.iter().for_each(|panel| panel.solve(some, 0, size)));
         columns
     }
 
@@ -88,85 +80,110 @@ impl Triangle {
     pub fn inverse_columns(&self) -> Vec<f64> {
         let size = self.size;
         let mut columns = vec![0.0; size * size];
-        let threads = available().min(1 + size / 200);
+        columns.iter_mut().step_by(size + 1).for_each(|cell| *cell = 1.0);
+        let panels = self.panels();
+        let threads = available().min(1 + size / 400);
         // Columns get shorter to the right: neighbours are dealt in turn.
-        let each = columns.chunks_mut(BLOCK * size).enumerate();
-        dealt(each, threads, || (), |(), (block, columns)| self.invert(block * BLOCK, columns));
+        let each = columns.chunks_mut(ROWS * size).enumerate();
+        let invert = |block: usize, some: &mut [f64]| {
+            let first = block * ROWS;
+            panels[first / PANEL..].iter().for_each(|panel| panel.solve(some, first, size));
+        };
+        dealt(each, threads, || (), |(), (block, some)| invert(block, some));
         columns
     }
 
-    /// The columns of the inverse from number `first` on.
-    fn invert(&self, first: usize, columns: &mut [f64]) {
+    fn panels(&self) -> Vec<Panel> {
         let size = self.size;
-        let count = columns.len() / size;
-        for from in (first..size).step_by(BLOCK) {
-            let to = (from + BLOCK).min(size);
-            let rows = &self.cells[from * size..to * size];
-            let many = to - from;
-            let mut known = vec![0.0; many * count];
-            if from > first {
-                add_cross_gram(
-                    &rows[first..],
-                    &columns[first..],
-                    (size, size),
-                    from - first,
-                    (many, count),
-                    &mut known,
-                );
-            }
-            for (index, column) in columns.chunks_exact_mut(size).enumerate() {
-                for row in 0..many {
-                    let line = &rows[row * size + from..=row * size + from + row];
-                    let one = if from + row == first + index { 1.0 } else { 0.0 };
-                    let sum = dot(&line[..row], &column[from..from + row]);
-                    column[from + row] = (one - known[index * many + row] - sum) / line[row];
-                }
-            }
+        let rows = |from: usize| Panel::of(&self.cells[from * size..(from + PANEL).min(size) * size], from, size);
+        (0..size).step_by(PANEL).map(rows).collect()
+    }
+}
+
+impl Panel {
+    /// That of rows that are factored, `from` on.
+    fn of(own: &[f64], from: usize, size: usize) -> Self {
+        let to = from + own.len() / size;
+        let mut before = Vec::new();
+        lines_of(own, size, from, &mut before);
+        let mut upper = [[0.0; PANEL]; PANEL];
+        for (i, row) in own.chunks_exact(size).enumerate() {
+            upper.iter_mut().zip(&row[from..=from + i]).for_each(|(line, cell)| line[i] = *cell);
+        }
+        Self { from, to, before, inverse: inverse_of(&upper, to - from) }
+    }
+
+    /// Factors rows of which the columns before the diagonal block are done; `None` unless the block is positive.
+    fn factored(own: &mut [f64], (from, to): (usize, usize), size: usize) -> Option<Self> {
+        let mut before = Vec::new();
+        lines_of(own, size, from, &mut before);
+        let mut left = [[0.0; PANEL]; PANEL];
+        for (i, (row, left)) in own.chunks_exact(size).zip(&mut left).enumerate() {
+            left[..=i].copy_from_slice(&row[from..=from + i]);
+        }
+        let take = |row: usize, known: &Line| left[row].iter_mut().zip(known).for_each(|(cell, known)| *cell -= known);
+        dispatch!(Level::new(), simd => each_sum(simd, own, size, &before, take));
+        let upper = factor_block(&mut left, to - from)?;
+        for (i, row) in own.chunks_exact_mut(size).enumerate() {
+            row[from..=from + i].iter_mut().zip(&upper).for_each(|(cell, line)| *cell = line[i]);
+        }
+        Some(Self { from, to, before, inverse: inverse_of(&upper, to - from) })
+    }
+
+    /// The columns of these numbers of some rows, those before being done; before column `first` the rows are nothing.
+    fn solve(&self, rows: &mut [f64], first: usize, size: usize) {
+        dispatch!(Level::new(), simd => self.solve_in(simd, rows, first, size));
+    }
+
+    #[inline(always)]
+    fn solve_in<S: Simd>(&self, simd: S, rows: &mut [f64], first: usize, size: usize) {
+        let own = self.from..self.to;
+        let mut left = [0.0; ROWS * PANEL];
+        let first = first.min(own.start);
+        let lines = left.chunks_exact_mut(PANEL).zip(rows.chunks_exact(size));
+        lines.for_each(|(left, row)| left[..own.len()].copy_from_slice(&row[own.clone()]));
+        each_sum(simd, &rows[first..], size, &self.before[first..], |row, known| {
+            left[row * PANEL..].iter_mut().zip(known).for_each(|(cell, known)| *cell -= known);
+        });
+        let count = rows.len() / size;
+        each_sum(simd, &left[..count * PANEL], PANEL, &self.inverse[..own.len()], |row, solved| {
+            rows[row * size..][own.clone()].copy_from_slice(&solved[..own.len()]);
+        });
+    }
+}
+
+/// Lᵀ of a block of so many rows, of which the lower triangle is read; `None` unless it is positive.
+fn factor_block(left: &mut [Line; PANEL], many: usize) -> Option<[Line; PANEL]> {
+    let mut upper = [[0.0; PANEL]; PANEL];
+    for k in 0..many {
+        let square = left[k][k];
+        if !(square > 0.0 && square.is_finite()) {
+            return None;
+        }
+        let pivot = square.sqrt();
+        for i in k..many {
+            upper[k][i] = left[i][k] / pivot;
+        }
+        let line = upper[k];
+        for (left, share) in left[..many].iter_mut().zip(line).skip(k + 1) {
+            left.iter_mut().zip(&line).for_each(|(cell, other)| *cell -= share * other);
         }
     }
+    Some(upper)
 }
 
-/// Products of some rows' first cells with those of the rows of a block, row by row of the former.
-fn against(rows: &[f64], block: &[f64], (from, to): (usize, usize), size: usize) -> Vec<f64> {
-    let (many, count) = (to - from, rows.len() / size);
-    let mut known = vec![0.0; many * count];
-    if from > 0 {
-        add_cross_gram(block, rows, (size, size), from, (many, count), &mut known);
-    }
-    known
-}
-
-/// Factors a block on the diagonal; `known` is what the columns before it make of it.
-fn factor_block(rows: &mut [f64], known: &[f64], (from, to): (usize, usize), size: usize) -> bool {
-    let many = to - from;
-    for i in 0..many {
-        let (before, rest) = rows.split_at_mut(i * size);
-        let row = &mut rest[from..to];
-        let known = &known[i * many..(i + 1) * many];
-        solve_row(&mut row[..i], before, known, from, size);
-        let left = row[i] - known[i] - dot(&row[..i], &row[..i]);
-        if !(left > 0.0 && left.is_finite()) {
-            return false;
+/// The inverse of an upper triangle of so many rows.
+fn inverse_of(upper: &[Line; PANEL], many: usize) -> [Line; PANEL] {
+    let mut inverse = [[0.0; PANEL]; PANEL];
+    for k in (0..many).rev() {
+        let mut line = [0.0; PANEL];
+        line[k] = 1.0;
+        for (below, share) in inverse[..many].iter().zip(upper[k]).skip(k + 1) {
+            line.iter_mut().zip(below).for_each(|(cell, other)| *cell -= share * other);
         }
-        row[i] = left.sqrt();
+        inverse[k] = line.map(|cell| cell / upper[k][k]);
     }
-    true
-}
-
-/// The block's columns of the rows below it.
-fn solve_rows(rows: &mut [f64], block: &[f64], known: &[f64], (from, to): (usize, usize), size: usize) {
-    let many = to - from;
-    for (row, known) in rows.chunks_exact_mut(size).zip(known.chunks_exact(many)) {
-        solve_row(&mut row[from..to], block, known, from, size);
-    }
-}
-
-/// The first columns of a row within a block, as far as the row reaches, by the block's rows that are done.
-fn solve_row(row: &mut [f64], block: &[f64], known: &[f64], from: usize, size: usize) {
-    for j in 0..row.len() {
-        let other = &block[j * size + from..=j * size + from + j];
-        row[j] = (row[j] - known[j] - dot(&row[..j], &other[..j])) / other[j];
-    }
+    inverse
 }
 
 /// Σ a b in vectors of the machine, two sums at a time.

@@ -11,7 +11,7 @@
 //! much as forming A. The matrix of second derivatives is the average information of Gilmour, Thompson and Cullis, Biometrics 51
 //! (1995), 1440; variances are not below 0 (projected Newton steps, Bertsekas 1982).
 
-use crate::identify::gram::{TILE, add_gram, cross_gram};
+use crate::identify::gram::{TILE, add_gram, gram_of};
 use crate::identify::threads::in_parallel;
 use crate::identify::triangle::{Triangle, dot};
 use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
@@ -177,7 +177,7 @@ impl Integrated {
         let columns = self.half.len();
         let root = self.factor.inverse_columns();
         let beta = root.chunks_exact(columns).map(|column| dot(column, &self.half));
-        (DMatrix::from_vec(columns, columns, cross_gram(&root, &root, columns)), DVector::from_iterator(columns, beta))
+        (DMatrix::from_vec(columns, columns, gram_of(&root, columns)), DVector::from_iterator(columns, beta))
     }
 }
 

@@ -11,7 +11,7 @@
 //! *setting*. Each set is scored at the setting that suits it best.
 
 use crate::effects::curve::Waves;
-use crate::identify::gram::cross_gram;
+use crate::identify::gram::{cross_gram, gram_of};
 use crate::identify::threads::in_parallel;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::evidence::{System, waves_seen};
@@ -206,7 +206,7 @@ impl Contest<'_> {
             .flat_map(|&column| index.iter().zip(&scale).map(move |(&own, scale)| gram.cell(own, column) * scale));
         let shares = factor.forward_all(along.collect());
         let width = columns.len();
-        let mut schur = cross_gram(&shares, &shares, size);
+        let mut schur = gram_of(&shares, size);
         for (cells, &column) in schur.chunks_exact_mut(width.max(1)).zip(&columns) {
             cells.iter_mut().zip(&columns).for_each(|(cell, &other)| *cell = gram.cell(column, other) - *cell);
         }

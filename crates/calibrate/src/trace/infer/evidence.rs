@@ -66,7 +66,7 @@ impl Posterior {
 
     /// The whole covariance, row by row.
     pub fn covariances(&self) -> Vec<f64> {
-        crate::identify::gram::cross_gram(&self.root, &self.root, self.size)
+        crate::identify::gram::gram_of(&self.root, self.size)
     }
 }
 

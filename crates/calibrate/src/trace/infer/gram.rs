@@ -5,7 +5,7 @@
 //! taken per row and pair of joints, and the waves are multiplied with that.
 
 use crate::effects::curve::Waves;
-use crate::identify::gram::cross_gram;
+use crate::identify::gram::{cross_gram, gram_of};
 use crate::identify::stop::look;
 use crate::identify::threads::{available, dealt};
 use crate::identify::triangle::dot;
@@ -53,9 +53,9 @@ impl Gram {
     }
 
     fn add(&mut self, other: &Self, weight: f64) {
-        for (sum, part) in self.matrix.iter_mut().zip(&other.matrix).chain(self.right.iter_mut().zip(&other.right)) {
-            *sum += part * weight;
-        }
+        let rows = self.matrix.chunks_exact_mut(self.size).zip(other.matrix.chunks_exact(self.size));
+        let lower = rows.enumerate().flat_map(|(row, (sums, parts))| sums[..=row].iter_mut().zip(&parts[..=row]));
+        lower.chain(self.right.iter_mut().zip(&other.right)).for_each(|(sum, part)| *sum += part * weight);
         self.square += other.square * weight;
         self.count += other.count * weight;
     }
@@ -66,7 +66,7 @@ impl Gram {
     /// There is no part.
     pub fn weighted(parts: &[Self], weights: &[f64]) -> Self {
         let mut sum = Self::zeros(parts[0].plain, parts[0].size);
-        for (part, weight) in parts.iter().zip(weights) {
+        for (part, weight) in parts.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
             sum.add(part, *weight);
         }
         sum
@@ -134,7 +134,7 @@ fn add_stretch(
     let cells: Vec<f64> = columns.plain.iter().flat_map(|column| &column[own.clone()]).copied().collect();
     sums.square += explained.iter().map(|y| y * y).sum::<f64>();
     sums.count += columns.weights[own.clone()].iter().sum::<f64>();
-    let of_plain = cross_gram(&cells, &cells, own.len());
+    let of_plain = gram_of(&cells, own.len());
     for row in 0..plain {
         for column in 0..=row {
             sums.matrix[row * size + column] += of_plain[row * plain + column];
