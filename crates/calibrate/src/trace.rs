@@ -8,6 +8,7 @@
 
 pub mod infer;
 
+mod by_carrier;
 mod contest;
 mod drifts;
 mod findings;

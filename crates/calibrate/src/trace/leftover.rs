@@ -8,7 +8,9 @@ use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
 use crate::observation::measurements::Column;
+use crate::trace::by_carrier::{ByCarrier, Driven};
 use crate::trace::infer::field::Place;
+use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector};
 use crate::trace::search::{CandidateScorer, p_value};
 use crate::trace::select::Tracer;
@@ -99,15 +101,13 @@ pub fn carriers(survey: &Survey) -> Vec<Carrier> {
 pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
     let linear = scorer.linear;
     let blocks = blocks(tracer, scorer);
-    let columns: Vec<DMatrix<f64>> = blocks.iter().map(|block| block.columns(scorer)).collect();
-    let tests = columns.len() as f64;
-    let mut open: Vec<usize> = (0..columns.len()).collect();
+    let tests = blocks.len() as f64;
+    let mut open: Vec<usize> = (0..blocks.len()).collect();
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
     let mut leftover = Leftover::default();
     for round in 0..MOST_BLOCKS {
         let projector = linear.loose().beside(&[&linear.effects, &taken], &linear.residual);
-        let free = (linear.residual.len() - projector.rank()) as f64;
-        let mut scored = gains(&projector, &columns, &open, free);
+        let mut scored = gains(linear, &projector, &blocks, &open);
         // By how far each is beyond chance: probabilities of strong structure all round to zero.
         let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
         scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
@@ -135,9 +135,9 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
                 leftover.places.push(place);
             }
         }
-        let grown = taken.ncols() + columns[best].ncols();
-        taken = taken.resize_horizontally(grown, 0.0);
-        taken.columns_mut(grown - columns[best].ncols(), columns[best].ncols()).copy_from(&columns[best]);
+        let (columns, before) = (block.columns(scorer), taken.ncols());
+        taken = taken.resize_horizontally(before + columns.ncols(), 0.0);
+        taken.columns_mut(before, columns.ncols()).copy_from(&columns);
     }
     leftover.columns = taken;
     leftover
@@ -157,12 +157,25 @@ pub(crate) fn of_these_rows(
 }
 
 /// Probability and gain of each open block.
-fn gains(projector: &Projector, columns: &[DMatrix<f64>], open: &[usize], free: f64) -> Vec<(f64, Gain, usize)> {
-    let of = |&index: &usize| {
-        let gain = projector.gain_of_seen(&columns[index], SEEN);
-        (p_value(free, projector.rss, gain, gain.rank), gain, index)
+fn gains(linear: &Linear, projector: &Projector, blocks: &[Block], open: &[usize]) -> Vec<(f64, Gain, usize)> {
+    let free = (linear.residual.len() - projector.rank()) as f64;
+    let mut carriers: Vec<Carrier> = Vec::new();
+    for carrier in open.iter().map(|&index| blocks[index].carrier) {
+        if !carriers.contains(&carrier) {
+            carriers.push(carrier);
+        }
+    }
+    let of_carrier = |carrier: &Carrier| {
+        let own: Vec<usize> = open.iter().copied().filter(|&index| blocks[index].carrier == *carrier).collect();
+        let terms: Vec<Driven<'_>> = own.iter().map(|&index| blocks[index].driven()).collect();
+        let gains = ByCarrier::of(linear, projector, *carrier).products(&terms).gains(SEEN);
+        let judged = |(index, gain): (usize, Gain)| (p_value(free, projector.rss, gain, gain.rank), gain, index);
+        own.into_iter().zip(gains).map(judged).collect::<Vec<_>>()
     };
-    in_parallel(open, of)
+    let mut found: Vec<(f64, Gain, usize)> = in_parallel(&carriers, of_carrier).into_iter().flatten().collect();
+    // In the order that they were asked for: of two that do as well the first is the better.
+    found.sort_by_key(|(_, _, index)| open.iter().position(|other| other == index));
+    found
 }
 
 impl Variable {
@@ -189,6 +202,10 @@ impl Block {
     pub(crate) fn place(&self) -> Option<Place> {
         let [Variable::Joint(first), Variable::Joint(second)] = self.variables[..] else { return None };
         Some(Place { joint: self.carrier.joint()?, of: [first, second] })
+    }
+
+    fn driven(&self) -> Driven<'_> {
+        Driven { coupling: Coupling::Each, per_row: self.per_row, values: &self.values }
     }
 
     /// In units of the noise.

@@ -1,6 +1,6 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
-use crate::identify::gram::cross_gram;
+use crate::identify::gram::{cross_gram, gram_of};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A column of the model that is this nearly a sum of others adds nothing.
@@ -69,6 +69,12 @@ impl Projector {
         result
     }
 
+    /// One of the directions that the model has, of length 1.
+    pub(super) fn direction(&self, index: usize) -> &[f64] {
+        let rows = self.residual.len();
+        &self.basis.as_slice()[index * rows..(index + 1) * rows]
+    }
+
     /// Number of directions that the model has.
     pub fn rank(&self) -> usize {
         self.basis.ncols()
@@ -115,7 +121,7 @@ impl Products {
         let mut first = 0;
         for count in blocks {
             let block = &columns[first * rows..(first + count) * rows];
-            own.extend(cross_gram(block, block, rows));
+            own.extend(gram_of(block, rows));
             first += count;
         }
         Self {
@@ -124,6 +130,16 @@ impl Products {
             along: cross_gram(model.residual.as_slice(), columns, rows),
             own,
         }
+    }
+
+    /// Adds a block: of each of its columns the products with the basis and, last, with the residual; and those with one another.
+    pub(super) fn push(&mut self, columns: &[&[f64]], own: &[f64]) {
+        self.blocks.push(columns.len());
+        for (along, shares) in columns.iter().filter_map(|column| column.split_last()) {
+            self.shares.extend(shares);
+            self.along.push(*along);
+        }
+        self.own.extend(own);
     }
 
     /// Those of several parts of the columns, one after the other.
@@ -165,7 +181,7 @@ impl Products {
             let own = &self.own[before..before + count * count];
             (first, before) = (columns.end, before + own.len());
             let shares = &self.shares[columns.start * rank..columns.end * rank];
-            let of_shares = if rank == 0 { vec![0.0; own.len()] } else { cross_gram(shares, shares, rank) };
+            let of_shares = if rank == 0 { vec![0.0; own.len()] } else { gram_of(shares, rank) };
             gain(own, &of_shares, self.along[columns].to_vec(), least)
         };
         self.blocks.iter().map(block_gain).collect()

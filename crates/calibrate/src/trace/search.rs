@@ -4,15 +4,18 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::threads::{available, dealt, in_parallel, in_stretches};
+use crate::identify::threads::{in_parallel, in_stretches};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::trace::ScanCell;
+use crate::trace::by_carrier::{ByCarrier, Driven};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Products, Projector, UNSEEN};
 use crate::trace::select::{State, Tracer};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Candidates whose columns are projected together.
@@ -182,18 +185,30 @@ impl CandidateScorer<'_> {
 
     /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known.
     fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> Products {
-        let of_batch = |first: usize| {
-            let mut cells: Vec<f64> = Vec::new();
-            let batch = first..(first + BATCH).min(candidates.len());
-            let count = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
-                [] => self.columns_into(&candidates[index].term, &mut cells),
-                values => self.driven_into(&candidates[index].term, values, &mut cells),
+        let carriers = carriers_of(candidates.iter().map(|candidate| &candidate.term));
+        let at: Vec<ByCarrier> = in_parallel(&carriers, |carrier| ByCarrier::of(self.linear, model, *carrier));
+        let of_batch = |batch: Range<usize>| {
+            let known = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
+                [] => Cow::Owned(self.driver_values(&candidates[index].term)),
+                values => Cow::Borrowed(values),
             };
-            let counts: Vec<usize> = batch.map(count).collect();
-            Products::of(model, &cells, &counts)
+            let values: Vec<Cow<'_, [f64]>> = batch.clone().map(known).collect();
+            let terms = candidates[batch.clone()].iter().zip(&values).map(|(candidate, values)| Driven {
+                coupling: candidate.term.coupling,
+                per_row: candidate.term.driver.len(self.statics),
+                values,
+            });
+            let carrier = candidates[batch.start].term.carrier;
+            let place = carriers.iter().position(|own| *own == carrier).expect("all carriers are among them");
+            at[place].products(&terms.collect::<Vec<_>>())
         };
-        let firsts = (0..candidates.len()).step_by(BATCH);
-        Products::joined(dealt(firsts, available(), || (), |(), first| of_batch(first)))
+        let mut batches: Vec<Range<usize>> = Vec::new();
+        for alike in candidates.chunk_by(|a, b| a.term.carrier == b.term.carrier) {
+            let first = batches.last().map_or(0, |last| last.end);
+            let end = first + alike.len();
+            batches.extend((first..end).step_by(BATCH).map(|from| from..(from + BATCH).min(end)));
+        }
+        Products::joined(in_parallel(&batches, |batch| of_batch(batch.clone())))
     }
 
     /// What an effect of the model explains when it is put back.
