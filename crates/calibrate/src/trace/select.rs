@@ -143,7 +143,8 @@ impl<'a> Tracer<'a> {
 
     /// The terms that are worth being judged: a search step by step, from geometry alone.
     pub fn run(&self) -> Proposals {
-        let mut state = self.refitted(Vec::new(), None);
+        let bare = self.refitted(Vec::new(), None);
+        let mut state = bare.clone();
         for _ in 0..MOST_LOCAL {
             let Some(next) = self.local(&state) else { break };
             state = next;
@@ -192,7 +193,7 @@ impl<'a> Tracer<'a> {
             self.propose(&plain, &mut candidates);
         }
         if !state.chosen.is_empty() && !plain.chosen.is_empty() {
-            self.propose(&self.refitted(Vec::new(), None), &mut candidates);
+            self.propose(&bare, &mut candidates);
         }
         Proposals { candidates, states: vec![plain, state], scan }
     }

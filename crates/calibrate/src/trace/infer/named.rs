@@ -37,8 +37,6 @@ const KEPT: f64 = 0.5;
 /// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
-/// So often each row of a half counts: [`resampled`].
-const COUNTED: [f64; 2] = [1.0, 2.0];
 /// A set of causes with this much of the mass is left possible even where no member of the best is unsure.
 const POSSIBLE: f64 = 0.1;
 /// Sets of the same names may be so many that each is this much behind what they are together, logarithm.
@@ -77,8 +75,8 @@ pub struct Judged {
     pub probability: f64,
     /// Logarithm of the probability that it does not.
     pub log_absent: f64,
-    /// Share of the resampled runs that find it, halves of the run counted once or twice, whichever finds it more often; no more than the share
-    /// of the run's other rows that find it, where there are such.
+    /// Share of the resampled runs that find it ([`found_again`]); no more than the share of the run's other rows that find it, where there are
+    /// such.
     pub found_again: f64,
     /// By how much it raises the logarithm of the marginal likelihood, prior odds counted; the mean over these and the other rows.
     pub gain: f64,
@@ -239,25 +237,24 @@ pub(crate) fn judge(
             again(&entered.contest(&kernels), &entered.round.gram)
         })
     });
-    let resampled = if all.is_empty() {
-        Default::default()
-    } else {
-        resampled(&round.parts, &|gram| best_of(&again(&contest, gram)))
+    let share = |runs: &[Vec<usize>], name: &(Kind, String)| {
+        runs.iter().filter(|found| holds(found, name)).count() as f64 / runs.len().max(1) as f64
     };
+    let sought = |counted: f64| resampled(&round.parts, counted, &|gram| best_of(&again(&contest, gram)));
+    let probability = |name: &(Kind, String)| mass(&|set| holds(set, name)).exp();
+    let named = |&member: &usize| (probability(&names[member]), &names[member]);
+    let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|runs, name| share(runs, name));
     let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
     let members: Vec<Judged> = all
         .iter()
-        .map(|&member| {
+        .zip(found_again)
+        .map(|(&member, found_again)| {
             let mine = &names[member];
             let gain = |seen: &Seen| gain(seen, &|set| holds(set, mine));
             let mut gains: Vec<f64> = elsewhere.iter().map(gain).filter(|gain| gain.is_finite()).collect();
             gains.push(gain(&seen));
-            let share = |runs: &[Vec<usize>]| {
-                runs.iter().filter(|found| holds(found, mine)).count() as f64 / runs.len().max(1) as f64
-            };
-            let found_again = resampled.iter().map(|runs| share(runs)).fold(0.0, f64::max);
-            let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there) };
-            let (probability, instead) = (mass(&|set| holds(set, mine)).exp(), rivals(&seen, &names, mine));
+            let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, mine) };
+            let (probability, instead) = (probability(mine), rivals(&seen, &names, mine));
             let predicting = || {
                 let own = self::mass(&predictor.seen, &|set| holds(set, mine)).exp();
                 likely(own, &rivals(&predictor.seen, &names, mine))
@@ -475,14 +472,32 @@ fn is_plain(candidate: &Candidate) -> bool {
     }
 }
 
-/// What is found on each half of the run, its rows counted once and, apart from that, twice; the run is split into two halves again and again
-/// (complementary pairs; Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
+/// Of each of these names, with their probabilities, the share of the resampled runs that find it: halves of the run; where too few of these
+/// find what is sure but for that, halves counted twice, if more of them find it.
 ///
 /// A half that is counted twice differs from the run by as much as another run of its length would: half of the rows left out gives an
 /// estimate the variance that it has (Shao and Wu, Annals of Statistics 17 (1989), 1176). But where rows are few, curves follow what noise
 /// they have twice. Counted once, what a half tells is its own, but it is half as much: a cause that the run shows well may be too little there.
 /// What either way finds again does not hang on which rows there are.
-fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> [Vec<Vec<usize>>; 2] {
+fn found_again<N>(
+    names: &[(f64, N)],
+    sought: &dyn Fn(f64) -> Vec<Vec<usize>>,
+    share: &dyn Fn(&[Vec<usize>], &N) -> f64,
+) -> Vec<f64> {
+    let (once, twice) = (OnceCell::new(), OnceCell::new());
+    let of = |(probability, name): &(f64, N)| {
+        let found = share(once.get_or_init(|| sought(1.0)), name);
+        if *probability < NAMED || found >= FOUND_AGAIN {
+            return found;
+        }
+        found.max(share(twice.get_or_init(|| sought(2.0)), name))
+    };
+    names.iter().map(of).collect()
+}
+
+/// What is found on each half of the run, each row counted so often; the run is split into two halves again and again (complementary pairs;
+/// Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
+fn resampled(parts: &[Gram], counted: f64, search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> Vec<Vec<usize>> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut order: Vec<usize> = (0..parts.len()).collect();
     let mut halves: Vec<Vec<usize>> = Vec::with_capacity(2 * SPLITS);
@@ -492,11 +507,9 @@ fn resampled(parts: &[Gram], search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> [
         }
         halves.extend(order.chunks(parts.len().div_ceil(2)).map(<[usize]>::to_vec));
     }
-    COUNTED.map(|counted| {
-        in_parallel(&halves, |half| {
-            let times = |part| if half.contains(&part) { counted } else { 0.0 };
-            let counts: Vec<f64> = (0..parts.len()).map(times).collect();
-            on_this_thread(|| search(&Gram::weighted(parts, &counts)))
-        })
+    in_parallel(&halves, |half| {
+        let times = |part| if half.contains(&part) { counted } else { 0.0 };
+        let counts: Vec<f64> = (0..parts.len()).map(times).collect();
+        on_this_thread(|| search(&Gram::weighted(parts, &counts)))
     })
 }
