@@ -33,15 +33,21 @@ use rand_chacha::ChaCha8Rng;
 struct Held(EffectModel);
 
 impl Effects for Held {
+    type Standing = <EffectModel as Effects>::Standing;
+
+    fn standing(&self, arm: &Arm) -> Self::Standing {
+        self.0.standing(arm)
+    }
+
     fn parameters(&self) -> Vec<Parameter> {
         Vec::new()
     }
 
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        self.0.perturb(row, arm, out)
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Self::Standing, out: &mut Perturbation) -> bool {
+        self.0.perturb(row, arm, standing, out)
     }
 
-    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _at: Perturbed<'_>, _out: &mut [Sensitivity]) {}
+    fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut Self::Standing, _: Perturbed<'_>, _: &mut [Sensitivity]) {}
 
     fn stepped(&self, _step: &[f64]) -> Self {
         self.clone()

@@ -20,6 +20,10 @@ struct Everything {
 }
 
 impl Effects for Everything {
+    type Standing = ();
+
+    fn standing(&self, _arm: &Arm) {}
+
     fn parameters(&self) -> Vec<Parameter> {
         (0..5)
             .map(|index| Parameter {
@@ -31,7 +35,7 @@ impl Effects for Everything {
             .collect()
     }
 
-    fn perturb(&self, row: Row<'_>, _arm: &Arm, out: &mut Perturbation) -> bool {
+    fn perturb(&self, row: Row<'_>, _arm: &Arm, _standing: &mut (), out: &mut Perturbation) -> bool {
         out.twists[self.joint] += self.carrier * (self.values[0] * row.reading()[0].sin());
         out.target += Vector3::new(0.0, self.values[1], 0.0);
         out.anchor += Vector3::new(self.values[2], 0.0, 0.0);
@@ -40,7 +44,7 @@ impl Effects for Everything {
         true
     }
 
-    fn sensitivities(&self, row: Row<'_>, _arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
+    fn sensitivities(&self, row: Row<'_>, _arm: &Arm, _standing: &mut (), at: Perturbed<'_>, out: &mut [Sensitivity]) {
         out[0].twist = se3::adjoint_times(&at.state.before[self.joint], &self.carrier) * row.reading()[0].sin();
         out[1].target = Vector3::new(0.0, 1.0, 0.0);
         out[2].anchor = Vector3::new(1.0, 0.0, 0.0);

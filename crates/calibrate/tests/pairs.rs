@@ -8,7 +8,6 @@ use denavit_calibrate::apply::simulate::columns::columns;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::effects::survey::{Survey, with_run_order};
 use denavit_calibrate::effects::{EffectModel, KINDS, Kind, Statics, Term};
-use denavit_calibrate::identify::residual::Scratch;
 use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE};
 use denavit_calibrate::{
     Arm, Effects as _, Freedom, Layout, Measurements, NoEffects, Perturbation, ResidualModel, Row, Tolerances,
@@ -79,7 +78,7 @@ fn word(of: &dyn std::fmt::Debug) -> String {
 fn residual(model: &EffectModel, layout: &Layout, arm: &Arm, data: &Measurements, row: usize) -> Vec<f64> {
     let mut residual = vec![0.0; data.tallest_row()];
     let problem = ResidualModel { data, layout, effects: model };
-    problem.row_into(arm, row, &mut Scratch::new(layout, arm), &mut residual, None);
+    problem.row_into(arm, row, &mut problem.scratch(arm), &mut residual, None);
     residual
 }
 
@@ -87,7 +86,7 @@ fn residual(model: &EffectModel, layout: &Layout, arm: &Arm, data: &Measurements
 fn size(model: &EffectModel, arm: &Arm, data: &Measurements) -> f64 {
     let of_row = |row: usize| {
         let mut out = Perturbation::none(arm.joints.len());
-        model.perturb(Row::new(data, row), arm, &mut out);
+        model.perturb(Row::new(data, row), arm, &mut model.standing(arm), &mut out);
         let twists = out.twists.iter().map(Matrix::amax);
         let rest = [out.target.amax(), out.anchor.amax(), out.scale.abs(), out.reading.abs()];
         twists.chain(rest).fold(0.0, f64::max)
@@ -105,7 +104,7 @@ fn compare(term: &Term, statics: &Statics, arm: &Arm, data: &Measurements, compa
     let mut closed = vec![Vec::new(); layout.effects.len()];
     for row in LOOKED_AT {
         let (mut r, mut jacobian) = (vec![0.0; height], vec![0.0; height * width]);
-        problem.row_into(arm, row, &mut Scratch::new(&layout, arm), &mut r, Some(&mut jacobian));
+        problem.row_into(arm, row, &mut problem.scratch(arm), &mut r, Some(&mut jacobian));
         for (column, cells) in closed.iter_mut().enumerate() {
             cells.extend((0..height).map(|line| jacobian[line * width + layout.effects.start + column]));
         }

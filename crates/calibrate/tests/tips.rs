@@ -385,18 +385,13 @@ fn effects_have_their_derivatives_in_rows_of_their_arm_and_none_in_the_others() 
                     let mut model = model.clone();
                     model.effects[0].coefficients[index] = by;
                     let mut residual = vec![0.0; height];
-                    ResidualModel { data: &data, layout: &layout, effects: &model }.row_into(
-                        &run.arm,
-                        row,
-                        &mut Scratch::new(&layout, &run.arm),
-                        &mut residual,
-                        None,
-                    );
+                    let problem = ResidualModel { data: &data, layout: &layout, effects: &model };
+                    problem.row_into(&run.arm, row, &mut problem.scratch(&run.arm), &mut residual, None);
                     residual
                 };
                 let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
                 let problem = ResidualModel { data: &data, layout: &layout, effects: &model };
-                let mut scratch = Scratch::new(&layout, &run.arm);
+                let mut scratch = problem.scratch(&run.arm);
                 problem.row_into(&run.arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
                 let off = term.carrier.joint().is_some_and(|joint| !tips[data.tip_of(row)].joints[joint]);
                 for index in 0..model.effects[0].coefficients.len() {

@@ -245,10 +245,11 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         None => with_run_order(data.clone()),
     };
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let mut standing = effects.standing(arm);
     let mut outliers = Vec::new();
     for row in 0..data.len() {
         perturbation.clear();
-        effects.perturb(Row::new(&seen, row), arm, &mut perturbation);
+        effects.perturb(Row::new(&seen, row), arm, &mut standing, &mut perturbation);
         come_back(arm, &options.repeatability, &mut perturbation, random);
         arm.state_into(data.reading(row), data.tip_of(row), Some(&perturbation), &mut state);
         let gross = random.random::<f64>() < options.outliers;

@@ -6,7 +6,7 @@
 use crate::effects::carrier::Action;
 use crate::effects::curve::{Curve, Waves};
 use crate::effects::driver::Conditions;
-use crate::effects::model::{EffectModel, add_sensitivity};
+use crate::effects::model::{EffectModel, Standing, add_sensitivity};
 use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::DMatrix;
@@ -146,6 +146,12 @@ impl Varying {
 }
 
 impl Effects for Varying {
+    type Standing = Standing;
+
+    fn standing(&self, arm: &Arm) -> Standing {
+        self.model.standing(arm)
+    }
+
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = self.model.parameters();
         for _ in &self.modes {
@@ -155,17 +161,24 @@ impl Effects for Varying {
         parameters
     }
 
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        let any = self.model.perturb(row, arm, out);
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Standing, out: &mut Perturbation) -> bool {
+        let any = self.model.perturb(row, arm, standing, out);
         for ((joint, value), amount) in self.values(row).zip(&self.amounts) {
             out.twists[joint] += arm.joints[joint].screw.twist() * (value * amount);
         }
         any || !self.modes.is_empty()
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
+    fn sensitivities(
+        &self,
+        row: Row<'_>,
+        arm: &Arm,
+        standing: &mut Standing,
+        at: Perturbed<'_>,
+        out: &mut [Sensitivity],
+    ) {
         let (of_model, of_modes) = out.split_at_mut(self.parameters_of_model());
-        self.model.sensitivities(row, arm, at, of_model);
+        self.model.sensitivities(row, arm, standing, at, of_model);
         for ((joint, value), out) in self.values(row).zip(of_modes) {
             let action = Action::Twist { slot: joint, twist: arm.joints[joint].screw.twist() };
             add_sensitivity(&action, value, at.state, out);

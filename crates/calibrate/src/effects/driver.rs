@@ -18,7 +18,7 @@ pub use self::columns::{
     unit_of,
 };
 pub use self::side::Side;
-pub use self::statics::{Conditions, LinkEnd, Posture, StandingAxis, Statics};
+pub use self::statics::{AtHome, Conditions, LinkEnd, Posture, StandingAxis, Statics, motions_into};
 
 use self::piecewise::hats;
 use self::side::side_of;

@@ -3,7 +3,7 @@
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
-use crate::effects::driver::{Conditions, Driver, Posture, Statics};
+use crate::effects::driver::{AtHome, Conditions, Driver, Posture, Statics, motions_into};
 use crate::observation::arm::{Arm, Perturbation, Perturbed, Row, RowState};
 use crate::observation::measurements::{Measurements, MissingColumn};
 use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
@@ -142,6 +142,21 @@ pub struct EffectModel {
     pub earlier: Option<Arc<EffectModel>>,
 }
 
+/// An arm as effects see it before any row is looked at, and how it stands in the row that was looked at last.
+#[derive(Debug, Clone)]
+pub struct Standing {
+    /// With its masses, where something hangs on how it stands.
+    arm: Option<AtHome>,
+    /// For each tip, of each effect that acts, what a unit of it does.
+    directions: Vec<Vec<Vec<Vec<Action>>>>,
+    motions: Vec<Pose>,
+    posture: Posture,
+    values: Vec<f64>,
+    steady: Perturbation,
+    given: Perturbation,
+    next: Perturbation,
+}
+
 impl EffectModel {
     /// The effects on this chain.
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
@@ -167,6 +182,25 @@ impl EffectModel {
         Self { effects, ..Self::beside(statics, earlier) }
     }
 
+    /// An arm with these joints as the effects see it, before any row is looked at.
+    pub(crate) fn standing_of(&self, joints: &[ChainJoint]) -> Standing {
+        let of_tip = |tip: usize| {
+            self.acting().map(|effect| effect.term.carrier.directions(&self.statics, joints, tip)).collect()
+        };
+        let nothing = || Perturbation::none(joints.len());
+        let needs_posture = self.acting().any(|effect| effect.term.driver.needs_posture());
+        Standing {
+            arm: needs_posture.then(|| self.statics.at_home(joints)),
+            directions: (0..self.statics.tips.all().len()).map(of_tip).collect(),
+            motions: Vec::new(),
+            posture: Posture::default(),
+            values: Vec::new(),
+            steady: nothing(),
+            given: nothing(),
+            next: nothing(),
+        }
+    }
+
     /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
     ///
     /// Where gravity bends the arm, its moment is that of the arm as bent: passes follow until it stands still.
@@ -177,78 +211,84 @@ impl EffectModel {
         out: &mut Perturbation,
     ) -> Posture {
         let mut own = Perturbation::none(joints.len());
-        let posture = self.bend(conditions, joints, &mut own);
+        let posture = self.stand(conditions, joints, &mut self.standing_of(joints), &mut own).clone();
         out.add(&own);
-        posture.unwrap_or_else(|| self.statics.posture(joints, conditions, Some(&own)))
+        posture
     }
 
-    /// The same; `None` where nothing hangs on how the arm stands.
-    fn bend(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) -> Option<Posture> {
-        if !self.acting().any(|effect| effect.term.driver.needs_posture()) {
-            self.add_steady(conditions, joints, out);
-            return None;
+    /// The same into `out`, which comes all zero; `standing`: that of these joints.
+    pub(crate) fn stand<'s>(
+        &self,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        standing: &'s mut Standing,
+        out: &mut Perturbation,
+    ) -> &'s Posture {
+        self.bend(conditions, joints, standing, out);
+        if standing.arm.is_none() {
+            standing.posture = self.statics.posture(joints, conditions, Some(out));
         }
-        let steady = self.steady(conditions, joints);
-        let centres = self.statics.centres(joints);
-        let mut posture = Posture::default();
+        &standing.posture
+    }
+
+    /// The same; how the arm stands is left out where nothing hangs on it.
+    fn bend(
+        &self,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        standing: &mut Standing,
+        out: &mut Perturbation,
+    ) {
+        let Standing { arm, directions, motions, posture, values, steady, given, next } = standing;
+        let directions = &directions[conditions.tip];
+        let Some(arm) = arm else { return self.add_steady(conditions, joints, directions, values, out) };
+        steady.clear();
+        self.add_steady(conditions, joints, directions, values, steady);
+        motions_into(joints, conditions.reading, motions);
         // A joint that counts from the ground stands elsewhere than it reads.
-        self.statics.posture_into(joints, &centres, conditions, Some(&steady), &mut posture);
-        let bending: Vec<(&Effect, Vec<Vec<Action>>)> = self
-            .acting()
-            .filter(|effect| effect.term.driver.needs_posture())
-            .map(|effect| (effect, self.directions(&effect.term, joints, conditions.tip)))
-            .collect();
-        let bent = |posture: &Posture, next: &mut Perturbation| {
+        self.statics.posture_into(arm, motions, conditions, Some(steady), posture);
+        let mut bent = |posture: &Posture, next: &mut Perturbation| {
             next.clear();
-            next.add(&steady);
-            for (effect, directions) in &bending {
-                self.add_effect(effect, directions, conditions, posture, next);
+            next.add(steady);
+            for (effect, directions) in self.acting().zip(directions) {
+                if effect.term.driver.needs_posture() {
+                    self.add_effect(effect, directions, conditions, posture, values, next);
+                }
             }
         };
         let mut last = 0.0;
-        let (mut given, mut next) = (Perturbation::none(joints.len()), Perturbation::none(joints.len()));
-        let passes = if bending.iter().any(|(effect, _)| effect.term.driver.feels_gravity()) { MOST_PASSES } else { 0 };
+        let passes = if self.acting().any(|effect| effect.term.driver.feels_gravity()) { MOST_PASSES } else { 0 };
+        given.clear();
         for _ in 0..passes {
-            bent(&posture, &mut next);
+            bent(posture, next);
             let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
-            std::mem::swap(&mut given, &mut next);
+            std::mem::swap(given, next);
             // The next pass would move it by the same share of this as this is of the last.
             if moved < STILL || moved * moved < STILL * last {
-                out.add(&given);
-                return Some(posture);
+                out.add(given);
+                return;
             }
             last = moved;
-            self.statics.posture_into(joints, &centres, conditions, Some(&given), &mut posture);
+            self.statics.posture_into(arm, motions, conditions, Some(given), posture);
         }
-        bent(&posture, &mut next);
-        out.add(&next);
-        Some(posture)
+        bent(posture, next);
+        out.add(next);
     }
 
-    /// How the arm stands where the effects do this to it, as drivers look at it; nothing where none does.
-    fn stood(&self, joints: &[ChainJoint], conditions: &Conditions<'_>, by: &Perturbation) -> Posture {
-        let drivers = || self.acting().map(|effect| &effect.term.driver);
-        if drivers().any(Driver::feels_gravity) {
-            self.statics.posture(joints, conditions, Some(by))
-        } else if drivers().any(Driver::needs_posture) {
-            self.statics.posture(joints, conditions, Some(&self.steady(conditions, joints)))
-        } else {
-            Posture::default()
-        }
-    }
-
-    /// What does not hang on how the arm stands under gravity.
-    fn steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint]) -> Perturbation {
-        let mut steady = Perturbation::none(joints.len());
-        self.add_steady(conditions, joints, &mut steady);
-        steady
-    }
-
-    /// The same, added to `out`.
-    fn add_steady(&self, conditions: &Conditions<'_>, joints: &[ChainJoint], out: &mut Perturbation) {
+    /// What does not hang on how the arm stands under gravity, added to `out`.
+    fn add_steady(
+        &self,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        directions: &[Vec<Vec<Action>>],
+        values: &mut Vec<f64>,
+        out: &mut Perturbation,
+    ) {
         let nowhere = Posture::default();
-        for effect in self.acting().filter(|effect| !effect.term.driver.needs_posture()) {
-            self.add_effect(effect, &self.directions(&effect.term, joints, conditions.tip), conditions, &nowhere, out);
+        for (effect, directions) in self.acting().zip(directions) {
+            if !effect.term.driver.needs_posture() {
+                self.add_effect(effect, directions, conditions, &nowhere, values, out);
+            }
         }
         for curve in self.earlier.iter().flat_map(|earlier| &earlier.curves).chain(&self.curves) {
             let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
@@ -262,22 +302,14 @@ impl EffectModel {
         directions: &[Vec<Action>],
         conditions: &Conditions<'_>,
         posture: &Posture,
+        values: &mut Vec<f64>,
         out: &mut Perturbation,
     ) {
-        let values = self.values(&effect.term, conditions, posture);
-        effect.term.each_action(directions, &values, |coefficient, action, amount| {
+        values.clear();
+        effect.term.driver.values_into(&self.statics, conditions, posture, values);
+        effect.term.each_action(directions, values, |coefficient, action, amount| {
             action.add_to(amount * effect.coefficients[coefficient], out);
         });
-    }
-
-    fn directions(&self, term: &Term, joints: &[ChainJoint], tip: usize) -> Vec<Vec<Action>> {
-        term.carrier.directions(&self.statics, joints, tip)
-    }
-
-    fn values(&self, term: &Term, conditions: &Conditions<'_>, posture: &Posture) -> Vec<f64> {
-        let mut values = Vec::with_capacity(6);
-        term.driver.values_into(&self.statics, conditions, posture, &mut values);
-        values
     }
 
     /// base_from_tip of a chain of one tip (nominal or calibrated) with the effects that move the arm; m.
@@ -288,7 +320,7 @@ impl EffectModel {
     /// `chain` has other joints than the model, or `conditions.reading` is too short.
     pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> Pose {
         let mut perturbation = Perturbation::none(chain.joints().len());
-        self.bend(conditions, chain.joints(), &mut perturbation);
+        self.bend(conditions, chain.joints(), &mut self.standing_of(chain.joints()), &mut perturbation);
         let mut reached = Pose::identity();
         for (joint, twist) in chain.joints().iter().zip(&perturbation.twists) {
             reached *= se3::exp(twist) * joint.screw.motion(joint.value(conditions.reading));
@@ -314,6 +346,16 @@ pub fn add_sensitivity(action: &Action, amount: f64, state: &RowState, out: &mut
 }
 
 impl Effects for EffectModel {
+    type Standing = Standing;
+
+    fn standing(&self, arm: &Arm) -> Standing {
+        self.standing_of(&arm.joints)
+    }
+
+    fn are_none(&self) -> bool {
+        self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none()
+    }
+
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
         for effect in &self.effects {
@@ -328,26 +370,29 @@ impl Effects for EffectModel {
         parameters
     }
 
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        if self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none() {
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Standing, out: &mut Perturbation) -> bool {
+        if self.are_none() {
             return false;
         }
-        let conditions = Conditions::of(row);
-        self.bend(&conditions, &arm.joints, out);
+        self.bend(&Conditions::of(row), &arm.joints, standing, out);
         true
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
-        if self.effects.is_empty() {
-            return;
-        }
+    fn sensitivities(
+        &self,
+        row: Row<'_>,
+        _arm: &Arm,
+        Standing { directions, posture, values, .. }: &mut Standing,
+        at: Perturbed<'_>,
+        out: &mut [Sensitivity],
+    ) {
         let conditions = Conditions::of(row);
-        let posture = self.stood(&arm.joints, &conditions, at.by);
+        let before = self.acting().count() - self.effects.len();
         let mut first = 0;
-        for effect in &self.effects {
-            let directions = self.directions(&effect.term, &arm.joints, conditions.tip);
-            let values = self.values(&effect.term, &conditions, &posture);
-            effect.term.each_action(&directions, &values, |coefficient, action, amount| {
+        for (effect, directions) in self.effects.iter().zip(&directions[conditions.tip][before..]) {
+            values.clear();
+            effect.term.driver.values_into(&self.statics, &conditions, posture, values);
+            effect.term.each_action(directions, values, |coefficient, action, amount| {
                 add_sensitivity(action, amount, at.state, &mut out[first + coefficient]);
             });
             first += effect.coefficients.len();

@@ -46,6 +46,12 @@ impl<E> Clone for Probe<'_, E> {
 }
 
 impl<E: Effects> Effects for Probe<'_, E> {
+    type Standing = E::Standing;
+
+    fn standing(&self, arm: &Arm) -> E::Standing {
+        self.model.standing(arm)
+    }
+
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = self.model.parameters();
         for _ in 0..self.directions() {
@@ -55,13 +61,20 @@ impl<E: Effects> Effects for Probe<'_, E> {
         parameters
     }
 
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool {
-        self.model.perturb(row, arm, out)
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut E::Standing, out: &mut Perturbation) -> bool {
+        self.model.perturb(row, arm, standing, out)
     }
 
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]) {
+    fn sensitivities(
+        &self,
+        row: Row<'_>,
+        arm: &Arm,
+        standing: &mut E::Standing,
+        at: Perturbed<'_>,
+        out: &mut [Sensitivity],
+    ) {
         let own = out.len() - self.directions();
-        self.model.sensitivities(row, arm, at, &mut out[..own]);
+        self.model.sensitivities(row, arm, standing, at, &mut out[..own]);
         for (direction, out) in self.directions[row.tip()].iter().zip(&mut out[own..]) {
             for action in direction {
                 add_sensitivity(action, 1.0, at.state, out);

@@ -1,6 +1,6 @@
 //! What data can tell: the paper's count beside the numerical rank, and the names of what stays unidentifiable.
 
-use crate::identify::residual::{ResidualModel, Scratch};
+use crate::identify::residual::ResidualModel;
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::gauge;
 use crate::observation::kinds::Seen;
@@ -124,10 +124,10 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
 fn predicted<E: Effects>(data: &Measurements, rows: Range<usize>, arm: &Arm, effects: &E) -> Measurements {
     let mut predicted = data.subset(&rows.collect::<Vec<usize>>());
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
-    let mut values = Vec::new();
+    let (mut standing, mut values) = (effects.standing(arm), Vec::new());
     for row in 0..predicted.len() {
         perturbation.clear();
-        effects.perturb(Row::new(&predicted, row), arm, &mut perturbation);
+        effects.perturb(Row::new(&predicted, row), arm, &mut standing, &mut perturbation);
         arm.state_into(predicted.reading(row), predicted.tip_of(row), Some(&perturbation), &mut state);
         for observation in predicted.of_row(row) {
             let (series, measured) = (predicted.series_of(observation), predicted.observed.values(observation));
@@ -145,7 +145,7 @@ fn predicted<E: Effects>(data: &Measurements, rows: Range<usize>, arm: &Arm, eff
 fn triangle<E: Effects>(data: &Measurements, layout: &Layout, arm: &Arm, effects: &E) -> DMatrix<f64> {
     let columns = layout.len();
     let height = data.tallest_row();
-    let mut scratch = Scratch::new(layout, arm);
+    let mut scratch = ResidualModel { data, layout, effects }.scratch(arm);
     let (mut residual, mut jacobian) = (vec![0.0; height], vec![0.0; height * columns]);
     let mut pending: Vec<f64> = Vec::new();
     let mut triangle = DMatrix::<f64>::zeros(0, columns);

@@ -74,7 +74,7 @@ impl<E: Effects> ResidualModel<'_, E> {
             rest = others;
         }
         let threads = if rows < ROWS_FOR_THREADS { 1 } else { available().min(blocks.len()) };
-        let start = || Scratch::new(self.layout, arm);
+        let start = || self.scratch(arm);
         let done = dealt(blocks.into_iter(), threads, start, |scratch, (rows, squares)| {
             self.block(arm, weights, rows, squares, scratch)
         });
@@ -93,7 +93,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         weights: &[f64],
         rows: Range<usize>,
         squares: &mut [[f64; 2]],
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<E::Standing>,
     ) -> Vec<Channel> {
         let columns = self.layout.len();
         let mut jacobian_blocks: Vec<JacobianBlock> =
@@ -131,8 +131,8 @@ impl<E: Effects> ResidualModel<'_, E> {
 
     /// Squared residual norms of every observation, lengths (m²) and angles (rad²), without derivatives.
     pub fn squares(&self, arm: &Arm) -> Vec<[f64; 2]> {
-        let start = || (Scratch::new(self.layout, arm), vec![0.0; self.data.tallest_row()]);
-        let of_stretch = |(scratch, residual): &mut (Scratch, Vec<f64>), rows: Range<usize>| {
+        let start = || (self.scratch(arm), vec![0.0; self.data.tallest_row()]);
+        let of_stretch = |(scratch, residual): &mut (Scratch<E::Standing>, Vec<f64>), rows: Range<usize>| {
             let mut squares = Vec::new();
             for row in rows {
                 self.row_into(arm, row, scratch, residual, None);

@@ -25,7 +25,8 @@ pub struct ResidualModel<'a, E> {
 
 /// Room for one row's computation: made once, used for many rows.
 #[derive(Debug, Clone)]
-pub struct Scratch {
+pub struct Scratch<S = ()> {
+    standing: S,
     state: RowState,
     perturbation: Perturbation,
     sensitivities: Vec<Sensitivity>,
@@ -91,13 +92,20 @@ impl Twists {
 }
 
 impl Scratch {
-    /// For this layout and the axes of this arm; make a new one when the arm has changed.
+    /// For this layout and the axes of this arm, without effects; make a new one when the arm has changed.
     pub fn new(layout: &Layout, arm: &Arm) -> Self {
+        Self::with((), layout, arm)
+    }
+}
+
+impl<S> Scratch<S> {
+    fn with(standing: S, layout: &Layout, arm: &Arm) -> Self {
         let nominal = arm.nominal.joints();
         let carry = |(index, joint): (usize, &denavit_model::ChainJoint)| {
             layout.bases[index].carried(&nominal[index].screw, &joint.screw)
         };
         Self {
+            standing,
             state: RowState::default(),
             perturbation: Perturbation::none(arm.joints.len()),
             sensitivities: vec![Sensitivity::default(); layout.effects.len()],
@@ -173,6 +181,11 @@ fn inverse_left_jacobian(r: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 impl<E: Effects> ResidualModel<'_, E> {
+    /// Room for the rows of this arm; make it anew when the arm has changed.
+    pub fn scratch(&self, arm: &Arm) -> Scratch<E::Standing> {
+        Scratch::with(self.effects.standing(arm), self.layout, arm)
+    }
+
     /// Residuals (measured less predicted) of one row and their derivatives, as sure as their noise channel says.
     ///
     /// What a residual is, the kind of each observation says (see [`crate::observation::kinds`]). A joint's axis enters as
@@ -187,7 +200,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         &self,
         arm: &Arm,
         row: usize,
-        scratch: &mut Scratch,
+        scratch: &mut Scratch<E::Standing>,
         residual: &mut [f64],
         mut jacobian: Option<&mut [f64]>,
     ) {
@@ -213,10 +226,10 @@ impl<E: Effects> ResidualModel<'_, E> {
     }
 
     /// Where the arm stands in a row, into the scratch.
-    pub(crate) fn stand(&self, arm: &Arm, row: usize, scratch: &mut Scratch) {
+    pub(crate) fn stand(&self, arm: &Arm, row: usize, scratch: &mut Scratch<E::Standing>) {
         let at = Row::new(self.data, row);
         scratch.perturbation.clear();
-        let perturbed = self.effects.perturb(at, arm, &mut scratch.perturbation);
+        let perturbed = self.effects.perturb(at, arm, &mut scratch.standing, &mut scratch.perturbation);
         arm.state_into(
             at.reading(),
             self.data.tip_of(row),
@@ -226,15 +239,15 @@ impl<E: Effects> ResidualModel<'_, E> {
     }
 
     /// An observation of the row that the scratch stands in.
-    pub(crate) fn seen<'s>(&'s self, arm: &'s Arm, observation: usize, scratch: &'s Scratch) -> Seen<'s> {
+    pub(crate) fn seen<'s>(&'s self, arm: &'s Arm, observation: usize, scratch: &'s Scratch<E::Standing>) -> Seen<'s> {
         let (series, values) = (self.data.series_of(observation), self.data.observed.values(observation));
         let weighed = self.data.observed.level(observation).is_some();
         Seen::new(arm, &scratch.state.tip, &scratch.perturbation, series, values, weighed)
     }
 
     /// Twist of the tip per unit of each joint and effect parameter.
-    fn twists(&self, arm: &Arm, at: Row<'_>, scratch: &mut Scratch) {
-        let Scratch { state, perturbation, sensitivities, twists, bases, axes } = scratch;
+    fn twists(&self, arm: &Arm, at: Row<'_>, scratch: &mut Scratch<E::Standing>) {
+        let Scratch { standing, state, perturbation, sensitivities, twists, bases, axes } = scratch;
         let on_the_way = &arm.tips[self.data.tip_of(at.index())].joints;
         if !self.layout.joints.is_empty() {
             let places = state.before.iter().zip(&state.after).zip(&perturbation.twists);
@@ -271,7 +284,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         }
         if !sensitivities.is_empty() {
             sensitivities.fill(Sensitivity::default());
-            self.effects.sensitivities(at, arm, Perturbed { state, by: perturbation }, sensitivities);
+            self.effects.sensitivities(at, arm, standing, Perturbed { state, by: perturbation }, sensitivities);
             for (column, sensitivity) in self.layout.effects.clone().zip(sensitivities.iter()) {
                 let twist = &sensitivity.twist;
                 twists.set(column, &omega(twist), &Vector3::new(twist[3], twist[4], twist[5]));
@@ -283,7 +296,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         &self,
         arm: &Arm,
         observation: usize,
-        scratch: &Scratch,
+        scratch: &Scratch<E::Standing>,
         residual: &mut [f64],
         mut jacobian: Option<&mut [f64]>,
     ) {
@@ -309,7 +322,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         }
     }
 
-    fn derivatives(&self, seen: &Seen<'_>, found: &Discrepancy, scratch: &Scratch, jacobian: &mut [f64]) {
+    fn derivatives(&self, seen: &Seen<'_>, found: &Discrepancy, scratch: &Scratch<E::Standing>, jacobian: &mut [f64]) {
         let (layout, columns) = (self.layout, self.layout.len());
         let (kind, tip, p) = (seen.series.kind, seen.tip.rotation, &seen.predicted);
         let first = layout.places[seen.series.target];

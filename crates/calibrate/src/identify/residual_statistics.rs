@@ -3,7 +3,7 @@
 use crate::identify::solve::Fit;
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::kinds::{Discrepancy, Part, Seen};
-use crate::observation::measurements::{Measurements, MissingColumn, Scene, label_of};
+use crate::observation::measurements::{Measurements, MissingColumn, Scene, Series, label_of};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Point3, Vector3};
 use serde::ser::SerializeMap as _;
@@ -166,25 +166,13 @@ pub fn each_residual<'a, E: Effects>(
     effects: &'a E,
     data: &'a Measurements,
 ) -> impl Iterator<Item = Residual> {
-    EachResidual {
-        arm,
-        effects,
-        data,
-        state: RowState::default(),
-        perturbation: Perturbation::none(arm.joints.len()),
-        row: 0,
-        next_row: 0,
-        observations: 0..0,
-    }
+    EachResidual { data, arm: InRow::new(arm, effects), row: 0, next_row: 0, observations: 0..0 }
 }
 
-struct EachResidual<'a, E> {
-    arm: &'a Arm,
-    effects: &'a E,
+struct EachResidual<'a, E: Effects> {
     data: &'a Measurements,
-    /// Where the arm stands in `row`, and what effects do there.
-    state: RowState,
-    perturbation: Perturbation,
+    /// In `row`.
+    arm: InRow<'a, E>,
     row: usize,
     next_row: usize,
     /// Those of the row that are still to come.
@@ -195,34 +183,47 @@ impl<E: Effects> Iterator for EachResidual<'_, E> {
     type Item = Residual;
 
     fn next(&mut self) -> Option<Residual> {
-        let (arm, data) = (self.arm, self.data);
+        let data = self.data;
         let observation = loop {
             if let Some(observation) = self.observations.next() {
                 break observation;
             }
             self.row = (self.next_row..data.len()).find(|&row| !data.locate[row])?;
             self.next_row = self.row + 1;
-            stand(arm, self.effects, data, self.row, &mut self.state, &mut self.perturbation);
+            self.arm.stand(data, self.row);
             self.observations = data.of_row(self.row);
         };
         let (series, values) = (data.series_of(observation), data.observed.values(observation));
-        let seen = Seen::new(arm, &self.state.tip, &self.perturbation, series, values, false);
-        let Discrepancy { place, turn } = series.kind.discrepancy(&seen);
+        let Discrepancy { place, turn } = series.kind.discrepancy(&self.arm.seen(series, values));
         Some(Residual { row: self.row, observation, series: data.observed.series(observation), place, turn })
     }
 }
 
-fn stand<E: Effects>(
-    arm: &Arm,
-    effects: &E,
-    data: &Measurements,
-    row: usize,
-    state: &mut RowState,
-    perturbation: &mut Perturbation,
-) {
-    perturbation.clear();
-    let perturbed = effects.perturb(Row::new(data, row), arm, perturbation);
-    arm.state_into(data.reading(row), data.tip_of(row), perturbed.then_some(perturbation), state);
+/// Where an arm stands in a row, and what effects do there.
+struct InRow<'a, E: Effects> {
+    arm: &'a Arm,
+    effects: &'a E,
+    standing: E::Standing,
+    state: RowState,
+    perturbation: Perturbation,
+}
+
+impl<'a, E: Effects> InRow<'a, E> {
+    fn new(arm: &'a Arm, effects: &'a E) -> Self {
+        let (standing, perturbation) = (effects.standing(arm), Perturbation::none(arm.joints.len()));
+        Self { arm, effects, standing, state: RowState::default(), perturbation }
+    }
+
+    fn stand(&mut self, data: &Measurements, row: usize) {
+        let Self { arm, effects, standing, state, perturbation } = self;
+        perturbation.clear();
+        let perturbed = effects.perturb(Row::new(data, row), arm, standing, perturbation);
+        arm.state_into(data.reading(row), data.tip_of(row), perturbed.then_some(perturbation), state);
+    }
+
+    fn seen<'s>(&'s self, series: &'s Series, values: &'s [f64]) -> Seen<'s> {
+        Seen::new(self.arm, &self.state.tip, &self.perturbation, series, values, false)
+    }
 }
 
 /// The arm with the targets of other data: fitted ones by name, others where the `locate` rows put them.
@@ -289,16 +290,16 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
 
 /// Puts points that no fit has seen where the rows that see them have them.
 fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, points: &[usize]) {
-    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
     for &point in points {
+        let mut there = InRow::new(arm, effects);
         let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
         for row in 0..data.len() {
             for observation in data.of_row(row) {
                 let series = data.series_of(observation);
                 if series.point == Some(point) {
-                    stand(arm, effects, data, row, &mut state, &mut perturbation);
+                    there.stand(data, row);
                     let own = data.observed.values(observation);
-                    predicted.push(Seen::new(arm, &state.tip, &perturbation, series, own, false).predicted);
+                    predicted.push(there.seen(series, own).predicted);
                     values.push(own);
                     kind = Some(series.kind);
                 }
@@ -312,13 +313,13 @@ fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, poi
 
 /// Puts a plane that no fit has seen where the rows that touch it have it.
 fn place_plane<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
-    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let mut there = InRow::new(arm, effects);
     let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
     for row in 0..data.len() {
         for observation in data.of_row(row).filter(|&observation| data.series_of(observation).setup == setup) {
             let (series, own) = (data.series_of(observation), data.observed.values(observation));
-            stand(arm, effects, data, row, &mut state, &mut perturbation);
-            predicted.push(Seen::new(arm, &state.tip, &perturbation, series, own, false).predicted);
+            there.stand(data, row);
+            predicted.push(there.seen(series, own).predicted);
             values.push(own);
             kind = Some(series.kind);
         }
@@ -380,13 +381,14 @@ fn locate<E: Effects>(
     target: usize,
 ) -> Option<Vector3<f64>> {
     let arm = &fit.arm;
-    let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
+    let mut there = InRow::new(arm, effects);
     let (mut sum, mut count) = (Vector3::zeros(), 0.0);
     for row in (0..data.len()).filter(|&row| data.locate[row]) {
         for observation in data.of_row(row) {
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let Some(measured) = series.kind.position(values).filter(|_| series.target == target) else { continue };
-            stand(arm, effects, data, row, &mut state, &mut perturbation);
+            there.stand(data, row);
+            let InRow { state, perturbation, .. } = &there;
             let instrument = instrument_of(arm, fitted, &data.scene.setups[series.setup]);
             let in_base =
                 instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);

@@ -447,13 +447,15 @@ mod tests {
     struct RowByRow;
 
     impl Effects for RowByRow {
+        type Standing = ();
+        fn standing(&self, _arm: &Arm) {}
         fn parameters(&self) -> Vec<Parameter> {
             Vec::new()
         }
-        fn perturb(&self, _row: Row<'_>, _arm: &Arm, _out: &mut Perturbation) -> bool {
+        fn perturb(&self, _row: Row<'_>, _arm: &Arm, _standing: &mut (), _out: &mut Perturbation) -> bool {
             false
         }
-        fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _at: Perturbed<'_>, _out: &mut [Sensitivity]) {}
+        fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
         fn stepped(&self, _step: &[f64]) -> Self {
             Self
         }

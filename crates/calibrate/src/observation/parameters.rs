@@ -534,6 +534,12 @@ impl Default for Sensitivity {
 
 /// Effects beyond geometry, as a fit sees them: perturbations per row and how these follow from free numbers.
 pub trait Effects: Clone + Sync {
+    /// What they know of an arm before any row is looked at, and room for one row.
+    type Standing;
+
+    /// That of this arm; to be made anew when the arm or the effects have changed.
+    fn standing(&self, arm: &Arm) -> Self::Standing;
+
     /// The free numbers, each of kind [`ParameterKind::Effect`].
     fn parameters(&self) -> Vec<Parameter>;
 
@@ -543,10 +549,18 @@ pub trait Effects: Clone + Sync {
     }
 
     /// What the effects do to this arm in a row, into `out`, which comes all zero; `false` if nothing.
-    fn perturb(&self, row: Row<'_>, arm: &Arm, out: &mut Perturbation) -> bool;
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Self::Standing, out: &mut Perturbation) -> bool;
 
-    /// How the prediction moves per unit of each parameter where the arm stands as perturbed, into `out`, which comes all zero.
-    fn sensitivities(&self, row: Row<'_>, arm: &Arm, at: Perturbed<'_>, out: &mut [Sensitivity]);
+    /// How the prediction moves per unit of each parameter where the arm stands as perturbed, into `out`, which comes all zero; `standing` is
+    /// that of the same row.
+    fn sensitivities(
+        &self,
+        row: Row<'_>,
+        arm: &Arm,
+        standing: &mut Self::Standing,
+        at: Perturbed<'_>,
+        out: &mut [Sensitivity],
+    );
 
     /// The effects with the columns of these rows in place of those that they follow; needed wherever rows are not those (or
     /// a part of those) that the effects were made with.
@@ -572,6 +586,10 @@ pub trait Effects: Clone + Sync {
 pub struct NoEffects;
 
 impl Effects for NoEffects {
+    type Standing = ();
+
+    fn standing(&self, _arm: &Arm) {}
+
     fn are_none(&self) -> bool {
         true
     }
@@ -580,11 +598,11 @@ impl Effects for NoEffects {
         Vec::new()
     }
 
-    fn perturb(&self, _row: Row<'_>, _arm: &Arm, _out: &mut Perturbation) -> bool {
+    fn perturb(&self, _row: Row<'_>, _arm: &Arm, _standing: &mut (), _out: &mut Perturbation) -> bool {
         false
     }
 
-    fn sensitivities(&self, _row: Row<'_>, _arm: &Arm, _at: Perturbed<'_>, _out: &mut [Sensitivity]) {}
+    fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
 
     fn stepped(&self, _step: &[f64]) -> Self {
         *self

@@ -148,7 +148,7 @@ struct Stretch {
 
 /// All rows of a fit, stretch by stretch.
 fn stretches<E: Effects>(problem: &ResidualModel<'_, E>, fit: &Fit<EffectModel>) -> Vec<Stretch> {
-    let start = || Scratch::new(problem.layout, &fit.arm);
+    let start = || problem.scratch(&fit.arm);
     in_stretches(problem.data.len(), start, |scratch, rows| stretch(problem, fit, rows, scratch))
 }
 
@@ -156,7 +156,7 @@ fn stretch<E: Effects>(
     problem: &ResidualModel<'_, E>,
     fit: &Fit<EffectModel>,
     rows: std::ops::Range<usize>,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<E::Standing>,
 ) -> Stretch {
     let (data, columns) = (problem.data, problem.layout.len());
     let (mut residual, mut jacobian) = (vec![0.0; data.tallest_row()], vec![0.0; data.tallest_row() * columns]);

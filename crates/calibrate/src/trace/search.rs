@@ -7,6 +7,7 @@ use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::identify::threads::{in_parallel, in_stretches};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
+use crate::observation::parameters::Effects as _;
 use crate::trace::ScanCell;
 use crate::trace::by_carrier::{ByCarrier, Driven};
 use crate::trace::linear::Linear;
@@ -71,12 +72,14 @@ pub struct CandidateScorer<'a> {
 
 /// The arm in every row of the data, as the model has it give way.
 pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
-    let at = |index: usize| {
-        let row = Row::new(data, index);
-        let conditions = Conditions::of(row);
-        model.add_perturbation(&conditions, &arm.joints, &mut Perturbation::none(arm.joints.len()))
-    };
-    let stretches = in_stretches(data.len(), || (), |(), rows| rows.map(at).collect::<Vec<_>>());
+    let start = || (model.standing(arm), Perturbation::none(arm.joints.len()));
+    let stretches = in_stretches(data.len(), start, |(standing, perturbation), rows| {
+        let mut at = |index: usize| {
+            perturbation.clear();
+            model.stand(&Conditions::of(Row::new(data, index)), &arm.joints, standing, perturbation).clone()
+        };
+        rows.map(&mut at).collect::<Vec<_>>()
+    });
     stretches.into_iter().flatten().collect()
 }
 

@@ -32,11 +32,24 @@ pub struct StandingAxis {
 }
 
 impl StandingAxis {
-    /// That of a joint that what carries it has moved so far from home; `point`: what its load is about, at home, m.
-    fn of(joint: &ChainJoint, point: &Point3<f64>, before: &Pose) -> Self {
+    /// That of a joint at home; `point`: what its load is about, m.
+    fn at_home(joint: &ChainJoint, point: &Point3<f64>) -> Self {
         let lever = joint.screw.line().map_or_else(Vector3::zeros, |line| point - line.nearest_to(point));
-        Self { along: before.rotation * joint.screw.direction().into_inner(), lever: before.rotation * lever }
+        Self { along: joint.screw.direction().into_inner(), lever }
     }
+
+    /// The same where what carries the joint has moved so far from home.
+    fn moved(&self, before: &Pose) -> Self {
+        Self { along: before.rotation * self.along, lever: before.rotation * self.lever }
+    }
+}
+
+/// An arm with its masses, at home: what is the same for all rows.
+#[derive(Debug, Clone, Default)]
+pub struct AtHome {
+    /// Where its masses are, base frame, m; see [`Statics::centres`].
+    centres: Vec<Point3<f64>>,
+    axes: Vec<StandingAxis>,
 }
 
 /// What a driver may look at in one row.
@@ -150,16 +163,23 @@ impl Statics {
         conditions: &Conditions<'_>,
         perturbation: Option<&Perturbation>,
     ) -> Posture {
-        let mut posture = Posture::default();
-        self.posture_into(joints, &self.centres(joints), conditions, perturbation, &mut posture);
+        let (mut motions, mut posture) = (Vec::new(), Posture::default());
+        motions_into(joints, conditions.reading, &mut motions);
+        self.posture_into(&self.at_home(joints), &motions, conditions, perturbation, &mut posture);
         posture
     }
 
-    /// The same in place of what is in `out`; `centres`: where an arm with these joints has its masses, see [`Statics::centres`].
+    /// An arm with these joints and its masses.
+    pub fn at_home(&self, joints: &[ChainJoint]) -> AtHome {
+        let axes = joints.iter().zip(&self.points).map(|(joint, point)| StandingAxis::at_home(joint, point));
+        AtHome { centres: self.centres(joints), axes: axes.collect() }
+    }
+
+    /// How an arm stands whose joints make these motions ([`motions_into`]), in place of what is in `out`.
     pub fn posture_into(
         &self,
-        joints: &[ChainJoint],
-        centres: &[Point3<f64>],
+        arm: &AtHome,
+        motions: &[Pose],
         conditions: &Conditions<'_>,
         perturbation: Option<&Perturbation>,
         Posture { state, loads, axes }: &mut Posture,
@@ -167,29 +187,28 @@ impl Statics {
         state.before.clear();
         state.after.clear();
         let tip = &self.tips[conditions.tip];
+        let given_way = |reached: &mut Pose, slot: usize| {
+            // Most joints give way by nothing.
+            let by = perturbation.map(|perturbation| &perturbation.twists[slot]).filter(|by| by.amax() > 0.0);
+            by.into_iter().for_each(|by| *reached *= se3::exp(by));
+        };
         let mut last = None;
-        for (index, joint) in joints.iter().enumerate() {
+        for (index, motion) in motions.iter().enumerate() {
             let mut reached = self.carriers[index].map_or_else(Pose::identity, |carrier| state.after[carrier]);
             if tip.joints[index] {
                 last = Some(index);
-                if let Some(perturbation) = perturbation {
-                    reached *= se3::exp(&perturbation.twists[index]);
-                }
+                given_way(&mut reached, index);
             }
             state.before.push(reached);
-            reached *= joint.screw.motion(joint.value(conditions.reading));
-            state.after.push(reached);
+            state.after.push(reached * motion);
         }
         let mut reached = last.map_or_else(Pose::identity, |last| state.after[last]);
-        if let Some(last) = perturbation.and_then(|perturbation| perturbation.twists.last()) {
-            reached *= se3::exp(last);
-        }
+        given_way(&mut reached, motions.len());
         state.tip = reached * tip.home;
         let payload = last.map(|joint| (joint, conditions.recorded.payload()));
-        self.masses.loads_into(centres, &self.points, &self.carriers, state, payload, loads);
-        let places = joints.iter().zip(&self.points).zip(&state.before);
+        self.masses.loads_into(&arm.centres, &self.points, &self.carriers, state, payload, loads);
         axes.clear();
-        axes.extend(places.map(|((joint, point), before)| StandingAxis::of(joint, point, before)));
+        axes.extend(arm.axes.iter().zip(&state.before).map(|(axis, before)| axis.moved(before)));
     }
 
     /// Where an arm with these joints has its masses, base frame at home, m: each link moves along with the axis that it turns about, by the
@@ -219,6 +238,12 @@ impl Statics {
         let stays = before.filter(|before| turns(before)).all(upright);
         !(stays && turns(&joints[joint]) && upright(&joints[joint]))
     }
+}
+
+/// The motion that each joint makes to where it is read, in place of what is in `out`.
+pub fn motions_into(joints: &[ChainJoint], reading: &[f64], out: &mut Vec<Pose>) {
+    out.clear();
+    out.extend(joints.iter().map(|joint| joint.screw.motion(joint.value(reading))));
 }
 
 #[cfg(test)]

@@ -140,7 +140,7 @@ fn raw_rows<E: Effects>(
     let probe = Probe::of_joints(&fit.effects, arm);
     let layout = fit.layout.with_effects(probe.parameters());
     let problem = ResidualModel { data, layout: &layout, effects: &probe };
-    let mut scratch = Scratch::new(&layout, arm);
+    let mut scratch = problem.scratch(arm);
     let width = layout.len();
     let (mut residual, mut jacobian) = (vec![0.0; data.tallest_row()], vec![0.0; data.tallest_row() * width]);
     let first_joint = layout.effects.end - joints;
@@ -266,7 +266,7 @@ fn beams<E: Effects>(
     arm: &Arm,
     data: &Measurements,
     row: usize,
-    scratch: &Scratch,
+    scratch: &Scratch<E::Standing>,
     place: Place,
 ) -> Vec<(usize, Vector3<f64>)> {
     let mut found = Vec::new();
