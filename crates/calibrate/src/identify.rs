@@ -13,7 +13,7 @@ pub mod known_effects;
 pub mod lack_of_fit;
 pub mod noise;
 pub mod normal_equations;
-mod panel;
+pub(crate) mod panel;
 pub mod posterior;
 pub mod proportion;
 pub mod quantization;

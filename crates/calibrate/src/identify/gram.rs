@@ -27,7 +27,7 @@ pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
         return result;
     }
     for (some, result) in right.chunks(PANEL * rows).zip(result.chunks_mut((PANEL * counts.0).max(1))) {
-        add_panel(left, some, rows, counts.0, result);
+        panel_into(left, some, rows, counts.0, result);
     }
     result
 }
@@ -41,7 +41,7 @@ pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
     let mut result = vec![0.0; count * count];
     for (panel, some) in columns.chunks(PANEL * rows).enumerate() {
         let first = panel * PANEL;
-        add_panel(&columns[first * rows..], some, rows, count, &mut result[first * count + first..]);
+        panel_into(&columns[first * rows..], some, rows, count, &mut result[first * count + first..]);
     }
     for r in 0..count {
         for l in 0..r {
@@ -51,16 +51,47 @@ pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
     result
 }
 
-/// Adds the products of all columns of `left` with at most [`PANEL`] of `right`: those of one of the latter begin every `count` cells.
-fn add_panel(left: &[f64], right: &[f64], rows: usize, count: usize, result: &mut [f64]) {
+/// Takes so many times each of these columns from another.
+pub(crate) fn subtract(columns: &[f64], times: &[f64], from: &mut [f64]) {
+    dispatch!(Level::new(), simd => subtract_in(simd, columns, times, from));
+}
+
+#[inline(always)]
+fn subtract_in<S: Simd>(simd: S, columns: &[f64], times: &[f64], from: &mut [f64]) {
+    const VECTORS: usize = 4;
+    let (rows, width) = (from.len(), S::f64s::LEN);
+    let whole = rows - rows % (VECTORS * width);
+    for first in (0..whole).step_by(VECTORS * width) {
+        let own = &mut from[first..first + VECTORS * width];
+        let mut left = [S::f64s::splat(simd, 0.0); VECTORS];
+        for (k, left) in left.iter_mut().enumerate() {
+            *left = S::f64s::from_slice(simd, &own[k * width..(k + 1) * width]);
+        }
+        for (times, column) in times.iter().zip(columns.chunks_exact(rows)) {
+            let (times, column) = (S::f64s::splat(simd, -times), &column[first..first + VECTORS * width]);
+            for (k, left) in left.iter_mut().enumerate() {
+                *left = times.mul_add(S::f64s::from_slice(simd, &column[k * width..(k + 1) * width]), *left);
+            }
+        }
+        for (k, left) in left.iter().enumerate() {
+            left.store_slice(&mut own[k * width..(k + 1) * width]);
+        }
+    }
+    for (times, column) in times.iter().zip(columns.chunks_exact(rows.max(1))) {
+        from[whole..].iter_mut().zip(&column[whole..]).for_each(|(cell, other)| *cell -= times * other);
+    }
+}
+
+/// The products of all columns of `left` with at most [`PANEL`] of `right`: those of one of the latter begin every `count` cells.
+fn panel_into(left: &[f64], right: &[f64], rows: usize, count: usize, result: &mut [f64]) {
     let mut lines = Vec::with_capacity(DEPTH.min(rows));
     let many = right.len() / rows;
     for from in (0..rows).step_by(DEPTH) {
         let depth = DEPTH.min(rows - from);
-        lines_of(&right[from..], rows, depth, &mut lines);
+        lines_of(right.chunks_exact(rows).map(|column| &column[from..]), depth, &mut lines);
         let take = |l: usize, sums: &Line| {
-            let cells = result[l..].iter_mut().step_by(count);
-            cells.zip(&sums[..many]).for_each(|(cell, sum)| *cell += sum);
+            let cells = result[l..].iter_mut().step_by(count).zip(&sums[..many]);
+            cells.for_each(|(cell, sum)| *cell = if from == 0 { *sum } else { *cell + sum });
         };
         dispatch!(Level::new(), simd => each_sum(simd, &left[from..], rows, &lines, take));
     }
@@ -197,6 +228,21 @@ fn add_tile<S: Simd, const L: usize, const R: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_are_taken_from_another() {
+        let cell = |k: usize| (k as f64 * 0.9).cos();
+        for (rows, count) in [(3, 2), (70, 5), (64, 0)] {
+            let columns: Vec<f64> = (0..rows * count).map(cell).collect();
+            let times: Vec<f64> = (0..count).map(|k| k as f64 - 1.5).collect();
+            let mut found: Vec<f64> = (0..rows).map(|k| cell(k + 7)).collect();
+            subtract(&columns, &times, &mut found);
+            for (row, found) in found.iter().enumerate() {
+                let sum: f64 = (0..count).map(|k| columns[k * rows + row] * times[k]).sum();
+                assert!((found - (cell(row + 7) - sum)).abs() < 1e-13);
+            }
+        }
+    }
 
     #[test]
     fn a_gram_matrix_holds_sums_over_the_rows() {

@@ -10,13 +10,10 @@ pub(crate) const PANEL: usize = 16;
 pub(crate) type Line = [f64; PANEL];
 
 /// The cells of at most [`PANEL`] columns, of which the first `depth` count, line by line; columns that lack are nothing.
-///
-/// # Shape and units
-/// `columns`: one after the other, `stride` cells from one to the next; the last may end after `depth`.
-pub(crate) fn lines_of(columns: &[f64], stride: usize, depth: usize, lines: &mut Vec<Line>) {
+pub(crate) fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usize, lines: &mut Vec<Line>) {
     lines.clear();
     lines.resize(depth, [0.0; PANEL]);
-    for (index, column) in columns.chunks(stride).enumerate() {
+    for (index, column) in columns.enumerate() {
         for (line, cell) in lines.iter_mut().zip(column) {
             line[index] = *cell;
         }

@@ -105,7 +105,7 @@ impl Panel {
     fn of(own: &[f64], from: usize, size: usize) -> Self {
         let to = from + own.len() / size;
         let mut before = Vec::new();
-        lines_of(own, size, from, &mut before);
+        lines_of(own.chunks_exact(size), from, &mut before);
         let mut upper = [[0.0; PANEL]; PANEL];
         for (i, row) in own.chunks_exact(size).enumerate() {
             upper.iter_mut().zip(&row[from..=from + i]).for_each(|(line, cell)| line[i] = *cell);
@@ -116,7 +116,7 @@ impl Panel {
     /// Factors rows of which the columns before the diagonal block are done; `None` unless the block is positive.
     fn factored(own: &mut [f64], (from, to): (usize, usize), size: usize) -> Option<Self> {
         let mut before = Vec::new();
-        lines_of(own, size, from, &mut before);
+        lines_of(own.chunks_exact(size), from, &mut before);
         let mut left = [[0.0; PANEL]; PANEL];
         for (i, (row, left)) in own.chunks_exact(size).zip(&mut left).enumerate() {
             left[..=i].copy_from_slice(&row[from..=from + i]);

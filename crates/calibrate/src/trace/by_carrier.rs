@@ -4,18 +4,30 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::model::Coupling;
 use crate::identify::gram::cross_gram;
+use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Products, Projector};
+use fearless_simd::{Level, dispatch};
+use std::ops::Range;
+
+/// A model as products within rows need it.
+pub(crate) struct ByRow<'a> {
+    linear: &'a Linear,
+    /// The rows of the data that have values, and those.
+    rows: Vec<usize>,
+    values: Vec<Range<usize>>,
+    /// The model's basis and, last, what the model leaves: [`PANEL`] columns together, value by value.
+    panels: Vec<Vec<Line>>,
+    rank: usize,
+}
 
 /// Products of a carrier's columns within rows.
-pub(crate) struct ByCarrier {
-    /// The rows of the data that have values.
-    rows: Vec<usize>,
-    /// Of each direction with the model's basis and, last, with what the model leaves: a column of each, row by row.
-    with_model: Vec<Vec<f64>>,
+pub(crate) struct ByCarrier<'a> {
+    model: &'a ByRow<'a>,
+    /// Of each direction with the panels of the model, row by row.
+    with_model: Vec<Vec<Vec<Line>>>,
     /// Of each direction with each, row by row.
     own: Vec<Vec<Vec<f64>>>,
-    rank: usize,
 }
 
 /// What drives the columns of one term: so many values per row of the data.
@@ -26,60 +38,80 @@ pub(crate) struct Driven<'a> {
     pub(crate) values: &'a [f64],
 }
 
-impl ByCarrier {
-    /// Those of a carrier; one that the linearisation does not have has no directions.
-    pub(crate) fn of(linear: &Linear, model: &Projector, carrier: Carrier) -> Self {
+impl<'a> ByRow<'a> {
+    pub(crate) fn new(linear: &'a Linear, model: &Projector) -> Self {
         let mut rows: Vec<usize> = linear.rows.clone();
         rows.dedup();
-        let stretches: Vec<std::ops::Range<usize>> = linear
-            .rows
-            .chunk_by(|a, b| a == b)
-            .scan(0, |from, row| {
-                *from += row.len();
-                Some(*from - row.len()..*from)
-            })
-            .collect();
+        let mut values: Vec<Range<usize>> = Vec::with_capacity(rows.len());
+        for row in linear.rows.chunk_by(|a, b| a == b) {
+            let from = values.last().map_or(0, |last| last.end);
+            values.push(from..from + row.len());
+        }
+        let all: Vec<&[f64]> =
+            (0..model.rank()).map(|k| model.direction(k)).chain([model.residual.as_slice()]).collect();
+        let panel = |columns: &[&[f64]]| {
+            let mut lines = Vec::new();
+            lines_of(columns.iter().copied(), linear.values(), &mut lines);
+            lines
+        };
+        let panels = all.chunks(PANEL).map(panel).collect();
+        Self { linear, rows, values, panels, rank: model.rank() }
+    }
+
+    /// Products with what a carrier does; one that the linearisation does not have does nothing.
+    pub(crate) fn with(&self, carrier: Carrier) -> ByCarrier<'_> {
+        let linear = self.linear;
         let directions = linear.columns_of(carrier).unwrap_or_default();
         let column = |direction: usize| &linear.carriers.as_slice()[direction * linear.residual.len()..];
-        let within = |a: &[f64], b: &[f64], out: &mut Vec<f64>| {
-            let product = |own: &std::ops::Range<usize>| -> f64 {
-                a[own.clone()].iter().zip(&b[own.clone()]).map(|(a, b)| a * b).sum()
-            };
-            out.extend(stretches.iter().map(product));
-        };
         let with_model = |direction: usize| {
-            let mut cells = Vec::with_capacity((model.rank() + 1) * rows.len());
-            let basis = (0..model.rank()).map(|k| model.direction(k));
-            basis.chain([model.residual.as_slice()]).for_each(|other| within(other, column(direction), &mut cells));
-            cells
+            let panel = |lines: &Vec<Line>| {
+                let mut sums = vec![[0.0; PANEL]; self.rows.len()];
+                dispatch!(Level::new(), _simd => within(&self.values, lines, column(direction), &mut sums));
+                sums
+            };
+            self.panels.iter().map(panel).collect()
         };
         let own = |direction: usize| {
             let with = |other: usize| {
-                let mut cells = Vec::with_capacity(rows.len());
-                within(column(direction), column(other), &mut cells);
-                cells
+                let (a, b) = (column(direction), column(other));
+                let product = |own: &Range<usize>| -> f64 {
+                    a[own.clone()].iter().zip(&b[own.clone()]).map(|(a, b)| a * b).sum()
+                };
+                self.values.iter().map(product).collect()
             };
             directions.clone().map(with).collect()
         };
-        Self {
+        ByCarrier {
+            model: self,
             with_model: directions.clone().map(with_model).collect(),
             own: directions.clone().map(own).collect(),
-            rank: model.rank(),
-            rows,
         }
     }
+}
 
+/// Sums over the values of each row of lines times a column's cells.
+#[inline(always)]
+fn within(values: &[Range<usize>], lines: &[Line], column: &[f64], sums: &mut [Line]) {
+    for (own, sum) in values.iter().zip(sums) {
+        for (line, times) in lines[own.clone()].iter().zip(&column[own.clone()]) {
+            sum.iter_mut().zip(line).for_each(|(sum, cell)| *sum += times * cell);
+        }
+    }
+}
+
+impl ByCarrier<'_> {
     /// The products of terms' columns with the model, term by term.
     pub(crate) fn products(&self, terms: &[Driven<'_>]) -> Products {
-        let count = self.rows.len();
+        let rows = &self.model.rows;
+        let count = rows.len();
         let mut driving = Vec::with_capacity(count * terms.iter().map(|term| term.per_row).sum::<usize>());
         for term in terms {
             for value in 0..term.per_row {
-                driving.extend(self.rows.iter().map(|row| term.values[row * term.per_row + value]));
+                driving.extend(rows.iter().map(|row| term.values[row * term.per_row + value]));
             }
         }
-        let lines = self.rank + 1;
-        let along: Vec<Vec<f64>> = self.with_model.iter().map(|table| cross_gram(table, &driving, count)).collect();
+        let lines = self.model.rank + 1;
+        let along: Vec<Vec<f64>> = self.with_model.iter().map(|panels| along(panels, &driving, lines)).collect();
         let mut all = Products::default();
         let mut first = 0;
         for term in terms {
@@ -114,7 +146,7 @@ impl ByCarrier {
 
     /// Products of the columns of each direction and value with one another, square.
     fn squares(&self, driving: &[f64], per_row: usize) -> Vec<f64> {
-        let (count, directions) = (self.rows.len(), self.own.len());
+        let (count, directions) = (self.model.rows.len(), self.own.len());
         let width = directions * per_row;
         let mut squares = vec![0.0; width * width];
         for a in 0..directions {
@@ -132,4 +164,17 @@ impl ByCarrier {
         }
         squares
     }
+}
+
+/// Products of so many columns, in panels, with others, column by column of the latter.
+fn along(panels: &[Vec<Line>], columns: &[f64], lines: usize) -> Vec<f64> {
+    let rows = panels[0].len();
+    let mut result = vec![0.0; lines * columns.len() / rows.max(1)];
+    for (panel, cells) in panels.iter().enumerate().filter(|_| rows > 0) {
+        let own = panel * PANEL..((panel + 1) * PANEL).min(lines);
+        dispatch!(Level::new(), simd => each_sum(simd, columns, rows, cells, |column, sums| {
+            result[column * lines..][own.clone()].copy_from_slice(&sums[..own.len()]);
+        }));
+    }
+    result
 }

@@ -8,7 +8,7 @@ use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
 use crate::observation::measurements::Column;
-use crate::trace::by_carrier::{ByCarrier, Driven};
+use crate::trace::by_carrier::{ByRow, Driven};
 use crate::trace::infer::field::Place;
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector};
@@ -165,10 +165,11 @@ fn gains(linear: &Linear, projector: &Projector, blocks: &[Block], open: &[usize
             carriers.push(carrier);
         }
     }
+    let by_row = ByRow::new(linear, projector);
     let of_carrier = |carrier: &Carrier| {
         let own: Vec<usize> = open.iter().copied().filter(|&index| blocks[index].carrier == *carrier).collect();
         let terms: Vec<Driven<'_>> = own.iter().map(|&index| blocks[index].driven()).collect();
-        let gains = ByCarrier::of(linear, projector, *carrier).products(&terms).gains(SEEN);
+        let gains = by_row.with(*carrier).products(&terms).gains(SEEN);
         let judged = |(index, gain): (usize, Gain)| (p_value(free, projector.rss, gain, gain.rank), gain, index);
         own.into_iter().zip(gains).map(judged).collect::<Vec<_>>()
     };

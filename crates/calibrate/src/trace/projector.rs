@@ -1,6 +1,6 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
-use crate::identify::gram::{cross_gram, gram_of};
+use crate::identify::gram::{cross_gram, gram_of, subtract};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A column of the model that is this nearly a sum of others adds nothing.
@@ -50,9 +50,7 @@ impl Projector {
                 }
                 let mut rest = column / norm;
                 for _ in 0..2 {
-                    let known = basis.columns(0, rank);
-                    let shares = known.tr_mul(&rest);
-                    rest.gemv(-1.0, &known, &shares, 1.0);
+                    take_out(&basis.as_slice()[..rank * rows], rest.as_mut_slice());
                 }
                 let left = rest.norm();
                 if left > DEPENDENT {
@@ -63,8 +61,7 @@ impl Projector {
         }
         let basis = basis.columns(0, rank).into_owned();
         let mut result = Self { basis, residual: residual.clone(), rss: 0.0 };
-        let shares = result.basis.tr_mul(residual);
-        result.residual.gemv(-1.0, &result.basis, &shares, 1.0);
+        take_out(result.basis.as_slice(), result.residual.as_mut_slice());
         result.rss = result.residual.norm_squared();
         result
     }
@@ -97,6 +94,12 @@ impl Projector {
     pub fn gain_of_seen(&self, columns: &DMatrix<f64>, least: f64) -> Gain {
         self.gains(columns.as_slice(), &[columns.ncols()], least)[0]
     }
+}
+
+/// Takes out of a column what lies along each of these of length 1.
+fn take_out(basis: &[f64], column: &mut [f64]) {
+    let shares = cross_gram(basis, column, column.len());
+    subtract(basis, &shares, column);
 }
 
 /// Products of blocks of columns with all that a model can do and with what it leaves. They tell what each block explains beside the model,

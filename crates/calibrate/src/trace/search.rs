@@ -9,14 +9,13 @@ use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
 use crate::trace::ScanCell;
-use crate::trace::by_carrier::{ByCarrier, Driven};
+use crate::trace::by_carrier::{ByCarrier, ByRow, Driven};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Products, Projector, UNSEEN};
 use crate::trace::select::{State, Tracer};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Candidates whose columns are projected together.
@@ -89,7 +88,8 @@ pub(crate) struct Linearised {
     pub(crate) linear: Linear,
     /// Loose geometry and all effects.
     whole: OnceLock<Projector>,
-    products: OnceLock<Products>,
+    /// With the candidate that each block is of.
+    products: OnceLock<(Products, Vec<usize>)>,
 }
 
 impl Linearised {
@@ -114,9 +114,10 @@ impl Tracer<'_> {
     pub(crate) fn scored(&self, state: &State, projector: &Projector) -> Vec<Scored> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
-        let products = at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, self.driven()));
+        let (products, order) =
+            at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, self.driven()));
         let gains = products.beside(at.whole(), projector).gains(UNSEEN);
-        self.candidates.iter().zip(gains).map(|(candidate, gain)| scorer.judged(projector, candidate, gain)).collect()
+        scorer.all_judged(projector, &self.candidates, gains, order)
     }
 }
 
@@ -125,7 +126,7 @@ pub(crate) fn driven(data: &Measurements, statics: &Statics, candidates: &[Candi
     let nowhere = Posture::default();
     let of = |candidate: &Candidate| {
         let driver = &candidate.term.driver;
-        let mut values = Vec::new();
+        let mut values = Vec::with_capacity(if driver.needs_posture() { 0 } else { data.len() * driver.len(statics) });
         for index in (0..data.len()).filter(|_| !driver.needs_posture()) {
             driver.values_into(statics, &Conditions::of(Row::new(data, index)), &nowhere, &mut values);
         }
@@ -171,7 +172,7 @@ impl CandidateScorer<'_> {
 
     /// Values of the term's driver, row by row.
     pub fn driver_values(&self, term: &Term) -> Vec<f64> {
-        let mut values = Vec::new();
+        let mut values = Vec::with_capacity(self.data.len() * term.driver.len(self.statics));
         for (index, posture) in self.linear.postures(self.data).iter().enumerate() {
             let row = Row::new(self.data, index);
             let conditions = Conditions::of(row);
@@ -182,36 +183,52 @@ impl CandidateScorer<'_> {
 
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let gains = self.products(projector, candidates, &[]).gains(UNSEEN);
-        candidates.iter().zip(gains).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
+        let (products, order) = self.products(projector, candidates, &[]);
+        self.all_judged(projector, candidates, products.gains(UNSEEN), &order)
     }
 
-    /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known.
-    fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> Products {
-        let carriers = carriers_of(candidates.iter().map(|candidate| &candidate.term));
-        let at: Vec<ByCarrier> = in_parallel(&carriers, |carrier| ByCarrier::of(self.linear, model, *carrier));
-        let of_batch = |batch: Range<usize>| {
-            let known = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
-                [] => Cow::Owned(self.driver_values(&candidates[index].term)),
-                values => Cow::Borrowed(values),
-            };
-            let values: Vec<Cow<'_, [f64]>> = batch.clone().map(known).collect();
-            let terms = candidates[batch.clone()].iter().zip(&values).map(|(candidate, values)| Driven {
-                coupling: candidate.term.coupling,
-                per_row: candidate.term.driver.len(self.statics),
+    /// Every candidate with its gain, where these are in another order.
+    fn all_judged(
+        &self,
+        projector: &Projector,
+        candidates: &[Candidate],
+        gains: Vec<Gain>,
+        order: &[usize],
+    ) -> Vec<Scored> {
+        let mut in_order = vec![Gain { drop: 0.0, rank: 0 }; candidates.len()];
+        order.iter().zip(gains).for_each(|(&index, gain)| in_order[index] = gain);
+        candidates.iter().zip(in_order).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
+    }
+
+    /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known. In the second place
+    /// the candidate that each block is of.
+    fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> (Products, Vec<usize>) {
+        let mut alike: Vec<(Carrier, Vec<usize>)> = Vec::new();
+        for (index, carrier) in candidates.iter().map(|candidate| candidate.term.carrier).enumerate() {
+            match alike.iter_mut().find(|(known, _)| *known == carrier) {
+                Some((_, own)) => own.push(index),
+                None => alike.push((carrier, vec![index])),
+            }
+        }
+        let by_row = ByRow::new(self.linear, model);
+        let known = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
+            [] => Cow::Owned(self.driver_values(&candidates[index].term)),
+            values => Cow::Borrowed(values),
+        };
+        let of_batch = |at: &ByCarrier<'_>, batch: &[usize]| {
+            let values: Vec<Cow<'_, [f64]>> = batch.iter().map(|&index| known(index)).collect();
+            let terms = batch.iter().zip(&values).map(|(&index, values)| Driven {
+                coupling: candidates[index].term.coupling,
+                per_row: candidates[index].term.driver.len(self.statics),
                 values,
             });
-            let carrier = candidates[batch.start].term.carrier;
-            let place = carriers.iter().position(|own| *own == carrier).expect("all carriers are among them");
-            at[place].products(&terms.collect::<Vec<_>>())
+            at.products(&terms.collect::<Vec<_>>())
         };
-        let mut batches: Vec<Range<usize>> = Vec::new();
-        for alike in candidates.chunk_by(|a, b| a.term.carrier == b.term.carrier) {
-            let first = batches.last().map_or(0, |last| last.end);
-            let end = first + alike.len();
-            batches.extend((first..end).step_by(BATCH).map(|from| from..(from + BATCH).min(end)));
-        }
-        Products::joined(in_parallel(&batches, |batch| of_batch(batch.clone())))
+        let products = in_parallel(&alike, |(carrier, own)| {
+            let at = by_row.with(*carrier);
+            Products::joined(own.chunks(BATCH).map(|batch| of_batch(&at, batch)))
+        });
+        (Products::joined(products), alike.into_iter().flat_map(|(_, own)| own).collect())
     }
 
     /// What an effect of the model explains when it is put back.

@@ -112,7 +112,7 @@ impl Model<'_> {
     /// The same with its derivatives by [`Hyperparameters::to_vec`].
     pub fn score_and_gradient(&self, hyper: &Hyperparameters) -> Option<(f64, Vec<f64>)> {
         let factored = self.factored(hyper)?;
-        let posterior = factored.posterior(self.gram.size);
+        let posterior = factored.own();
         // Numbers that the data pay for: tr(C G/σ²) = n - tr(C Λ).
         let mut used = self.gram.size as f64;
         for i in 0..self.gram.plain {
@@ -132,7 +132,6 @@ impl Model<'_> {
             used -= (waves.len() - seen) as f64;
             if seen == 0 {
                 gradient.extend([0.0, 0.0]);
-                first += waves.len();
                 continue;
             }
             let charge = self.charge_of_mean(curve, variances);
@@ -153,10 +152,11 @@ impl Model<'_> {
                 by_length += part * slope;
             }
             gradient.extend([by_variance, by_length]);
-            first += waves.len();
+            first += seen;
         }
         let precision = (-hyper.log_noise).exp();
-        gradient[0] = 0.5 * (self.gram.misfit(&posterior.mean) * precision + used - self.gram.count);
+        let mean = factored.whole(&posterior.mean, self.gram.size);
+        gradient[0] = 0.5 * (self.gram.misfit(&mean) * precision + used - self.gram.count);
         Some((factored.score, gradient))
     }
 
@@ -277,11 +277,23 @@ impl Model<'_> {
 }
 
 impl Factored {
-    /// What is said of `size` numbers in all: of those that were not solved for, what was expected.
-    fn posterior(&self, size: usize) -> Posterior {
+    /// What is said of the numbers that were solved for.
+    fn own(&self) -> Posterior {
         let Solved { factor, half, scale } = &self.solved;
-        let own = scale.len();
-        let (mut root, mut mean) = (vec![0.0; size * size], vec![0.0; size]);
+        let size = scale.len();
+        let mut root = factor.inverse_columns();
+        let mut mean = vec![0.0; size];
+        for (index, (column, scale)) in root.chunks_exact_mut(size).zip(scale).enumerate() {
+            column[index..].iter_mut().for_each(|cell| *cell *= scale);
+            mean[index] = dot(&column[index..], &half[index..]);
+        }
+        Posterior { mean, root, size }
+    }
+
+    /// The same of `size` numbers in all: of those that were not solved for, what was expected.
+    fn posterior(&self, size: usize) -> Posterior {
+        let own = self.own();
+        let (mut root, mean) = (vec![0.0; size * size], self.whole(&own.mean, size));
         let mut first = size - self.curves.iter().map(|expected| expected.variances.len()).sum::<usize>();
         for CurvePrior { variances, seen } in &self.curves {
             for (offset, (variance, _)) in variances.iter().enumerate().skip(*seen) {
@@ -289,15 +301,20 @@ impl Factored {
             }
             first += variances.len();
         }
-        let inverse = factor.inverse_columns();
-        for (index, (column, scale)) in inverse.chunks_exact(own).zip(scale).enumerate() {
+        for (index, column) in own.root.chunks_exact(own.size).enumerate() {
             let at = self.columns[index];
             for (cell, &row) in column[index..].iter().zip(&self.columns[index..]) {
-                root[at * size + row] = cell * scale;
+                root[at * size + row] = *cell;
             }
-            mean[at] = scale * dot(&column[index..], &half[index..]);
         }
         Posterior { mean, root, size }
+    }
+
+    /// Expected values of `size` numbers in all, of which these were solved for.
+    fn whole(&self, own: &[f64], size: usize) -> Vec<f64> {
+        let mut mean = vec![0.0; size];
+        self.columns.iter().zip(own).for_each(|(&at, own)| mean[at] = *own);
+        mean
     }
 }
 
