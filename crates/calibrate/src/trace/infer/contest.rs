@@ -11,7 +11,7 @@
 //! *setting*. Each set is scored at the setting that suits it best.
 
 use crate::effects::curve::Waves;
-use crate::identify::gram::{cross_gram, gram_of};
+use crate::identify::gram::{cross_gram, gram_of, subtract};
 use crate::identify::threads::in_parallel;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::evidence::{System, waves_seen};
@@ -277,11 +277,7 @@ impl Contest<'_> {
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
             let mut best: Option<(f64, Vec<usize>)> = None;
-            let changes = self.changes(&set, swapping);
-            let new: Vec<&Vec<usize>> = changes.iter().filter(|next| !seen.contains_key(*next)).collect();
-            let scores = in_parallel(&new, |next| self.best(grounds, next));
-            seen.extend(new.into_iter().cloned().zip(scores));
-            for next in changes {
+            for next in self.looked_at(grounds, seen, &set, swapping) {
                 let score = seen[&next].0;
                 if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
                     best = Some((score, next));
@@ -297,21 +293,53 @@ impl Contest<'_> {
         set
     }
 
-    /// Sets that differ by one member added or dropped, or by one changed for another.
-    fn changes(&self, set: &[usize], swapping: bool) -> Vec<Vec<usize>> {
+    /// Scores all sets that differ by one member added or dropped, or else by one changed for another, and says which these are.
+    fn looked_at(&self, grounds: &[Ground], seen: &mut Seen, set: &[usize], swapping: bool) -> Vec<Vec<usize>> {
         let absent: Vec<usize> = (0..self.members.len()).filter(|member| !set.contains(member)).collect();
-        let with = |mut set: Vec<usize>, member: usize| {
-            set.push(member);
-            set.sort_unstable();
-            set
-        };
-        let without = |member: usize| set.iter().copied().filter(|other| *other != member).collect::<Vec<usize>>();
-        if swapping {
-            let swap = |&member: &usize| absent.iter().map(|&other| with(without(member), other)).collect::<Vec<_>>();
-            return set.iter().flat_map(swap).collect();
+        let without: Vec<Vec<usize>> =
+            set.iter().map(|&member| set.iter().copied().filter(|other| *other != member).collect()).collect();
+        let mut looked_at = Vec::new();
+        let itself = [set.to_vec()];
+        for base in if swapping { &without[..] } else { &itself[..] } {
+            let sets: Vec<Vec<usize>> = absent.iter().map(|&member| with(base, member)).collect();
+            if sets.iter().any(|set| !seen.contains_key(set)) {
+                let scores = self.with_each(grounds, base, &absent);
+                sets.iter().zip(scores).for_each(|(set, score)| _ = seen.entry(set.clone()).or_insert(score));
+            }
+            looked_at.extend(sets);
         }
-        let added = absent.iter().map(|&member| with(set.to_vec(), member));
-        added.chain(set.iter().map(|&member| without(member))).collect()
+        if !swapping {
+            for set in without {
+                seen.entry(set.clone()).or_insert_with(|| self.best(grounds, &set));
+                looked_at.push(set);
+            }
+        }
+        looked_at
+    }
+
+    /// The scores of a set with each of these members beside it, at the setting that suits it best: what the set itself takes is taken out once.
+    fn with_each(&self, grounds: &[Ground], set: &[usize], members: &[usize]) -> Vec<(f64, usize)> {
+        let own = self.asked(set);
+        let others: Vec<Asked> = members.iter().map(|&member| self.asked(&[member])).collect();
+        let at_ground = |ground: &Ground| -> Vec<f64> {
+            let mut best = vec![f64::NEG_INFINITY; others.len()];
+            for width in WIDTHS {
+                let Some(taken) = own.taken(ground, width) else { continue };
+                for (best, other) in best.iter_mut().zip(&others) {
+                    *best = best.max(taken.with(other));
+                }
+            }
+            best.iter()
+                .zip(&others)
+                .map(|(best, other)| best + own.odds + other.odds - (WIDTHS.len() as f64).ln())
+                .collect()
+        };
+        let scores = in_parallel(grounds, at_ground);
+        let best = |member: usize| {
+            let each = scores.iter().enumerate().map(|(index, scores)| (scores[member], index));
+            each.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
+        };
+        (0..members.len()).map(best).collect()
     }
 
     /// Settings to begin with: every curve with one of its kernels or none, one curve less, structure of every size beside.
@@ -471,6 +499,106 @@ impl Asked {
     }
 }
 
+/// What the columns of a set take of all candidates' products, at one setting and one width of the prior: [`Ground`] beside that set.
+struct Taken<'a> {
+    ground: &'a Ground,
+    width: f64,
+    /// L⁻¹ times the products of the set's columns with all columns, column by column of the set.
+    shares: Vec<f64>,
+    /// Of each column what the set leaves of its square and of its product with the data.
+    square: Vec<f64>,
+    right: Vec<f64>,
+    drop: f64,
+    log_determinant: f64,
+}
+
+impl Asked {
+    /// None where the system is not positive.
+    fn taken<'a>(&self, ground: &'a Ground, width: f64) -> Option<Taken<'a>> {
+        let all = ground.width;
+        let mut taken = Taken {
+            ground,
+            width,
+            shares: Vec::with_capacity(self.columns.len() * all),
+            square: (0..all).map(|k| ground.schur[k * all + k]).collect(),
+            right: ground.right.clone(),
+            drop: 0.0,
+            log_determinant: 0.0,
+        };
+        for (index, &own) in self.columns.iter().enumerate() {
+            let mut share = ground.schur[own * all..(own + 1) * all].to_vec();
+            let before: Vec<f64> = taken.shares.chunks_exact(all).map(|other| other[own]).collect();
+            subtract(&taken.shares, &before, &mut share);
+            let precision = self.precision(index, width);
+            let left = taken.square[own] + precision;
+            if left <= 0.0 {
+                return None;
+            }
+            let pivot = left.sqrt();
+            let half = taken.right[own] / pivot;
+            for ((share, square), right) in share.iter_mut().zip(&mut taken.square).zip(&mut taken.right) {
+                *share /= pivot;
+                *square -= *share * *share;
+                *right -= *share * half;
+            }
+            taken.shares.extend(share);
+            taken.drop += half * half;
+            taken.log_determinant += left.ln() - precision.ln();
+        }
+        Some(taken)
+    }
+}
+
+impl Taken<'_> {
+    /// The score with more columns beside the set, but for prior odds.
+    fn with(&self, other: &Asked) -> f64 {
+        let (mut drop, mut log_determinant) = (self.drop, self.log_determinant);
+        if let [own] = other.columns[..] {
+            let precision = other.precision(0, self.width);
+            let left = self.square[own] + precision;
+            if left <= 0.0 {
+                return f64::NEG_INFINITY;
+            }
+            drop += self.right[own].powi(2) / left;
+            log_determinant += (left / precision).ln();
+            return self.ground.score(drop, log_determinant);
+        }
+        let (all, count) = (self.ground.width, other.columns.len());
+        let mut factor = vec![0.0; count * count];
+        let mut halves = Vec::with_capacity(count);
+        for (i, &own) in other.columns.iter().enumerate() {
+            let precision = other.precision(i, self.width);
+            for (k, &before) in other.columns[..=i].iter().enumerate() {
+                let shared: f64 = self.shares.chunks_exact(all).map(|share| share[own] * share[before]).sum();
+                let known: f64 = (0..k).map(|j| factor[i * count + j] * factor[k * count + j]).sum();
+                let left = self.ground.schur[own * all + before] - shared - known;
+                if k < i {
+                    factor[i * count + k] = left / factor[k * count + k];
+                    continue;
+                }
+                let left = left + precision;
+                if left <= 0.0 {
+                    return f64::NEG_INFINITY;
+                }
+                factor[i * count + i] = left.sqrt();
+                log_determinant += (left / precision).ln();
+            }
+            let known: f64 = (0..i).map(|j| factor[i * count + j] * halves[j]).sum();
+            let half = (self.right[own] - known) / factor[i * count + i];
+            halves.push(half);
+            drop += half * half;
+        }
+        self.ground.score(drop, log_determinant)
+    }
+}
+
+/// A set with one member more, in order.
+fn with(set: &[usize], member: usize) -> Vec<usize> {
+    let mut set = set.to_vec();
+    set.insert(set.partition_point(|other| *other < member), member);
+    set
+}
+
 impl Ground {
     /// Where candidates explain so much more, at the price of these determinants.
     fn score(&self, drop: f64, determinants: f64) -> f64 {
@@ -601,6 +729,10 @@ mod tests {
                 let found = contest.at(&ground, &set) - written(&setting, &set) - reference;
                 assert!(found.abs() < off, "{setting:?} {set:?}: off by {found}");
             }
+            let (own, grounds) = ([1], [ground]);
+            let together: Vec<f64> = [0, 2].map(|other| contest.at(&grounds[0], &with(&own, other))).to_vec();
+            let added = contest.with_each(&grounds, &own, &[0, 2]);
+            assert!(added.iter().zip(together).all(|(added, whole)| (added.0 - whole).abs() < 1e-9));
         }
         let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
