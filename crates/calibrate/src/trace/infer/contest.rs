@@ -272,8 +272,7 @@ impl Contest<'_> {
     pub fn climb(&self, grounds: &[Ground], seen: &mut Seen, start: &[usize]) -> Vec<usize> {
         let mut set = start.to_vec();
         set.sort_unstable();
-        let mut here = self.best(grounds, &set).0;
-        seen.insert(set.clone(), self.best(grounds, &set));
+        let mut here = seen.entry(set.clone()).or_insert_with(|| self.best(grounds, &set)).0;
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
             let mut best: Option<(f64, Vec<usize>)> = None;
@@ -467,33 +466,30 @@ impl Asked {
 
     /// The same with a prior of this width.
     fn at_width(&self, ground: &Ground, width: f64, room: &mut Vec<f64>) -> f64 {
-        // Cholesky's factor of S + P, row by row, each with its part of L⁻¹ r behind it.
-        let row_of = |i: usize| i * (i + 1) / 2 + i;
+        // Cholesky's factor of S + P, row by row, and L⁻¹ r behind it.
+        let count = self.columns.len();
         room.clear();
+        room.resize(count * (count + 1), 0.0);
+        let (rows, halves) = room.split_at_mut(count * count);
         let (mut drop, mut log_determinant) = (0.0, 0.0);
         for (i, &own) in self.columns.iter().enumerate() {
             let precision = self.precision(i, width);
-            let from = room.len();
-            for (k, &other) in self.columns[..=i].iter().enumerate() {
-                let cell = ground.schur[own * ground.width + other] + if k == i { precision } else { 0.0 };
-                let (earlier, row) = room.split_at(from);
-                let known: f64 =
-                    row.iter().zip(if k == i { row } else { &earlier[row_of(k)..] }).map(|(a, b)| a * b).sum();
-                let left = cell - known;
-                if k < i {
-                    let pivot = room[row_of(k) + k];
-                    room.push(left / pivot);
-                } else if left > 0.0 {
-                    room.push(left.sqrt());
-                } else {
-                    return f64::NEG_INFINITY;
-                }
+            let (before, row) = rows.split_at_mut(i * count);
+            let row = &mut row[..count];
+            let cells = &ground.schur[own * ground.width..(own + 1) * ground.width];
+            for (k, earlier) in before.chunks_exact(count).enumerate() {
+                let known: f64 = row[..k].iter().zip(&earlier[..k]).map(|(a, b)| a * b).sum();
+                row[k] = (cells[self.columns[k]] - known) / earlier[k];
             }
-            let halves = (0..i).map(|k| room[from + k] * room[row_of(k) + k + 1]);
-            let half = (ground.right[own] - halves.sum::<f64>()) / room[from + i];
-            room.push(half);
-            drop += half * half;
-            log_determinant += 2.0 * room[from + i].ln() - precision.ln();
+            let left = cells[own] + precision - row[..i].iter().map(|cell| cell * cell).sum::<f64>();
+            if left <= 0.0 {
+                return f64::NEG_INFINITY;
+            }
+            row[i] = left.sqrt();
+            let known: f64 = row[..i].iter().zip(&halves[..i]).map(|(a, b)| a * b).sum();
+            halves[i] = (ground.right[own] - known) / row[i];
+            drop += halves[i] * halves[i];
+            log_determinant += left.ln() - precision.ln();
         }
         ground.score(drop, log_determinant) + self.odds
     }
