@@ -4,7 +4,7 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::model::Coupling;
 use crate::identify::gram::cross_gram;
-use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
+use crate::identify::panel::{Line, PANEL, each_sum};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Products, Projector};
 use fearless_simd::{Level, dispatch};
@@ -16,14 +16,12 @@ pub(crate) struct ByRow<'a> {
     /// The rows of the data that have values, and those.
     rows: Vec<usize>,
     values: Vec<Range<usize>>,
-    /// The model's basis and, last, what the model leaves: [`PANEL`] columns together, value by value.
-    panels: Vec<Vec<Line>>,
-    rank: usize,
+    model: &'a Projector,
 }
 
 /// Products of a carrier's columns within rows.
 pub(crate) struct ByCarrier<'a> {
-    model: &'a ByRow<'a>,
+    by_row: &'a ByRow<'a>,
     /// Of each direction with the panels of the model, row by row.
     with_model: Vec<Vec<Vec<Line>>>,
     /// Of each direction with each, row by row.
@@ -39,7 +37,7 @@ pub(crate) struct Driven<'a> {
 }
 
 impl<'a> ByRow<'a> {
-    pub(crate) fn new(linear: &'a Linear, model: &Projector) -> Self {
+    pub(crate) fn new(linear: &'a Linear, model: &'a Projector) -> Self {
         let mut rows: Vec<usize> = linear.rows.clone();
         rows.dedup();
         let mut values: Vec<Range<usize>> = Vec::with_capacity(rows.len());
@@ -47,15 +45,7 @@ impl<'a> ByRow<'a> {
             let from = values.last().map_or(0, |last| last.end);
             values.push(from..from + row.len());
         }
-        let all: Vec<&[f64]> =
-            (0..model.rank()).map(|k| model.direction(k)).chain([model.residual.as_slice()]).collect();
-        let panel = |columns: &[&[f64]]| {
-            let mut lines = Vec::new();
-            lines_of(columns.iter().copied(), linear.values(), &mut lines);
-            lines
-        };
-        let panels = all.chunks(PANEL).map(panel).collect();
-        Self { linear, rows, values, panels, rank: model.rank() }
+        Self { linear, rows, values, model }
     }
 
     /// Products with what a carrier does; one that the linearisation does not have does nothing.
@@ -69,7 +59,7 @@ impl<'a> ByRow<'a> {
                 dispatch!(Level::new(), _simd => within(&self.values, lines, column(direction), &mut sums));
                 sums
             };
-            self.panels.iter().map(panel).collect()
+            self.model.panels().iter().map(panel).collect()
         };
         let own = |direction: usize| {
             let with = |other: usize| {
@@ -82,7 +72,7 @@ impl<'a> ByRow<'a> {
             directions.clone().map(with).collect()
         };
         ByCarrier {
-            model: self,
+            by_row: self,
             with_model: directions.clone().map(with_model).collect(),
             own: directions.clone().map(own).collect(),
         }
@@ -102,7 +92,7 @@ fn within(values: &[Range<usize>], lines: &[Line], column: &[f64], sums: &mut [L
 impl ByCarrier<'_> {
     /// The products of terms' columns with the model, term by term.
     pub(crate) fn products(&self, terms: &[Driven<'_>]) -> Products {
-        let rows = &self.model.rows;
+        let rows = &self.by_row.rows;
         let count = rows.len();
         let mut driving = Vec::with_capacity(count * terms.iter().map(|term| term.per_row).sum::<usize>());
         for term in terms {
@@ -110,7 +100,7 @@ impl ByCarrier<'_> {
                 driving.extend(rows.iter().map(|row| term.values[row * term.per_row + value]));
             }
         }
-        let lines = self.model.rank + 1;
+        let lines = self.by_row.model.rank() + 1;
         let along: Vec<Vec<f64>> = self.with_model.iter().map(|panels| along(panels, &driving, lines)).collect();
         let mut all = Products::default();
         let mut first = 0;
@@ -146,7 +136,7 @@ impl ByCarrier<'_> {
 
     /// Products of the columns of each direction and value with one another, square.
     fn squares(&self, driving: &[f64], per_row: usize) -> Vec<f64> {
-        let (count, directions) = (self.model.rows.len(), self.own.len());
+        let (count, directions) = (self.by_row.rows.len(), self.own.len());
         let width = directions * per_row;
         let mut squares = vec![0.0; width * width];
         for a in 0..directions {

@@ -1,7 +1,9 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
 use crate::identify::gram::{cross_gram, gram_of, subtract};
+use crate::identify::panel::{Line, PANEL, lines_of};
 use denavit_model::nalgebra::{DMatrix, DVector};
+use std::sync::OnceLock;
 
 /// A column of the model that is this nearly a sum of others adds nothing.
 const DEPENDENT: f64 = 1e-9;
@@ -12,6 +14,7 @@ pub const UNSEEN: f64 = 3e-3;
 #[derive(Debug, Clone)]
 pub struct Projector {
     basis: DMatrix<f64>,
+    panels: OnceLock<Vec<Vec<Line>>>,
     /// The residual outside the basis.
     pub residual: DVector<f64>,
     /// Its square.
@@ -30,7 +33,8 @@ pub struct Gain {
 impl Projector {
     /// The basis of these columns together; columns that others imply are left out.
     pub fn new(parts: &[&DMatrix<f64>], residual: &DVector<f64>) -> Self {
-        let none = Self { basis: DMatrix::zeros(residual.len(), 0), residual: DVector::zeros(0), rss: 0.0 };
+        let basis = DMatrix::zeros(residual.len(), 0);
+        let none = Self { basis, panels: OnceLock::new(), residual: DVector::zeros(0), rss: 0.0 };
         none.beside(parts, residual)
     }
 
@@ -60,16 +64,26 @@ impl Projector {
             }
         }
         let basis = basis.columns(0, rank).into_owned();
-        let mut result = Self { basis, residual: residual.clone(), rss: 0.0 };
+        let mut result = Self { basis, panels: OnceLock::new(), residual: residual.clone(), rss: 0.0 };
         take_out(result.basis.as_slice(), result.residual.as_mut_slice());
         result.rss = result.residual.norm_squared();
         result
     }
 
-    /// One of the directions that the model has, of length 1.
-    pub(super) fn direction(&self, index: usize) -> &[f64] {
+    /// The basis and, last, the residual outside it: [`PANEL`] columns together, value by value.
+    pub(super) fn panels(&self) -> &[Vec<Line>] {
         let rows = self.residual.len();
-        &self.basis.as_slice()[index * rows..(index + 1) * rows]
+        let panels = || {
+            let all: Vec<&[f64]> =
+                self.basis.as_slice().chunks_exact(rows.max(1)).chain([self.residual.as_slice()]).collect();
+            let panel = |columns: &[&[f64]]| {
+                let mut lines = Vec::new();
+                lines_of(columns.iter().copied(), rows, &mut lines);
+                lines
+            };
+            all.chunks(PANEL).map(panel).collect()
+        };
+        self.panels.get_or_init(panels)
     }
 
     /// Number of directions that the model has.

@@ -4,6 +4,7 @@ use crate::effects::catalogue::Candidate;
 use crate::effects::driver::{BumpShape, Driver};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
+use crate::trace::by_carrier::{ByCarrier, ByRow};
 use crate::trace::projector::Projector;
 use crate::trace::search::{CandidateScorer, Scored};
 
@@ -21,12 +22,13 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 impl CandidateScorer<'_> {
     /// The candidate with its scanned numbers where it explains most, scored.
     pub fn refined(&self, projector: &Projector, survey: &Survey, candidate: &Candidate) -> Scored {
+        let by_row = ByRow::new(self.linear, projector);
+        let here = by_row.with(candidate.term.carrier);
         let score = |driver: Driver, scanned: usize| {
             let mut tried = candidate.clone();
             tried.term.driver = driver;
             tried.scanned = scanned;
-            let gain = projector.gain_of(&self.columns(&tried.term));
-            self.judged(projector, &tried, gain)
+            self.judged(projector, &tried, self.gain_at(&here, &tried.term))
         };
         let drop = |driver: Driver| score(driver, candidate.scanned).gain.drop;
         match candidate.term.driver.clone() {
@@ -87,7 +89,7 @@ impl CandidateScorer<'_> {
                 let mut at = at;
                 let places = survey.clock.as_ref().map(crate::effects::survey::Clock::all_places).unwrap_or_default();
                 for k in 0..at.len() {
-                    at[k] = self.best_place(projector, candidate, &covariate, &at, k, &places);
+                    at[k] = self.best_place(&here, candidate, &covariate, &at, k, &places);
                 }
                 at.sort_by(f64::total_cmp);
                 let scanned = at.len();
@@ -100,7 +102,7 @@ impl CandidateScorer<'_> {
     /// Where step `k` explains most: among the places within a stretch of the run around it.
     fn best_place(
         &self,
-        projector: &Projector,
+        carrier: &ByCarrier<'_>,
         candidate: &Candidate,
         covariate: &Column,
         at: &[f64],
@@ -119,7 +121,7 @@ impl CandidateScorer<'_> {
             let mut moved = at.to_vec();
             moved[k] = place;
             tried.driver = Driver::Steps { covariate: covariate.clone(), at: moved };
-            let drop = projector.gain_of(&self.columns(&tried)).drop;
+            let drop = self.gain_at(carrier, &tried).drop;
             if drop > best.0 {
                 best = (drop, place);
             }

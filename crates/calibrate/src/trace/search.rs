@@ -30,8 +30,17 @@ pub struct Scored {
     pub gain: Gain,
     /// How much the Bayesian information criterion falls when it is added: positive speaks for it.
     pub delta_bic: f64,
+    /// Degrees of freedom and sum of squares before, and the numbers that it uses.
+    free: f64,
+    rss: f64,
+    used: usize,
+}
+
+impl Scored {
     /// Probability of such a gain by chance, this candidate alone.
-    pub p_value: f64,
+    pub fn p_value(&self) -> f64 {
+        p_value(self.free, self.rss, self.gain, self.used)
+    }
 }
 
 /// What the model can do, with geometry on a loose and on a firm prior: two projectors.
@@ -231,6 +240,13 @@ impl CandidateScorer<'_> {
         (Products::joined(products), alike.into_iter().flat_map(|(_, own)| own).collect())
     }
 
+    /// What a term explains beside the model that the carrier was multiplied with.
+    pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, term: &Term) -> Gain {
+        let values = self.driver_values(term);
+        let driven = Driven { coupling: term.coupling, per_row: term.driver.len(self.statics), values: &values };
+        carrier.products(&[driven]).gains(UNSEEN)[0]
+    }
+
     /// What an effect of the model explains when it is put back.
     pub fn own(&self, projector: &Projector, candidate: &Candidate) -> Scored {
         let gain = projector.gain_of(&self.columns(&candidate.term));
@@ -252,7 +268,9 @@ impl CandidateScorer<'_> {
             candidate: candidate.clone(),
             gain,
             delta_bic: delta_bic(values, projector.rss, gain, used),
-            p_value: p_value(free, projector.rss, gain, used),
+            free,
+            rss: projector.rss,
+            used,
         }
     }
 }

@@ -27,6 +27,8 @@ pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
 pub(crate) const SWAP_GAIN: f64 = 2.0;
 /// Scanned numbers that explain no more than this (χ²) beyond those at hand are the same.
 const SAME_DROP: f64 = 0.1;
+/// States that hold the same kinds and whose criteria differ by less than this are one.
+const SAME: f64 = 0.5;
 /// Changes of one effect for another by fitting both, at the end.
 const MOST_CONTESTS: usize = 3;
 /// No effect of a machine leaves this much in each measured component, m: only a joint that counts another joint's angle with its own.
@@ -149,7 +151,7 @@ impl<'a> Tracer<'a> {
             let Some(next) = self.local(&state) else { break };
             state = next;
         }
-        let (mut scan, mut passes) = (Vec::new(), 0);
+        let (mut scan, mut been) = (Vec::new(), vec![(self.criterion(&state), state.clone())]);
         while state.chosen.len() < self.options.max_effects {
             let linear = self.linear(&state);
             let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
@@ -174,8 +176,18 @@ impl<'a> Tracer<'a> {
             if state.chosen.len() <= before.chosen.len() && same_terms(&state.chosen, &before.chosen) {
                 break;
             }
-            passes += 1;
-            if passes > 3 * self.options.max_effects {
+            let now = self.criterion(&state);
+            let here = |(criterion, other): &(f64, State)| (criterion - now).abs() < SAME && alike(other, &state);
+            if let Some(first) = been.iter().position(here) {
+                // In a circle terms come and go: the state with the fewest, of these the best.
+                let order = |a: &&(f64, State), b: &&(f64, State)| {
+                    a.1.chosen.len().cmp(&b.1.chosen.len()).then(a.0.total_cmp(&b.0))
+                };
+                state = been[first..].iter().min_by(order).map_or(state, |(_, least)| least.clone());
+                break;
+            }
+            been.push((now, state.clone()));
+            if been.len() > 3 * self.options.max_effects {
                 break;
             }
         }
@@ -320,7 +332,7 @@ impl<'a> Tracer<'a> {
 
     /// Beyond chance, with the whole search counted.
     pub(crate) fn passes(&self, scored: &Scored) -> bool {
-        scored.delta_bic > LEAST_DELTA_BIC && self.corrected(scored.p_value) < self.options.false_claims
+        scored.delta_bic > LEAST_DELTA_BIC && self.corrected(scored.p_value()) < self.options.false_claims
     }
 
     /// A probability with the whole search counted.
@@ -485,6 +497,16 @@ impl<'a> Tracer<'a> {
 
 pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
+}
+
+/// Whether two states hold the same kinds at the same places.
+fn alike(a: &State, b: &State) -> bool {
+    let mut left: Vec<(Kind, Carrier)> = b.chosen.iter().map(|one| (one.term.kind, one.term.carrier)).collect();
+    let known = a.chosen.iter().all(|one| {
+        let place = left.iter().position(|other| *other == (one.term.kind, one.term.carrier));
+        place.map(|place| left.swap_remove(place)).is_some()
+    });
+    known && left.is_empty()
 }
 
 /// Steps that act at one place are one effect with several steps.
