@@ -16,6 +16,7 @@ use crate::trace::search::{CandidateScorer, p_value};
 use crate::trace::select::Tracer;
 use denavit_model::nalgebra::DMatrix;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Periods per joint range of the waves that make a smooth function of one joint.
 const WAVES: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
@@ -82,7 +83,7 @@ pub(crate) struct Block {
     pub(crate) carrier: Carrier,
     variables: Vec<Variable>,
     /// Values row by row, so many per row.
-    values: Vec<f64>,
+    values: Arc<[f64]>,
     per_row: usize,
 }
 
@@ -277,7 +278,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
     for (variables, values) in functions {
         let per_row = values.first().map_or(0, Vec::len);
-        let flat: Vec<f64> = values.into_iter().flatten().collect();
+        let flat: Arc<[f64]> = values.into_iter().flatten().collect();
         let recorded = matches!(variables[0], Variable::Recorded(_));
         let carriers = moving.iter().map(|&joint| Carrier::Joint(joint)).chain(recorded.then_some(Carrier::Base));
         // Where one arm errs the other's readings have no part.

@@ -101,8 +101,8 @@ pub(crate) fn trace(
     let Judgement { members: judged, open } = if proposed.is_empty() {
         Judgement::default()
     } else {
-        let structures = near.iter().map(|near| remains(tracer, &near.fit).blocks);
-        let structures: Vec<Vec<Block>> = structures.filter(|blocks| !blocks.is_empty()).collect();
+        let structures = in_parallel(&near, |near| remains(tracer, &near.fit).blocks);
+        let structures: Vec<Vec<Block>> = structures.into_iter().filter(|blocks| !blocks.is_empty()).collect();
         let state = near.get(1).unwrap_or(&near[0]);
         let others = other_rows((&tracers, &thinnings), &structures, data, &curves.fit);
         let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
