@@ -24,6 +24,7 @@ use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
 pub use self::rows::HeldCurve;
 use self::rows::Prepared;
 use crate::identify::solve::Fit;
+use crate::identify::threads::{in_parallel, on_this_thread};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{DMatrix, Vector3};
@@ -188,6 +189,11 @@ fn is_level(source: &Source) -> bool {
     matches!(source.place, Place::Level(_))
 }
 
+/// What is asked of so many sources, each on a thread of its own: one takes many small pieces of work.
+fn for_each<R: Send>(count: usize, asked: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    in_parallel(&(0..count).collect::<Vec<usize>>(), |&source| on_this_thread(|| asked(source)))
+}
+
 /// The sources' variances, intervals and claims; and the variances of the model without what goes for nothing.
 ///
 /// A claim is asked of all sources together. Sizes and intervals are those of the model without what goes for nothing, which has room for
@@ -207,8 +213,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     let together = together(sources, &joints);
     let tried = count - levels + usize::from(together.is_some());
     let limit = FALSE_CLAIMS / tried as f64;
-    let mut p_values: Vec<Option<f64>> =
-        (0..count).map(|k| (!is_level(&sources[k])).then(|| full.without(k))).collect();
+    let mut p_values: Vec<Option<f64>> = for_each(count, |k| (!is_level(&sources[k])).then(|| full.without(k)));
     let mut claimed: Vec<bool> = p_values.iter().map(|p_value| p_value.is_none_or(|p_value| p_value < limit)).collect();
     let mut sources = sources.to_vec();
     let mut model = full.kept(&claimed);
@@ -232,7 +237,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     let open = reml.slope(&model.tied.variances(&model.best.numbers))?;
     let beside = Beside { open: &open, together: all_alike.as_ref() };
     let component = |k: usize| model.component(k, &sources[k], &beside, claimed[k], p_values[k]);
-    let mut components: Vec<Component> = (0..sources.len()).map(component).collect();
+    let mut components: Vec<Component> = for_each(sources.len(), component);
     // What is not claimed does not stand in for a level either.
     let open: Vec<usize> = (0..count).filter(|&k| is_level(&sources[k]) && !components[k].claimed).collect();
     if !open.is_empty()
