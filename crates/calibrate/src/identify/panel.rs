@@ -80,3 +80,43 @@ fn sums<S: Simd, const R: usize, const N: usize>(simd: S, rows: [&[f64]; R], lin
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    /// Vectors of the machine as it is, and, where it has them, those of half and of a quarter of its width.
+    fn levels() -> Vec<Level> {
+        let native = Level::new();
+        #[cfg(target_arch = "x86_64")]
+        let others = [native.as_avx2().map(Level::Avx2), native.as_sse4_2().map(Level::Sse4_2)];
+        #[cfg(not(target_arch = "x86_64"))]
+        let others = [None; 2];
+        std::iter::once(native).chain(others.into_iter().flatten()).collect()
+    }
+
+    #[test]
+    fn sums_are_those_of_the_products_written_out_whatever_the_vectors() {
+        let cell = |k: usize| (k as f64 * 0.83).sin();
+        for (count, depth, columns) in [(1, 1, 16), (11, 40, 16), (20, 7, 5), (3, 0, 2)] {
+            let stride = depth + 3;
+            let rows: Vec<f64> = (0..(count - 1) * stride + depth.max(1)).map(cell).collect();
+            let own: Vec<f64> = (0..columns * depth.max(1)).map(|k| cell(k + 9)).collect();
+            let mut lines = Vec::new();
+            lines_of(own.chunks_exact(depth.max(1)), depth, &mut lines);
+            for level in levels() {
+                let mut taken = 0;
+                dispatch!(level, simd => each_sum(simd, &rows, stride, &lines, |row, sums| {
+                    taken += 1;
+                    for (column, found) in sums.iter().enumerate() {
+                        let product = |k: usize| rows[row * stride + k] * own[column * depth + k];
+                        let sum: f64 = if column < columns { (0..depth).map(product).sum() } else { 0.0 };
+                        assert!((found - sum).abs() < 1e-12, "{level:?} {row} {column}");
+                    }
+                }));
+                assert_eq!(taken, count);
+            }
+        }
+    }
+}

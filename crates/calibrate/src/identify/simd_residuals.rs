@@ -455,7 +455,7 @@ mod tests {
         fn perturb(&self, _row: Row<'_>, _arm: &Arm, _standing: &mut (), _out: &mut Perturbation) -> bool {
             false
         }
-        fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
+        fn sensitivities(&self, _: Row<'_>, _: &Arm, (): &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
         fn stepped(&self, _step: &[f64]) -> Self {
             Self
         }

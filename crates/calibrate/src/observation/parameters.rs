@@ -602,7 +602,7 @@ impl Effects for NoEffects {
         false
     }
 
-    fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
+    fn sensitivities(&self, _: Row<'_>, _: &Arm, (): &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
 
     fn stepped(&self, _step: &[f64]) -> Self {
         *self

@@ -190,7 +190,9 @@ impl Statics {
         let given_way = |reached: &mut Pose, slot: usize| {
             // Most joints give way by nothing.
             let by = perturbation.map(|perturbation| &perturbation.twists[slot]).filter(|by| by.amax() > 0.0);
-            by.into_iter().for_each(|by| *reached *= se3::exp(by));
+            if let Some(by) = by {
+                *reached *= se3::exp(by);
+            }
         };
         let mut last = None;
         for (index, motion) in motions.iter().enumerate() {
