@@ -101,14 +101,14 @@ impl ByCarrier<'_> {
             }
         }
         let lines = self.by_row.model.rank() + 1;
-        let along: Vec<Vec<f64>> = self.with_model.iter().map(|panels| along(panels, &driving, lines)).collect();
+        let products: Vec<Vec<f64>> = self.with_model.iter().map(|panels| along(panels, &driving, lines)).collect();
         let mut all = Products::default();
         let mut first = 0;
         for term in terms {
             let own = first..first + term.per_row;
             first = own.end;
             let driving = &driving[own.start * count..own.end * count];
-            let of = |direction: usize, value: usize| &along[direction][(own.start + value) * lines..][..lines];
+            let of = |direction: usize, value: usize| &products[direction][(own.start + value) * lines..][..lines];
             match term.coupling {
                 Coupling::Each => {
                     let columns: Vec<&[f64]> = (0..self.with_model.len())
@@ -167,4 +167,43 @@ fn along(panels: &[Vec<Line>], columns: &[f64], lines: usize) -> Vec<f64> {
         }));
     }
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::apply::simulate::{SimulationOptions, simulate};
+    use crate::effects::driver::Statics;
+    use crate::effects::survey::with_run_order;
+    use crate::identify::{IdentifyOptions, identify};
+    use crate::observation::kinds::{POSE, POSITION};
+    use crate::observation::parameters::NoEffects;
+    use crate::trace::TraceOptions;
+    use crate::trace::select::Tracer;
+    use denavit_model::examples;
+
+    /// Every candidate of the catalogue, with outliers whose rows are left out, beside a model with an effect of its own.
+    #[test]
+    fn products_within_rows_are_those_of_the_columns_written_out() {
+        for (chain, kind) in [(examples::puma_like(), POSE), (examples::rail_arm(), POSITION)] {
+            let options = SimulationOptions { kind, rows: 60, targets: 2, outliers: 0.05, ..Default::default() };
+            let data = with_run_order(simulate(&chain, &options, &NoEffects).data);
+            let statics = Statics::of_chain(&chain);
+            let options = TraceOptions::new(IdentifyOptions::axes(&chain));
+            let geometric = identify(&chain, &data, &options.identify).geometric;
+            let tracer = Tracer::new(&statics, &data, &geometric, &options);
+            let state = tracer.refitted(vec![tracer.candidates[7].clone()], None);
+            let linear = tracer.linear(&state);
+            let (scorer, projector) = (tracer.scorer(linear), linear.loose());
+            let mut seen = 0;
+            for scored in tracer.scored(&state, projector) {
+                let written = projector.gain_of(&scorer.columns(&scored.candidate.term));
+                let name = format!("{:?}", scored.candidate.term);
+                assert_eq!(scored.gain.rank, written.rank, "{name}");
+                let off = (scored.gain.drop - written.drop).abs();
+                assert!(off < 1e-6 * (1.0 + written.drop), "{name}: {} {}", scored.gain.drop, written.drop);
+                seen += written.rank;
+            }
+            assert!(seen > tracer.candidates.len() / 2, "{seen} of {}", tracer.candidates.len());
+        }
+    }
 }
