@@ -36,6 +36,18 @@ pub(crate) struct Driven<'a> {
     pub(crate) values: &'a [f64],
 }
 
+/// The places of what acts at the same carrier, carrier by carrier.
+pub(crate) fn alike(carriers: impl Iterator<Item = Carrier>) -> Vec<(Carrier, Vec<usize>)> {
+    let mut alike: Vec<(Carrier, Vec<usize>)> = Vec::new();
+    for (place, carrier) in carriers.enumerate() {
+        match alike.iter_mut().find(|(known, _)| *known == carrier) {
+            Some((_, own)) => own.push(place),
+            None => alike.push((carrier, vec![place])),
+        }
+    }
+    alike
+}
+
 impl<'a> ByRow<'a> {
     pub(crate) fn new(linear: &'a Linear, model: &'a Projector) -> Self {
         let mut rows: Vec<usize> = linear.rows.clone();

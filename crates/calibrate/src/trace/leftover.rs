@@ -8,7 +8,7 @@ use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
 use crate::observation::measurements::Column;
-use crate::trace::by_carrier::{ByRow, Driven};
+use crate::trace::by_carrier::{ByRow, Driven, alike};
 use crate::trace::infer::field::Place;
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector};
@@ -160,24 +160,18 @@ pub(crate) fn of_these_rows(
 /// Probability and gain of each open block.
 fn gains(linear: &Linear, projector: &Projector, blocks: &[Block], open: &[usize]) -> Vec<(f64, Gain, usize)> {
     let free = (linear.residual.len() - projector.rank()) as f64;
-    let mut carriers: Vec<Carrier> = Vec::new();
-    for carrier in open.iter().map(|&index| blocks[index].carrier) {
-        if !carriers.contains(&carrier) {
-            carriers.push(carrier);
-        }
-    }
     let by_row = ByRow::new(linear, projector);
-    let of_carrier = |carrier: &Carrier| {
-        let own: Vec<usize> = open.iter().copied().filter(|&index| blocks[index].carrier == *carrier).collect();
-        let terms: Vec<Driven<'_>> = own.iter().map(|&index| blocks[index].driven()).collect();
+    let of_carrier = |(carrier, own): &(Carrier, Vec<usize>)| {
+        let terms: Vec<Driven<'_>> = own.iter().map(|&place| blocks[open[place]].driven()).collect();
         let gains = by_row.with(*carrier).products(&terms).gains(SEEN);
-        let judged = |(index, gain): (usize, Gain)| (p_value(free, projector.rss, gain, gain.rank), gain, index);
-        own.into_iter().zip(gains).map(judged).collect::<Vec<_>>()
+        let judged = |(&place, gain): (&usize, Gain)| (place, (p_value(free, projector.rss, gain, gain.rank), gain));
+        own.iter().zip(gains).map(judged).collect::<Vec<_>>()
     };
-    let mut found: Vec<(f64, Gain, usize)> = in_parallel(&carriers, of_carrier).into_iter().flatten().collect();
+    let alike = alike(open.iter().map(|&index| blocks[index].carrier));
+    let mut found: Vec<(usize, (f64, Gain))> = in_parallel(&alike, of_carrier).into_iter().flatten().collect();
     // In the order that they were asked for: of two that do as well the first is the better.
-    found.sort_by_key(|(_, _, index)| open.iter().position(|other| other == index));
-    found
+    found.sort_by_key(|(place, _)| *place);
+    found.into_iter().map(|(place, (p_value, gain))| (p_value, gain, open[place])).collect()
 }
 
 impl Variable {

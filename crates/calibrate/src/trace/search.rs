@@ -9,7 +9,7 @@ use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
 use crate::trace::ScanCell;
-use crate::trace::by_carrier::{ByCarrier, ByRow, Driven};
+use crate::trace::by_carrier::{ByCarrier, ByRow, Driven, alike};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Products, Projector, UNSEEN};
 use crate::trace::select::{State, Tracer};
@@ -147,11 +147,7 @@ pub(crate) fn driven(data: &Measurements, statics: &Statics, candidates: &[Candi
 impl CandidateScorer<'_> {
     /// The term's columns in units of the noise, appended to `out`; returns how many.
     pub fn columns_into(&self, term: &Term, out: &mut Vec<f64>) -> usize {
-        self.driven_into(term, &self.driver_values(term), out)
-    }
-
-    /// The same where what drives the term is known, row by row.
-    fn driven_into(&self, term: &Term, values: &[f64], out: &mut Vec<f64>) -> usize {
+        let values = self.driver_values(term);
         let Some(carrier) = self.linear.columns_of(term.carrier) else { return 0 };
         let count = term.driver.len(self.statics);
         let total = self.linear.residual.len();
@@ -212,13 +208,7 @@ impl CandidateScorer<'_> {
     /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known. In the second place
     /// the candidate that each block is of.
     fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> (Products, Vec<usize>) {
-        let mut alike: Vec<(Carrier, Vec<usize>)> = Vec::new();
-        for (index, carrier) in candidates.iter().map(|candidate| candidate.term.carrier).enumerate() {
-            match alike.iter_mut().find(|(known, _)| *known == carrier) {
-                Some((_, own)) => own.push(index),
-                None => alike.push((carrier, vec![index])),
-            }
-        }
+        let alike = alike(candidates.iter().map(|candidate| candidate.term.carrier));
         let by_row = ByRow::new(self.linear, model);
         let known = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
             [] => Cow::Owned(self.driver_values(&candidates[index].term)),

@@ -321,11 +321,11 @@ impl Contest<'_> {
         let own = self.asked(set);
         let others: Vec<Asked> = members.iter().map(|&member| self.asked(&[member])).collect();
         let at_ground = |ground: &Ground| -> Vec<f64> {
-            let mut best = vec![f64::NEG_INFINITY; others.len()];
+            let (mut best, mut room) = (vec![f64::NEG_INFINITY; others.len()], Vec::new());
             for width in WIDTHS {
                 let Some(taken) = own.taken(ground, width) else { continue };
                 for (best, other) in best.iter_mut().zip(&others) {
-                    *best = best.max(taken.with(other));
+                    *best = best.max(taken.with(other, &mut room));
                 }
             }
             best.iter()
@@ -466,32 +466,45 @@ impl Asked {
 
     /// The same with a prior of this width.
     fn at_width(&self, ground: &Ground, width: f64, room: &mut Vec<f64>) -> f64 {
+        let of = |i: usize| self.columns[i];
+        let product = |i: usize, k: usize| ground.schur[of(i) * ground.width + of(k)];
+        let explained = self.explained(width, product, |i| ground.right[of(i)], room);
+        explained.map_or(f64::NEG_INFINITY, |(drop, log_determinant)| ground.score(drop, log_determinant) + self.odds)
+    }
+
+    /// How much the columns explain, and log |S + P| - log |P|, of what these closures give of S and r; none where the system is not positive.
+    fn explained(
+        &self,
+        width: f64,
+        product: impl Fn(usize, usize) -> f64,
+        right: impl Fn(usize) -> f64,
+        room: &mut Vec<f64>,
+    ) -> Option<(f64, f64)> {
         // Cholesky's factor of S + P, row by row, and L⁻¹ r behind it.
         let count = self.columns.len();
         room.clear();
         room.resize(count * (count + 1), 0.0);
         let (rows, halves) = room.split_at_mut(count * count);
         let (mut drop, mut log_determinant) = (0.0, 0.0);
-        for (i, &own) in self.columns.iter().enumerate() {
+        for i in 0..count {
             let precision = self.precision(i, width);
             let (before, row) = rows.split_at_mut(i * count);
             let row = &mut row[..count];
-            let cells = &ground.schur[own * ground.width..(own + 1) * ground.width];
             for (k, earlier) in before.chunks_exact(count).enumerate() {
                 let known: f64 = row[..k].iter().zip(&earlier[..k]).map(|(a, b)| a * b).sum();
-                row[k] = (cells[self.columns[k]] - known) / earlier[k];
+                row[k] = (product(i, k) - known) / earlier[k];
             }
-            let left = cells[own] + precision - row[..i].iter().map(|cell| cell * cell).sum::<f64>();
+            let left = product(i, i) + precision - row[..i].iter().map(|cell| cell * cell).sum::<f64>();
             if left <= 0.0 {
-                return f64::NEG_INFINITY;
+                return None;
             }
             row[i] = left.sqrt();
             let known: f64 = row[..i].iter().zip(&halves[..i]).map(|(a, b)| a * b).sum();
-            halves[i] = (ground.right[own] - known) / row[i];
+            halves[i] = (right(i) - known) / row[i];
             drop += halves[i] * halves[i];
-            log_determinant += left.ln() - precision.ln();
+            log_determinant += (left / precision).ln();
         }
-        ground.score(drop, log_determinant) + self.odds
+        Some((drop, log_determinant))
     }
 }
 
@@ -539,52 +552,27 @@ impl Asked {
             }
             taken.shares.extend(share);
             taken.drop += half * half;
-            taken.log_determinant += left.ln() - precision.ln();
+            taken.log_determinant += (left / precision).ln();
         }
         Some(taken)
     }
 }
 
 impl Taken<'_> {
-    /// The score with more columns beside the set, but for prior odds.
-    fn with(&self, other: &Asked) -> f64 {
-        let (mut drop, mut log_determinant) = (self.drop, self.log_determinant);
-        if let [own] = other.columns[..] {
-            let precision = other.precision(0, self.width);
-            let left = self.square[own] + precision;
-            if left <= 0.0 {
-                return f64::NEG_INFINITY;
+    /// The score with more columns beside the set, but for prior odds; `room` is used again.
+    fn with(&self, other: &Asked, room: &mut Vec<f64>) -> f64 {
+        let (all, of) = (self.ground.width, |i: usize| other.columns[i]);
+        let product = |i: usize, k: usize| {
+            if i == k {
+                return self.square[of(i)];
             }
-            drop += self.right[own].powi(2) / left;
-            log_determinant += (left / precision).ln();
-            return self.ground.score(drop, log_determinant);
-        }
-        let (all, count) = (self.ground.width, other.columns.len());
-        let mut factor = vec![0.0; count * count];
-        let mut halves = Vec::with_capacity(count);
-        for (i, &own) in other.columns.iter().enumerate() {
-            let precision = other.precision(i, self.width);
-            for (k, &before) in other.columns[..=i].iter().enumerate() {
-                let shared: f64 = self.shares.chunks_exact(all).map(|share| share[own] * share[before]).sum();
-                let known: f64 = (0..k).map(|j| factor[i * count + j] * factor[k * count + j]).sum();
-                let left = self.ground.schur[own * all + before] - shared - known;
-                if k < i {
-                    factor[i * count + k] = left / factor[k * count + k];
-                    continue;
-                }
-                let left = left + precision;
-                if left <= 0.0 {
-                    return f64::NEG_INFINITY;
-                }
-                factor[i * count + i] = left.sqrt();
-                log_determinant += (left / precision).ln();
-            }
-            let known: f64 = (0..i).map(|j| factor[i * count + j] * halves[j]).sum();
-            let half = (self.right[own] - known) / factor[i * count + i];
-            halves.push(half);
-            drop += half * half;
-        }
-        self.ground.score(drop, log_determinant)
+            let shared: f64 = self.shares.chunks_exact(all).map(|share| share[of(i)] * share[of(k)]).sum();
+            self.ground.schur[of(i) * all + of(k)] - shared
+        };
+        let explained = other.explained(self.width, product, |i| self.right[of(i)], room);
+        explained.map_or(f64::NEG_INFINITY, |(drop, log_determinant)| {
+            self.ground.score(self.drop + drop, self.log_determinant + log_determinant)
+        })
     }
 }
 
