@@ -52,8 +52,8 @@ pub struct Sums {
 const BLOCKS: usize = 64;
 /// No block is smaller than this many rows, unless there are fewer.
 const LEAST_ROWS: usize = 32;
-/// Fewer rows are done before a thread has started.
-const ROWS_FOR_THREADS: usize = 256;
+/// Fewer measured values are done before a thread has started.
+const VALUES_FOR_THREADS: usize = 768;
 
 impl<E: Effects> ResidualModel<'_, E> {
     /// Residuals and normal equations at this state of the arm.
@@ -73,7 +73,7 @@ impl<E: Effects> ResidualModel<'_, E> {
             blocks.push((of, own));
             rest = others;
         }
-        let threads = if rows < ROWS_FOR_THREADS { 1 } else { available().min(blocks.len()) };
+        let threads = if self.data.values() < VALUES_FOR_THREADS { 1 } else { available().min(blocks.len()) };
         let start = || self.scratch(arm);
         let done = dealt(blocks.into_iter(), threads, start, |scratch, (rows, squares)| {
             self.block(arm, weights, rows, squares, scratch)

@@ -3,6 +3,7 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::Driver;
+use crate::identify::threads::in_parallel;
 use crate::trace::search::handicap;
 use crate::trace::select::{SWAP_GAIN, State, Tracer};
 use std::ops::Range;
@@ -21,15 +22,14 @@ impl Tracer<'_> {
     /// near are fitted, and the fits compared. `contested`: indices of the effects in question.
     pub(crate) fn contested(&self, state: &State, contested: Range<usize>) -> Option<State> {
         let had = self.criterion(state);
-        let mut best: Option<(f64, State)> = None;
-        let others = self.contenders(state, contested).into_iter().chain(with_steps_elsewhere(&state.chosen));
-        for chosen in others {
-            let next = self.refitted(chosen, Some(state));
-            let found = self.criterion(&next);
-            if found < had - SWAP_GAIN && best.as_ref().is_none_or(|(least, _)| found < *least) {
-                best = Some((found, next));
-            }
-        }
+        let mut others = self.contenders(state, contested);
+        others.extend(with_steps_elsewhere(&state.chosen));
+        let fitted = in_parallel(&others, |chosen| {
+            let next = self.refitted(chosen.clone(), Some(state));
+            (self.criterion(&next), next)
+        });
+        let better = fitted.into_iter().filter(|(found, _)| *found < had - SWAP_GAIN);
+        let best = better.min_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, next)| self.rescanned(next))
     }
 

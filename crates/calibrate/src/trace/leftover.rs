@@ -1,12 +1,12 @@
 //! What is left when every entry of the catalogue has been tried: structure, and where.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::catalogue::Kind;
-use crate::effects::driver::Driver;
-use crate::effects::model::{Coupling, Term};
+use crate::effects::driver::{Conditions, Driver, Posture};
+use crate::effects::model::Coupling;
 use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::threads::in_parallel;
+use crate::observation::arm::Row;
 use crate::observation::measurements::Column;
 use crate::trace::by_carrier::{ByRow, Driven, alike};
 use crate::trace::infer::field::Place;
@@ -101,14 +101,14 @@ pub fn carriers(survey: &Survey) -> Vec<Carrier> {
 /// Tests every block against the model, takes the best, and again, until nothing is left.
 pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
     let linear = scorer.linear;
-    let blocks = blocks(tracer, scorer);
+    let blocks = tracer.blocks();
     let tests = blocks.len() as f64;
     let mut open: Vec<usize> = (0..blocks.len()).collect();
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
+    let mut projector = linear.loose().beside(&[&linear.effects], &linear.residual);
     let mut leftover = Leftover::default();
     for round in 0..MOST_BLOCKS {
-        let projector = linear.loose().beside(&[&linear.effects, &taken], &linear.residual);
-        let mut scored = gains(linear, &projector, &blocks, &open);
+        let mut scored = gains(linear, &projector, blocks, &open);
         // By how far each is beyond chance: probabilities of strong structure all round to zero.
         let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
         scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
@@ -137,6 +137,7 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
             }
         }
         let (columns, before) = (block.columns(scorer), taken.ncols());
+        projector = projector.beside(&[&columns], &linear.residual);
         taken = taken.resize_horizontally(before + columns.ncols(), 0.0);
         taken.columns_mut(before, columns.ncols()).copy_from(&columns);
     }
@@ -145,14 +146,9 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
 }
 
 /// These structures as the tracer's rows have them.
-pub(crate) fn of_these_rows(
-    tracer: &Tracer<'_>,
-    scorer: &CandidateScorer<'_>,
-    structures: &[Vec<Block>],
-) -> Vec<Vec<Block>> {
-    let all = blocks(tracer, scorer);
+pub(crate) fn of_these_rows(tracer: &Tracer<'_>, structures: &[Vec<Block>]) -> Vec<Vec<Block>> {
     let same = |wanted: &Block| {
-        all.iter().find(|block| block.carrier == wanted.carrier && block.variables == wanted.variables).cloned()
+        tracer.blocks().iter().find(|block| block.carrier == wanted.carrier && block.variables == wanted.variables).cloned()
     };
     structures.iter().map(|structure| structure.iter().filter_map(same).collect()).collect()
 }
@@ -223,7 +219,8 @@ impl Block {
     }
 }
 
-fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
+/// Every function of one or two variables that may be left: they hang on the data alone.
+pub(super) fn blocks(tracer: &Tracer<'_>) -> Vec<Block> {
     let survey = &tracer.survey;
     let rows = tracer.data.len();
     let moving: Vec<usize> = survey.moving().collect();
@@ -256,7 +253,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
         if told_by_order(column.name()) {
             continue;
         }
-        if let Some(values) = pieces(tracer, scorer, column) {
+        if let Some(values) = pieces(tracer, column) {
             functions.push((vec![Variable::Recorded(column.name().to_owned())], values));
         }
     }
@@ -289,7 +286,7 @@ fn blocks(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Vec<Block> {
 }
 
 /// Straight pieces over a recorded quantity, knots where its values lie.
-fn pieces(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>, column: &Column) -> Option<Vec<Vec<f64>>> {
+fn pieces(tracer: &Tracer<'_>, column: &Column) -> Option<Vec<Vec<f64>>> {
     let recorded = |row: usize| tracer.data.covariates.row(row).value(column);
     let mut sorted: Vec<f64> = (0..tracer.data.len()).map(recorded).collect();
     sorted.sort_by(f64::total_cmp);
@@ -299,7 +296,11 @@ fn pieces(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>, column: &Column) ->
         return None;
     }
     let driver = Driver::Smooth { covariate: column.clone(), knots };
-    let term = Term { kind: Kind::Drift, carrier: Carrier::Base, driver, coupling: Coupling::Each };
-    let count = term.driver.len(scorer.statics);
-    Some(scorer.driver_values(&term).chunks(count).map(<[f64]>::to_vec).collect())
+    let values = |row: usize| {
+        let mut values = Vec::new();
+        let conditions = Conditions::of(Row::new(tracer.data, row));
+        driver.values_into(tracer.statics, &conditions, &Posture::default(), &mut values);
+        values
+    };
+    Some((0..tracer.data.len()).map(values).collect())
 }

@@ -6,6 +6,7 @@ use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
+use crate::identify::threads::{available, in_parallel, on_this_thread};
 use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::{DISTANCE, POSE, POSITION};
@@ -13,7 +14,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
-use crate::trace::leftover::{self, Leftover};
+use crate::trace::leftover::{self, Block, Leftover};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
 use crate::trace::search::{CandidateScorer, Linearised, Projectors, Scored, carriers_of, driven};
@@ -58,6 +59,8 @@ pub struct Tracer<'a> {
     pub(crate) candidates: Vec<Candidate>,
     /// What drives each of them, see [`driven`].
     driven: OnceLock<Vec<Vec<f64>>>,
+    /// What may be left that no entry explains.
+    blocks: OnceLock<Vec<Block>>,
     carriers: Vec<Carrier>,
 }
 
@@ -135,12 +138,17 @@ impl<'a> Tracer<'a> {
                 carriers.push(carrier);
             }
         }
-        Self { data, statics, options, geometric, survey, candidates, driven: OnceLock::new(), carriers }
+        Self { data, statics, options, geometric, survey, candidates, driven: OnceLock::new(), blocks: OnceLock::new(), carriers }
     }
 
     /// What drives each candidate, see [`driven`].
     pub(crate) fn driven(&self) -> &[Vec<f64>] {
         self.driven.get_or_init(|| driven(self.data, self.statics, &self.candidates))
+    }
+
+    /// Functions of one or two variables that what no entry explains is written as.
+    pub(crate) fn blocks(&self) -> &[Block] {
+        self.blocks.get_or_init(|| leftover::blocks(self))
     }
 
     /// The terms that are worth being judged: a search step by step, from geometry alone.
@@ -314,17 +322,18 @@ impl<'a> Tracer<'a> {
         let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
         order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         let mut seen: Vec<(Kind, Carrier)> = Vec::new();
-        let mut leaders = Vec::new();
+        let mut leaders: Vec<&Candidate> = Vec::new();
         for scored in order {
             let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
             if !seen.contains(&key) {
                 seen.push(key);
-                leaders.push(scorer.refined(&projectors.loose, &self.survey, &scored.candidate));
+                leaders.push(&scored.candidate);
             }
             if leaders.len() == REFINED {
                 break;
             }
         }
+        let leaders = in_parallel(&leaders, |leader| scorer.refined(&projectors.loose, &self.survey, leader));
         let firm = |scored: &Scored| scorer.firm_bic(projectors, &scored.candidate);
         let judged = leaders.into_iter().filter(|scored| self.passes(scored)).map(|scored| (firm(&scored), scored));
         judged.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, scored)| scored)
@@ -409,27 +418,36 @@ impl<'a> Tracer<'a> {
 
     /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
     fn improved(&self, state: &State) -> Option<State> {
-        let linear = self.linear(state);
-        let scorer = self.scorer(linear);
-        for index in 0..state.chosen.len() {
-            let projectors = state.without(linear, &[index]);
-            let own = scorer.own(&projectors.loose, &state.chosen[index]);
-            if own.delta_bic < LEAST_DELTA_BIC {
-                let mut chosen = state.chosen.clone();
-                chosen.remove(index);
-                return Some(self.followed(chosen, state));
-            }
-            let scored = self.scored(state, &projectors.loose);
-            let Some(best) = self.best(&scorer, &projectors, &scored) else { continue };
-            let (found, had) =
-                (scorer.firm_bic(&projectors, &best.candidate), scorer.firm_bic(&projectors, &state.chosen[index]));
-            if found > had + SWAP_GAIN && best.candidate.term != state.chosen[index].term {
-                let mut chosen = state.chosen.clone();
-                chosen[index] = best.candidate;
+        // The first that is for the better is made: so many are looked at together as there are threads.
+        let effects: Vec<usize> = (0..state.chosen.len()).collect();
+        for some in effects.chunks(available()) {
+            let changed = in_parallel(some, |&index| on_this_thread(|| self.changed(state, index)));
+            if let Some(chosen) = changed.into_iter().flatten().next() {
                 return Some(self.followed(chosen, state));
             }
         }
-        self.merged(state, &scorer)
+        self.merged(state, &self.scorer(self.linear(state)))
+    }
+
+    /// The terms without an effect that is not needed, or with a better one in its place.
+    fn changed(&self, state: &State, index: usize) -> Option<Vec<Candidate>> {
+        let linear = self.linear(state);
+        let scorer = self.scorer(linear);
+        let projectors = state.without(linear, &[index]);
+        let own = scorer.own(&projectors.loose, &state.chosen[index]);
+        let mut chosen = state.chosen.clone();
+        if own.delta_bic < LEAST_DELTA_BIC {
+            chosen.remove(index);
+            return Some(chosen);
+        }
+        let scored = self.scored(state, &projectors.loose);
+        let best = self.best(&scorer, &projectors, &scored)?;
+        let bic = |candidate: &Candidate| scorer.firm_bic(&projectors, candidate);
+        if best.candidate.term == chosen[index].term || bic(&best.candidate) <= bic(&chosen[index]) + SWAP_GAIN {
+            return None;
+        }
+        chosen[index] = best.candidate;
+        Some(chosen)
     }
 
     /// Several effects at one place where a single candidate does as well.
@@ -475,18 +493,16 @@ impl<'a> Tracer<'a> {
             if !leftover.structured || state.chosen.is_empty() {
                 return (state, leftover);
             }
-            let mut weakest: Option<(f64, usize)> = None;
-            for index in 0..state.chosen.len() {
+            let beside_structure = linear.loose().beside(&[&leftover.columns], &linear.residual);
+            let effects: Vec<usize> = (0..state.chosen.len()).collect();
+            let spurious = in_parallel(&effects, |&index| {
                 let (others, residual) = state.parts(linear, &[index]);
-                let others = linear.loose().beside(&[&others], &residual);
-                let alone = scorer.own(&others, &state.chosen[index]);
-                let own = scorer.own(&others.beside(&[&leftover.columns], &residual), &state.chosen[index]);
-                let beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
-                let spurious = beside || alone.gain.drop < SPURIOUS * leftover.drop;
-                if spurious && weakest.is_none_or(|(least, _)| own.delta_bic < least) {
-                    weakest = Some((own.delta_bic, index));
-                }
-            }
+                let alone = scorer.own(&linear.loose().beside(&[&others], &residual), &state.chosen[index]);
+                let own = scorer.own(&beside_structure.beside(&[&others], &residual), &state.chosen[index]);
+                let nothing_beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
+                (nothing_beside || alone.gain.drop < SPURIOUS * leftover.drop).then_some((own.delta_bic, index))
+            });
+            let weakest = spurious.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, index)) = weakest else { return (state, leftover) };
             let mut chosen = state.chosen.clone();
             chosen.remove(index);

@@ -104,7 +104,7 @@ pub(crate) fn trace(
         let structures = in_parallel(&near, |near| remains(tracer, &near.fit).blocks);
         let structures: Vec<Vec<Block>> = structures.into_iter().filter(|blocks| !blocks.is_empty()).collect();
         let state = near.get(1).unwrap_or(&near[0]);
-        let others = other_rows((&tracers, &thinnings), &structures, data, &curves.fit);
+        let others = other_rows(&tracers, &structures);
         let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
         let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
         let question = Question {
@@ -153,19 +153,13 @@ pub(crate) fn trace(
 }
 
 /// The rows that are not judged by, with the structures as they have them.
-fn other_rows<'a>(
-    (tracers, thinnings): (&'a [Tracer<'a>], &[Vec<usize>]),
-    structures: &[Vec<Block>],
-    data: &Measurements,
-    fit: &Fit<EffectModel>,
-) -> Vec<OtherRows<'a>> {
-    let of = |(tracer, rows): (&'a Tracer<'a>, &Vec<usize>)| {
-        let state = State::new(Vec::new(), on_rows(fit, data, rows));
-        let scorer = tracer.scorer(tracer.linear(&state));
-        let structures = leftover::of_these_rows(tracer, &scorer, structures);
-        OtherRows { survey: &tracer.survey, data: tracer.data, structures }
+fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<OtherRows<'a>> {
+    let of = |tracer: &'a Tracer<'a>| OtherRows {
+        survey: &tracer.survey,
+        data: tracer.data,
+        structures: leftover::of_these_rows(tracer, structures),
     };
-    tracers.iter().zip(thinnings).skip(1).map(of).collect()
+    tracers.iter().skip(1).map(of).collect()
 }
 
 /// Which causes are outweighed by the structure that a fit leaves, in the mean over the rows that are judged by, of which this is left, and the

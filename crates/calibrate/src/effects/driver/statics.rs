@@ -8,8 +8,9 @@ use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
 use std::sync::Arc;
 
-/// An axis whose direction times that of gravity is more than this stands upright: within 2.6°.
+/// An axis within 2.6° of gravity's direction stands upright, one within 2.6° of what is across gravity lies level: cosine and sine.
 const UPRIGHT: f64 = 0.999;
+const LEVEL: f64 = 0.045;
 
 /// Where the arm stands and what it carries.
 #[derive(Debug, Clone, Default)]
@@ -229,16 +230,19 @@ impl Statics {
         self.masses.points.iter().map(carried).collect()
     }
 
-    /// Whether gravity may load a joint: not one that turns about an upright axis wherever the joints before it stand. What
-    /// little torque the tilt of a mounted base makes there tells nothing that geometry does not.
+    /// Whether gravity may load a joint: not one that turns about an upright axis, or slides along a level one, wherever the joints before it
+    /// stand. What little torque (or force) the tilt of a mounted base makes there tells nothing that geometry does not.
     pub fn feels_gravity(&self, joint: usize) -> bool {
         let down = self.masses.gravity.normalize();
-        let upright = |joint: &ChainJoint| joint.screw.direction().dot(&down).abs() > UPRIGHT;
+        let along_gravity = |joint: &ChainJoint| joint.screw.direction().dot(&down).abs();
         let turns = |joint: &ChainJoint| !matches!(joint.screw, Screw::Prismatic(_));
+        let upright = |joint: &ChainJoint| along_gravity(joint) > UPRIGHT;
         let joints = self.chain.joints();
         let before = (0..joint).filter(|&other| self.tips.carries(other, joint)).map(|other| &joints[other]);
         let stays = before.filter(|before| turns(before)).all(upright);
-        !(stays && turns(&joints[joint]) && upright(&joints[joint]))
+        let own = &joints[joint];
+        let unloaded = if turns(own) { upright(own) } else { along_gravity(own) < LEVEL };
+        !(stays && unloaded)
     }
 }
 

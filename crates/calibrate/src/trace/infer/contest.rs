@@ -30,6 +30,8 @@ const UNNAMED: f64 = 9.2;
 const MOST_ROUNDS: usize = 12;
 /// Sets this far behind the best hold no mass worth counting.
 const BEHIND: f64 = 30.0;
+/// Beyond this the product of several ratios might be no number.
+const LARGE: f64 = 1e150;
 /// Settings at most: each costs a factor of all that is not a candidate.
 const MOST_SETTINGS: usize = 60;
 
@@ -276,8 +278,7 @@ impl Contest<'_> {
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
             let mut best: Option<(f64, Vec<usize>)> = None;
-            for next in self.looked_at(grounds, seen, &set, swapping) {
-                let score = seen[&next].0;
+            for (next, score) in self.looked_at(grounds, seen, &set, swapping) {
                 if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
                     best = Some((score, next));
                 }
@@ -293,52 +294,65 @@ impl Contest<'_> {
     }
 
     /// Scores all sets that differ by one member added or dropped, or else by one changed for another, and says which these are.
-    fn looked_at(&self, grounds: &[Ground], seen: &mut Seen, set: &[usize], swapping: bool) -> Vec<Vec<usize>> {
+    fn looked_at(&self, grounds: &[Ground], seen: &mut Seen, set: &[usize], swapping: bool) -> Vec<(Vec<usize>, f64)> {
         let absent: Vec<usize> = (0..self.members.len()).filter(|member| !set.contains(member)).collect();
-        let without: Vec<Vec<usize>> =
-            set.iter().map(|&member| set.iter().copied().filter(|other| *other != member).collect()).collect();
-        let mut looked_at = Vec::new();
-        let itself = [set.to_vec()];
-        for base in if swapping { &without[..] } else { &itself[..] } {
-            let sets: Vec<Vec<usize>> = absent.iter().map(|&member| with(base, member)).collect();
-            if sets.iter().any(|set| !seen.contains_key(set)) {
-                let scores = self.with_each(grounds, base, &absent);
-                sets.iter().zip(scores).for_each(|(set, score)| _ = seen.entry(set.clone()).or_insert(score));
-            }
-            looked_at.extend(sets);
+        let mut changes: Vec<Change> = Vec::new();
+        if swapping {
+            let others = |&own: &usize| absent.iter().map(move |&other| Change { out: Some(own), into: Some(other) });
+            changes.extend(set.iter().flat_map(others));
+        } else {
+            changes.extend(absent.iter().map(|&other| Change { out: None, into: Some(other) }));
+            changes.extend(set.iter().map(|&own| Change { out: Some(own), into: None }));
         }
-        if !swapping {
-            for set in without {
-                seen.entry(set.clone()).or_insert_with(|| self.best(grounds, &set));
-                looked_at.push(set);
+        let mut sets: Vec<(Vec<usize>, f64)> = changes.iter().map(|change| (change.of(set), f64::NAN)).collect();
+        let known = sets.iter_mut().all(|(set, score)| seen.get(set).map(|(known, _)| *score = *known).is_some());
+        if !known {
+            let scores = self.changed(grounds, set, &changes);
+            for ((set, score), new) in sets.iter_mut().zip(scores) {
+                *score = seen.entry(set.clone()).or_insert(new).0;
             }
         }
-        looked_at
+        sets
     }
 
-    /// The scores of a set with each of these members beside it, at the setting that suits it best: what the set itself takes is taken out once.
-    fn with_each(&self, grounds: &[Ground], set: &[usize], members: &[usize]) -> Vec<(f64, usize)> {
-        let own = self.asked(set);
-        let others: Vec<Asked> = members.iter().map(|&member| self.asked(&[member])).collect();
+    /// The scores of a set after each of these changes, at the setting that suits it best: what the set takes is taken out once, and what a
+    /// member alone took is given back.
+    fn changed(&self, grounds: &[Ground], set: &[usize], changes: &[Change]) -> Vec<(f64, usize)> {
+        let (own, nothing) = (self.asked(set), self.asked(&[]));
+        let members: Vec<Asked> = (0..self.members.len()).map(|member| self.asked(&[member])).collect();
+        let asked = |member: Option<usize>| member.map_or(&nothing, |member| &members[member]);
+        let odds = |change: &Change| {
+            let (out, into) = (asked(change.out), asked(change.into));
+            let columns = own.columns.len() + into.columns.len() - out.columns.len();
+            own.odds - out.odds + into.odds - price_of_width(columns)
+        };
         let at_ground = |ground: &Ground| -> Vec<f64> {
-            let (mut best, mut room) = (vec![f64::NEG_INFINITY; others.len()], Vec::new());
+            let (mut best, mut room) = (vec![f64::NEG_INFINITY; changes.len()], Vec::new());
             for width in WIDTHS {
                 let Some(taken) = own.taken(ground, width) else { continue };
-                for (best, other) in best.iter_mut().zip(&others) {
-                    *best = best.max(taken.with(other, &mut room));
+                let mut first = 0;
+                for alike in changes.chunk_by(|a, b| a.out == b.out) {
+                    let some = &mut best[first..first + alike.len()];
+                    first += alike.len();
+                    let left = alike[0].out.map(|out| taken.without(own.places_of(&members[out])));
+                    let left = match &left {
+                        Some(fewer) => fewer.as_ref(),
+                        None => Some(&taken.left),
+                    };
+                    let Some(left) = left else { continue };
+                    for (best, change) in some.iter_mut().zip(alike) {
+                        *best = best.max(taken.with(left, asked(change.into), &mut room));
+                    }
                 }
             }
-            best.iter()
-                .zip(&others)
-                .map(|(best, other)| best + own.odds + other.odds - (WIDTHS.len() as f64).ln())
-                .collect()
+            best.iter().zip(changes).map(|(best, change)| best + odds(change)).collect()
         };
         let scores = in_parallel(grounds, at_ground);
-        let best = |member: usize| {
-            let each = scores.iter().enumerate().map(|(index, scores)| (scores[member], index));
+        let best = |change: usize| {
+            let each = scores.iter().enumerate().map(|(index, scores)| (scores[change], index));
             each.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
         };
-        (0..members.len()).map(best).collect()
+        (0..changes.len()).map(best).collect()
     }
 
     /// Settings to begin with: every curve with one of its kernels or none, one curve less, structure of every size beside.
@@ -437,6 +451,29 @@ impl Contest<'_> {
     }
 }
 
+/// A member that leaves a set, one that comes into it.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    out: Option<usize>,
+    into: Option<usize>,
+}
+
+impl Change {
+    /// The set after it, in order.
+    fn of(self, set: &[usize]) -> Vec<usize> {
+        let mut set: Vec<usize> = set.iter().copied().filter(|member| Some(*member) != self.out).collect();
+        if let Some(into) = self.into {
+            set.insert(set.partition_point(|other| *other < into), into);
+        }
+        set
+    }
+}
+
+/// What it costs that the width of the prior of so many coefficients is chosen.
+fn price_of_width(columns: usize) -> f64 {
+    if columns == 0 { 0.0 } else { (WIDTHS.len() as f64).ln() }
+}
+
 /// The columns of a set, and what is expected of them.
 struct Asked {
     /// Among the candidates' products.
@@ -461,7 +498,7 @@ impl Asked {
             return ground.score(0.0, 0.0) + self.odds;
         }
         let best = WIDTHS.iter().map(|&width| self.at_width(ground, width, room)).fold(f64::NEG_INFINITY, f64::max);
-        best - (WIDTHS.len() as f64).ln()
+        best - price_of_width(self.columns.len())
     }
 
     /// The same with a prior of this width.
@@ -485,7 +522,8 @@ impl Asked {
         room.clear();
         room.resize(count * (count + 1), 0.0);
         let (rows, halves) = room.split_at_mut(count * count);
-        let (mut drop, mut log_determinant) = (0.0, 0.0);
+        // Logarithms cost most of it: that of the product is taken, before it is too large.
+        let (mut drop, mut log_determinant, mut ratios) = (0.0, 0.0, 1.0_f64);
         for i in 0..count {
             let precision = self.precision(i, width);
             let (before, row) = rows.split_at_mut(i * count);
@@ -502,85 +540,144 @@ impl Asked {
             let known: f64 = row[..i].iter().zip(&halves[..i]).map(|(a, b)| a * b).sum();
             halves[i] = (right(i) - known) / row[i];
             drop += halves[i] * halves[i];
-            log_determinant += (left / precision).ln();
+            ratios *= left / precision;
+            if ratios > LARGE {
+                log_determinant += ratios.ln();
+                ratios = 1.0;
+            }
         }
-        Some((drop, log_determinant))
+        Some((drop, log_determinant + ratios.ln()))
     }
 }
 
 /// What the columns of a set take of all candidates' products, at one setting and one width of the prior: [`Ground`] beside that set.
 struct Taken<'a> {
+    set: &'a Asked,
     ground: &'a Ground,
     width: f64,
-    /// L⁻¹ times the products of the set's columns with all columns, column by column of the set.
+    /// L⁻¹ times the products of the set's columns with all columns, column by column of the set; L is Cholesky's factor of S + P.
     shares: Vec<f64>,
+    /// The factor's diagonal, and L⁻¹ r.
+    pivots: Vec<f64>,
+    halves: Vec<f64>,
+    left: Left,
+}
+
+/// What is left of all candidates' products beside a set.
+#[derive(Clone)]
+struct Left {
     /// Of each column what the set leaves of its square and of its product with the data.
     square: Vec<f64>,
     right: Vec<f64>,
+    /// What has been given back of the shares, column by column.
+    given_back: Vec<f64>,
     drop: f64,
     log_determinant: f64,
 }
 
 impl Asked {
     /// None where the system is not positive.
-    fn taken<'a>(&self, ground: &'a Ground, width: f64) -> Option<Taken<'a>> {
+    fn taken<'a>(&'a self, ground: &'a Ground, width: f64) -> Option<Taken<'a>> {
         let all = ground.width;
-        let mut taken = Taken {
-            ground,
-            width,
-            shares: Vec::with_capacity(self.columns.len() * all),
+        let mut shares: Vec<f64> = Vec::with_capacity(self.columns.len() * all);
+        let (mut pivots, mut halves) = (Vec::new(), Vec::new());
+        let mut left = Left {
             square: (0..all).map(|k| ground.schur[k * all + k]).collect(),
             right: ground.right.clone(),
+            given_back: Vec::new(),
             drop: 0.0,
             log_determinant: 0.0,
         };
         for (index, &own) in self.columns.iter().enumerate() {
             let mut share = ground.schur[own * all..(own + 1) * all].to_vec();
-            let before: Vec<f64> = taken.shares.chunks_exact(all).map(|other| other[own]).collect();
-            subtract(&taken.shares, &before, &mut share);
+            let before: Vec<f64> = shares.chunks_exact(all).map(|other| other[own]).collect();
+            subtract(&shares, &before, &mut share);
             let precision = self.precision(index, width);
-            let left = taken.square[own] + precision;
-            if left <= 0.0 {
+            let square = left.square[own] + precision;
+            if square <= 0.0 {
                 return None;
             }
-            let pivot = left.sqrt();
-            let half = taken.right[own] / pivot;
-            for ((share, square), right) in share.iter_mut().zip(&mut taken.square).zip(&mut taken.right) {
+            let pivot = square.sqrt();
+            let half = left.right[own] / pivot;
+            for ((share, square), right) in share.iter_mut().zip(&mut left.square).zip(&mut left.right) {
                 *share /= pivot;
                 *square -= *share * *share;
                 *right -= *share * half;
             }
-            taken.shares.extend(share);
-            taken.drop += half * half;
-            taken.log_determinant += (left / precision).ln();
+            shares.extend(share);
+            pivots.push(pivot);
+            halves.push(half);
+            left.drop += half * half;
+            left.log_determinant += (square / precision).ln();
         }
-        Some(taken)
+        Some(Taken { set: self, ground, width, shares, pivots, halves, left })
+    }
+
+    /// Where the columns of one of its members are among its own.
+    fn places_of(&self, member: &Self) -> Range<usize> {
+        let from = member.columns.first().and_then(|first| self.columns.iter().position(|own| own == first));
+        from.map_or(0..0, |from| from..from + member.columns.len())
     }
 }
 
 impl Taken<'_> {
-    /// The score with more columns beside the set, but for prior odds; `room` is used again.
-    fn with(&self, other: &Asked, room: &mut Vec<f64>) -> f64 {
+    /// What is left without some of the set's columns, these places in it. What they take beyond the others are the shares along their
+    /// columns of L⁻¹, made orthogonal; that is given back. None where the system is not positive.
+    fn without(&self, places: Range<usize>) -> Option<Left> {
+        let (all, count) = (self.ground.width, self.pivots.len());
+        let mut left = self.left.clone();
+        let mut roots: Vec<Vec<f64>> = Vec::with_capacity(places.len());
+        for place in places {
+            let mut root = vec![0.0; count];
+            root[place] = 1.0 / self.pivots[place];
+            for row in place + 1..count {
+                let column = self.set.columns[row];
+                let known: f64 = (place..row).map(|k| self.shares[k * all + column] * root[k]).sum();
+                root[row] = -known / self.pivots[row];
+            }
+            for other in &roots {
+                let share = dot(&root, other);
+                root.iter_mut().zip(other).for_each(|(cell, other)| *cell -= share * other);
+            }
+            let norm = dot(&root, &root).sqrt();
+            if norm.is_nan() || norm <= 0.0 {
+                return None;
+            }
+            for cell in &mut root {
+                *cell /= norm;
+            }
+            let mut back = vec![0.0; all];
+            for (share, root) in self.shares.chunks_exact(all).zip(&root) {
+                back.iter_mut().zip(share).for_each(|(back, share)| *back += root * share);
+            }
+            let half = dot(&root, &self.halves);
+            for ((back, square), right) in back.iter().zip(&mut left.square).zip(&mut left.right) {
+                *square += back * back;
+                *right += back * half;
+            }
+            left.given_back.extend(back);
+            left.drop -= half * half;
+            left.log_determinant += (norm * norm * self.set.precision(place, self.width)).ln();
+            roots.push(root);
+        }
+        Some(left)
+    }
+
+    /// The score with more columns beside what is left, but for prior odds; `room` is used again.
+    fn with(&self, left: &Left, other: &Asked, room: &mut Vec<f64>) -> f64 {
         let (all, of) = (self.ground.width, |i: usize| other.columns[i]);
         let product = |i: usize, k: usize| {
             if i == k {
-                return self.square[of(i)];
+                return left.square[of(i)];
             }
-            let shared: f64 = self.shares.chunks_exact(all).map(|share| share[of(i)] * share[of(k)]).sum();
-            self.ground.schur[of(i) * all + of(k)] - shared
+            let sum = |parts: &[f64]| -> f64 { parts.chunks_exact(all).map(|part| part[of(i)] * part[of(k)]).sum() };
+            self.ground.schur[of(i) * all + of(k)] - sum(&self.shares) + sum(&left.given_back)
         };
-        let explained = other.explained(self.width, product, |i| self.right[of(i)], room);
+        let explained = other.explained(self.width, product, |i| left.right[of(i)], room);
         explained.map_or(f64::NEG_INFINITY, |(drop, log_determinant)| {
-            self.ground.score(self.drop + drop, self.log_determinant + log_determinant)
+            self.ground.score(left.drop + drop, left.log_determinant + log_determinant)
         })
     }
-}
-
-/// A set with one member more, in order.
-fn with(set: &[usize], member: usize) -> Vec<usize> {
-    let mut set = set.to_vec();
-    set.insert(set.partition_point(|other| *other < member), member);
-    set
 }
 
 impl Ground {
@@ -624,10 +721,24 @@ mod tests {
         ((value * 7 + k * 13) as f64 * 0.61).sin() + 0.3 * ((value * k + 3) as f64 * 1.7).cos()
     }
 
-    /// Two columns of geometry, three candidates, two columns of structure, a curve; the data hold the second candidate.
+    fn scores_after_changes_are_those_of_the_sets(contest: &Contest<'_>, grounds: &[Ground], set: &[usize]) {
+        let members = [None, Some(0), Some(1), Some(2), Some(3)];
+        let outs = members.iter().filter(|out| out.is_none_or(|out| set.contains(&out)));
+        let changes: Vec<Change> = outs
+            .flat_map(|&out| members.iter().map(move |&into| Change { out, into }))
+            .filter(|change| change.into.is_none_or(|into| !set.contains(&into)))
+            .collect();
+        for (change, found) in changes.iter().zip(contest.changed(grounds, set, &changes)) {
+            let whole = contest.at(&grounds[0], &change.of(set));
+            assert!((found.0 - whole).abs() < 1e-9, "{set:?} {change:?}: {} {whole}", found.0);
+        }
+    }
+
+    /// Two columns of geometry, three candidates of one column and one of two, two columns of structure, a curve; the data hold the second
+    /// candidate.
     #[test]
     fn scores_are_those_of_the_covariance_written_out_and_the_truth_wins() {
-        let plain: Vec<Vec<f64>> = (0..7).map(|k| (0..VALUES).map(|value| cell(value, k + 1)).collect()).collect();
+        let plain: Vec<Vec<f64>> = (0..9).map(|k| (0..VALUES).map(|value| cell(value, k + 1)).collect()).collect();
         let joint: Vec<f64> = (0..VALUES).map(|value| cell(value, 11)).collect();
         let explained: Vec<f64> =
             (0..VALUES).map(|value| 2.0 * plain[0][value] + 1.2 * plain[3][value] + 0.3 * cell(value, 29)).collect();
@@ -643,17 +754,17 @@ mod tests {
             weights: &[1.0; VALUES],
         };
         let gram = Gram::of(&columns, &waves, &readings);
-        let precision = DMatrix::from_diagonal(&DVector::from_fn(7, |k, _| 0.1 + 0.05 * k as f64));
+        let precision = DMatrix::from_diagonal(&DVector::from_fn(9, |k, _| 0.1 + 0.05 * k as f64));
         // Of the second one the data do not see the fast waves.
         let kernels =
             vec![vec![Kernel { log_variance: -1.0, log_length: -1.5 }, Kernel { log_variance: -1.0, log_length: 0.0 }]];
-        let members: Vec<Member> =
-            (2..5).map(|k| Member { columns: k..k + 1, log_odds: -2.0, least_precision: 0.0 }).collect();
-        let unnamed = [Unnamed { columns: vec![5, 6] }];
+        let member = |columns: Range<usize>| Member { columns, log_odds: -2.0, least_precision: 0.0 };
+        let members = [2..3, 3..4, 4..5, 5..7].map(member);
+        let unnamed = [Unnamed { columns: vec![7, 8] }];
         let contest = Contest {
             always: 2,
             precision: &precision,
-            pull: &[0.0; 7],
+            pull: &[0.0; 9],
             charge: 0.0,
             waves: &waves,
             means: &[vec![0.0; waves[0].len()]],
@@ -671,11 +782,11 @@ mod tests {
             for k in 0..2 {
                 add(&|value| plain[k][value], 1.0 / precision[(k, k)]);
             }
-            for k in set.iter().map(|member| member + 2) {
+            for k in set.iter().flat_map(|&member| members[member].columns.clone()) {
                 add(&|value| plain[k][value], width / precision[(k, k)]);
             }
             if let Some((_, size)) = setting.unnamed {
-                for k in 5..7 {
+                for k in 7..9 {
                     add(&|value| plain[k][value], SIZES[size] / precision[(k, k)]);
                 }
             }
@@ -709,14 +820,14 @@ mod tests {
             [(bare, 1e-8), (Setting { curves: vec![1], unnamed: None }, 1e-8), (full, 1e-8), (smooth, 2e-2)]
         {
             let ground = contest.ground(&gram, &setting).unwrap();
-            for set in [vec![], vec![1], vec![0, 2], vec![0, 1, 2]] {
+            for set in [vec![], vec![1], vec![0, 2], vec![0, 1, 3]] {
                 let found = contest.at(&ground, &set) - written(&setting, &set) - reference;
                 assert!(found.abs() < off, "{setting:?} {set:?}: off by {found}");
             }
-            let (own, grounds) = ([1], [ground]);
-            let together: Vec<f64> = [0, 2].map(|other| contest.at(&grounds[0], &with(&own, other))).to_vec();
-            let added = contest.with_each(&grounds, &own, &[0, 2]);
-            assert!(added.iter().zip(together).all(|(added, whole)| (added.0 - whole).abs() < 1e-9));
+            let grounds = [ground];
+            for set in [&[1][..], &[3], &[0, 2], &[1, 3], &[0, 1, 3]] {
+                scores_after_changes_are_those_of_the_sets(&contest, &grounds, set);
+            }
         }
         let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
