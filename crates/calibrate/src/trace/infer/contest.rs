@@ -18,7 +18,7 @@ use crate::trace::infer::evidence::{System, waves_seen};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Kernel;
 use denavit_model::nalgebra::DMatrix;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// Logarithm of the odds against a curve of a joint, as [`crate::trace::infer::curves`] demands them: 1 in 100.
@@ -270,13 +270,25 @@ impl Contest<'_> {
         scores.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
     }
 
-    /// From a start, the best single change after the other: add, drop, swap. Every set on the way is kept.
-    pub fn climb(&self, grounds: &[Ground], seen: &mut Seen, start: &[usize]) -> Vec<usize> {
+    /// From each start, the best single change after the other: add, drop, swap. Every set on the way is kept.
+    pub fn climbed<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>) -> Seen {
+        let (mut seen, mut been) = (Seen::new(), BTreeSet::new());
+        for start in starts {
+            self.climb(grounds, &mut seen, &mut been, start);
+        }
+        seen
+    }
+
+    /// The same from one start, as far as no other has been.
+    fn climb(&self, grounds: &[Ground], seen: &mut Seen, been: &mut BTreeSet<Vec<usize>>, start: &[usize]) {
         let mut set = start.to_vec();
         set.sort_unstable();
         let mut here = seen.entry(set.clone()).or_insert_with(|| self.best(grounds, &set)).0;
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
+            if !swapping && !been.insert(set.clone()) {
+                break;
+            }
             let mut best: Option<(f64, Vec<usize>)> = None;
             for (next, score) in self.looked_at(grounds, seen, &set, swapping) {
                 if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
@@ -290,7 +302,6 @@ impl Contest<'_> {
                 None => swapping = true,
             }
         }
-        set
     }
 
     /// Scores all sets that differ by one member added or dropped, or else by one changed for another, and says which these are.
@@ -304,13 +315,20 @@ impl Contest<'_> {
             changes.extend(absent.iter().map(|&other| Change { out: None, into: Some(other) }));
             changes.extend(set.iter().map(|&own| Change { out: Some(own), into: None }));
         }
-        let mut sets: Vec<(Vec<usize>, f64)> = changes.iter().map(|change| (change.of(set), f64::NAN)).collect();
-        let known = sets.iter_mut().all(|(set, score)| seen.get(set).map(|(known, _)| *score = *known).is_some());
-        if !known {
-            let scores = self.changed(grounds, set, &changes);
-            for ((set, score), new) in sets.iter_mut().zip(scores) {
-                *score = seen.entry(set.clone()).or_insert(new).0;
+        let mut sets: Vec<(Vec<usize>, f64)> = Vec::with_capacity(changes.len());
+        let mut unknown: Vec<usize> = Vec::new();
+        for change in &changes {
+            let next = change.of(set);
+            let known = seen.get(&next).map(|(score, _)| *score);
+            if known.is_none() {
+                unknown.push(sets.len());
             }
+            sets.push((next, known.unwrap_or(f64::NEG_INFINITY)));
+        }
+        let asked: Vec<Change> = unknown.iter().map(|&index| changes[index]).collect();
+        for (index, new) in unknown.into_iter().zip(self.changed(grounds, set, &asked)) {
+            sets[index].1 = new.0;
+            seen.insert(sets[index].0.clone(), new);
         }
         sets
     }
@@ -318,6 +336,9 @@ impl Contest<'_> {
     /// The scores of a set after each of these changes, at the setting that suits it best: what the set takes is taken out once, and what a
     /// member alone took is given back.
     fn changed(&self, grounds: &[Ground], set: &[usize], changes: &[Change]) -> Vec<(f64, usize)> {
+        if changes.is_empty() {
+            return Vec::new();
+        }
         let (own, nothing) = (self.asked(set), self.asked(&[]));
         let members: Vec<Asked> = (0..self.members.len()).map(|member| self.asked(&[member])).collect();
         let asked = |member: Option<usize>| member.map_or(&nothing, |member| &members[member]);
@@ -334,7 +355,8 @@ impl Contest<'_> {
                 for alike in changes.chunk_by(|a, b| a.out == b.out) {
                     let some = &mut best[first..first + alike.len()];
                     first += alike.len();
-                    let left = alike[0].out.map(|out| taken.without(own.places_of(&members[out])));
+                    let bare = alike.iter().all(|change| change.into.is_none());
+                    let left = alike[0].out.map(|out| taken.without(own.places_of(&members[out]), !bare));
                     let left = match &left {
                         Some(fewer) => fewer.as_ref(),
                         None => Some(&taken.left),
@@ -398,10 +420,7 @@ impl Contest<'_> {
             return (seen, Vec::new());
         }
         for _ in 0..3 {
-            seen.clear();
-            for start in starts.iter().chain([&Vec::new()]) {
-                self.climb(&grounds, &mut seen, start);
-            }
+            seen = self.climbed(&grounds, starts.iter().chain([&Vec::new()]));
             let before = settings.len();
             // The best set, the best without each of its members, and none.
             let mut which = rivals_of_best(&seen);
@@ -620,12 +639,20 @@ impl Asked {
     }
 }
 
+impl Left {
+    /// Without the columns.
+    fn bare(&self) -> Self {
+        let (drop, log_determinant) = (self.drop, self.log_determinant);
+        Self { square: Vec::new(), right: Vec::new(), given_back: Vec::new(), drop, log_determinant }
+    }
+}
+
 impl Taken<'_> {
     /// What is left without some of the set's columns, these places in it. What they take beyond the others are the shares along their
-    /// columns of L⁻¹, made orthogonal; that is given back. None where the system is not positive.
-    fn without(&self, places: Range<usize>) -> Option<Left> {
+    /// columns of L⁻¹, made orthogonal; that is given back, where the other columns are of interest. None where the system is not positive.
+    fn without(&self, places: Range<usize>, others: bool) -> Option<Left> {
         let (all, count) = (self.ground.width, self.pivots.len());
-        let mut left = self.left.clone();
+        let mut left = if others { self.left.clone() } else { self.left.bare() };
         let mut roots: Vec<Vec<f64>> = Vec::with_capacity(places.len());
         for place in places {
             let mut root = vec![0.0; count];
@@ -646,16 +673,17 @@ impl Taken<'_> {
             for cell in &mut root {
                 *cell /= norm;
             }
-            let mut back = vec![0.0; all];
-            for (share, root) in self.shares.chunks_exact(all).zip(&root) {
-                back.iter_mut().zip(share).for_each(|(back, share)| *back += root * share);
-            }
             let half = dot(&root, &self.halves);
-            for ((back, square), right) in back.iter().zip(&mut left.square).zip(&mut left.right) {
-                *square += back * back;
-                *right += back * half;
+            if others {
+                // Its sign does not matter.
+                let mut back = vec![0.0; all];
+                subtract(&self.shares, &root, &mut back);
+                for ((back, square), right) in back.iter().zip(&mut left.square).zip(&mut left.right) {
+                    *square += back * back;
+                    *right -= back * half;
+                }
+                left.given_back.extend(back);
             }
-            left.given_back.extend(back);
             left.drop -= half * half;
             left.log_determinant += (norm * norm * self.set.precision(place, self.width)).ln();
             roots.push(root);

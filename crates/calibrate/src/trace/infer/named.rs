@@ -216,11 +216,7 @@ pub(crate) fn judge(
     let again = |contest: &Contest<'_>, gram: &Gram| -> Seen {
         let grounds: Vec<Ground> =
             kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect();
-        let mut seen = Seen::new();
-        for start in &which {
-            contest.climb(&grounds, &mut seen, start);
-        }
-        seen
+        contest.climbed(&grounds, &which)
     };
     let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
     let suffices = OnceCell::new();

@@ -31,10 +31,7 @@ impl<'a> Predictor<'a> {
         let predict = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
         let (grounds, settings): (Vec<Ground>, Vec<&Setting>) =
             predict.map(|(ground, setting)| (ground.clone(), setting)).unzip();
-        let mut seen = Seen::new();
-        for start in starts {
-            contest.climb(&grounds, &mut seen, start);
-        }
+        let seen = contest.climbed(&grounds, starts);
         Self { contest, settings, grounds, parts, set: best_of(&seen), seen, left: OnceLock::new() }
     }
 
