@@ -148,7 +148,11 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
 /// These structures as the tracer's rows have them.
 pub(crate) fn of_these_rows(tracer: &Tracer<'_>, structures: &[Vec<Block>]) -> Vec<Vec<Block>> {
     let same = |wanted: &Block| {
-        tracer.blocks().iter().find(|block| block.carrier == wanted.carrier && block.variables == wanted.variables).cloned()
+        tracer
+            .blocks()
+            .iter()
+            .find(|block| block.carrier == wanted.carrier && block.variables == wanted.variables)
+            .cloned()
     };
     structures.iter().map(|structure| structure.iter().filter_map(same).collect()).collect()
 }

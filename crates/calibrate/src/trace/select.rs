@@ -138,7 +138,17 @@ impl<'a> Tracer<'a> {
                 carriers.push(carrier);
             }
         }
-        Self { data, statics, options, geometric, survey, candidates, driven: OnceLock::new(), blocks: OnceLock::new(), carriers }
+        Self {
+            data,
+            statics,
+            options,
+            geometric,
+            survey,
+            candidates,
+            driven: OnceLock::new(),
+            blocks: OnceLock::new(),
+            carriers,
+        }
     }
 
     /// What drives each candidate, see [`driven`].
