@@ -256,7 +256,8 @@ pub fn motions_into(joints: &[ChainJoint], reading: &[f64], out: &mut Vec<Pose>)
 mod tests {
     use super::*;
     use crate::observation::arm::{Arm, AxisBasis};
-    use denavit_model::examples;
+    use denavit_model::nalgebra::Unit;
+    use denavit_model::{AxisLine, Coordinate, Quantity, examples};
 
     #[test]
     fn masses_stay_as_far_from_their_axes_as_they_are_drawn() {
@@ -278,5 +279,32 @@ mod tests {
                 assert!((drawn - actual).abs() < 1e-12 && centre != mass.centre, "{}: {drawn} {actual}", chain.name());
             }
         }
+    }
+
+    #[test]
+    fn a_level_slide_feels_no_gravity_until_a_joint_before_it_tilts_it() {
+        let slide = |direction: [f64; 3]| Screw::Prismatic(Unit::new_normalize(Vector3::from(direction)));
+        let turn = |direction: [f64; 3]| {
+            let direction = Unit::new_normalize(Vector3::from(direction));
+            Screw::Revolute(AxisLine { direction, point: Point3::origin() })
+        };
+        let feels = |screws: &[Screw]| Statics::of_chain(&chain_of(screws)).feels_gravity(screws.len() - 1);
+        let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        assert!(!feels(&[slide(x)]) && !feels(&[slide([1.0, 0.0, 0.02])]));
+        assert!(feels(&[slide(z)]) && feels(&[slide([1.0, 0.0, 0.1])]));
+        assert!(!feels(&[turn(z), slide(x)]) && feels(&[turn(x), slide(x)]));
+        assert!(!feels(&[slide(x), turn(z)]) && feels(&[slide(x), turn(x)]));
+    }
+
+    fn chain_of(screws: &[Screw]) -> Chain {
+        let numbered = || screws.iter().enumerate().map(|(index, screw)| (format!("joint_{index}"), screw));
+        let quantity = |screw: &Screw| match screw {
+            Screw::Prismatic(_) => Quantity::Length,
+            Screw::Revolute(_) | Screw::Helical { .. } => Quantity::Angle,
+        };
+        let coordinates = numbered().map(|(name, screw)| Coordinate::unlimited(name, quantity(screw))).collect();
+        let joint = |(coordinate, (name, screw))| ChainJoint { name, screw, coordinate, scale: 1.0, offset: 0.0 };
+        let joints = numbered().map(|(name, screw)| (name, *screw)).enumerate().map(joint).collect();
+        Chain::new(("slides", "base", "tip"), coordinates, joints, Pose::identity()).unwrap()
     }
 }
