@@ -28,6 +28,7 @@ use crate::effects::driver::Statics;
 use crate::effects::model::{EffectModel, Term};
 use crate::identify::IdentifyOptions;
 use crate::identify::solve::Fit;
+use crate::identify::threads::with_threads;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
@@ -186,5 +187,5 @@ pub fn scan(
 /// `data` as given to the geometric fit, with run order added by
 /// [`crate::effects::survey::with_run_order`] where it is known.
 pub fn trace(statics: &Statics, data: &Measurements, geometric: &Fit<NoEffects>, options: &TraceOptions) -> Trace {
-    settle::trace(statics, data, geometric, options)
+    with_threads(|| settle::trace(statics, data, geometric, options))
 }

@@ -24,7 +24,7 @@ use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
 pub use self::rows::HeldCurve;
 use self::rows::Prepared;
 use crate::identify::solve::Fit;
-use crate::identify::threads::{in_parallel, on_this_thread};
+use crate::identify::threads::each_alone;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{DMatrix, Vector3};
@@ -189,9 +189,9 @@ fn is_level(source: &Source) -> bool {
     matches!(source.place, Place::Level(_))
 }
 
-/// What is asked of so many sources, each on a thread of its own: one takes many small pieces of work.
+/// What is asked of so many sources.
 fn for_each<R: Send>(count: usize, asked: impl Fn(usize) -> R + Sync) -> Vec<R> {
-    in_parallel(&(0..count).collect::<Vec<usize>>(), |&source| on_this_thread(|| asked(source)))
+    each_alone(&(0..count).collect::<Vec<usize>>(), |&source| asked(source))
 }
 
 /// The sources' variances, intervals and claims; and the variances of the model without what goes for nothing.

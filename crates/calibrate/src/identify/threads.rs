@@ -3,12 +3,12 @@
 use crate::identify::stop::{carried, look};
 use std::cell::Cell;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Mutex, OnceLock};
-use std::thread::ScopedJoinHandle;
 
 /// Rows of a stretch.
-const ROWS_AT_ONCE: usize = 128;
+const ROWS_AT_ONCE: usize = 32;
+/// What a thread may keep on its stack, bytes: while it waits for others it may do a part of their work.
+const STACK: usize = 8 << 20;
 
 thread_local! {
     /// Whether calls from this thread start no threads of their own.
@@ -36,21 +36,45 @@ pub(crate) fn available() -> usize {
     if ALONE.get() { 1 } else { *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from)) }
 }
 
+/// Does the work with one thread for each core at hand, for all that it deals out: to start a thread anew each time takes as long as
+/// many a piece of work. The threads end with the work, so that a process may be copied (`fork`) before and after.
+pub(crate) fn with_threads<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    on_threads(available(), work)
+}
+
+/// The same with so many; on those that are at hand, where there are any.
+fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
+    if count <= 1 || rayon::current_thread_index().is_some() {
+        return work();
+    }
+    match rayon::ThreadPoolBuilder::new().num_threads(count).stack_size(STACK).build() {
+        Ok(threads) => threads.install(carried(work)),
+        // The system gives no more threads.
+        Err(_) => on_this_thread(work),
+    }
+}
+
 /// The work done on each item, in the order of the items.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     dealt(items.iter(), available().min(items.len()), || (), |(), item| work(item))
 }
 
+/// The same, each on a thread of its own: where one takes many small pieces of work.
+pub(crate) fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    // A single one may as well have all threads.
+    if items.len() < 2 {
+        items.iter().map(work).collect()
+    } else {
+        in_parallel(items, |item| on_this_thread(|| work(item)))
+    }
+}
+
 /// Two pieces of work side by side, where there is a thread for the second.
-pub(crate) fn both<A, B: Send>(one: impl FnOnce() -> A, other: impl FnOnce() -> B + Send) -> (A, B) {
+pub(crate) fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
     if available() == 1 {
         return (one(), other());
     }
-    std::thread::scope(|scope| {
-        // The scope waits for it where the first panics.
-        let other = scope.spawn(carried(other));
-        (one(), other.join().unwrap_or_else(|panic| resume_unwind(panic)))
-    })
+    with_threads(|| rayon::join(one, carried(other)))
 }
 
 /// The work done on stretches of so many rows, in their order; each thread begins with what `start` makes.
@@ -64,7 +88,7 @@ pub(crate) fn in_stretches<S, R: Send>(
     dealt(stretches, threads, start, work)
 }
 
-/// The work done on each item, in the order of the items, by `threads` threads, the calling one included. An item is dealt
+/// The work done on each item, in the order of the items, by `threads` threads at most, the calling one included. An item is dealt
 /// out as soon as a thread is free; each thread begins with what `start` makes.
 pub fn dealt<I: Iterator + Send, S, R: Send>(
     items: I,
@@ -72,24 +96,47 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
     start: impl Fn() -> S + Sync,
     work: impl Fn(&mut S, I::Item) -> R + Sync,
 ) -> Vec<R> {
-    let queue = Mutex::new(items.enumerate());
-    let deal = || {
+    if threads <= 1 {
         let mut own = start();
-        let mut done = Vec::new();
+        let one = |item| {
+            look();
+            work(&mut own, item)
+        };
+        return items.map(one).collect();
+    }
+    let queue = Mutex::new(items.enumerate());
+    let done = Mutex::new(Vec::new());
+    let deal = || {
+        let mut own: Option<S> = None;
+        let mut some = Vec::new();
         loop {
             look();
             let next = queue.lock().expect("taking an item does not panic").next();
-            let Some((index, item)) = next else { return done };
-            done.push((index, work(&mut own, item)));
+            let Some((index, item)) = next else { break };
+            some.push((index, work(own.get_or_insert_with(&start), item)));
         }
+        done.lock().expect("adding results does not panic").append(&mut some);
     };
-    let mut done = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads).map(|_| scope.spawn(carried(deal))).collect();
-        // All have ended before a panic goes on: none of them runs when the caller is told.
-        let own = catch_unwind(AssertUnwindSafe(deal));
-        let all: Vec<_> = std::iter::once(own).chain(others.into_iter().map(ScopedJoinHandle::join)).collect();
-        all.into_iter().flat_map(|done| done.unwrap_or_else(|panic| resume_unwind(panic))).collect::<Vec<_>>()
+    // All have ended before a panic goes on: none of them runs when the caller is told.
+    on_threads(threads, || {
+        rayon::scope(|scope| {
+            for _ in 1..threads {
+                let share = carried(&deal);
+                scope.spawn(|_| share());
+            }
+            deal();
+        });
     });
+    let mut done = done.into_inner().expect("adding results does not panic");
     done.sort_by_key(|(index, _)| *index);
     done.into_iter().map(|(_, result)| result).collect()
+}
+
+/// What is in a cell; where there is nothing, it is made. Threads that come at one time may each make it: none waits for another, which may
+/// do a part of this one's work while it waits itself.
+pub(crate) fn made<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
+    cell.get().unwrap_or_else(|| {
+        let made = make();
+        cell.get_or_init(|| made)
+    })
 }

@@ -4,7 +4,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::threads::{in_parallel, in_stretches};
+use crate::identify::threads::{both, in_parallel, in_stretches, made};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
@@ -60,10 +60,11 @@ impl Projectors {
         let mut firm_residual = residual.clone();
         let as_matrix = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         firm_residual.copy_from(&linear.firm(&as_matrix).column(0));
-        Self {
-            loose: linear.loose().beside(&[effects], residual),
-            firm: linear.in_tolerances().beside(&[effects], &firm_residual),
-        }
+        let (loose, firm) = both(
+            || linear.loose().beside(&[effects], residual),
+            || linear.in_tolerances().beside(&[effects], &firm_residual),
+        );
+        Self { loose, firm }
     }
 }
 
@@ -123,8 +124,7 @@ impl Tracer<'_> {
     pub(crate) fn scored(&self, state: &State, projector: &Projector) -> Vec<Scored> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
-        let (products, order) =
-            at.products.get_or_init(|| scorer.products(at.whole(), &self.candidates, self.driven()));
+        let (products, order) = made(&at.products, || scorer.products(at.whole(), &self.candidates, self.driven()));
         let gains = products.beside(at.whole(), projector).gains(UNSEEN);
         scorer.all_judged(projector, &self.candidates, gains, order)
     }

@@ -1,5 +1,6 @@
 //! The hyperparameters at which the marginal likelihood is largest.
 
+use crate::identify::threads::each_alone;
 use crate::trace::infer::evidence::Model;
 use crate::trace::infer::model::{Hyperparameters, Kernel, LARGEST};
 use denavit_model::nalgebra::{DMatrix, DVector};
@@ -67,13 +68,11 @@ pub fn from_afar(
         Hyperparameters { log_noise: (1.0 - share).ln(), kernels: kernels.collect() }
     };
     let starts = SHARES.iter().flat_map(|&share| LENGTHS.iter().map(move |&length| start(share, length)));
-    let best = starts
-        .chain(known.cloned())
-        .filter_map(|at| {
-            let at = Hyperparameters::from_slice(&bounds.clamped(at.to_vec()));
-            Some((model.score(&at)?, at))
-        })
-        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let starts: Vec<Hyperparameters> =
+        starts.chain(known.cloned()).map(|at| Hyperparameters::from_slice(&bounds.clamped(at.to_vec()))).collect();
+    let scores = each_alone(&starts, |at| model.score(at));
+    let scored = starts.into_iter().zip(scores).filter_map(|(at, score)| Some((score?, at)));
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
     climb(model, &best.1, &bounds, negligible)
 }
 

@@ -1,7 +1,7 @@
 //! What a prediction holds beside causes that are named: the best set among the models without structure that has no name, for such
 //! structure says that something is there, but predicts nothing.
 
-use crate::identify::threads::in_parallel;
+use crate::identify::threads::{in_parallel, made};
 use crate::trace::infer::contest::{Contest, Ground, Seen, Setting, best_of};
 use crate::trace::infer::field::beyond_chance;
 use crate::trace::infer::gram::Gram;
@@ -52,7 +52,7 @@ impl<'a> Predictor<'a> {
 
     /// What its own set leaves of each part.
     fn own(&self) -> Option<&Vec<f64>> {
-        self.left.get_or_init(|| self.held_out(&self.set)).as_ref()
+        made(&self.left, || self.held_out(&self.set)).as_ref()
     }
 
     /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.
