@@ -12,6 +12,7 @@ use crate::effects::survey::Survey;
 use crate::identify::residual::ResidualModel;
 use crate::identify::residual_statistics;
 use crate::identify::solve::{Fit, Noise, gross};
+use crate::identify::threads::with_threads;
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
@@ -94,7 +95,7 @@ pub fn fit_curves(
     reference: &Arm,
     options: &CurveOptions,
 ) -> CurveFit {
-    fit_curves_near(survey, data, fit, reference, *options, &[])
+    with_threads(|| fit_curves_near(survey, data, fit, reference, *options, &[]))
 }
 
 /// As [`fit_curves`], where curves of a similar model are known: the search begins with them, too.
@@ -795,6 +796,7 @@ fn prior(
         let information = match expected.get(offset) {
             Some(Expected::Known(precision)) => *precision,
             Some(Expected::UnitInformation(least)) => unit.max(*least),
+            Some(Expected::OrAsNow(now)) => unit.min(now.powi(-2)),
             None => unit,
         }
         .max(f64::MIN_POSITIVE);

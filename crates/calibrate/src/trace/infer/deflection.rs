@@ -10,6 +10,7 @@ use crate::effects::driver::{Conditions, Driver};
 use crate::effects::model::{Coupling, Effect, EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
+use crate::identify::threads::each_alone;
 use crate::observation::arm::Row;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
@@ -70,6 +71,9 @@ pub(crate) fn with_terms(fit: &Fit<EffectModel>, terms: impl Iterator<Item = Ter
 pub(super) enum Expected {
     /// As much as one measured value in the mean tells it, and this precision at least.
     UnitInformation(f64),
+    /// As much as one measured value in the mean tells it, or as much as it is by now, if that is more: a cause may be far stronger than what
+    /// one value shows of it (the g of Zellner's prior by empirical Bayes; George, Foster 2000).
+    OrAsNow(f64),
     /// This precision.
     Known(f64),
 }
@@ -77,15 +81,13 @@ pub(super) enum Expected {
 /// What is expected of the numbers of all effects.
 pub(super) fn expected(model: &EffectModel) -> Vec<Expected> {
     let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
-    let of = |effect: &Effect| {
-        let expected = match &effect.term.driver {
-            Driver::TorqueTerms { .. } => Expected::UnitInformation(of_gravity),
-            Driver::Products(products) => Expected::Known(products.size.powi(-2)),
-            _ => Expected::UnitInformation(0.0),
-        };
-        std::iter::repeat_n(expected, effect.coefficients.len())
+    let of = |effect: &Effect, now: f64| match &effect.term.driver {
+        Driver::TorqueTerms { .. } => Expected::UnitInformation(of_gravity),
+        Driver::Products(products) => Expected::Known(products.size.powi(-2)),
+        _ => Expected::OrAsNow(now),
     };
-    model.effects.iter().flat_map(of).collect()
+    let numbers = |effect: &Effect| effect.coefficients.iter().map(|now| of(effect, *now)).collect::<Vec<_>>();
+    model.effects.iter().flat_map(numbers).collect()
 }
 
 /// Columns of each effect from number `first` of the model on, where so many of geometry and frames come first.
@@ -123,11 +125,12 @@ pub(super) fn asked_for(
             let columns = (0..blocks.len()).filter(|&index| left_out(index)).flat_map(|index| blocks[index].clone());
             nothing(model, columns)
         };
-        let here = |block: usize| {
+        let here = |&block: &usize| {
             let prior = without(Some(block));
             (under(model, &prior).score(&hyper).unwrap_or(f64::NEG_INFINITY), block)
         };
-        let mut order: Vec<(f64, usize)> = (0..blocks.len()).filter(|&block| kept[block]).map(here).collect();
+        let there: Vec<usize> = (0..blocks.len()).filter(|&block| kept[block]).collect();
+        let mut order: Vec<(f64, usize)> = each_alone(&there, here);
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let Some(&(left, weakest)) = order.first() else { break };
         let anew = |block: Option<usize>| maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
@@ -139,8 +142,9 @@ pub(super) fn asked_for(
             let Some(reached) = anew(None) else { break };
             ((score, hyper), chosen_anew) = (reached, true);
         } else {
-            let tried = order.iter().take(WEAKEST).filter_map(|&(_, block)| Some((block, anew(Some(block))?)));
-            let best = tried.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+            let weakest = &order[..order.len().min(WEAKEST)];
+            let tried = each_alone(weakest, |&(_, block)| Some((block, anew(Some(block))?)));
+            let best = tried.into_iter().flatten().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
             let Some((block, reached)) = best.filter(|(_, reached)| score - reached.0 < least) else { break };
             kept[block] = false;
             (score, hyper) = reached;
@@ -167,7 +171,7 @@ fn nobody_gives(
         let others = blocks.iter().filter(|other| *other != block).cloned().flatten();
         under(model, &nothing(model, others)).score(&beside).is_some_and(|with| with - score > least)
     };
-    (with - score < least && !blocks.iter().any(alone)).then_some(beside)
+    (with - score < least && !each_alone(blocks, alone).contains(&true)).then_some(beside)
 }
 
 /// By how much a block raises the score, the hyperparameters as they are.
