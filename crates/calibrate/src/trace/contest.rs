@@ -4,14 +4,12 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::Driver;
 use crate::identify::threads::in_parallel;
-use crate::trace::search::handicap;
-use crate::trace::select::{SWAP_GAIN, State, Tracer};
+use crate::trace::search::{Scored, handicap};
+use crate::trace::select::{CONTENDS, SWAP_GAIN, State, Tracer};
 use std::ops::Range;
 
 /// So many others are fitted in the place of an effect.
 const FITTED: usize = 3;
-/// An effect that explains less than this share of what the present one does is no contender.
-const CONTENDS: f64 = 0.7;
 /// What a rejected row costs: about the least χ² for which a row is rejected.
 const REJECTION: f64 = 40.0;
 
@@ -25,12 +23,13 @@ impl Tracer<'_> {
         let mut others = self.contenders(state, contested);
         others.extend(with_steps_elsewhere(&state.chosen));
         let fitted = in_parallel(&others, |chosen| {
-            let next = self.refitted(chosen.clone(), Some(state));
+            let next = self.followed(chosen.clone(), state);
             (self.criterion(&next), next)
         });
         let better = fitted.into_iter().filter(|(found, _)| *found < had - SWAP_GAIN);
         let best = better.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.map(|(_, next)| self.rescanned(next))
+        // Other effects, other outliers.
+        best.map(|(_, next)| self.rescanned(self.refitted(next.chosen.clone(), Some(&next))))
     }
 
     /// The sets of terms that are worth a fit.
@@ -46,17 +45,18 @@ impl Tracer<'_> {
             scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
             let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
             let mut seen: Vec<(Kind, Carrier)> = vec![key(&state.chosen[index])];
-            for other in scored {
-                if seen.len() > FITTED {
-                    break;
-                }
-                if !seen.contains(&key(&other.candidate)) {
-                    seen.push(key(&other.candidate));
-                    let mut chosen = state.chosen.clone();
-                    chosen[index] = scorer.refined(&projector, &self.survey, &other.candidate).candidate;
-                    sets.push(chosen);
+            let mut near: Vec<Candidate> = Vec::new();
+            for Scored { candidate, .. } in scored {
+                if near.len() < FITTED && !seen.contains(&key(&candidate)) {
+                    seen.push(key(&candidate));
+                    near.push(candidate);
                 }
             }
+            sets.extend(in_parallel(&near, |other| {
+                let mut chosen = state.chosen.clone();
+                chosen[index] = scorer.refined(&projector, &self.survey, other).candidate;
+                chosen
+            }));
         }
         sets
     }

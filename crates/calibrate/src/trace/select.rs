@@ -6,7 +6,7 @@ use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
-use crate::identify::threads::{available, in_parallel, on_this_thread};
+use crate::identify::threads::{available, both, in_parallel, made, on_this_thread};
 use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::{DISTANCE, POSE, POSITION};
@@ -14,7 +14,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
-use crate::trace::leftover::{self, Block, Leftover};
+use crate::trace::leftover::{self, Block};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
 use crate::trace::search::{CandidateScorer, Linearised, Projectors, Scored, carriers_of, driven};
@@ -34,6 +34,10 @@ const SAME: f64 = 0.5;
 const MOST_CONTESTS: usize = 3;
 /// No effect of a machine leaves this much in each measured component, m: only a joint that counts another joint's angle with its own.
 const FAR_OFF: f64 = 0.02;
+/// Changes for the better, one after the other, at most.
+const MOST_CHANGES: usize = 8;
+/// An effect that explains less than this share of what the present one does is no contender.
+pub(crate) const CONTENDS: f64 = 0.7;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
 /// So many of the best that could still be added are proposed.
@@ -153,7 +157,7 @@ impl<'a> Tracer<'a> {
 
     /// What drives each candidate, see [`driven`].
     pub(crate) fn driven(&self) -> &[Vec<f64>] {
-        self.driven.get_or_init(|| driven(self.data, self.statics, &self.candidates))
+        made(&self.driven, || driven(self.data, self.statics, &self.candidates)).as_slice()
     }
 
     /// Functions of one or two variables that what no entry explains is written as.
@@ -169,43 +173,17 @@ impl<'a> Tracer<'a> {
             let Some(next) = self.local(&state) else { break };
             state = next;
         }
-        let (mut scan, mut been) = (Vec::new(), vec![(self.criterion(&state), state.clone())]);
+        let mut scan = Vec::new();
         while state.chosen.len() < self.options.max_effects {
-            let linear = self.linear(&state);
-            let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
-            let scorer = self.scorer(linear);
-            let mut scored = self.scored(&state, &projectors.loose);
-            if scan.is_empty() {
-                scan = self.scan(&scored);
-            }
-            if self.far_off(&state) {
-                scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
-            }
-            let Some(best) = self.best(&scorer, &projectors, &scored) else { break };
-            if !self.helps_held_out(&scorer, &best) {
-                break;
-            }
+            let Some(next) = self.asked_for(&state, &mut scan) else { break };
             let before = state.clone();
-            state = self.added(&state, &best.candidate);
-            state = self.pruned(state);
+            state = self.pruned(self.added(&state, &next));
             if let Some(next) = self.separated(&state, COARSE) {
                 state = self.rescanned(next);
             }
-            if state.chosen.len() <= before.chosen.len() && same_terms(&state.chosen, &before.chosen) {
-                break;
-            }
-            let now = self.criterion(&state);
-            let here = |(criterion, other): &(f64, State)| (criterion - now).abs() < SAME && alike(other, &state);
-            if let Some(first) = been.iter().position(here) {
-                // In a circle terms come and go: the state with the fewest, of these the best.
-                let order = |a: &&(f64, State), b: &&(f64, State)| {
-                    a.1.chosen.len().cmp(&b.1.chosen.len()).then(a.0.total_cmp(&b.0))
-                };
-                state = been[first..].iter().min_by(order).map_or(state, |(_, least)| least.clone());
-                break;
-            }
-            been.push((now, state.clone()));
-            if been.len() > 3 * self.options.max_effects {
+            if self.criterion(&before) - self.criterion(&state) < LEAST_DELTA_BIC {
+                // What is asked for where a model stands need not be worth it when all is fitted with it.
+                state = before;
                 break;
             }
         }
@@ -214,10 +192,10 @@ impl<'a> Tracer<'a> {
         }
         let mut candidates = Vec::new();
         self.propose(&state, &mut candidates);
-        let (mut plain, _) = self.without_spurious(state.clone());
+        let mut plain = self.without_spurious(&state);
         for _ in 0..MOST_CONTESTS {
             let Some(next) = self.contested(&plain, 0..plain.chosen.len()) else { break };
-            (plain, _) = self.without_spurious(next);
+            plain = self.without_spurious(&next);
         }
         if !same_terms(&plain.chosen, &state.chosen) {
             self.propose(&plain, &mut candidates);
@@ -226,6 +204,22 @@ impl<'a> Tracer<'a> {
             self.propose(&bare, &mut candidates);
         }
         Proposals { candidates, states: vec![plain, state], scan }
+    }
+
+    /// What the data ask for first beside a state, if they do.
+    fn asked_for(&self, state: &State, scan: &mut Vec<ScanCell>) -> Option<Candidate> {
+        let linear = self.linear(state);
+        let scorer = self.scorer(linear);
+        let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
+        let mut scored = self.scored(state, &projectors.loose);
+        if scan.is_empty() {
+            *scan = self.scan(&scored);
+        }
+        if self.far_off(state) {
+            scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
+        }
+        let best = self.best(&scorer, &projectors, &scored)?;
+        self.helps_held_out(&scorer, &best).then_some(best.candidate)
     }
 
     /// Whether a model leaves so much that readings must mean something else than angles from link to link: any cause would be found in that.
@@ -253,19 +247,18 @@ impl<'a> Tracer<'a> {
         let mut scored = self.scored(state, &projectors.loose);
         scored.retain(|scored| scored.gain.rank > 0 && scored.delta_bic > 0.0);
         scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-        let mut seen: Vec<(Kind, Carrier)> = Vec::new();
-        for scored in scored {
-            let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
-            if seen.len() < PROPOSED && !seen.contains(&key) {
-                seen.push(key);
-                let refined = seen.len() <= REFINED;
-                add(if refined {
-                    scorer.refined(&projectors.loose, &self.survey, &scored.candidate).candidate
-                } else {
-                    scored.candidate
-                });
+        let mut best: Vec<Candidate> = Vec::new();
+        for Scored { candidate, .. } in scored {
+            let alike = |other: &Candidate| {
+                (other.term.kind, other.term.carrier) == (candidate.term.kind, candidate.term.carrier)
+            };
+            if best.len() < PROPOSED && !best.iter().any(alike) {
+                best.push(candidate);
             }
         }
+        let (first, others) = best.split_at(best.len().min(REFINED));
+        let refined = |candidate: &Candidate| scorer.refined(&projectors.loose, &self.survey, candidate).candidate;
+        in_parallel(first, refined).into_iter().chain(others.iter().cloned()).for_each(&mut add);
     }
 
     /// Refits with these terms and refines their scanned numbers at the new state.
@@ -315,7 +308,7 @@ impl<'a> Tracer<'a> {
 
     pub(crate) fn linearised<'b>(&self, state: &'b State) -> &'b Linearised {
         let linear = || linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers);
-        state.at.get_or_init(|| Linearised::new(linear()))
+        made(&state.at, || Linearised::new(linear()))
     }
 
     pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
@@ -367,8 +360,10 @@ impl<'a> Tracer<'a> {
         let folds = if follows_run { &[Folds::Interleaved][..] } else { &[Folds::Stretches, Folds::Interleaved] };
         let columns = scorer.columns(&scored.candidate.term);
         folds.iter().any(|&folds| {
-            let without = held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds);
-            let with = held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds);
+            let (without, with) = both(
+                || held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds),
+                || held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds),
+            );
             with < without
         })
     }
@@ -383,9 +378,16 @@ impl<'a> Tracer<'a> {
     fn pruned(&self, state: State) -> State {
         let mut state = self.rescanned(state);
         let before = state.chosen.clone();
-        for _ in 0..4 {
+        let mut been = vec![(self.criterion(&state), state.clone())];
+        for _ in 0..MOST_CHANGES {
             let Some(next) = self.improved(&state) else { break };
             state = self.rescanned(next);
+            let now = self.criterion(&state);
+            if let Some(circle) = in_circle(&been, now, &state) {
+                state = circle;
+                break;
+            }
+            been.push((now, state.clone()));
         }
         if !same_terms(&state.chosen, &before) {
             // Other effects, other outliers.
@@ -402,55 +404,83 @@ impl<'a> Tracer<'a> {
         }
         let linear = self.linear(&state);
         let scorer = self.scorer(linear);
-        let mut chosen = state.chosen.clone();
-        let mut moved = false;
-        for (index, candidate) in chosen.iter_mut().enumerate() {
-            if candidate.scanned > 0 {
-                let projector = state.loosely_without(linear, &[index]);
-                let refined = scorer.refined(&projector, &self.survey, candidate);
-                if refined.candidate.scanned != candidate.scanned
-                    || refined.gain.drop > scorer.own(&projector, candidate).gain.drop + SAME_DROP
-                {
-                    *candidate = refined.candidate;
-                    moved = true;
-                }
-            }
+        let moved = |&index: &usize| {
+            let candidate = &state.chosen[index];
+            let projector = state.loosely_without(linear, &[index]);
+            let refined = scorer.refined(&projector, &self.survey, candidate);
+            let better = refined.candidate.scanned != candidate.scanned
+                || refined.gain.drop > scorer.own(&projector, candidate).gain.drop + SAME_DROP;
+            better.then_some((index, refined.candidate))
+        };
+        let scanned: Vec<usize> = (0..state.chosen.len()).filter(|&index| state.chosen[index].scanned > 0).collect();
+        let moved: Vec<(usize, Candidate)> = in_parallel(&scanned, moved).into_iter().flatten().collect();
+        if moved.is_empty() {
+            return state;
         }
-        if moved { self.followed(chosen, &state) } else { state }
+        let mut chosen = state.chosen.clone();
+        for (index, candidate) in moved {
+            chosen[index] = candidate;
+        }
+        self.followed(chosen, &state)
     }
 
     /// Refits after a small change: from the state, which rows are outliers being known.
-    fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
+    pub(crate) fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
         let mut options = self.options.identify.clone();
         options.fit.robust = false;
         self.fitted(chosen, &state.fit.arm, &state.fit.weights, &options)
     }
 
-    /// One change for the better: an effect dropped, swapped for a better one, or two of one place merged into one.
+    /// One change for the better: effects dropped, one swapped for a better one, or two of one place merged into one.
     fn improved(&self, state: &State) -> Option<State> {
+        let needed = self.needed(state);
+        if needed.len() < state.chosen.len() {
+            let chosen = needed.into_iter().map(|index| state.chosen[index].clone()).collect();
+            return Some(self.followed(chosen, state));
+        }
         // The first that is for the better is made: so many are looked at together as there are threads.
         let effects: Vec<usize> = (0..state.chosen.len()).collect();
         for some in effects.chunks(available()) {
-            let changed = in_parallel(some, |&index| on_this_thread(|| self.changed(state, index)));
-            if let Some(chosen) = changed.into_iter().flatten().next() {
+            let swapped = in_parallel(some, |&index| on_this_thread(|| self.swapped(state, index)));
+            if let Some(chosen) = swapped.into_iter().flatten().next() {
                 return Some(self.followed(chosen, state));
             }
         }
         self.merged(state, &self.scorer(self.linear(state)))
     }
 
-    /// The terms without an effect that is not needed, or with a better one in its place.
-    fn changed(&self, state: &State, index: usize) -> Option<Vec<Candidate>> {
+    /// Which effects are needed: those that are not are left out one after the other, the weakest first.
+    fn needed(&self, state: &State) -> Vec<usize> {
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
-        let projectors = state.without(linear, &[index]);
-        let own = scorer.own(&projectors.loose, &state.chosen[index]);
-        let mut chosen = state.chosen.clone();
-        if own.delta_bic < LEAST_DELTA_BIC {
-            chosen.remove(index);
-            return Some(chosen);
+        let mut needed: Vec<usize> = (0..state.chosen.len()).collect();
+        loop {
+            let own = in_parallel(&needed, |&index| {
+                let others = |other: &usize| *other == index || !needed.contains(other);
+                let left_out: Vec<usize> = (0..state.chosen.len()).filter(others).collect();
+                scorer.own(&state.loosely_without(linear, &left_out), &state.chosen[index]).delta_bic
+            });
+            let weakest = own.into_iter().enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            match weakest {
+                Some((place, own)) if own < LEAST_DELTA_BIC => needed.remove(place),
+                _ => return needed,
+            };
         }
-        let scored = self.scored(state, &projectors.loose);
+    }
+
+    /// The terms with a better one in the place of an effect.
+    fn swapped(&self, state: &State, index: usize) -> Option<Vec<Candidate>> {
+        let linear = self.linear(state);
+        let scorer = self.scorer(linear);
+        let projector = state.loosely_without(linear, &[index]);
+        let own = scorer.own(&projector, &state.chosen[index]);
+        let mut scored = self.scored(state, &projector);
+        scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop && other.candidate.term != own.candidate.term);
+        if scored.is_empty() {
+            return None;
+        }
+        let projectors = state.without(linear, &[index]);
+        let mut chosen = state.chosen.clone();
         let best = self.best(&scorer, &projectors, &scored)?;
         let bic = |candidate: &Candidate| scorer.firm_bic(&projectors, candidate);
         if best.candidate.term == chosen[index].term || bic(&best.candidate) <= bic(&chosen[index]) + SWAP_GAIN {
@@ -494,14 +524,18 @@ impl<'a> Tracer<'a> {
         None
     }
 
-    /// Drops spurious effects, which only stand in for a structure that no entry describes, and says what is left.
-    fn without_spurious(&self, mut state: State) -> (State, Leftover) {
+    /// Drops spurious effects, which only stand in for a structure that no entry describes.
+    fn without_spurious(&self, state: &State) -> State {
+        let (first, mut state) = (state, state.clone());
         loop {
+            if state.chosen.is_empty() {
+                break;
+            }
             let linear = self.linear(&state);
             let scorer = self.scorer(linear);
             let leftover = leftover::examine(self, &scorer);
-            if !leftover.structured || state.chosen.is_empty() {
-                return (state, leftover);
+            if !leftover.structured {
+                break;
             }
             let beside_structure = linear.loose().beside(&[&leftover.columns], &linear.residual);
             let effects: Vec<usize> = (0..state.chosen.len()).collect();
@@ -512,17 +546,34 @@ impl<'a> Tracer<'a> {
                 let nothing_beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
                 (nothing_beside || alone.gain.drop < SPURIOUS * leftover.drop).then_some((own.delta_bic, index))
             });
-            let weakest = spurious.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, index)) = weakest else { return (state, leftover) };
-            let mut chosen = state.chosen.clone();
-            chosen.remove(index);
-            state = self.refitted(chosen, Some(&state));
+            let mut spurious: Vec<(f64, usize)> = spurious.into_iter().flatten().collect();
+            if spurious.is_empty() {
+                break;
+            }
+            // The weaker half of them: what is left then may say otherwise of the others.
+            spurious.sort_by(|a, b| a.0.total_cmp(&b.0));
+            spurious.truncate(spurious.len().div_ceil(2));
+            let dropped = |index: usize| spurious.iter().any(|(_, other)| *other == index);
+            let kept = state.chosen.iter().enumerate().filter(|(index, _)| !dropped(*index));
+            let chosen = kept.map(|(_, candidate)| candidate.clone()).collect();
+            state = self.followed(chosen, &state);
         }
+        // Other effects, other outliers.
+        if state.chosen.len() < first.chosen.len() { self.refitted(state.chosen.clone(), Some(&state)) } else { state }
     }
 }
 
 pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
+}
+
+/// Where a search that comes to this state has been here before: in a circle terms come and go, so the state with the fewest, of these the best.
+fn in_circle(been: &[(f64, State)], criterion: f64, state: &State) -> Option<State> {
+    let here = |(other, known): &(f64, State)| (other - criterion).abs() < SAME && alike(known, state);
+    let order =
+        |a: &&(f64, State), b: &&(f64, State)| a.1.chosen.len().cmp(&b.1.chosen.len()).then(a.0.total_cmp(&b.0));
+    let first = been.iter().position(here)?;
+    been[first..].iter().min_by(order).map(|(_, least)| least.clone())
 }
 
 /// Whether two states hold the same kinds at the same places.
