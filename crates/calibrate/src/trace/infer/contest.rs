@@ -349,7 +349,7 @@ impl Contest<'_> {
         };
         let at_ground = |ground: &Ground| -> Vec<f64> {
             let (mut best, mut room) = (vec![f64::NEG_INFINITY; changes.len()], Vec::new());
-            for width in WIDTHS {
+            for &width in own.widths_near(ground, &mut room) {
                 let Some(taken) = own.taken(ground, width) else { continue };
                 let mut first = 0;
                 for alike in changes.chunk_by(|a, b| a.out == b.out) {
@@ -415,13 +415,13 @@ impl Contest<'_> {
         for setting in self.first_settings() {
             add(setting, &mut grounds, &mut settings);
         }
-        let mut seen = Seen::new();
+        let (mut seen, mut known) = (Seen::new(), 0);
         if grounds.is_empty() {
             return (seen, Vec::new());
         }
         for _ in 0..3 {
             seen = self.climbed(&grounds, starts.iter().chain([&Vec::new()]));
-            let before = settings.len();
+            known = settings.len();
             // The best set, the best without each of its members, and none.
             let mut which = rivals_of_best(&seen);
             which.push(Vec::new());
@@ -437,16 +437,21 @@ impl Contest<'_> {
                     }
                 }
             }
-            if settings.len() == before {
+            if settings.len() == known {
                 break;
             }
         }
-        // All that matters at every setting.
+        // All that matters at the last settings, too.
         let most = seen.values().map(|(score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
-        let near: Vec<Vec<usize>> =
-            seen.iter().filter(|(_, scored)| scored.0 > most - 2.0 * BEHIND).map(|(set, _)| set.clone()).collect();
-        let scores = in_parallel(&near, |set| self.best(&grounds, set));
-        seen.extend(near.into_iter().zip(scores));
+        let mut near: Vec<(&Vec<usize>, &mut (f64, usize))> =
+            seen.iter_mut().filter(|(_, scored)| scored.0 > most - 2.0 * BEHIND).collect();
+        let last = &grounds[known..];
+        let scores = in_parallel(if last.is_empty() { &[] } else { &near[..] }, |(set, _)| self.best(last, set));
+        for ((_, scored), (score, setting)) in near.iter_mut().zip(scores) {
+            if score > scored.0 {
+                **scored = (score, known + setting);
+            }
+        }
         (seen, grounds.into_iter().zip(settings).collect())
     }
 
@@ -518,6 +523,16 @@ impl Asked {
         }
         let best = WIDTHS.iter().map(|&width| self.at_width(ground, width, room)).fold(f64::NEG_INFINITY, f64::max);
         best - price_of_width(self.columns.len())
+    }
+
+    /// The widths that may suit the set after a single change: that which suits it now, and those beside it. Where the set is nothing, all.
+    fn widths_near(&self, ground: &Ground, room: &mut Vec<f64>) -> &'static [f64] {
+        if self.columns.is_empty() {
+            return &WIDTHS;
+        }
+        let scores = WIDTHS.iter().map(|&width| self.at_width(ground, width, room)).enumerate();
+        let (suits, _) = scores.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+        &WIDTHS[suits.saturating_sub(1)..(suits + 2).min(WIDTHS.len())]
     }
 
     /// The same with a prior of this width.
