@@ -11,7 +11,8 @@ use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_calibrate::trace::infer::CurveOptions;
-use denavit_calibrate::{Measurements, NoEffects};
+use denavit_calibrate::trace::{TraceOptions, trace};
+use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
 use denavit_model::examples::puma_like;
 use denavit_model::{Reading, urdf};
 
@@ -92,6 +93,35 @@ pub fn giving(softness: f64) -> [Effect; 2] {
         },
         coefficients: vec![softness],
     })
+}
+
+/// Joint 3 counts from the ground: it turns back by all that joint 2 turns. A number as large as that must not be drawn towards nothing, or
+/// curves would have to make up for it.
+#[test]
+fn a_curve_is_found_beside_a_joint_that_counts_another_ones_angle() {
+    let chain = puma_like();
+    let mut model = gear();
+    model.effects.push(Effect {
+        term: Term {
+            kind: Kind::JointCoupling,
+            carrier: Carrier::Joint(2),
+            driver: Driver::Reading(1),
+            coupling: Coupling::Each,
+        },
+        coefficients: vec![-1.0],
+    });
+    let data =
+        simulate(&chain, &SimulationOptions { kind: POSITION, rows: 500, seed: 6, ..Default::default() }, &model).data;
+    // The gear's orders would be named else.
+    let kinds = vec![Kind::JointCoupling];
+    let options = TraceOptions { kinds, ..TraceOptions::new(IdentifyOptions::axes(&chain)) };
+    let found = trace(&model.statics, &data, &identify(&chain, &data, &options.identify).geometric, &options);
+    let named: Vec<(Kind, f64)> =
+        found.findings.iter().map(|finding| (finding.term.kind, finding.values[0].value)).collect();
+    assert!(matches!(named[..], [(Kind::JointCoupling, factor)] if (factor + 1.0).abs() < 1e-3), "{named:?}");
+    let joints: Vec<usize> = found.fit.effects.curves.iter().map(|curve| curve.joint).collect();
+    let noise = found.fit.noise.first();
+    assert!(joints == [1] && noise < 5.5e-5, "curves of joints {joints:?}, noise {noise:.2e} m");
 }
 
 /// A joint's torque is mostly a function of its own reading: a curve alone would take it over, and be wrong where the next joint
