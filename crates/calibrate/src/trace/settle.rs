@@ -89,7 +89,12 @@ pub(crate) fn trace(
     let bare = geometric.with_model(statics, options.earlier.as_ref());
     let fitted = in_parallel(&models, |model| match model {
         Some(state) => with(&state.chosen, &state.fit, part, &tracer.survey),
-        None => (bare.clone(), CurveFit { fit: on_rows(&curves.fit, data, rows), ..curves.clone() }),
+        None if rows.len() == data.len() => (bare.clone(), curves.clone()),
+        None => {
+            let plain = on_rows(&bare, data, rows);
+            let beside = fit_curves_near(&tracer.survey, part, &plain, &geometric.arm, options.curves, known);
+            (plain, beside)
+        }
     });
     let near: Vec<&CurveFit> = fitted.iter().map(|(_, near)| near).collect();
     let proposed = proposed(tracer, &near, found.candidates);
