@@ -140,3 +140,23 @@ pub(crate) fn made<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
         cell.get_or_init(|| made)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_within_work_comes_back_in_order_and_waits_for_no_cell_of_its_own() {
+        let items: Vec<usize> = (0..40).collect();
+        let cell = OnceLock::new();
+        // Each asks for what takes work on all threads itself.
+        let sum = || in_parallel(&items, |item| item * item).into_iter().sum::<usize>();
+        let work = || in_parallel(&items, |item| in_parallel(&items, |other| item * other + *made(&cell, sum)));
+        let expected: Vec<Vec<usize>> =
+            items.iter().map(|item| items.iter().map(|other| item * other + 20_540).collect()).collect();
+        assert_eq!(work(), expected);
+        assert_eq!(on_threads(4, work), expected);
+        assert_eq!(on_this_thread(work), expected);
+        assert_eq!(on_threads(4, || both(|| 1, || rayon::current_thread_index().is_some())), (1, true));
+    }
+}
