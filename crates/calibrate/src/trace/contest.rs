@@ -1,10 +1,9 @@
 //! Effects that look alike to first order, told apart by fitting each.
 
-use crate::effects::carrier::Carrier;
-use crate::effects::catalogue::{Candidate, Kind};
+use crate::effects::catalogue::Candidate;
 use crate::effects::driver::Driver;
 use crate::identify::threads::in_parallel;
-use crate::trace::search::{Scored, handicap};
+use crate::trace::search::{handicap, leaders};
 use crate::trace::select::{CONTENDS, SWAP_GAIN, State, Tracer};
 use std::ops::Range;
 
@@ -41,17 +40,8 @@ impl Tracer<'_> {
             let projector = state.loosely_without(linear, &[index]);
             let own = scorer.own(&projector, &state.chosen[index]);
             let mut scored = self.scored(state, &projector);
-            scored.retain(|other| other.gain.rank > 0 && other.gain.drop > CONTENDS * own.gain.drop);
-            scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-            let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
-            let mut seen: Vec<(Kind, Carrier)> = vec![key(&state.chosen[index])];
-            let mut near: Vec<Candidate> = Vec::new();
-            for Scored { candidate, .. } in scored {
-                if near.len() < FITTED && !seen.contains(&key(&candidate)) {
-                    seen.push(key(&candidate));
-                    near.push(candidate);
-                }
-            }
+            scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop);
+            let near = leaders(&scored, FITTED, Some(&state.chosen[index]));
             sets.extend(in_parallel(&near, |other| {
                 let mut chosen = state.chosen.clone();
                 chosen[index] = scorer.refined(&projector, &self.survey, other).candidate;

@@ -57,14 +57,17 @@ pub struct Projectors {
 impl Projectors {
     /// Geometry and these columns of effects (zero in the rows of the prior).
     pub fn new(linear: &Linear, effects: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
+        let (loose, firm) =
+            both(|| linear.loose().beside(&[effects], residual), || Self::firm(linear, effects, residual));
+        Self { loose, firm }
+    }
+
+    /// The firm one alone.
+    pub fn firm(linear: &Linear, effects: &DMatrix<f64>, residual: &DVector<f64>) -> Projector {
         let mut firm_residual = residual.clone();
         let as_matrix = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         firm_residual.copy_from(&linear.firm(&as_matrix).column(0));
-        let (loose, firm) = both(
-            || linear.loose().beside(&[effects], residual),
-            || linear.in_tolerances().beside(&[effects], &firm_residual),
-        );
-        Self { loose, firm }
+        linear.in_tolerances().beside(&[effects], &firm_residual)
     }
 }
 
@@ -294,6 +297,22 @@ pub fn p_value(free: f64, rss: f64, gain: Gain, used: usize) -> f64 {
     let after = (rss - gain.drop).max(f64::MIN_POSITIVE);
     let f = (gain.drop / used as f64) / (after / left);
     FisherSnedecor::new(used as f64, left).map_or(1.0, |distribution| distribution.sf(f))
+}
+
+/// The best candidates, so many at most: of each kind at each place the best one, none of what `but` is and where.
+pub(crate) fn leaders<'s>(scored: &'s [Scored], most: usize, but: Option<&Candidate>) -> Vec<&'s Candidate> {
+    let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
+    let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
+    order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+    let mut seen: Vec<(Kind, Carrier)> = but.map(key).into_iter().collect();
+    let mut leaders: Vec<&Candidate> = Vec::new();
+    for Scored { candidate, .. } in order {
+        if leaders.len() < most && !seen.contains(&key(candidate)) {
+            seen.push(key(candidate));
+            leaders.push(candidate);
+        }
+    }
+    leaders
 }
 
 /// The carriers that these candidates use, each once.

@@ -6,7 +6,7 @@ use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
-use crate::identify::threads::{available, both, in_parallel, made, on_this_thread};
+use crate::identify::threads::{available, both, each_alone, in_parallel, made};
 use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::{DISTANCE, POSE, POSITION};
@@ -17,7 +17,7 @@ use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Block};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::projector::Projector;
-use crate::trace::search::{CandidateScorer, Linearised, Projectors, Scored, carriers_of, driven};
+use crate::trace::search::{CandidateScorer, Linearised, Projectors, Scored, carriers_of, driven, leaders};
 use crate::trace::{ScanCell, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, OnceLock};
@@ -103,6 +103,12 @@ impl State {
     pub(crate) fn loosely_without(&self, linear: &Linear, left_out: &[usize]) -> Projector {
         let (others, residual) = self.parts(linear, left_out);
         linear.loose().beside(&[&others], &residual)
+    }
+
+    /// The same on geometry in its tolerances alone.
+    fn firmly_without(&self, linear: &Linear, left_out: &[usize]) -> Projector {
+        let (others, residual) = self.parts(linear, left_out);
+        Projectors::firm(linear, &others, &residual)
     }
 
     /// The columns of the other effects, and the residual without these.
@@ -242,23 +248,14 @@ impl<'a> Tracer<'a> {
             }
         }
         let linear = self.linear(state);
-        let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
+        let projector = state.loosely_without(linear, &[]);
         let scorer = self.scorer(linear);
-        let mut scored = self.scored(state, &projectors.loose);
-        scored.retain(|scored| scored.gain.rank > 0 && scored.delta_bic > 0.0);
-        scored.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-        let mut best: Vec<Candidate> = Vec::new();
-        for Scored { candidate, .. } in scored {
-            let alike = |other: &Candidate| {
-                (other.term.kind, other.term.carrier) == (candidate.term.kind, candidate.term.carrier)
-            };
-            if best.len() < PROPOSED && !best.iter().any(alike) {
-                best.push(candidate);
-            }
-        }
+        let mut scored = self.scored(state, &projector);
+        scored.retain(|scored| scored.delta_bic > 0.0);
+        let best = leaders(&scored, PROPOSED, None);
         let (first, others) = best.split_at(best.len().min(REFINED));
-        let refined = |candidate: &Candidate| scorer.refined(&projectors.loose, &self.survey, candidate).candidate;
-        in_parallel(first, refined).into_iter().chain(others.iter().cloned()).for_each(&mut add);
+        let refined = |candidate: &&Candidate| scorer.refined(&projector, &self.survey, candidate).candidate;
+        in_parallel(first, refined).into_iter().chain(others.iter().copied().cloned()).for_each(&mut add);
     }
 
     /// Refits with these terms and refines their scanned numbers at the new state.
@@ -322,20 +319,7 @@ impl<'a> Tracer<'a> {
         projectors: &Projectors,
         scored: &[Scored],
     ) -> Option<Scored> {
-        let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
-        order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-        let mut seen: Vec<(Kind, Carrier)> = Vec::new();
-        let mut leaders: Vec<&Candidate> = Vec::new();
-        for scored in order {
-            let key = (scored.candidate.term.kind, scored.candidate.term.carrier);
-            if !seen.contains(&key) {
-                seen.push(key);
-                leaders.push(&scored.candidate);
-            }
-            if leaders.len() == REFINED {
-                break;
-            }
-        }
+        let leaders = leaders(scored, REFINED, None);
         let leaders = in_parallel(&leaders, |leader| scorer.refined(&projectors.loose, &self.survey, leader));
         let firm = |scored: &Scored| scorer.firm_bic(projectors, &scored.candidate);
         let judged = leaders.into_iter().filter(|scored| self.passes(scored)).map(|scored| (firm(&scored), scored));
@@ -441,7 +425,7 @@ impl<'a> Tracer<'a> {
         // The first that is for the better is made: so many are looked at together as there are threads.
         let effects: Vec<usize> = (0..state.chosen.len()).collect();
         for some in effects.chunks(available()) {
-            let swapped = in_parallel(some, |&index| on_this_thread(|| self.swapped(state, index)));
+            let swapped = each_alone(some, |&index| self.swapped(state, index));
             if let Some(chosen) = swapped.into_iter().flatten().next() {
                 return Some(self.followed(chosen, state));
             }
@@ -479,7 +463,7 @@ impl<'a> Tracer<'a> {
         if scored.is_empty() {
             return None;
         }
-        let projectors = state.without(linear, &[index]);
+        let projectors = Projectors { loose: projector, firm: state.firmly_without(linear, &[index]) };
         let mut chosen = state.chosen.clone();
         let best = self.best(&scorer, &projectors, &scored)?;
         let bic = |candidate: &Candidate| scorer.firm_bic(&projectors, candidate);

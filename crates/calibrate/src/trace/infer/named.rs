@@ -9,7 +9,7 @@ use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::residual::ResidualModel;
 use crate::identify::solve::{Fit, gross};
-use crate::identify::threads::{in_parallel, on_this_thread};
+use crate::identify::threads::each_alone;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
@@ -225,13 +225,11 @@ pub(crate) fn judge(
     all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
     // Where there is nothing to be found again nobody looks.
     let others = if all.is_empty() { &[][..] } else { question.others };
-    let elsewhere = in_parallel(others, |other| {
-        on_this_thread(|| {
-            let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
-            state.keep(&has);
-            let entered = Entered::new(other.data, &state, reference, question, &other.structures, 1);
-            again(&entered.contest(&kernels), &entered.round.gram)
-        })
+    let elsewhere = each_alone(others, |other| {
+        let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
+        state.keep(&has);
+        let entered = Entered::new(other.data, &state, reference, question, &other.structures, 1);
+        again(&entered.contest(&kernels), &entered.round.gram)
     });
     let share = |runs: &[Vec<usize>], name: &(Kind, String)| {
         runs.iter().filter(|found| holds(found, name)).count() as f64 / runs.len().max(1) as f64
@@ -503,9 +501,9 @@ fn resampled(parts: &[Gram], counted: f64, search: &(dyn Fn(&Gram) -> Vec<usize>
         }
         halves.extend(order.chunks(parts.len().div_ceil(2)).map(<[usize]>::to_vec));
     }
-    in_parallel(&halves, |half| {
+    each_alone(&halves, |half| {
         let times = |part| if half.contains(&part) { counted } else { 0.0 };
         let counts: Vec<f64> = (0..parts.len()).map(times).collect();
-        on_this_thread(|| search(&Gram::weighted(parts, &counts)))
+        search(&Gram::weighted(parts, &counts))
     })
 }
