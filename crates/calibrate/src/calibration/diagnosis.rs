@@ -167,7 +167,7 @@ fn undone(
 
 /// How far the robot as drawn is from these rows.
 fn nominal_misfit(chain: &Chain, data: &Measurements) -> [f64; 2] {
-    let options = FitOptions { robust: true, most_iterations: ITERATIONS_TO_TRY };
+    let options = FitOptions { robust: true, most_iterations: ITERATIONS_TO_TRY, ..FitOptions::default() };
     misfit(&nominal_fit(chain, data, &vec![1.0; data.observations()], &options), data)
 }
 

@@ -119,7 +119,7 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
     let tips = tips_as_drawn(chain, &few);
     let good = GOOD_ENOUGH * chain.size();
     let mut best: Option<(f64, Arm)> = None;
-    let options = FitOptions { robust: true, most_iterations: ITERATIONS_FROM_START };
+    let options = FitOptions { robust: true, most_iterations: ITERATIONS_FROM_START, ..FitOptions::default() };
     for guess in guesses(chain, &few, &tips) {
         let fit = fit(&few, layout, &guess, &NoEffects, &weights, &options);
         let left = misfit(&fit);

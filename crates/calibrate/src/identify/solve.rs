@@ -50,11 +50,13 @@ pub struct FitOptions {
     pub robust: bool,
     /// Stop after this many steps.
     pub most_iterations: usize,
+    /// χ² that the last step may promise: what is left after it is far less.
+    pub least_promise: f64,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { robust: true, most_iterations: 60 }
+        Self { robust: true, most_iterations: 60, least_promise: PROMISE_AT_END }
     }
 }
 
@@ -98,8 +100,11 @@ const ROUNDING: f64 = 1e-14;
 const PROMISE_NEAR_END: f64 = 1e3;
 /// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
 const PROMISE_FOR_REJECTION: f64 = 1.0;
-/// χ² that the last step may promise: a hundredth of a standard deviation, squared. What is left after it is far less.
+/// χ² that the last step may promise where nothing else is asked: a hundredth of a standard deviation, squared.
 const PROMISE_AT_END: f64 = 1e-4;
+/// Steps are alike if the square of the cosine between them is this much; they follow each other as powers of a share if that is between these.
+const ALIKE: f64 = 0.9;
+const SHARE: std::ops::Range<f64> = 0.1..0.9;
 /// Measured values beyond the parameters that it takes to tell the noise.
 pub const DEGREES_FOR_NOISE: f64 = 6.0;
 /// Noise that is taken where the data have too few degrees of freedom to tell it: share of the robot's size (a tenth of a
@@ -137,6 +142,9 @@ struct System {
     scale: DVector<f64>,
     gauge: Option<DMatrix<f64>>,
 }
+
+/// A step that was taken as it was found, each number in its unit.
+type Last = Option<Vec<f64>>;
 
 struct State<E> {
     arm: Arm,
@@ -181,10 +189,11 @@ impl Solver<'_> {
         // The nominal robot's residual is not noise: trust the data more than that in the first step.
         noise.levels.iter_mut().for_each(|level| *level *= TRUST_AT_START);
         let (mut damping, mut iterations, mut rounds, mut converged) = (LEAST_DAMPING, 0, 0, false);
+        let mut last = None;
         while iterations < self.options.most_iterations {
             iterations += 1;
             let system = self.system(&state, &noise);
-            let (next, promise) = self.step(&state, &system, &noise, &weights, &mut damping);
+            let (next, promise) = self.step(&state, &system, &noise, &weights, (&mut damping, &mut last));
             let stuck = next.is_none();
             if let Some(next) = next {
                 state = next;
@@ -211,7 +220,7 @@ impl Solver<'_> {
             let steady = settled.near(&noise);
             noise = settled;
             let rounding = noise == self.rounding();
-            if (stuck || promise < PROMISE_AT_END || rounding) && steady {
+            if (stuck || promise < self.options.least_promise || rounding) && steady {
                 let kept = if self.options.robust && rounds < 4 {
                     self.kept(&state.sums.squares, given, &noise)
                 } else {
@@ -325,29 +334,41 @@ impl Solver<'_> {
         system: &System,
         noise: &Noise,
         weights: &[f64],
-        damping: &mut f64,
+        (damping, last): (&mut f64, &mut Last),
     ) -> (Option<State<E>>, f64) {
         let before = self.objective(state, weights, noise);
+        let least = self.options.least_promise;
         let mut promise = 0.0;
+        let mut lasting = last.take();
         for _ in 0..12 {
             let Some(scaled) = system.solve(*damping) else {
                 *damping = (*damping * 10.0).max(1e-10);
                 continue;
             };
             promise = scaled.dot(&(&system.matrix * &scaled));
-            if promise < PROMISE_AT_END {
+            if promise < least {
                 return (None, promise);
             }
-            let step: Vec<f64> = scaled.iter().zip(system.scale.iter()).map(|(y, s)| y * s).collect();
+            let mut step: Vec<f64> = scaled.iter().zip(system.scale.iter()).map(|(y, s)| y * s).collect();
+            let share = lasting.take().and_then(|last| share_of(&step, &last, &system.scale));
+            if let Some(share) = share {
+                for cell in &mut step {
+                    *cell /= 1.0 - share;
+                }
+            }
             let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
             let next = self.evaluate(arm, effects, weights);
             let after = self.objective(&next, weights, noise);
             if after <= before + 1e-9 * promise.min(1.0) {
                 *damping = (*damping * 0.1).max(LEAST_DAMPING);
+                *last = Some(step).filter(|_| share.is_none());
                 return (Some(next), promise);
             }
-            if promise < PROMISE_AT_END.max(1e-9 * before) {
+            if share.is_some() {
+                continue;
+            }
+            if promise < least.max(1e-9 * before) {
                 break;
             }
             *damping = (*damping * 10.0).max(1e-6);
@@ -477,6 +498,16 @@ impl System {
     fn inverse(&self) -> Option<DMatrix<f64>> {
         Some(self.damped(LEAST_DAMPING).cholesky()?.inverse())
     }
+}
+
+/// Where a step is a share of the last one, and so will be the next of it, that share: what effects do to the loads that drive them is not in
+/// the derivatives, so steps fall short of where they lead to, or go beyond. All that are to come add up to this step over 1 - share (Aitken).
+fn share_of(step: &[f64], last: &[f64], scale: &DVector<f64>) -> Option<f64> {
+    let product =
+        |a: &[f64], b: &[f64]| a.iter().zip(b).zip(scale.iter()).map(|((a, b), s)| a * b / (s * s)).sum::<f64>();
+    let (own, along, square) = (product(step, step), product(step, last), product(last, last));
+    let share = along / square;
+    (along * along > ALIKE * own * square && SHARE.contains(&share.abs())).then_some(share)
 }
 
 /// Degrees of freedom that must be assumed beside `count` values of which the parameters use `used`.

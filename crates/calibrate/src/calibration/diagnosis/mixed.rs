@@ -134,7 +134,7 @@ pub(super) fn individuals(
 /// The rows that are near when these place the robot as drawn.
 fn near(chain: &Chain, data: &Measurements, rows: &[usize], placing: &[usize]) -> Vec<usize> {
     let some = data.subset(placing);
-    let options = FitOptions { robust: false, most_iterations: 20 };
+    let options = FitOptions { robust: false, most_iterations: 20, ..FitOptions::default() };
     let fit = nominal_fit(chain, &some, &vec![1.0; some.observations()], &options);
     let off = |residual: &crate::identify::residual_statistics::Residual| {
         residual.place.norm() / chain.size() + residual.turn.norm()
