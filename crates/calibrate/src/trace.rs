@@ -21,6 +21,7 @@ mod refine;
 pub(crate) mod search;
 mod select;
 mod settle;
+mod without;
 
 use crate::effects::catalogue::Kind;
 use crate::effects::curve_modes::CurveModes;

@@ -1,6 +1,8 @@
 //! Gram matrices: products of columns of numbers, formed in vectors of the machine, several columns at a time.
 
 use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
+use crate::identify::threads::{available, dealt};
+use crate::identify::triangle::WORTH_A_THREAD;
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Columns on the left and on the right whose products are formed at once: as many sums as sixteen registers hold.
@@ -39,10 +41,18 @@ pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
         return cross_gram(columns, columns, rows);
     }
     let mut result = vec![0.0; count * count];
-    for (panel, some) in columns.chunks(PANEL * rows).enumerate() {
-        let first = panel * PANEL;
-        panel_into(&columns[first * rows..], some, rows, count, &mut result[first * count + first..]);
-    }
+    let panels = columns.chunks(PANEL * rows).zip(result.chunks_mut(PANEL * count)).enumerate();
+    let threads = if columns.len() * count / 2 < WORTH_A_THREAD { 1 } else { available() };
+    // Each product for itself: none depends on how many threads there are.
+    dealt(
+        panels,
+        threads,
+        || (),
+        |(), (panel, (some, result))| {
+            let first = panel * PANEL;
+            panel_into(&columns[first * rows..], some, rows, count, &mut result[first..]);
+        },
+    );
     for r in 0..count {
         for l in 0..r {
             result[r * count + l] = result[l * count + r];
@@ -53,22 +63,42 @@ pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
 
 /// Takes so many times each of these columns from another.
 pub(crate) fn subtract(columns: &[f64], times: &[f64], from: &mut [f64]) {
+    let columns = Columns { cells: columns, stride: from.len() };
     dispatch!(Level::new(), simd => subtract_in(simd, columns, times, from));
 }
 
+/// The same of several columns of `rows` cells: `times` holds for each of them how many times each of the columns is taken.
+pub(crate) fn subtract_each(columns: &[f64], times: &[f64], from: &mut [f64], rows: usize) {
+    let count = columns.len() / rows.max(1);
+    if count == 0 {
+        return;
+    }
+    for first in (0..rows).step_by(DEPTH) {
+        let last = rows.min(first + DEPTH);
+        let columns = Columns { cells: &columns[first..], stride: rows };
+        for (times, from) in times.chunks_exact(count).zip(from.chunks_exact_mut(rows)) {
+            dispatch!(Level::new(), simd => subtract_in(simd, columns, times, &mut from[first..last]));
+        }
+    }
+}
+
 #[inline(always)]
-fn subtract_in<S: Simd>(simd: S, columns: &[f64], times: &[f64], from: &mut [f64]) {
+fn subtract_in<S: Simd>(simd: S, columns: Columns, times: &[f64], from: &mut [f64]) {
     const VECTORS: usize = 4;
     let (rows, width) = (from.len(), S::f64s::LEN);
     let whole = rows - rows % (VECTORS * width);
+    let cells = |column: usize, first: usize, last: usize| {
+        let start = column * columns.stride;
+        &columns.cells[start + first..start + last]
+    };
     for first in (0..whole).step_by(VECTORS * width) {
         let own = &mut from[first..first + VECTORS * width];
         let mut left = [S::f64s::splat(simd, 0.0); VECTORS];
         for (k, left) in left.iter_mut().enumerate() {
             *left = S::f64s::from_slice(simd, &own[k * width..(k + 1) * width]);
         }
-        for (times, column) in times.iter().zip(columns.chunks_exact(rows)) {
-            let (times, column) = (S::f64s::splat(simd, -times), &column[first..first + VECTORS * width]);
+        for (column, times) in times.iter().enumerate() {
+            let (times, column) = (S::f64s::splat(simd, -times), cells(column, first, first + VECTORS * width));
             for (k, left) in left.iter_mut().enumerate() {
                 *left = times.mul_add(S::f64s::from_slice(simd, &column[k * width..(k + 1) * width]), *left);
             }
@@ -77,8 +107,9 @@ fn subtract_in<S: Simd>(simd: S, columns: &[f64], times: &[f64], from: &mut [f64
             left.store_slice(&mut own[k * width..(k + 1) * width]);
         }
     }
-    for (times, column) in times.iter().zip(columns.chunks_exact(rows.max(1))) {
-        from[whole..].iter_mut().zip(&column[whole..]).for_each(|(cell, other)| *cell -= times * other);
+    for (column, times) in times.iter().enumerate() {
+        let others = cells(column, whole, rows);
+        from[whole..].iter_mut().zip(others).for_each(|(cell, other)| *cell -= times * other);
     }
 }
 
@@ -232,7 +263,7 @@ mod tests {
     #[test]
     fn columns_are_taken_from_another() {
         let cell = |k: usize| (k as f64 * 0.9).cos();
-        for (rows, count) in [(3, 2), (70, 5), (64, 0)] {
+        for (rows, count) in [(3, 2), (70, 5), (64, 0), (600, 3)] {
             let columns: Vec<f64> = (0..rows * count).map(cell).collect();
             let times: Vec<f64> = (0..count).map(|k| k as f64 - 1.5).collect();
             let mut found: Vec<f64> = (0..rows).map(|k| cell(k + 7)).collect();
@@ -241,6 +272,14 @@ mod tests {
                 let sum: f64 = (0..count).map(|k| columns[k * rows + row] * times[k]).sum();
                 assert!((found - (cell(row + 7) - sum)).abs() < 1e-13);
             }
+            let mut three: Vec<f64> = (0..3 * rows).map(|k| cell(k + 7)).collect();
+            let mut each = three.clone();
+            let times: Vec<f64> = (0..3 * count).map(|k| 0.3 * k as f64 - 1.0).collect();
+            subtract_each(&columns, &times, &mut each, rows);
+            for (own, three) in three.chunks_exact_mut(rows).enumerate() {
+                subtract(&columns, &times[own * count..(own + 1) * count], three);
+            }
+            assert!(each.iter().zip(three).all(|(a, b)| (a - b).abs() < 1e-13));
         }
     }
 

@@ -9,7 +9,7 @@ use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 /// Rows that a thread takes at once.
 const ROWS: usize = 2 * PANEL;
 /// Fewer multiplications than this are done sooner than a second thread is there.
-const WORTH_A_THREAD: usize = 500_000;
+pub(crate) const WORTH_A_THREAD: usize = 150_000;
 
 /// The lower triangle L of A = L Lᵀ, row by row.
 #[derive(Debug, Clone)]
@@ -82,7 +82,7 @@ impl Triangle {
         let mut columns = vec![0.0; size * size];
         columns.iter_mut().step_by(size + 1).for_each(|cell| *cell = 1.0);
         let panels = self.panels();
-        let threads = available().min(1 + size / 400);
+        let threads = if size.pow(3) / 6 < WORTH_A_THREAD { 1 } else { available() };
         // Columns get shorter to the right: neighbours are dealt in turn.
         let each = columns.chunks_mut(ROWS * size).enumerate();
         let invert = |block: usize, some: &mut [f64]| {

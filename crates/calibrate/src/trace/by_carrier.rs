@@ -205,9 +205,10 @@ mod tests {
             let tracer = Tracer::new(&statics, &data, &geometric, &options);
             let state = tracer.refitted(vec![tracer.candidates[7].clone()], None);
             let linear = tracer.linear(&state);
-            let (scorer, projector) = (tracer.scorer(linear), linear.loose());
+            let (others, residual) = state.parts(linear, &[0]);
+            let (scorer, projector) = (tracer.scorer(linear), linear.loose().beside(&[&others], &residual));
             let mut seen = 0;
-            for scored in tracer.scored(&state, projector) {
+            for scored in tracer.scored(&state, &tracer.loosely_without(&state, &[0])) {
                 let written = projector.gain_of(&scorer.columns(&scored.candidate.term));
                 let name = format!("{:?}", scored.candidate.term);
                 assert_eq!(scored.gain.rank, written.rank, "{name}");

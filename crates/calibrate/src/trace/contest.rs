@@ -37,14 +37,14 @@ impl Tracer<'_> {
         let scorer = self.scorer(linear);
         let mut sets = Vec::new();
         for index in contested {
-            let projector = state.loosely_without(linear, &[index]);
-            let own = scorer.own(&projector, &state.chosen[index]);
-            let mut scored = self.scored(state, &projector);
+            let model = self.loosely_without(state, &[index]);
+            let own = scorer.own(&model, &state.chosen[index]);
+            let mut scored = self.scored(state, &model);
             scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop);
             let near = leaders(&scored, FITTED, Some(&state.chosen[index]));
             sets.extend(in_parallel(&near, |other| {
                 let mut chosen = state.chosen.clone();
-                chosen[index] = scorer.refined(&projector, &self.survey, other).candidate;
+                chosen[index] = scorer.refined(&model, &self.survey, other).candidate;
                 chosen
             }));
         }

@@ -209,6 +209,14 @@ impl Linear {
         firm
     }
 
+    /// The same of a residual.
+    pub fn firm_residual(&self, residual: &DVector<f64>) -> DVector<f64> {
+        let mut firm = residual.clone();
+        let priors = firm.len() - self.values();
+        firm.rows_mut(self.values(), priors).scale_mut(RELAXED);
+        firm
+    }
+
     /// What geometry can do, far beyond its tolerances.
     pub fn loose(&self) -> &Projector {
         self.of_geometry.loose.get_or_init(|| Projector::new(&[&self.geometry], &self.residual))

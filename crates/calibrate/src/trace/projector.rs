@@ -1,12 +1,15 @@
 //! Taking out of a column what the model can already do, and asking what the rest explains.
 
-use crate::identify::gram::{cross_gram, gram_of, subtract};
+use crate::identify::gram::{cross_gram, gram_of, subtract, subtract_each};
 use crate::identify::panel::{Line, PANEL, lines_of};
+use crate::identify::triangle::dot;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 
 /// A column of the model that is this nearly a sum of others adds nothing.
-const DEPENDENT: f64 = 1e-9;
+pub(super) const DEPENDENT: f64 = 1e-9;
+/// Of a column that is cut down to less than this what was taken out is taken out once more.
+const SMALL: f64 = 1e-3;
 /// A column of which the model leaves less than this share cannot be seen: claiming it would be guessing.
 pub const UNSEEN: f64 = 3e-3;
 
@@ -42,28 +45,14 @@ impl Projector {
     #[must_use]
     pub fn beside(&self, parts: &[&DMatrix<f64>], residual: &DVector<f64>) -> Self {
         let rows = residual.len();
-        let count: usize = parts.iter().map(|part| part.ncols()).sum();
-        let mut rank = self.rank();
-        let mut basis = DMatrix::zeros(rows, rank + count);
-        basis.columns_mut(0, rank).copy_from(&self.basis);
-        for part in parts {
-            for column in part.column_iter() {
-                let norm = column.norm();
-                if norm == 0.0 {
-                    continue;
-                }
-                let mut rest = column / norm;
-                for _ in 0..2 {
-                    take_out(&basis.as_slice()[..rank * rows], rest.as_mut_slice());
-                }
-                let left = rest.norm();
-                if left > DEPENDENT {
-                    basis.set_column(rank, &(rest / left));
-                    rank += 1;
-                }
-            }
+        let columns: Vec<f64> = parts.iter().flat_map(|part| part.as_slice()).copied().collect();
+        let mut basis = self.basis.as_slice().to_vec();
+        basis.reserve(columns.len());
+        for some in columns.chunks((PANEL * rows).max(1)) {
+            extend(&mut basis, some.to_vec(), rows);
         }
-        let basis = basis.columns(0, rank).into_owned();
+        let rank = basis.len() / rows.max(1);
+        let basis = DMatrix::from_vec(rows, rank, basis);
         let mut result = Self { basis, panels: OnceLock::new(), residual: residual.clone(), rss: 0.0 };
         take_out(result.basis.as_slice(), result.residual.as_mut_slice());
         result.rss = result.residual.norm_squared();
@@ -84,6 +73,11 @@ impl Projector {
             all.chunks(PANEL).map(panel).collect()
         };
         self.panels.get_or_init(panels)
+    }
+
+    /// An orthonormal basis of what the model can do, column by column.
+    pub(super) fn basis(&self) -> &[f64] {
+        self.basis.as_slice()
     }
 
     /// Number of directions that the model has.
@@ -116,18 +110,53 @@ fn take_out(basis: &[f64], column: &mut [f64]) {
     subtract(basis, &shares, column);
 }
 
+/// Adds what these columns of `rows` cells do beyond an orthonormal basis: out of all of them what the basis can do is taken first, twice for
+/// the sake of rounding, then out of each what those before it can.
+fn extend(basis: &mut Vec<f64>, mut columns: Vec<f64>, rows: usize) {
+    let known = basis.len();
+    for column in columns.chunks_exact_mut(rows) {
+        let norm = norm_of(column).max(f64::MIN_POSITIVE);
+        for cell in column {
+            *cell /= norm;
+        }
+    }
+    for _ in 0..2 {
+        let shares = cross_gram(basis, &columns, rows);
+        subtract_each(basis, &shares, &mut columns, rows);
+    }
+    for column in columns.chunks_exact_mut(rows) {
+        let before = norm_of(column);
+        for _ in 0..2 {
+            take_out(&basis[known..], column);
+        }
+        if norm_of(column) < SMALL * before {
+            // Little is left, and rounding of what was taken out is no longer small beside it.
+            take_out(basis, column);
+        }
+        let left = norm_of(column);
+        if left > DEPENDENT {
+            basis.extend(column.iter().map(|cell| cell / left));
+        }
+    }
+}
+
+fn norm_of(column: &[f64]) -> f64 {
+    dot(column, column).sqrt()
+}
+
 /// Products of blocks of columns with all that a model can do and with what it leaves. They tell what each block explains beside the model,
-/// and beside any part of it, without a look at the columns: what is left of C is CᵀC - (BᵀC)ᵀ(BᵀC), B the basis.
+/// and beside any part of it ([`super::without`]), without a look at the columns: what is left of C is CᵀC - (BᵀC)ᵀ(BᵀC), B the basis.
 #[derive(Debug, Clone, Default)]
 pub struct Products {
     /// How many columns each block has.
-    blocks: Vec<usize>,
+    pub(super) blocks: Vec<usize>,
     /// With the basis, column by column.
-    shares: Vec<f64>,
+    pub(super) shares: Vec<f64>,
     /// With the residual outside the basis.
-    along: Vec<f64>,
+    pub(super) along: Vec<f64>,
     /// Of each block's columns with one another, block by block.
-    own: Vec<f64>,
+    pub(super) own: Vec<f64>,
+    left: OnceLock<Vec<f64>>,
 }
 
 impl Products {
@@ -146,6 +175,7 @@ impl Products {
             shares: cross_gram(model.basis.as_slice(), columns, rows),
             along: cross_gram(model.residual.as_slice(), columns, rows),
             own,
+            left: OnceLock::new(),
         }
     }
 
@@ -171,35 +201,29 @@ impl Products {
         all
     }
 
-    /// The products with a part of the model: a basis within the model's, and a residual that the model would bring to its own.
-    #[must_use]
-    pub fn beside(&self, model: &Projector, part: &Projector) -> Self {
-        let (rows, rank) = (model.residual.len(), model.rank());
-        if rank == 0 {
-            return self.clone();
-        }
-        let within = cross_gram(model.basis.as_slice(), part.basis.as_slice(), rows);
-        let returned = cross_gram(model.basis.as_slice(), part.residual.as_slice(), rows);
-        let more = cross_gram(&returned, &self.shares, rank);
-        Self {
-            blocks: self.blocks.clone(),
-            shares: cross_gram(&within, &self.shares, rank),
-            along: self.along.iter().zip(more).map(|(along, more)| along + more).collect(),
-            own: self.own.clone(),
-        }
+    /// Of each block's columns what the model leaves of their products with one another, block by block.
+    pub(super) fn left(&self) -> &[f64] {
+        let rank = self.shares.len() / self.along.len().max(1);
+        let left = || {
+            let mut left = self.own.clone();
+            let (mut first, mut before) = (0, 0);
+            for count in self.blocks.iter().filter(|_| rank > 0) {
+                let shares = gram_of(&self.shares[first * rank..(first + count) * rank], rank);
+                left[before..].iter_mut().zip(shares).for_each(|(cell, share)| *cell -= share);
+                (first, before) = (first + count, before + count * count);
+            }
+            left
+        };
+        self.left.get_or_init(left)
     }
 
     /// What each block explains alone; see [`Projector::gains`].
     pub fn gains(&self, least: f64) -> Vec<Gain> {
-        let rank = self.shares.len() / self.along.len().max(1);
         let (mut first, mut before) = (0, 0);
         let block_gain = |&count: &usize| {
-            let columns = first..first + count;
-            let own = &self.own[before..before + count * count];
-            (first, before) = (columns.end, before + own.len());
-            let shares = &self.shares[columns.start * rank..columns.end * rank];
-            let of_shares = if rank == 0 { vec![0.0; own.len()] } else { gram_of(shares, rank) };
-            gain(own, &of_shares, self.along[columns].to_vec(), least)
+            let (columns, cells) = (first..first + count, before..before + count * count);
+            (first, before) = (columns.end, cells.end);
+            gain(&self.own[cells.clone()], self.left()[cells].to_vec(), self.along[columns].to_vec(), least)
         };
         self.blocks.iter().map(block_gain).collect()
     }
@@ -208,10 +232,9 @@ impl Products {
 /// Columns made orthogonal one after the other by their products alone.
 ///
 /// # Shape and units
-/// `raw`: products of the columns, square; `shares`: of their parts in the model; `along`: with the residual.
-fn gain(raw: &[f64], shares: &[f64], mut along: Vec<f64>, least: f64) -> Gain {
+/// `raw`: products of the columns, square; `left`: what the model leaves of them; `along`: with the residual.
+pub(super) fn gain(raw: &[f64], mut left: Vec<f64>, mut along: Vec<f64>, least: f64) -> Gain {
     let count = along.len();
-    let mut left: Vec<f64> = raw.iter().zip(shares).map(|(whole, share)| whole - share).collect();
     let mut gain = Gain { drop: 0.0, rank: 0 };
     for k in 0..count {
         let square = left[k * count + k];
@@ -248,24 +271,6 @@ mod tests {
         let projector = Projector::new(&[&model], &residual);
         let gain = projector.gain_of(&block);
         assert!((gain.drop - (rss(&model) - rss(&both))).abs() < 1e-10 && gain.rank == 2);
-    }
-
-    #[test]
-    fn products_with_a_model_tell_what_is_explained_beside_a_part_of_it() {
-        let cell = |i: usize, k: usize| ((i * (k + 2)) as f64 * 0.37).sin() + 0.2 * ((i + 3 * k) as f64).cos();
-        let geometry = DMatrix::from_fn(12, 3, cell);
-        let effects = DMatrix::from_fn(12, 2, |i, k| cell(i, k + 5));
-        let columns = DMatrix::from_fn(12, 3, |i, k| cell(i, k + 9));
-        let residual = DVector::from_fn(12, |i, _| cell(i, 20));
-        let loose = Projector::new(&[&geometry], &residual);
-        let whole = loose.beside(&[&effects], &residual);
-        // The second effect is left out: what it explained is in the residual again.
-        let part = loose.beside(&[&effects.columns(0, 1).into_owned()], &(&residual + effects.column(1) * 0.7));
-        let products = Products::of(&whole, columns.as_slice(), &[1, 2]).beside(&whole, &part);
-        let direct = part.gains(columns.as_slice(), &[1, 2], UNSEEN);
-        for (found, wanted) in products.gains(UNSEEN).iter().zip(direct) {
-            assert!((found.drop - wanted.drop).abs() < 1e-12 && found.rank == wanted.rank, "{found:?} {wanted:?}");
-        }
     }
 
     #[test]

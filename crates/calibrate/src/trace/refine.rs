@@ -5,8 +5,8 @@ use crate::effects::driver::{BumpShape, Driver};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
 use crate::trace::by_carrier::{ByCarrier, ByRow};
-use crate::trace::projector::Projector;
 use crate::trace::search::{CandidateScorer, Scored};
+use crate::trace::without::Without;
 
 /// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what noise lets one tell.
 const HALVINGS: usize = 16;
@@ -21,14 +21,14 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 
 impl CandidateScorer<'_> {
     /// The candidate with its scanned numbers where it explains most, scored.
-    pub fn refined(&self, projector: &Projector, survey: &Survey, candidate: &Candidate) -> Scored {
-        let by_row = ByRow::new(self.linear, projector);
+    pub fn refined(&self, model: &Without<'_>, survey: &Survey, candidate: &Candidate) -> Scored {
+        let by_row = ByRow::new(self.linear, model.model);
         let here = by_row.with(candidate.term.carrier);
         let score = |driver: Driver, scanned: usize| {
             let mut tried = candidate.clone();
             tried.term.driver = driver;
             tried.scanned = scanned;
-            self.judged(projector, &tried, self.gain_at(&here, &tried.term))
+            self.judged(model, &tried, self.gain_at(&here, model, &tried.term))
         };
         let drop = |driver: Driver| score(driver, candidate.scanned).gain.drop;
         match candidate.term.driver.clone() {
@@ -89,7 +89,7 @@ impl CandidateScorer<'_> {
                 let mut at = at;
                 let places = survey.clock.as_ref().map(crate::effects::survey::Clock::all_places).unwrap_or_default();
                 for k in 0..at.len() {
-                    at[k] = self.best_place(&here, candidate, &covariate, &at, k, &places);
+                    at[k] = self.best_place((&here, model), candidate, &covariate, &at, k, &places);
                 }
                 at.sort_by(f64::total_cmp);
                 let scanned = at.len();
@@ -102,7 +102,7 @@ impl CandidateScorer<'_> {
     /// Where step `k` explains most: among the places within a stretch of the run around it.
     fn best_place(
         &self,
-        carrier: &ByCarrier<'_>,
+        (carrier, model): (&ByCarrier<'_>, &Without<'_>),
         candidate: &Candidate,
         covariate: &Column,
         at: &[f64],
@@ -121,7 +121,7 @@ impl CandidateScorer<'_> {
             let mut moved = at.to_vec();
             moved[k] = place;
             tried.driver = Driver::Steps { covariate: covariate.clone(), at: moved };
-            let drop = self.gain_at(carrier, &tried).drop;
+            let drop = self.gain_at(carrier, model, &tried).drop;
             if drop > best.0 {
                 best = (drop, place);
             }

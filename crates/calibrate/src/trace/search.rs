@@ -13,7 +13,8 @@ use crate::trace::by_carrier::{ByCarrier, ByRow, Driven, alike};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Products, Projector, UNSEEN};
 use crate::trace::select::{State, Tracer};
-use denavit_model::nalgebra::{DMatrix, DVector};
+use crate::trace::without::{Whole, Without};
+use denavit_model::nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -43,32 +44,15 @@ impl Scored {
     }
 }
 
-/// What the model can do, with geometry on a loose and on a firm prior: two projectors.
+/// What the model can do, with geometry on a loose and on a firm prior.
 ///
 /// An effect is claimed against loose geometry; of two that both pass, the one that needs less of it is the better.
 #[derive(Debug, Clone)]
-pub struct Projectors {
+pub struct Models<'a> {
     /// Geometry far beyond its tolerances.
-    pub loose: Projector,
+    pub loose: Without<'a>,
     /// Geometry in its tolerances.
-    pub firm: Projector,
-}
-
-impl Projectors {
-    /// Geometry and these columns of effects (zero in the rows of the prior).
-    pub fn new(linear: &Linear, effects: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let (loose, firm) =
-            both(|| linear.loose().beside(&[effects], residual), || Self::firm(linear, effects, residual));
-        Self { loose, firm }
-    }
-
-    /// The firm one alone.
-    pub fn firm(linear: &Linear, effects: &DMatrix<f64>, residual: &DVector<f64>) -> Projector {
-        let mut firm_residual = residual.clone();
-        let as_matrix = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
-        firm_residual.copy_from(&linear.firm(&as_matrix).column(0));
-        linear.in_tolerances().beside(&[effects], &firm_residual)
-    }
+    pub firm: Without<'a>,
 }
 
 /// Scores candidates against the model linearised at a state.
@@ -99,20 +83,34 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
 #[derive(Debug)]
 pub(crate) struct Linearised {
     pub(crate) linear: Linear,
-    /// Loose geometry and all effects.
-    whole: OnceLock<Projector>,
+    /// Loose geometry and all effects, firm geometry and all effects.
+    loose: OnceLock<Whole>,
+    firm: OnceLock<Whole>,
     /// With the candidate that each block is of.
     products: OnceLock<(Products, Vec<usize>)>,
 }
 
 impl Linearised {
     pub(crate) fn new(linear: Linear) -> Self {
-        Self { linear, whole: OnceLock::new(), products: OnceLock::new() }
+        Self { linear, loose: OnceLock::new(), firm: OnceLock::new(), products: OnceLock::new() }
     }
 
-    fn whole(&self) -> &Projector {
+    /// Geometry far beyond its tolerances, and all effects.
+    pub(crate) fn loose(&self) -> &Whole {
         let Linear { residual, effects, .. } = &self.linear;
-        self.whole.get_or_init(|| self.linear.loose().beside(&[effects], residual))
+        made(&self.loose, || Whole::new(self.linear.loose(), effects, residual))
+    }
+
+    /// Geometry in its tolerances, and all effects (zero in the rows of the prior).
+    pub(crate) fn firm(&self) -> &Whole {
+        let Linear { residual, effects, .. } = &self.linear;
+        made(&self.firm, || Whole::new(self.linear.in_tolerances(), effects, &self.linear.firm_residual(residual)))
+    }
+
+    /// With all effects.
+    pub(crate) fn models(&self) -> Models<'_> {
+        let (loose, firm) = both(|| self.loose().without(&[]), || self.firm().without(&[]));
+        Models { loose, firm }
     }
 }
 
@@ -120,16 +118,16 @@ impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
         let state = self.refitted(Vec::new(), None);
-        self.scan(&self.scored(&state, self.linear(&state).loose()))
+        self.scan(&self.scored(&state, &self.linearised(&state).loose().without(&[])))
     }
 
     /// Scores every candidate of the catalogue, in its order, beside loose geometry and all or some of a state's effects.
-    pub(crate) fn scored(&self, state: &State, projector: &Projector) -> Vec<Scored> {
+    pub(crate) fn scored(&self, state: &State, model: &Without<'_>) -> Vec<Scored> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
-        let (products, order) = made(&at.products, || scorer.products(at.whole(), &self.candidates, self.driven()));
-        let gains = products.beside(at.whole(), projector).gains(UNSEEN);
-        scorer.all_judged(projector, &self.candidates, gains, order)
+        let all = || scorer.products(&at.loose().projector, &self.candidates, self.driven());
+        let (products, order) = made(&at.products, all);
+        scorer.all_judged(model, &self.candidates, model.gains(products, UNSEEN), order)
     }
 }
 
@@ -190,22 +188,22 @@ impl CandidateScorer<'_> {
     }
 
     /// Scores every candidate against the model, in the order given.
-    pub fn score(&self, projector: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let (products, order) = self.products(projector, candidates, &[]);
-        self.all_judged(projector, candidates, products.gains(UNSEEN), &order)
+    pub fn score(&self, model: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
+        let (products, order) = self.products(model, candidates, &[]);
+        self.all_judged(&Without::nothing(model), candidates, products.gains(UNSEEN), &order)
     }
 
     /// Every candidate with its gain, where these are in another order.
     fn all_judged(
         &self,
-        projector: &Projector,
+        model: &Without<'_>,
         candidates: &[Candidate],
         gains: Vec<Gain>,
         order: &[usize],
     ) -> Vec<Scored> {
         let mut in_order = vec![Gain { drop: 0.0, rank: 0 }; candidates.len()];
         order.iter().zip(gains).for_each(|(&index, gain)| in_order[index] = gain);
-        candidates.iter().zip(in_order).map(|(candidate, gain)| self.judged(projector, candidate, gain)).collect()
+        candidates.iter().zip(in_order).map(|(candidate, gain)| self.judged(model, candidate, gain)).collect()
     }
 
     /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known. In the second place
@@ -233,38 +231,29 @@ impl CandidateScorer<'_> {
         (Products::joined(products), alike.into_iter().flat_map(|(_, own)| own).collect())
     }
 
-    /// What a term explains beside the model that the carrier was multiplied with.
-    pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, term: &Term) -> Gain {
+    /// What a term explains beside a model or a part of it; with the whole of it the carrier was multiplied.
+    pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, model: &Without<'_>, term: &Term) -> Gain {
         let values = self.driver_values(term);
         let driven = Driven { coupling: term.coupling, per_row: term.driver.len(self.statics), values: &values };
-        carrier.products(&[driven]).gains(UNSEEN)[0]
+        model.gains(&carrier.products(&[driven]), UNSEEN)[0]
     }
 
     /// What an effect of the model explains when it is put back.
-    pub fn own(&self, projector: &Projector, candidate: &Candidate) -> Scored {
-        let gain = projector.gain_of(&self.columns(&candidate.term));
-        self.judged(projector, candidate, gain)
+    pub fn own(&self, model: &Without<'_>, candidate: &Candidate) -> Scored {
+        self.judged(model, candidate, model.gain_of(&self.columns(&candidate.term)))
     }
 
     /// How much the criterion falls with geometry on its firm prior, less the kind's handicap.
-    pub fn firm_bic(&self, projectors: &Projectors, candidate: &Candidate) -> f64 {
-        let gain = projectors.firm.gain_of(&self.columns(&candidate.term));
-        self.judged(&projectors.firm, candidate, gain).delta_bic - handicap(candidate.term.kind)
+    pub fn firm_bic(&self, models: &Models<'_>, candidate: &Candidate) -> f64 {
+        self.own(&models.firm, candidate).delta_bic - handicap(candidate.term.kind)
     }
 
     /// Scores a gain: information criterion and F-test.
-    pub fn judged(&self, projector: &Projector, candidate: &Candidate, gain: Gain) -> Scored {
+    pub fn judged(&self, model: &Without<'_>, candidate: &Candidate, gain: Gain) -> Scored {
         let used = gain.rank + candidate.scanned;
         let values = self.linear.values() as f64;
-        let free = (self.linear.residual.len() - projector.rank()) as f64;
-        Scored {
-            candidate: candidate.clone(),
-            gain,
-            delta_bic: delta_bic(values, projector.rss, gain, used),
-            free,
-            rss: projector.rss,
-            used,
-        }
+        let (free, rss) = ((self.linear.residual.len() - model.rank()) as f64, model.rss());
+        Scored { candidate: candidate.clone(), gain, delta_bic: delta_bic(values, rss, gain, used), free, rss, used }
     }
 }
 

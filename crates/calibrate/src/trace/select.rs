@@ -16,8 +16,8 @@ use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
 use crate::trace::leftover::{self, Block};
 use crate::trace::linear::{Linear, linearise};
-use crate::trace::projector::Projector;
-use crate::trace::search::{CandidateScorer, Linearised, Projectors, Scored, carriers_of, driven, leaders};
+use crate::trace::search::{CandidateScorer, Linearised, Models, Scored, carriers_of, driven, leaders};
+use crate::trace::without::{Whole, Without};
 use crate::trace::{ScanCell, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, OnceLock};
@@ -42,6 +42,8 @@ pub(crate) const CONTENDS: f64 = 0.7;
 const REFINED: usize = 6;
 /// So many of the best that could still be added are proposed.
 const PROPOSED: usize = 24;
+/// χ² that the last step of a fit may promise: far less than what a swap must gain.
+const PROMISE_AT_END: f64 = 1e-2;
 /// Fewer rejected rows than this are outliers.
 const LEAST_REJECTED: usize = 4;
 /// So many effects may hide behind rejected rows.
@@ -93,22 +95,12 @@ impl State {
         Self { chosen, fit, at: Arc::default() }
     }
 
-    /// Geometry and all effects but those of these indices, and the residual that this would leave.
-    pub(crate) fn without(&self, linear: &Linear, left_out: &[usize]) -> Projectors {
-        let (others, residual) = self.parts(linear, left_out);
-        Projectors::new(linear, &others, &residual)
-    }
-
-    /// The same on loose geometry alone, which is all that finding scanned numbers takes.
-    pub(crate) fn loosely_without(&self, linear: &Linear, left_out: &[usize]) -> Projector {
-        let (others, residual) = self.parts(linear, left_out);
-        linear.loose().beside(&[&others], &residual)
-    }
-
-    /// The same on geometry in its tolerances alone.
-    fn firmly_without(&self, linear: &Linear, left_out: &[usize]) -> Projector {
-        let (others, residual) = self.parts(linear, left_out);
-        Projectors::firm(linear, &others, &residual)
+    /// The columns of these effects, with their coefficients.
+    fn columns_of(&self, effects: &[usize]) -> Vec<(usize, f64)> {
+        let all = self.fit.effects.effects.iter().enumerate();
+        let numbers = all.flat_map(|(index, effect)| effect.coefficients.iter().map(move |number| (index, *number)));
+        let own = numbers.enumerate().filter(|(_, (index, _))| effects.contains(index));
+        own.map(|(column, (_, number))| (column, number)).collect()
     }
 
     /// The columns of the other effects, and the residual without these.
@@ -216,15 +208,15 @@ impl<'a> Tracer<'a> {
     fn asked_for(&self, state: &State, scan: &mut Vec<ScanCell>) -> Option<Candidate> {
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
-        let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
-        let mut scored = self.scored(state, &projectors.loose);
+        let models = self.linearised(state).models();
+        let mut scored = self.scored(state, &models.loose);
         if scan.is_empty() {
             *scan = self.scan(&scored);
         }
         if self.far_off(state) {
             scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
         }
-        let best = self.best(&scorer, &projectors, &scored)?;
+        let best = self.best(&scorer, &models, &scored)?;
         self.helps_held_out(&scorer, &best).then_some(best.candidate)
     }
 
@@ -248,20 +240,22 @@ impl<'a> Tracer<'a> {
             }
         }
         let linear = self.linear(state);
-        let projector = state.loosely_without(linear, &[]);
+        let model = self.loosely_without(state, &[]);
         let scorer = self.scorer(linear);
-        let mut scored = self.scored(state, &projector);
+        let mut scored = self.scored(state, &model);
         scored.retain(|scored| scored.delta_bic > 0.0);
         let best = leaders(&scored, PROPOSED, None);
         let (first, others) = best.split_at(best.len().min(REFINED));
-        let refined = |candidate: &&Candidate| scorer.refined(&projector, &self.survey, candidate).candidate;
+        let refined = |candidate: &&Candidate| scorer.refined(&model, &self.survey, candidate).candidate;
         in_parallel(first, refined).into_iter().chain(others.iter().copied().cloned()).for_each(&mut add);
     }
 
     /// Refits with these terms and refines their scanned numbers at the new state.
     pub(crate) fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
         let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
-        self.fitted(chosen, arm, &vec![1.0; self.data.observations()], &self.options.identify)
+        let mut options = self.options.identify.clone();
+        options.fit.least_promise = PROMISE_AT_END;
+        self.fitted(chosen, arm, &vec![1.0; self.data.observations()], &options)
     }
 
     fn fitted(&self, chosen: Vec<Candidate>, arm: &Arm, weights: &[f64], options: &IdentifyOptions) -> State {
@@ -288,10 +282,10 @@ impl<'a> Tracer<'a> {
             *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
         }
         let linear = self.linear(&open);
-        let projectors = Projectors::new(linear, &linear.effects, &linear.residual);
+        let models = self.linearised(&open).models();
         let scorer = self.scorer(linear);
-        let scored = self.scored(&open, &projectors.loose);
-        let best = self.best(&scorer, &projectors, &scored)?;
+        let scored = self.scored(&open, &models.loose);
+        let best = self.best(&scorer, &models, &scored)?;
         let next = self.rescanned(self.added(state, &best.candidate));
         // Rows that the place as first scanned left out may come back.
         let next = self.refitted(next.chosen.clone(), Some(&next));
@@ -308,20 +302,27 @@ impl<'a> Tracer<'a> {
         made(&state.at, || Linearised::new(linear()))
     }
 
+    /// Loose geometry and all effects of a state but those of these indices, and the residual that this would leave: all that finding scanned
+    /// numbers takes.
+    pub(crate) fn loosely_without<'b>(&self, state: &'b State, left_out: &[usize]) -> Without<'b> {
+        self.linearised(state).loose().without(&state.columns_of(left_out))
+    }
+
+    /// The same on loose geometry and on geometry in its tolerances.
+    fn without<'b>(&self, state: &'b State, left_out: &[usize]) -> Models<'b> {
+        let (at, columns) = (self.linearised(state), state.columns_of(left_out));
+        Models { loose: at.loose().without(&columns), firm: at.firm().without(&columns) }
+    }
+
     pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
         CandidateScorer { data: self.data, statics: self.statics, linear }
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
-    pub(crate) fn best(
-        &self,
-        scorer: &CandidateScorer<'_>,
-        projectors: &Projectors,
-        scored: &[Scored],
-    ) -> Option<Scored> {
+    pub(crate) fn best(&self, scorer: &CandidateScorer<'_>, models: &Models<'_>, scored: &[Scored]) -> Option<Scored> {
         let leaders = leaders(scored, REFINED, None);
-        let leaders = in_parallel(&leaders, |leader| scorer.refined(&projectors.loose, &self.survey, leader));
-        let firm = |scored: &Scored| scorer.firm_bic(projectors, &scored.candidate);
+        let leaders = in_parallel(&leaders, |leader| scorer.refined(&models.loose, &self.survey, leader));
+        let firm = |scored: &Scored| scorer.firm_bic(models, &scored.candidate);
         let judged = leaders.into_iter().filter(|scored| self.passes(scored)).map(|scored| (firm(&scored), scored));
         judged.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, scored)| scored)
     }
@@ -390,10 +391,10 @@ impl<'a> Tracer<'a> {
         let scorer = self.scorer(linear);
         let moved = |&index: &usize| {
             let candidate = &state.chosen[index];
-            let projector = state.loosely_without(linear, &[index]);
-            let refined = scorer.refined(&projector, &self.survey, candidate);
+            let model = self.loosely_without(&state, &[index]);
+            let refined = scorer.refined(&model, &self.survey, candidate);
             let better = refined.candidate.scanned != candidate.scanned
-                || refined.gain.drop > scorer.own(&projector, candidate).gain.drop + SAME_DROP;
+                || refined.gain.drop > scorer.own(&model, candidate).gain.drop + SAME_DROP;
             better.then_some((index, refined.candidate))
         };
         let scanned: Vec<usize> = (0..state.chosen.len()).filter(|&index| state.chosen[index].scanned > 0).collect();
@@ -412,6 +413,7 @@ impl<'a> Tracer<'a> {
     pub(crate) fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
         let mut options = self.options.identify.clone();
         options.fit.robust = false;
+        options.fit.least_promise = PROMISE_AT_END;
         self.fitted(chosen, &state.fit.arm, &state.fit.weights, &options)
     }
 
@@ -442,7 +444,7 @@ impl<'a> Tracer<'a> {
             let own = in_parallel(&needed, |&index| {
                 let others = |other: &usize| *other == index || !needed.contains(other);
                 let left_out: Vec<usize> = (0..state.chosen.len()).filter(others).collect();
-                scorer.own(&state.loosely_without(linear, &left_out), &state.chosen[index]).delta_bic
+                scorer.own(&self.loosely_without(state, &left_out), &state.chosen[index]).delta_bic
             });
             let weakest = own.into_iter().enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
             match weakest {
@@ -456,17 +458,17 @@ impl<'a> Tracer<'a> {
     fn swapped(&self, state: &State, index: usize) -> Option<Vec<Candidate>> {
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
-        let projector = state.loosely_without(linear, &[index]);
-        let own = scorer.own(&projector, &state.chosen[index]);
-        let mut scored = self.scored(state, &projector);
+        let model = self.loosely_without(state, &[index]);
+        let own = scorer.own(&model, &state.chosen[index]);
+        let mut scored = self.scored(state, &model);
         scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop && other.candidate.term != own.candidate.term);
         if scored.is_empty() {
             return None;
         }
-        let projectors = Projectors { loose: projector, firm: state.firmly_without(linear, &[index]) };
+        let models = self.without(state, &[index]);
         let mut chosen = state.chosen.clone();
-        let best = self.best(&scorer, &projectors, &scored)?;
-        let bic = |candidate: &Candidate| scorer.firm_bic(&projectors, candidate);
+        let best = self.best(&scorer, &models, &scored)?;
+        let bic = |candidate: &Candidate| scorer.firm_bic(&models, candidate);
         if best.candidate.term == chosen[index].term || bic(&best.candidate) <= bic(&chosen[index]) + SWAP_GAIN {
             return None;
         }
@@ -484,7 +486,7 @@ impl<'a> Tracer<'a> {
             if same.len() < 2 || same[0] != first {
                 continue;
             }
-            let projectors = state.without(scorer.linear, &same);
+            let models = self.without(state, &same);
             let mut columns = Vec::new();
             let mut scanned = 0;
             for &index in &same {
@@ -493,11 +495,10 @@ impl<'a> Tracer<'a> {
             }
             let total = scorer.linear.residual.len();
             let count = columns.len() / total;
-            let gain = projectors.loose.gain_of(&DMatrix::from_vec(total, count, columns));
-            let together =
-                scorer.judged(&projectors.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
-            let scored = self.scored(state, &projectors.loose);
-            let Some(best) = self.best(scorer, &projectors, &scored) else { continue };
+            let gain = models.loose.gain_of(&DMatrix::from_vec(total, count, columns));
+            let together = scorer.judged(&models.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
+            let scored = self.scored(state, &models.loose);
+            let Some(best) = self.best(scorer, &models, &scored) else { continue };
             if best.delta_bic > together.delta_bic {
                 let mut chosen: Vec<Candidate> =
                     (0..state.chosen.len()).filter(|k| !same.contains(k)).map(|k| state.chosen[k].clone()).collect();
@@ -521,12 +522,12 @@ impl<'a> Tracer<'a> {
             if !leftover.structured {
                 break;
             }
-            let beside_structure = linear.loose().beside(&[&leftover.columns], &linear.residual);
+            let structure = linear.loose().beside(&[&leftover.columns], &linear.residual);
+            let beside_structure = Whole::new(&structure, &linear.effects, &linear.residual);
             let effects: Vec<usize> = (0..state.chosen.len()).collect();
             let spurious = in_parallel(&effects, |&index| {
-                let (others, residual) = state.parts(linear, &[index]);
-                let alone = scorer.own(&linear.loose().beside(&[&others], &residual), &state.chosen[index]);
-                let own = scorer.own(&beside_structure.beside(&[&others], &residual), &state.chosen[index]);
+                let alone = scorer.own(&self.loosely_without(&state, &[index]), &state.chosen[index]);
+                let own = scorer.own(&beside_structure.without(&state.columns_of(&[index])), &state.chosen[index]);
                 let nothing_beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
                 (nothing_beside || alone.gain.drop < SPURIOUS * leftover.drop).then_some((own.delta_bic, index))
             });
