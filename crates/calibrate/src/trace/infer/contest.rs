@@ -18,7 +18,9 @@ use crate::trace::infer::evidence::{System, waves_seen};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::Kernel;
 use denavit_model::nalgebra::DMatrix;
-use std::collections::{BTreeMap, BTreeSet};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
 /// Logarithm of the odds against a curve of a joint, as [`crate::trace::infer::curves`] demands them: 1 in 100.
@@ -272,31 +274,45 @@ impl Contest<'_> {
 
     /// From each start, the best single change after the other: add, drop, swap. Every set on the way is kept.
     pub fn climbed<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>) -> Seen {
-        let (mut seen, mut been) = (Seen::new(), BTreeSet::new());
+        let mut way = Way { seen: Some(Seen::new()), ..Way::new(self.members.len()) };
+        starts.into_iter().for_each(|start| self.climb(grounds, &mut way, start));
+        way.seen.unwrap_or_default()
+    }
+
+    /// The best set that is found in this way; of the others nothing is kept.
+    pub fn best_from(&self, grounds: &[Ground], starts: &[Vec<usize>]) -> Vec<usize> {
+        let mut way = Way::new(self.members.len());
         for start in starts {
-            self.climb(grounds, &mut seen, &mut been, start);
+            self.climb(grounds, &mut way, start);
         }
-        seen
+        way.best.map_or_else(Vec::new, |(_, set)| set)
     }
 
     /// The same from one start, as far as no other has been.
-    fn climb(&self, grounds: &[Ground], seen: &mut Seen, been: &mut BTreeSet<Vec<usize>>, start: &[usize]) {
+    fn climb(&self, grounds: &[Ground], way: &mut Way, start: &[usize]) {
         let mut set = start.to_vec();
         set.sort_unstable();
-        let mut here = seen.entry(set.clone()).or_insert_with(|| self.best(grounds, &set)).0;
+        let mut key = way.key_of(&set);
+        let mut here = way.scores.get(&key).copied().unwrap_or_else(|| {
+            let (score, setting) = self.best(grounds, &set);
+            way.keep(key, (score, setting), || set.clone());
+            score
+        });
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
-            if !swapping && !been.insert(set.clone()) {
+            if !swapping && !way.been.insert(key) {
                 break;
             }
-            let mut best: Option<(f64, Vec<usize>)> = None;
-            for (next, score) in self.looked_at(grounds, seen, &set, swapping) {
+            let mut best: Option<(f64, Change)> = None;
+            for (change, score) in self.looked_at(grounds, way, (&set, key), swapping) {
                 if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
-                    best = Some((score, next));
+                    best = Some((score, change));
                 }
             }
             match best {
-                Some((score, next)) => (here, set, swapping) = (score, next, false),
+                Some((score, change)) => {
+                    (here, key, set, swapping) = (score, way.key_after(key, change), change.of(&set), false);
+                }
                 // Swaps are many: they wait until nothing else helps.
                 None if swapping => break,
                 None => swapping = true,
@@ -304,8 +320,14 @@ impl Contest<'_> {
         }
     }
 
-    /// Scores all sets that differ by one member added or dropped, or else by one changed for another, and says which these are.
-    fn looked_at(&self, grounds: &[Ground], seen: &mut Seen, set: &[usize], swapping: bool) -> Vec<(Vec<usize>, f64)> {
+    /// Scores all sets that differ by one member added or dropped, or else by one changed for another.
+    fn looked_at(
+        &self,
+        grounds: &[Ground],
+        way: &mut Way,
+        (set, key): (&[usize], u64),
+        swapping: bool,
+    ) -> Vec<(Change, f64)> {
         let absent: Vec<usize> = (0..self.members.len()).filter(|member| !set.contains(member)).collect();
         let mut changes: Vec<Change> = Vec::new();
         if swapping {
@@ -315,22 +337,21 @@ impl Contest<'_> {
             changes.extend(absent.iter().map(|&other| Change { out: None, into: Some(other) }));
             changes.extend(set.iter().map(|&own| Change { out: Some(own), into: None }));
         }
-        let mut sets: Vec<(Vec<usize>, f64)> = Vec::with_capacity(changes.len());
-        let mut unknown: Vec<usize> = Vec::new();
-        for change in &changes {
-            let next = change.of(set);
-            let known = seen.get(&next).map(|(score, _)| *score);
-            if known.is_none() {
-                unknown.push(sets.len());
-            }
-            sets.push((next, known.unwrap_or(f64::NEG_INFINITY)));
+        let known = |change: &Change| way.scores.get(&way.key_after(key, *change)).copied();
+        let known: Vec<Option<f64>> = changes.iter().map(known).collect();
+        let unknown = changes.iter().zip(&known).filter(|(_, known)| known.is_none());
+        let asked: Vec<Change> = unknown.map(|(change, _)| *change).collect();
+        let mut new = self.changed(grounds, set, &asked).into_iter();
+        let mut scores = Vec::with_capacity(changes.len());
+        for (change, known) in changes.into_iter().zip(known) {
+            let score = known.or_else(|| {
+                let scored = new.next()?;
+                way.keep(way.key_after(key, change), scored, || change.of(set));
+                Some(scored.0)
+            });
+            scores.push((change, score.unwrap_or(f64::NEG_INFINITY)));
         }
-        let asked: Vec<Change> = unknown.iter().map(|&index| changes[index]).collect();
-        for (index, new) in unknown.into_iter().zip(self.changed(grounds, set, &asked)) {
-            sets[index].1 = new.0;
-            seen.insert(sets[index].0.clone(), new);
-        }
-        sets
+        scores
     }
 
     /// The scores of a set after each of these changes, at the setting that suits it best: what the set takes is taken out once, and what a
@@ -480,6 +501,45 @@ impl Contest<'_> {
 struct Change {
     out: Option<usize>,
     into: Option<usize>,
+}
+
+/// Where searches have been.
+struct Way {
+    /// A number of each member: those of a set, each bit by itself added without carry, are its key. Of two sets that are met none have the same.
+    keys: Vec<u64>,
+    /// Of every set that was scored.
+    scores: HashMap<u64, f64>,
+    /// Sets that changes were made from.
+    been: HashSet<u64>,
+    best: Option<(f64, Vec<usize>)>,
+    /// Every set that was scored, where that is asked for.
+    seen: Option<Seen>,
+}
+
+impl Way {
+    fn new(members: usize) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let keys = (0..members).map(|_| random.random()).collect();
+        Self { keys, scores: HashMap::new(), been: HashSet::new(), best: None, seen: None }
+    }
+
+    fn key_of(&self, set: &[usize]) -> u64 {
+        set.iter().fold(0, |key, &member| key ^ self.keys[member])
+    }
+
+    fn key_after(&self, key: u64, change: Change) -> u64 {
+        [change.out, change.into].into_iter().flatten().fold(key, |key, member| key ^ self.keys[member])
+    }
+
+    fn keep(&mut self, key: u64, scored: (f64, usize), set: impl Fn() -> Vec<usize>) {
+        self.scores.insert(key, scored.0);
+        if self.best.as_ref().is_none_or(|(most, _)| scored.0 > *most) {
+            self.best = Some((scored.0, set()));
+        }
+        if let Some(seen) = &mut self.seen {
+            seen.insert(set(), scored);
+        }
+    }
 }
 
 impl Change {

@@ -162,7 +162,7 @@ fn settled(
             Some(last) => maximum::from_near(&model, last, NEGLIGIBLE),
         };
         let Some((score, hyper)) = reached else { break };
-        let (hyper, kept) = asked_for(&model, score, hyper, options);
+        let (hyper, kept) = asked_for(&model, hyper, options);
         if kept.contains(&false) {
             state.keep(&kept);
             if state.joints.is_empty() && !has_field(&state.fit.effects) {
@@ -287,13 +287,17 @@ impl Settled {
         let Self { mut state, hyper } = self;
         let round = Round::new(data, &state, reference);
         let model = round.model();
-        let (score, posterior) = (model.score(&hyper)?, model.posterior(&hyper)?);
+        let posterior = model.posterior(&hyper)?;
+        let here = model.slope(&hyper, f64::NEG_INFINITY)?;
+        let score = here.score;
         let order = round.layout_order(&state);
         let count = order.len();
         state.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
-        let gains = (0..state.waves.len()).map(|curve| score - without(&model, &hyper, curve)).collect();
+        let less = |columns: &[usize], curves: &[usize]| here.score_without(&model, columns, curves);
+        let gain = |columns: &[usize], curves: &[usize]| score - less(columns, curves).unwrap_or(f64::NEG_INFINITY);
+        let gains = (0..state.waves.len()).map(|curve| gain(&[], &[curve])).collect();
         let fields = deflection::columns(round.always, &state.fit.effects, first);
-        let deflections = fields.iter().map(|block| deflection::gain(&model, &hyper, score, block)).collect();
+        let deflections = fields.iter().map(|block| gain(&block.clone().collect::<Vec<_>>(), &[])).collect();
         let mut first = round.gram.plain;
         let mut places = Vec::new();
         for waves in &state.waves {
@@ -305,33 +309,23 @@ impl Settled {
     }
 }
 
-/// The score when a curve is made nothing, all else as it is.
-fn without(model: &Model<'_>, hyper: &Hyperparameters, curve: usize) -> f64 {
-    let mut hyper = hyper.clone();
-    hyper.kernels[curve].log_variance -= 40.0;
-    model.score(&hyper).unwrap_or(f64::NEG_INFINITY)
-}
-
 /// Which curves raise the score by more than chance would in one clean file of those allowed. The best of a variance and a
 /// length gains more than g by chance with probability e^-g (half a χ² of two degrees of freedom, and half nothing at all).
-fn asked_for(
-    model: &Model<'_>,
-    score: f64,
-    hyper: Hyperparameters,
-    options: CurveOptions,
-) -> (Hyperparameters, Vec<bool>) {
+fn asked_for(model: &Model<'_>, hyper: Hyperparameters, options: CurveOptions) -> (Hyperparameters, Vec<bool>) {
     let least = (model.waves.len() as f64 / options.false_curves).ln();
-    let (mut score, mut hyper) = (score, hyper);
     let mut kept = vec![true; hyper.kernels.len()];
+    let Some(here) = model.slope(&hyper, f64::NEG_INFINITY) else { return (hyper, kept) };
+    let (mut score, mut gone) = (here.score, Vec::new());
     loop {
-        let weakest = (0..kept.len())
-            .filter(|&curve| kept[curve])
-            .map(|curve| (score - without(model, &hyper, curve), curve))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((gain, curve)) = weakest.filter(|(gain, _)| *gain < least) else { break };
+        let without = |curve: usize| {
+            let all: Vec<usize> = gone.iter().copied().chain([curve]).collect();
+            (here.score_without(model, &[], &all).unwrap_or(f64::NEG_INFINITY), curve)
+        };
+        let weakest = (0..kept.len()).filter(|&curve| kept[curve]).map(without).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((left, curve)) = weakest.filter(|(left, _)| score - left < least) else { break };
         kept[curve] = false;
-        hyper.kernels[curve].log_variance = (model.visible[curve] * 1e-12).ln();
-        score -= gain;
+        gone.push(curve);
+        score = left;
     }
     let kernels = hyper.kernels.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(kernel, _)| *kernel).collect();
     (Hyperparameters { log_noise: hyper.log_noise, kernels }, kept)

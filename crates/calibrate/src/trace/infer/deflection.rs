@@ -119,18 +119,17 @@ pub(super) fn asked_for(
         return (vec![false; blocks.len()], Some(beside));
     }
     let mut chosen_anew = true;
+    let mut slope = model.slope(&hyper, f64::NEG_INFINITY);
     loop {
-        let without = |block: Option<usize>| {
-            let left_out = |index: usize| Some(index) == block || !kept[index];
-            let columns = (0..blocks.len()).filter(|&index| left_out(index)).flat_map(|index| blocks[index].clone());
-            nothing(model, columns)
+        let left_out = |block: Option<usize>| -> Vec<usize> {
+            let out = |index: &usize| Some(*index) == block || !kept[*index];
+            (0..blocks.len()).filter(out).flat_map(|index| blocks[index].clone()).collect()
         };
-        let here = |&block: &usize| {
-            let prior = without(Some(block));
-            (under(model, &prior).score(&hyper).unwrap_or(f64::NEG_INFINITY), block)
-        };
-        let there: Vec<usize> = (0..blocks.len()).filter(|&block| kept[block]).collect();
-        let mut order: Vec<(f64, usize)> = each_alone(&there, here);
+        let without = |block: Option<usize>| nothing(model, left_out(block).into_iter());
+        let Some(here) = &slope else { break };
+        let there = (0..blocks.len()).filter(|&block| kept[block]);
+        let left = |block| here.score_without(model, &left_out(Some(block)), &[]).unwrap_or(f64::NEG_INFINITY);
+        let mut order: Vec<(f64, usize)> = there.map(|block| (left(block), block)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let Some(&(left, weakest)) = order.first() else { break };
         let anew = |block: Option<usize>| maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
@@ -141,6 +140,7 @@ pub(super) fn asked_for(
         } else if !chosen_anew {
             let Some(reached) = anew(None) else { break };
             ((score, hyper), chosen_anew) = (reached, true);
+            slope = model.slope(&hyper, f64::NEG_INFINITY);
         } else {
             let weakest = &order[..order.len().min(WEAKEST)];
             let tried = each_alone(weakest, |&(_, block)| Some((block, anew(Some(block))?)));
@@ -148,6 +148,7 @@ pub(super) fn asked_for(
             let Some((block, reached)) = best.filter(|(_, reached)| score - reached.0 < least) else { break };
             kept[block] = false;
             (score, hyper) = reached;
+            slope = model.slope(&hyper, f64::NEG_INFINITY);
         }
     }
     (kept, Some(hyper))
@@ -167,17 +168,15 @@ fn nobody_gives(
         return None;
     }
     let (score, beside) = maximum::from_near(&bare, hyper, ROUGH)?;
+    if with - score >= least {
+        return None;
+    }
+    let here = model.slope(&beside, f64::NEG_INFINITY)?;
     let alone = |block: &Range<usize>| {
-        let others = blocks.iter().filter(|other| *other != block).cloned().flatten();
-        under(model, &nothing(model, others)).score(&beside).is_some_and(|with| with - score > least)
+        let others: Vec<usize> = blocks.iter().filter(|other| *other != block).cloned().flatten().collect();
+        here.score_without(model, &others, &[]).is_some_and(|with| with - score > least)
     };
-    (with - score < least && !each_alone(blocks, alone).contains(&true)).then_some(beside)
-}
-
-/// By how much a block raises the score, the hyperparameters as they are.
-pub(super) fn gain(model: &Model<'_>, hyper: &Hyperparameters, score: f64, block: &Range<usize>) -> f64 {
-    let prior = nothing(model, block.clone());
-    score - under(model, &prior).score(hyper).unwrap_or(f64::NEG_INFINITY)
+    (!blocks.iter().any(alone)).then_some(beside)
 }
 
 /// The model under another prior of the plain columns.

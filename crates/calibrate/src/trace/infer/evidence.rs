@@ -9,6 +9,7 @@
 //! held frame) are the same for all models of one robot and one file.
 
 use crate::effects::curve::Waves;
+use crate::identify::gram::subtract;
 use crate::identify::triangle::{Triangle, dot};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::model::{Hyperparameters, Kernel};
@@ -85,6 +86,104 @@ impl CurvePrior {
     }
 }
 
+/// The score with its derivatives at given hyperparameters.
+pub struct Slope {
+    /// The log marginal likelihood.
+    pub score: f64,
+    /// Its derivatives by [`Hyperparameters::to_vec`].
+    pub gradient: Vec<f64>,
+    /// Of the plain columns and the waves that are solved for.
+    posterior: Posterior,
+    curves: Vec<CurvePrior>,
+    plain: usize,
+    /// What is left of the data, in units of the noise.
+    chi_squared: f64,
+}
+
+impl Slope {
+    /// The score of the model without these plain columns, each of which is expected to be what it is whatever the others are, and without these
+    /// curves; all hyperparameters as they are. `None` where the numbers' covariance is not positive.
+    ///
+    /// The odds between a model and the same without some numbers are those of these being nothing, beforehand and afterwards (Dickey, Annals
+    /// of Mathematical Statistics 42 (1971), 204): with C their covariance and m what is expected of them the logarithm of the likelihood is
+    /// less by half of log|Λ| + log|C| + mᵀ C⁻¹ m.
+    pub fn score_without(&self, model: &Model<'_>, columns: &[usize], curves: &[usize]) -> Option<f64> {
+        let mut numbers = columns.to_vec();
+        let mut log_prior: f64 = columns.iter().map(|&column| model.precision[(column, column)].ln()).sum();
+        let mut first = self.plain;
+        for (curve, expected) in self.curves.iter().enumerate() {
+            if curves.contains(&curve) && expected.seen > 0 {
+                numbers.extend(first..first + expected.seen);
+                log_prior -= expected.seen().iter().map(|(variance, _)| variance.ln()).sum::<f64>();
+                log_prior += model.charge_of_mean(curve, expected.seen()).ln();
+            }
+            first += expected.seen;
+        }
+        if numbers.is_empty() {
+            return Some(self.score);
+        }
+        let size = numbers.len();
+        let mut matrix = vec![0.0; size * size];
+        for (i, &a) in numbers.iter().enumerate() {
+            for (k, &b) in numbers[..=i].iter().enumerate() {
+                matrix[i * size + k] = self.posterior.covariance(a, b);
+            }
+        }
+        let right = numbers.iter().map(|&number| self.posterior.mean[number]).collect();
+        let solved = System { matrix, right, square: 0.0, count: 0.0 }.solved()?;
+        Some(self.score - 0.5 * (log_prior + solved.log_determinant() + solved.explained()))
+    }
+
+    /// How sharply the score bends, square: the mean of what it does and of what it is expected to do, which takes the posterior's mean alone
+    /// (average information; Gilmour, Thompson, Cullis, Biometrics 51 (1995), 1440).
+    ///
+    /// With x the pull of the prior on the numbers whose variance a hyperparameter changes, times the share by which it changes that, and g its pull
+    /// on all numbers: half of the pull's work less xᵀ C x' for two curves, half of χ² less gᵀ C g for the noise, half of xᵀ C g between them. What
+    /// holds a curve's mean and what is expected in gaps is left out.
+    pub fn information(&self, model: &Model<'_>) -> DMatrix<f64> {
+        let (size, mean) = (self.posterior.size, &self.posterior.mean);
+        // R x, C = Rᵀ R: first for the pull on all numbers, then for each hyperparameter of a curve.
+        let mut roots: Vec<Vec<f64>> = Vec::with_capacity(self.gradient.len());
+        let along = |from: usize, pulls: &[f64]| {
+            let mut root = vec![0.0; size];
+            subtract(&self.posterior.root[from * size..(from + pulls.len()) * size], pulls, &mut root);
+            root
+        };
+        let plain = (0..self.plain).map(|i| {
+            let row: f64 = (0..self.plain).map(|k| model.precision[(i, k)] * mean[k]).sum();
+            row - model.pull[i]
+        });
+        let mut all: Vec<f64> = plain.collect();
+        let mut information = DMatrix::zeros(self.gradient.len(), self.gradient.len());
+        let mut first = self.plain;
+        roots.push(Vec::new());
+        for (curve, prior) in self.curves.iter().enumerate() {
+            let own = &mean[first..first + prior.seen];
+            let pulls: Vec<f64> = own.iter().zip(prior.seen()).map(|(mean, (variance, _))| mean / variance).collect();
+            let slopes = || prior.seen().iter().map(|(_, slope)| *slope);
+            let sloped: Vec<f64> = pulls.iter().zip(slopes()).map(|(pull, slope)| pull * slope).collect();
+            let place = 1 + 2 * curve;
+            information[(place, place)] = dot(own, &pulls);
+            information[(place, place + 1)] = dot(own, &sloped);
+            let twice: Vec<f64> = sloped.iter().zip(slopes()).map(|(pull, slope)| pull * slope).collect();
+            information[(place + 1, place + 1)] = dot(own, &twice);
+            roots.extend([along(first, &pulls), along(first, &sloped)]);
+            all.extend(pulls);
+            first += prior.seen;
+        }
+        roots[0] = along(0, &all);
+        information[(0, 0)] = self.chi_squared;
+        for (i, root) in roots.iter().enumerate() {
+            for (k, other) in roots.iter().enumerate().skip(i) {
+                let shared = dot(root, other);
+                information[(i, k)] += if i == 0 && k > 0 { shared } else { -shared };
+            }
+        }
+        information.fill_lower_triangle_with_upper_triangle();
+        information * 0.5
+    }
+}
+
 struct Factored {
     score: f64,
     solved: Solved,
@@ -111,7 +210,12 @@ impl Model<'_> {
 
     /// The same with its derivatives by [`Hyperparameters::to_vec`].
     pub fn score_and_gradient(&self, hyper: &Hyperparameters) -> Option<(f64, Vec<f64>)> {
-        let factored = self.factored(hyper)?;
+        self.slope(hyper, f64::NEG_INFINITY).map(|slope| (slope.score, slope.gradient))
+    }
+
+    /// The same with what the information on the hyperparameters is told from; `None`, too, where the score is less than `least`.
+    pub fn slope(&self, hyper: &Hyperparameters, least: f64) -> Option<Slope> {
+        let factored = self.factored(hyper).filter(|factored| factored.score >= least)?;
         let posterior = factored.own();
         // Numbers that the data pay for: tr(C G/σ²) = n - tr(C Λ).
         let mut used = self.gram.size as f64;
@@ -156,8 +260,10 @@ impl Model<'_> {
         }
         let precision = (-hyper.log_noise).exp();
         let mean = factored.whole(&posterior.mean, self.gram.size);
-        gradient[0] = 0.5 * (self.gram.misfit(&mean) * precision + used - self.gram.count);
-        Some((factored.score, gradient))
+        let chi_squared = self.gram.misfit(&mean) * precision;
+        gradient[0] = 0.5 * (chi_squared + used - self.gram.count);
+        let Factored { score, curves, .. } = factored;
+        Some(Slope { score, gradient, posterior, curves, plain: self.gram.plain, chi_squared })
     }
 
     /// What the data say of every number.
@@ -384,5 +490,121 @@ impl Solved {
     /// What is expected of the value with this feature.
     pub fn expected(&self, feature: &[f64]) -> f64 {
         dot(feature, &self.half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::infer::gram::Columns;
+    use denavit_model::nalgebra::DVector;
+
+    const VALUES: usize = 80;
+
+    fn cell(value: usize, k: usize) -> f64 {
+        ((value * 5 + k * 11) as f64 * 0.53).sin() + 0.4 * ((value * k + 2) as f64 * 1.3).cos()
+    }
+
+    /// So many plain columns and two curves, seen by a test.
+    fn with_model(plain: usize, means_are_held: bool, test: impl Fn(&Model<'_>, &[Vec<f64>; 2], &[Waves; 2])) {
+        let columns: Vec<Vec<f64>> =
+            (0..plain).map(|k| (0..VALUES).map(|value| cell(value, k + 1)).collect()).collect();
+        let joints: [Vec<f64>; 2] = [31, 37].map(|k| (0..VALUES).map(|value| cell(value, k)).collect());
+        let explained: Vec<f64> = (0..VALUES).map(|value| 1.3 * cell(value, 3) + 0.8 * cell(value, 41)).collect();
+        let waves = [Waves::over(0.0, 1.0, false, 12.0, 6), Waves::over(0.0, 1.0, false, 12.0, 4)];
+        let readings: [Vec<f64>; 2] = [17, 23].map(|k| (0..VALUES).map(|row| 0.5 + 0.3 * cell(row, k)).collect());
+        let rows: Vec<usize> = (0..VALUES).collect();
+        let cut: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let products = Columns {
+            explained: &explained,
+            plain: &cut,
+            joints: &[&joints[0], &joints[1]],
+            rows: &rows,
+            weights: &[1.0; VALUES],
+        };
+        let gram = Gram::of(&products, &waves, &readings);
+        let precision = DMatrix::from_diagonal(&DVector::from_fn(plain, |k, _| 0.2 + 0.1 * k as f64));
+        let mean = |waves: &Waves| (0..waves.len()).map(|k| 0.1 + 0.05 * k as f64).collect::<Vec<f64>>();
+        let driven: [Vec<f64>; 2] = std::array::from_fn(|curve| {
+            let wave = |k: usize| (0..VALUES).map(move |value| (value, k));
+            let cells = (0..waves[curve].len()).flat_map(wave);
+            cells.map(|(value, k)| joints[curve][value] * waves[curve].values(readings[curve][value])[k]).collect()
+        });
+        let model = Model {
+            gram: &gram,
+            precision: &precision,
+            pull: &vec![0.0; plain],
+            charge: 0.0,
+            log_precision: precision.diagonal().iter().map(|cell| cell.ln()).sum(),
+            waves: &waves,
+            means: &[mean(&waves[0]), mean(&waves[1])],
+            firm: &[if means_are_held { 3.0 } else { 0.0 }; 2],
+            gaps: &[Vec::new(), Vec::new()],
+            visible: &[1.0; 2],
+        };
+        test(&model, &driven, &waves);
+    }
+
+    fn hyperparameters() -> Hyperparameters {
+        let kernel = |log_variance, log_length| Kernel { log_variance, log_length };
+        Hyperparameters { log_noise: 0.2, kernels: vec![kernel(-0.5, -1.5), kernel(-1.2, -1.1)] }
+    }
+
+    #[test]
+    fn a_score_without_numbers_is_that_of_the_model_that_lacks_them() {
+        with_model(4, true, |model, _, _| {
+            let hyper = hyperparameters();
+            let slope = model.slope(&hyper, f64::NEG_INFINITY).unwrap();
+            for (columns, curves) in [(&[][..], &[][..]), (&[2], &[]), (&[1, 3], &[0]), (&[], &[0, 1])] {
+                let (mut precision, mut log_precision) = (model.precision.clone(), model.log_precision);
+                for &column in columns {
+                    precision[(column, column)] *= 1e12;
+                    log_precision += 1e12_f64.ln();
+                }
+                let mut without = hyper.clone();
+                for &curve in curves {
+                    let kernel: &mut Kernel = &mut without.kernels[curve];
+                    kernel.log_variance -= 60.0;
+                }
+                let written = Model { precision: &precision, log_precision, ..model.clone() }.score(&without).unwrap();
+                let found = slope.score_without(model, columns, curves).unwrap();
+                assert!((found - written).abs() < 1e-7, "{columns:?} {curves:?}: {found} {written}");
+            }
+        });
+    }
+
+    /// Half of yᵀ V⁻¹ ∂V V⁻¹ ∂V V⁻¹ y, V the covariance of the values y.
+    #[test]
+    fn the_information_is_the_mean_of_what_is_observed_and_expected() {
+        with_model(3, false, |model, driven, waves| {
+            let hyper = hyperparameters();
+            let explained: Vec<f64> = (0..VALUES).map(|value| 1.3 * cell(value, 3) + 0.8 * cell(value, 41)).collect();
+            let mut covariance = DMatrix::<f64>::identity(VALUES, VALUES) * hyper.log_noise.exp();
+            let mut bent = vec![covariance.clone()];
+            for k in 0..3 {
+                let column = DVector::from_fn(VALUES, |value, _| cell(value, k + 1));
+                covariance += &column * column.transpose() / model.precision[(k, k)];
+            }
+            for curve in 0..2 {
+                let columns = DMatrix::from_column_slice(VALUES, waves[curve].len(), &driven[curve]);
+                let variances = hyper.kernels[curve].variances(&waves[curve]);
+                let of = |by: &dyn Fn(&(f64, f64)) -> f64| {
+                    let diagonal = DVector::from_iterator(variances.len(), variances.iter().map(by));
+                    &columns * DMatrix::from_diagonal(&diagonal) * columns.transpose()
+                };
+                covariance += of(&|(variance, _)| *variance);
+                bent.extend([of(&|(variance, _)| *variance), of(&|(variance, slope)| variance * slope)]);
+            }
+            let inverse = covariance.try_inverse().unwrap();
+            let pulled = &inverse * DVector::from_vec(explained);
+            let found = model.slope(&hyper, f64::NEG_INFINITY).unwrap().information(model);
+            for i in 0..5 {
+                for k in 0..5 {
+                    let written = 0.5 * (&bent[i] * &pulled).dot(&(&inverse * (&bent[k] * &pulled)));
+                    let off = (found[(i, k)] - written).abs();
+                    assert!(off < 1e-2 * (1.0 + written.abs()), "{i} {k}: {} {written}", found[(i, k)]);
+                }
+            }
+        });
     }
 }

@@ -1,7 +1,7 @@
 //! The hyperparameters at which the marginal likelihood is largest.
 
 use crate::identify::threads::each_alone;
-use crate::trace::infer::evidence::Model;
+use crate::trace::infer::evidence::{Model, Slope};
 use crate::trace::infer::model::{Hyperparameters, Kernel, LARGEST};
 use denavit_model::nalgebra::{DMatrix, DVector};
 
@@ -9,8 +9,13 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 pub const NEGLIGIBLE: f64 = 0.01;
 /// The same where all that is asked is whether a gain is one of several units.
 pub const ROUGH: f64 = 0.1;
-/// Steps of the search; it needs some twenty.
+/// What is taken to be known at least of the logarithm of a hyperparameter: of a curve that is nothing the data say nothing.
+const LEAST_INFORMATION: f64 = 0.1;
+/// Steps of the search; it needs some five to ten.
 const MOST_STEPS: usize = 60;
+/// A step that does not lead uphill is cut to this share, so many times at most.
+const CUT: f64 = 0.3;
+const MOST_CUTS: usize = 12;
 /// No step changes a hyperparameter by more than this factor's logarithm.
 const LONGEST: f64 = 1.5;
 /// Shares of the variance that the curves are taken to explain at the start.
@@ -81,7 +86,7 @@ pub fn from_near(model: &Model<'_>, start: &Hyperparameters, negligible: f64) ->
     climb(model, start, &Bounds::new(model), negligible)
 }
 
-/// Quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno) between bounds, uphill.
+/// Newton's steps between bounds, uphill, with the average information in the place of the curvature.
 fn climb(
     model: &Model<'_>,
     start: &Hyperparameters,
@@ -89,56 +94,50 @@ fn climb(
     negligible: f64,
 ) -> Option<(f64, Hyperparameters)> {
     let mut at = DVector::from_vec(bounds.clamped(start.to_vec()));
-    let count = at.len();
-    let score = |at: &DVector<f64>| model.score_and_gradient(&Hyperparameters::from_slice(at.as_slice()));
-    let (mut value, gradient) = score(&at)?;
-    let mut gradient = DVector::from_vec(gradient);
-    let first = DMatrix::from_diagonal_element(count, count, 1.0 / gradient.amax().max(1.0));
-    let mut inverse = first.clone();
+    let slope = |at: &DVector<f64>, least: f64| model.slope(&Hyperparameters::from_slice(at.as_slice()), least);
+    let mut here = slope(&at, f64::NEG_INFINITY)?;
     for _ in 0..MOST_STEPS {
-        // A bound that the score pushes against holds its number.
-        let held: Vec<bool> = (0..count)
-            .map(|k| (at[k] <= bounds.low[k] && gradient[k] < 0.0) || (at[k] >= bounds.high[k] && gradient[k] > 0.0))
-            .collect();
-        let free = DVector::from_fn(count, |k, _| if held[k] { 0.0 } else { gradient[k] });
-        let mut step = &inverse * &free;
-        for (k, held) in held.iter().enumerate() {
-            if *held {
-                step[k] = 0.0;
-            }
-        }
-        if step.dot(&free) <= 0.0 {
-            inverse.copy_from(&first);
-            step = &inverse * &free;
-        }
-        let longest = step.amax();
-        if longest > LONGEST {
-            step *= LONGEST / longest;
-        }
+        let step = step_from(&here, model, &at, bounds);
+        // Where the next step promises less than that, it changes nothing.
+        let Some(mut step) = step.filter(|step| along(&here, step) >= negligible) else { break };
         let mut found = None;
-        for _ in 0..12 {
+        for _ in 0..MOST_CUTS {
             let next = DVector::from_vec(bounds.clamped((&at + &step).as_slice().to_vec()));
-            if let Some((reached, slope)) = score(&next)
-                && reached >= value
-            {
-                found = Some((next, reached, DVector::from_vec(slope)));
+            if let Some(there) = slope(&next, here.score) {
+                found = Some((next, there));
                 break;
             }
-            step *= 0.3;
+            step *= CUT;
         }
-        let Some((next, reached, slope)) = found else { break };
-        let (moved, bent) = (&next - &at, &gradient - &slope);
-        let curvature = moved.dot(&bent);
-        if curvature > 1e-12 {
-            let rho = 1.0 / curvature;
-            let left = DMatrix::identity(count, count) - &moved * bent.transpose() * rho;
-            inverse = &left * inverse * left.transpose() + &moved * moved.transpose() * rho;
-        }
-        let gain = reached - value;
-        (at, value, gradient) = (next, reached, slope);
+        let Some((next, there)) = found else { break };
+        let gain = there.score - here.score;
+        (at, here) = (next, there);
         if gain < negligible {
             break;
         }
     }
-    Some((value, Hyperparameters::from_slice(at.as_slice())))
+    Some((here.score, Hyperparameters::from_slice(at.as_slice())))
+}
+
+/// The score's rise along a step.
+fn along(here: &Slope, step: &DVector<f64>) -> f64 {
+    here.gradient.iter().zip(step).map(|(slope, step)| slope * step).sum()
+}
+
+/// The step to where the score would be largest; a bound that it pushes against holds its number.
+fn step_from(here: &Slope, model: &Model<'_>, at: &DVector<f64>, bounds: &Bounds) -> Option<DVector<f64>> {
+    let (count, gradient) = (at.len(), &here.gradient);
+    let held: Vec<bool> = (0..count)
+        .map(|k| (at[k] <= bounds.low[k] && gradient[k] < 0.0) || (at[k] >= bounds.high[k] && gradient[k] > 0.0))
+        .collect();
+    let information = here.information(model);
+    let cell = |i: usize, k: usize| if held[i] || held[k] { 0.0 } else { information[(i, k)] };
+    // Of a curve that is next to nothing the score rises with its variance, not with that's logarithm: no step that goes far beyond a share.
+    let least = |k: usize| LEAST_INFORMATION + if k > 0 { gradient[k].abs() } else { 0.0 };
+    let matrix = DMatrix::from_fn(count, count, |i, k| cell(i, k) + if i == k { least(i) } else { 0.0 });
+    let free = DVector::from_fn(count, |k, _| if held[k] { 0.0 } else { gradient[k] });
+    let step = matrix.cholesky()?.solve(&free);
+    let short = step.map(|cell| cell.clamp(-LONGEST, LONGEST));
+    // Cut each for itself a step need not lead uphill.
+    Some(if along(here, &short) > 0.0 { short } else { &step * (LONGEST / step.amax().max(LONGEST)) })
 }

@@ -164,8 +164,11 @@ impl Entered {
     }
 }
 
-/// The name of a candidate: what an engineer would call the same cause.
-fn name(candidate: &Candidate, fit: &Fit<EffectModel>) -> (Kind, String) {
+/// What an engineer would call the same cause.
+type Name = (Kind, String);
+
+/// The name of a candidate.
+fn name(candidate: &Candidate, fit: &Fit<EffectModel>) -> Name {
     (candidate.term.kind, candidate.term.carrier.place(&fit.effects.statics.chain))
 }
 
@@ -204,19 +207,17 @@ pub(crate) fn judge(
     let Some((set, (_, suits))) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
         return Judgement::default();
     };
-    let names: Vec<(Kind, String)> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
-    let mass = |holds: &dyn Fn(&[usize]) -> bool| mass(&seen, holds);
-    let holds = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+    let names: Vec<Name> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
+    let masses = Masses::of(&seen, &names);
+    let holds = |set: &[usize], name: &Name| set.iter().any(|&other| names[other] == *name);
     // Settings that suit the sets that matter.
     let mut which = rivals_of_best(&seen);
     which.push(Vec::new());
     let mut kept: Vec<usize> = which.iter().filter_map(|set| seen.get(set)).map(|(_, setting)| *setting).collect();
     kept.sort_unstable();
     kept.dedup();
-    let again = |contest: &Contest<'_>, gram: &Gram| -> Seen {
-        let grounds: Vec<Ground> =
-            kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect();
-        contest.climbed(&grounds, &which)
+    let grounds = |contest: &Contest<'_>, gram: &Gram| -> Vec<Ground> {
+        kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect()
     };
     let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
     let suffices = OnceCell::new();
@@ -229,16 +230,20 @@ pub(crate) fn judge(
         let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
         state.keep(&has);
         let entered = Entered::new(other.data, &state, reference, question, &other.structures, 1);
-        again(&entered.contest(&kernels), &entered.round.gram)
+        let contest = entered.contest(&kernels);
+        contest.climbed(&grounds(&contest, &entered.round.gram), &which)
     });
-    let share = |runs: &[Vec<usize>], name: &(Kind, String)| {
+    let share = |runs: &[Vec<usize>], name: &Name| {
         runs.iter().filter(|found| holds(found, name)).count() as f64 / runs.len().max(1) as f64
     };
-    let sought = |counted: f64| resampled(&round.parts, counted, &|gram| best_of(&again(&contest, gram)));
-    let probability = |name: &(Kind, String)| mass(&|set| holds(set, name)).exp();
+    let sought =
+        |counted: f64| resampled(&round.parts, counted, &|gram| contest.best_from(&grounds(&contest, gram), &which));
+    let probability = |name: &Name| masses.with(name).exp();
     let named = |&member: &usize| (probability(&names[member]), &names[member]);
     let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|runs, name| share(runs, name));
     let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
+    let predicting = OnceCell::new();
+    let predicting = || predicting.get_or_init(|| Masses::of(&predictor.seen, &names));
     let members: Vec<Judged> = all
         .iter()
         .zip(found_again)
@@ -248,11 +253,8 @@ pub(crate) fn judge(
             let mut gains: Vec<f64> = elsewhere.iter().map(gain).filter(|gain| gain.is_finite()).collect();
             gains.push(gain(&seen));
             let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, mine) };
-            let (probability, instead) = (probability(mine), rivals(&seen, &names, mine));
-            let predicting = || {
-                let own = self::mass(&predictor.seen, &|set| holds(set, mine)).exp();
-                likely(own, &rivals(&predictor.seen, &names, mine))
-            };
+            let (probability, instead) = (probability(mine), masses.rivals(mine));
+            let predicting = || likely(predicting().with(mine).exp(), &predicting().rivals(mine));
             // What is there for the prediction must be possible beside structure, or do without; alone, it must be seen to predict.
             let predicts = predictor.set.contains(&member)
                 && predicting()
@@ -261,7 +263,7 @@ pub(crate) fn judge(
             Judged {
                 candidate: candidates[member].clone(),
                 probability,
-                log_absent: mass(&|set| !holds(set, mine)),
+                log_absent: masses.without(mine),
                 found_again: found_again.min(found_elsewhere),
                 gain: gains.iter().sum::<f64>() / gains.len() as f64,
                 rivals: instead,
@@ -271,7 +273,7 @@ pub(crate) fn judge(
         .collect();
     let unsure: Vec<usize> =
         all.iter().zip(&members).filter(|(_, one)| !one.named()).map(|(member, _)| *member).collect();
-    let left = possible(&seen, &names, set, &unsure);
+    let left = possible(&seen, &names, &masses, set, &unsure);
     let sets: Vec<OpenSet> = left
         .into_iter()
         .map(|(set, log_mass)| OpenSet {
@@ -293,7 +295,7 @@ fn on_other_rows(fit: &Fit<EffectModel>, data: &Measurements) -> Fit<EffectModel
 }
 
 /// The names of a set's members, each once.
-fn causes(set: &[usize], names: &[(Kind, String)]) -> Vec<Cause> {
+fn causes(set: &[usize], names: &[Name]) -> Vec<Cause> {
     let mut causes: Vec<Cause> = Vec::new();
     for (kind, place) in set.iter().map(|&member| names[member].clone()) {
         let cause = Cause { kind, place };
@@ -322,10 +324,16 @@ fn curves_beside(
 /// The sets of causes that are left possible, the best first, each with the logarithm of the mass of all sets of the same names: those of
 /// [`POSSIBLE`] and more, and for each member that is not sure what else would have to be true: the best set with each of its rivals in
 /// its stead, and the best without it.
-fn possible(seen: &Seen, names: &[(Kind, String)], best: &[usize], unsure: &[usize]) -> Vec<(Vec<usize>, f64)> {
-    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
+fn possible(
+    seen: &Seen,
+    names: &[Name],
+    masses: &Masses<'_>,
+    best: &[usize],
+    unsure: &[usize],
+) -> Vec<(Vec<usize>, f64)> {
+    let has = |set: &[usize], name: &Name| set.iter().any(|&other| names[other] == *name);
     let signature = |set: &[usize]| {
-        let mut own: Vec<(&str, &str)> = set.iter().map(|&one| (names[one].0.name(), names[one].1.as_str())).collect();
+        let mut own: Vec<usize> = set.iter().map(|&member| masses.place(&names[member])).collect();
         own.sort_unstable();
         own.dedup();
         own
@@ -334,11 +342,12 @@ fn possible(seen: &Seen, names: &[(Kind, String)], best: &[usize], unsure: &[usi
     by_score.sort_by(|a, b| b.1.total_cmp(&a.1));
     let first =
         |holds: &dyn Fn(&[usize]) -> bool| by_score.iter().find(|(set, _)| holds(set)).map(|(set, _)| (*set).clone());
-    let mass_of = |set: &[usize]| mass(seen, &|other| signature(other) == signature(set));
+    let signatures: Vec<Vec<usize>> = seen.keys().map(|set| signature(set)).collect();
+    let mass_of = |own: &[usize]| masses.mass(|set| signatures[set] == own);
     let mut sets: Vec<Vec<usize>> = vec![best.to_vec()];
     for &member in unsure {
         let mine = &names[member];
-        for rival in rivals(seen, names, mine) {
+        for rival in masses.rivals(mine) {
             let name = (rival.kind, rival.place);
             sets.extend(first(&|set| has(set, &name) && !has(set, mine)));
         }
@@ -347,12 +356,14 @@ fn possible(seen: &Seen, names: &[(Kind, String)], best: &[usize], unsure: &[usi
     let top = by_score[0].1;
     let near = by_score.iter().take_while(|(_, score)| top - score < -POSSIBLE.ln() + BESIDE);
     let near: Vec<Vec<usize>> = near.map(|(set, _)| (*set).clone()).collect();
-    sets.extend(near.into_iter().filter(|set| mass_of(set) > POSSIBLE.ln()));
+    sets.extend(near.into_iter().filter(|set| mass_of(&signature(set)) > POSSIBLE.ln()));
     let mut possible: Vec<(Vec<usize>, f64)> = Vec::new();
+    let mut known: Vec<Vec<usize>> = Vec::new();
     for set in sets {
-        if !possible.iter().any(|(other, _)| signature(other) == signature(&set)) {
-            let mass = mass_of(&set);
-            possible.push((set, mass));
+        let own = signature(&set);
+        if !known.contains(&own) {
+            possible.push((set, mass_of(&own)));
+            known.push(own);
         }
     }
     possible[1..].sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -395,24 +406,86 @@ fn least_precision(candidate: &Candidate) -> f64 {
     }
 }
 
-/// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
-fn rivals(seen: &Seen, names: &[(Kind, String)], mine: &(Kind, String)) -> Vec<Alternative> {
-    let has = |set: &[usize], name: &(Kind, String)| set.iter().any(|&other| names[other] == *name);
-    let (present, absent) = (mass(seen, &|set| has(set, mine)), mass(seen, &|set| !has(set, mine)));
-    let mut rivals: Vec<Alternative> = Vec::new();
-    if absent.exp() <= RIVAL {
-        return rivals;
-    }
-    for name in names.iter().filter(|name| *name != mine) {
-        let known = rivals.iter().any(|rival| (rival.kind, &rival.place) == (name.0, &name.1));
-        let instead = mass(seen, &|set| has(set, name) && !has(set, mine));
-        let beside = mass(seen, &|set| has(set, name) && has(set, mine)) - present;
-        if !known && instead.exp() > RIVAL && instead - absent > beside + MORE {
-            rivals.push(Alternative { kind: name.0, place: name.1.clone(), probability: instead.exp() });
+/// The mass that sets hold, told by the names of their members.
+struct Masses<'a> {
+    /// Each once.
+    names: Vec<&'a Name>,
+    /// Of each name, which sets hold it.
+    holds: Vec<Vec<bool>>,
+    /// Of each set.
+    scores: Vec<f64>,
+    /// Logarithm of what all of them hold.
+    whole: f64,
+}
+
+impl<'a> Masses<'a> {
+    fn of(seen: &Seen, all: &'a [Name]) -> Self {
+        let mut names: Vec<&Name> = Vec::new();
+        let mut place = |name: &'a Name| {
+            names.iter().position(|known| *known == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            })
+        };
+        let places: Vec<usize> = all.iter().map(&mut place).collect();
+        let mut holds = vec![vec![false; seen.len()]; names.len()];
+        for (index, set) in seen.keys().enumerate() {
+            for &member in set {
+                holds[places[member]][index] = true;
+            }
         }
+        let scores = seen.values().map(|(score, _)| *score).collect();
+        let mut masses = Self { names, holds, scores, whole: 0.0 };
+        masses.whole = masses.sum(|_| true);
+        masses
     }
-    rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    rivals
+
+    /// # Panics
+    /// The name is none of those that it was made with.
+    fn place(&self, name: &Name) -> usize {
+        self.names.iter().position(|known| *known == name).expect("every candidate has a name")
+    }
+
+    fn sum(&self, holds: impl Fn(usize) -> bool) -> f64 {
+        let scores = || self.scores.iter().enumerate().filter(|(set, _)| holds(*set)).map(|(_, score)| *score);
+        let top = scores().fold(f64::NEG_INFINITY, f64::max);
+        if top == f64::NEG_INFINITY { top } else { top + scores().map(|score| (score - top).exp()).sum::<f64>().ln() }
+    }
+
+    /// Logarithm of the share of the mass that sets hold of which `holds` is true.
+    fn mass(&self, holds: impl Fn(usize) -> bool) -> f64 {
+        (self.sum(holds) - self.whole).min(0.0)
+    }
+
+    /// The same of sets that hold a name, and of those that do not.
+    fn with(&self, name: &Name) -> f64 {
+        let own = &self.holds[self.place(name)];
+        self.mass(|set| own[set])
+    }
+
+    fn without(&self, name: &Name) -> f64 {
+        let own = &self.holds[self.place(name)];
+        self.mass(|set| !own[set])
+    }
+
+    /// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
+    fn rivals(&self, mine: &Name) -> Vec<Alternative> {
+        let own = &self.holds[self.place(mine)];
+        let (present, absent) = (self.with(mine), self.without(mine));
+        let mut rivals: Vec<Alternative> = Vec::new();
+        if absent.exp() <= RIVAL {
+            return rivals;
+        }
+        for (name, holds) in self.names.iter().zip(&self.holds).filter(|(name, _)| **name != mine) {
+            let instead = self.mass(|set| holds[set] && !own[set]);
+            let beside = self.mass(|set| holds[set] && own[set]) - present;
+            if instead.exp() > RIVAL && instead - absent > beside + MORE {
+                rivals.push(Alternative { kind: name.0, place: name.1.clone(), probability: instead.exp() });
+            }
+        }
+        rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        rivals
+    }
 }
 
 /// By how much the best of the sets of which `holds` is true is better than the best of the others.
@@ -422,16 +495,6 @@ fn gain(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
         scores.fold(f64::NEG_INFINITY, f64::max)
     };
     best(true) - best(false)
-}
-
-/// Logarithm of the share of the mass that sets hold of which `holds` is true.
-fn mass(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
-    let sum = |part: &dyn Fn(&[usize]) -> bool| {
-        let scores = || seen.iter().filter(|(set, _)| part(set)).map(|(_, (score, _))| *score);
-        let top = scores().fold(f64::NEG_INFINITY, f64::max);
-        if top == f64::NEG_INFINITY { top } else { top + scores().map(|score| (score - top).exp()).sum::<f64>().ln() }
-    };
-    (sum(holds) - sum(&|_| true)).min(0.0)
 }
 
 /// Prior odds of a cause: each kind is as likely as another, and each of its terms as likely as another of the same kind; but where a kind has
