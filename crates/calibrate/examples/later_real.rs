@@ -90,6 +90,7 @@ fn main() {
         placing.len(),
         within.iter().filter(|within| **within).count()
     );
+    say_how_postures_differ(&before, &judged);
     println!("| model of {} | all later rows, mm rms | within its range |\n|---|---|---|", arguments[2]);
     let mut known = None;
     for word in ["geometry", "curves", "effects and curves"] {
@@ -105,6 +106,45 @@ fn main() {
     }
     brought_up_to_date(statics, &before, &later, seed);
     with_effects_and_curves(statics, &known.unwrap(), &later, seed);
+}
+
+/// The two joints whose readings go together most differently, and the stretch of one joint's readings that holds most of the later rows
+/// where the fitted have a single one.
+fn say_how_postures_differ(before: &Measurements, later: &Measurements) {
+    let joints = before.reading(0).len();
+    let readings = |data: &Measurements, joint: usize| -> Vec<f64> {
+        (0..data.len()).map(|row| data.reading(row)[joint]).collect()
+    };
+    let correlation = |data: &Measurements, a: usize, b: usize| {
+        let centred = |joint: usize| {
+            let values = readings(data, joint);
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.into_iter().map(|value| value - mean).collect::<Vec<f64>>()
+        };
+        let (a, b) = (centred(a), centred(b));
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
+    };
+    let pairs = (0..joints).flat_map(|a| (a + 1..joints).map(move |b| (a, b)));
+    let pairs = pairs.map(|(a, b)| (a, b, correlation(before, a, b), correlation(later, a, b)));
+    let (a, b, was, is) = pairs.max_by(|x, y| (x.2 - x.3).abs().total_cmp(&(y.2 - y.3).abs())).unwrap();
+    println!("readings {} and {}: correlation {was:.2} in the fitted rows, {is:.2} in the later ones", a + 1, b + 1);
+    let gaps = (0..joints).flat_map(|joint| {
+        let (mut fitted, later) = (readings(before, joint), readings(later, joint));
+        fitted.sort_by(f64::total_cmp);
+        let share = move |(low, high): (f64, f64)| {
+            let inside = later.iter().filter(|value| (low..high).contains(*value)).count();
+            (inside as f64 / later.len() as f64, joint, low, high)
+        };
+        let ends: Vec<(f64, f64)> = fitted.windows(3).map(|three| (three[0], three[2])).collect();
+        ends.into_iter().map(share).collect::<Vec<_>>()
+    });
+    let (share, joint, low, high) = gaps.max_by(|x, y| x.0.total_cmp(&y.0)).unwrap();
+    println!(
+        "{:.0} % of the later rows have reading {} between {low:.2} and {high:.2}, where the fitted have a single one\n",
+        share * 100.0,
+        joint + 1
+    );
 }
 
 /// The whole earlier model, its effects and curves in it, on later rows that none saw: as it was left with instrument and target placed

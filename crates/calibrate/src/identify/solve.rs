@@ -573,3 +573,22 @@ fn quantile_of_chi_squared(degrees: f64, share: f64) -> f64 {
 fn median_of_chi_squared(degrees: f64) -> f64 {
     quantile_of_chi_squared(degrees, 0.5)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_a_share_of_the_last_where_both_lead_one_way() {
+        let scale = DVector::from_vec(vec![1.0, 1e-3, 2.0]);
+        let last = [0.4, 2e-4, -1.0];
+        let times = |share: f64| last.map(|cell| cell * share).to_vec();
+        for share in [0.5, -0.6, 0.15] {
+            assert!((share_of(&times(share), &last, &scale).unwrap() - share).abs() < 1e-12);
+        }
+        // Too little to be told from none, growing, or another way.
+        assert_eq!(share_of(&times(0.02), &last, &scale), None);
+        assert_eq!(share_of(&times(1.2), &last, &scale), None);
+        assert_eq!(share_of(&[0.4, 2e-4, 1.0], &last, &scale), None);
+    }
+}

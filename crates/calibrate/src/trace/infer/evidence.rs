@@ -497,6 +497,7 @@ impl Solved {
 mod tests {
     use super::*;
     use crate::trace::infer::gram::Columns;
+    use crate::trace::infer::maximum;
     use denavit_model::nalgebra::DVector;
 
     const VALUES: usize = 80;
@@ -569,6 +570,34 @@ mod tests {
                 let written = Model { precision: &precision, log_precision, ..model.clone() }.score(&without).unwrap();
                 let found = slope.score_without(model, columns, curves).unwrap();
                 assert!((found - written).abs() < 1e-7, "{columns:?} {curves:?}: {found} {written}");
+            }
+        });
+    }
+
+    #[test]
+    fn no_step_from_the_maximum_leads_uphill_wherever_the_search_began() {
+        with_model(2, true, |model, _, _| {
+            let mut far = hyperparameters();
+            far.log_noise = 2.0;
+            far.kernels[1] = Kernel { log_variance: -9.0, log_length: -0.4 };
+            let reached = [
+                maximum::from_near(model, &hyperparameters(), maximum::NEGLIGIBLE).unwrap(),
+                maximum::from_near(model, &far, maximum::NEGLIGIBLE).unwrap(),
+                maximum::from_afar(model, None, maximum::NEGLIGIBLE).unwrap(),
+            ];
+            for (score, hyper) in &reached {
+                assert!((score - reached[0].0).abs() < 0.05, "{reached:?}");
+                let at = hyper.to_vec();
+                for (number, by) in (0..at.len()).flat_map(|number| [(number, -0.2), (number, 0.2)]) {
+                    let mut other = at.clone();
+                    other[number] += by;
+                    // A length has bounds; beyond them it would be no length of a curve.
+                    let there = model.score(&Hyperparameters::from_slice(&other)).unwrap();
+                    assert!(
+                        there < score + 0.02 || maximum::is_outside(model, &other),
+                        "{number} {by}: {there} {score}"
+                    );
+                }
             }
         });
     }

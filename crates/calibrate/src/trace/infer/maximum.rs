@@ -119,6 +119,12 @@ fn climb(
     Some((here.score, Hyperparameters::from_slice(at.as_slice())))
 }
 
+/// Whether hyperparameters lie beyond what the search may come to.
+#[cfg(test)]
+pub(super) fn is_outside(model: &Model<'_>, at: &[f64]) -> bool {
+    Bounds::new(model).clamped(at.to_vec()) != at
+}
+
 /// The score's rise along a step.
 fn along(here: &Slope, step: &DVector<f64>) -> f64 {
     here.gradient.iter().zip(step).map(|(slope, step)| slope * step).sum()
