@@ -1,8 +1,10 @@
 //! Levenberg-Marquardt over the normal equations: prior, gauge, noise levels and gross outliers.
 
 use crate::effects::{EffectModel, Statics};
+use crate::identify::gram::gram_of;
 use crate::identify::normal_equations::Sums;
 use crate::identify::residual::ResidualModel;
+use crate::identify::triangle::Triangle;
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::kinds::Part;
@@ -496,7 +498,10 @@ impl System {
     }
 
     fn inverse(&self) -> Option<DMatrix<f64>> {
-        Some(self.damped(LEAST_DAMPING).cholesky()?.inverse())
+        let matrix = self.damped(LEAST_DAMPING);
+        let size = matrix.nrows();
+        let roots = Triangle::factor(matrix.as_slice().to_vec(), size)?.inverse_columns();
+        Some(DMatrix::from_vec(size, size, gram_of(&roots, size)))
     }
 }
 

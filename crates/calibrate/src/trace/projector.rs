@@ -8,6 +8,8 @@ use std::sync::OnceLock;
 
 /// A column of the model that is this nearly a sum of others adds nothing.
 pub(super) const DEPENDENT: f64 = 1e-9;
+/// A column of length 1 of which more than this is left needs no second pass.
+const ENOUGH: f64 = 0.1;
 /// Of a column that is cut down to less than this what was taken out is taken out once more.
 const SMALL: f64 = 1e-3;
 /// A column of which the model leaves less than this share cannot be seen: claiming it would be guessing.
@@ -110,8 +112,8 @@ fn take_out(basis: &[f64], column: &mut [f64]) {
     subtract(basis, &shares, column);
 }
 
-/// Adds what these columns of `rows` cells do beyond an orthonormal basis: out of all of them what the basis can do is taken first, twice for
-/// the sake of rounding, then out of each what those before it can.
+/// Adds what these columns of `rows` cells do beyond an orthonormal basis: out of all of them what the basis can do is taken first, twice where
+/// rounding asks for it, then out of each what those before it can.
 fn extend(basis: &mut Vec<f64>, mut columns: Vec<f64>, rows: usize) {
     let known = basis.len();
     for column in columns.chunks_exact_mut(rows) {
@@ -123,6 +125,9 @@ fn extend(basis: &mut Vec<f64>, mut columns: Vec<f64>, rows: usize) {
     for _ in 0..2 {
         let shares = cross_gram(basis, &columns, rows);
         subtract_each(basis, &shares, &mut columns, rows);
+        if columns.chunks_exact(rows).all(|column| norm_of(column) > ENOUGH) {
+            break;
+        }
     }
     for column in columns.chunks_exact_mut(rows) {
         let before = norm_of(column);

@@ -12,7 +12,8 @@ use crate::effects::survey::Survey;
 use crate::identify::residual::ResidualModel;
 use crate::identify::residual_statistics;
 use crate::identify::solve::{Fit, Noise, gross};
-use crate::identify::threads::with_threads;
+use crate::identify::threads::{in_parallel, with_threads};
+use crate::identify::triangle::dot;
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
@@ -138,10 +139,11 @@ pub(crate) fn fit_again(
     found.finish(data, reference, fit.effects.effects.len() - fields)
 }
 
-/// A state with the hyperparameters that it was fitted with.
+/// A state with the hyperparameters that it was fitted with, and how its numbers are unsure where the last step was taken.
 struct Settled {
     state: State,
     hyper: Hyperparameters,
+    posterior: Option<Posterior>,
 }
 
 /// Rounds from a state on until the score settles: `None` where the system cannot be solved.
@@ -154,6 +156,7 @@ fn settled(
     near: &[Curve],
 ) -> Option<Settled> {
     let mut found: Option<(f64, Hyperparameters)> = None;
+    let mut posterior = None;
     for _ in 0..ROUNDS {
         let round = Round::new(data, &state, reference);
         let model = round.model();
@@ -169,11 +172,12 @@ fn settled(
                 break;
             }
             found = Some((f64::NEG_INFINITY, hyper));
+            posterior = None;
             continue;
         }
         // Each round is in units of its own noise: the score of the values themselves.
         let score = score + round.units();
-        round.step(data, &mut state, &hyper);
+        posterior = round.step(data, &mut state, &hyper);
         let enough = SETTLED.max(SETTLED_NOISE * (round.linear.values() as f64).sqrt());
         let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
@@ -182,7 +186,7 @@ fn settled(
             break;
         }
     }
-    found.map(|(_, hyper)| Settled { state, hyper })
+    found.map(|(_, hyper)| Settled { state, hyper, posterior })
 }
 
 /// Whether a model has a smooth function of two joints among its effects.
@@ -284,10 +288,11 @@ impl State {
 impl Settled {
     /// The fit with the covariance and noise of the whole model. From number `first` on its effects are fields.
     fn finish(self, data: &Measurements, reference: &Arm, first: usize) -> Option<CurveFit> {
-        let Self { mut state, hyper } = self;
+        let Self { mut state, hyper, posterior: last } = self;
         let round = Round::new(data, &state, reference);
         let model = round.model();
         let posterior = model.posterior(&hyper)?;
+        round.spread_into(&mut state, last.as_ref().unwrap_or(&posterior), &hyper);
         let here = model.slope(&hyper, f64::NEG_INFINITY)?;
         let score = here.score;
         let order = round.layout_order(&state);
@@ -561,19 +566,28 @@ impl Round {
             .collect()
     }
 
-    /// The curves as the posterior has them.
+    /// Writes how unsure each curve is over its range.
+    fn spread_into(&self, state: &mut State, posterior: &Posterior, hyper: &Hyperparameters) {
+        let mut first = self.gram.plain;
+        for ((curve, kernel), range) in state.fit.effects.curves.iter_mut().zip(&hyper.kernels).zip(&state.ranges) {
+            let prior: Vec<f64> = kernel.variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
+            curve.spread = spread(posterior, first, &curve.waves, &prior, kernel.log_variance.exp(), *range);
+            first += curve.waves.len();
+        }
+    }
+
+    /// The curves as the posterior has them; how unsure they are is not in them yet.
     fn curves(&self, state: &State, posterior: &Posterior, hyper: &Hyperparameters) -> Vec<Curve> {
         let mut first = self.gram.plain;
         let mut curves = Vec::new();
         for (index, (waves, kernel)) in state.waves.iter().zip(&hyper.kernels).enumerate() {
             let weights = posterior.mean[first..first + waves.len()].to_vec();
-            let prior: Vec<f64> = kernel.variances(waves).into_iter().map(|(variance, _)| variance).collect();
             curves.push(Curve {
                 joint: state.joints[index],
                 range: state.ranges[index],
                 size: (0.5 * kernel.log_variance).exp(),
                 length: kernel.log_length.exp(),
-                spread: spread(posterior, first, waves, &prior, kernel.log_variance.exp(), state.ranges[index]),
+                spread: Vec::new(),
                 waves: waves.clone(),
                 weights,
             });
@@ -605,10 +619,10 @@ impl Round {
         numbers
     }
 
-    /// The state after the step to the posterior's mean, with its noise and its outliers.
-    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters) {
+    /// The state after the step to the posterior's mean, with its noise and its outliers; and that posterior.
+    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters) -> Option<Posterior> {
         let model = self.model();
-        let Some(posterior) = model.posterior(hyper) else { return };
+        let posterior = model.posterior(hyper)?;
         let curves = self.curves(state, &posterior, hyper);
         let order = self.layout_order(state);
         let had = self.numbers(state);
@@ -662,6 +676,7 @@ impl Round {
         fit.values = left_over.iter().map(|channel| channel.count).collect();
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
+        Some(posterior)
     }
 }
 
@@ -675,7 +690,7 @@ pub(super) fn by_part(
     waves: &[Waves],
     readings: &[Vec<f64>],
     parts: usize,
-    part_of: &dyn Fn(usize) -> usize,
+    part_of: &(dyn Fn(usize) -> usize + Sync),
 ) -> Vec<Gram> {
     fn pick<T: Copy>(list: &[T], own: &[usize]) -> Vec<T> {
         own.iter().map(|&value| list[value]).collect()
@@ -683,7 +698,7 @@ pub(super) fn by_part(
     if parts == 1 {
         return vec![Gram::of(columns, waves, readings)];
     }
-    let of_part = |part: usize| {
+    let of_part = |&part: &usize| {
         let own: Vec<usize> = (0..columns.rows.len()).filter(|value| part_of(columns.rows[*value]) == part).collect();
         let all = columns.plain.iter().chain(columns.joints);
         let picked: Vec<Vec<f64>> = all.map(|column| pick(column, &own)).collect();
@@ -698,7 +713,7 @@ pub(super) fn by_part(
         };
         Gram::of(&columns, waves, readings)
     };
-    (0..parts).map(of_part).collect()
+    in_parallel(&(0..parts).collect::<Vec<usize>>(), of_part)
 }
 
 /// Stretches of rows are dealt to the parts in turn.
@@ -745,11 +760,7 @@ fn spread(
     Curve::places(range)
         .map(|reading| {
             waves.values_into(reading, &mut values);
-            let known: f64 = block
-                .chunks_exact(count)
-                .zip(&values)
-                .map(|(row, own)| own * row.iter().zip(&values).map(|(c, b)| c * b).sum::<f64>())
-                .sum();
+            let known: f64 = block.chunks_exact(count).zip(&values).map(|(row, own)| own * dot(row, &values)).sum();
             let carried: f64 = prior.iter().zip(&values).map(|(v, b)| v * b * b).sum();
             (known + (variance - carried).max(0.0)).max(0.0).sqrt()
         })

@@ -21,6 +21,7 @@ use crate::trace::infer::evidence::Model;
 use crate::trace::infer::gram::{Columns, Gram};
 use crate::trace::infer::model::{Hyperparameters, LARGEST};
 use denavit_model::nalgebra::DMatrix;
+use std::cell::Cell;
 
 /// Parts that are left out one after the other.
 const PARTS: usize = 5;
@@ -28,6 +29,8 @@ const PARTS: usize = 5;
 const BEYOND_CHANCE: f64 = 1.0;
 /// The first step of a logarithm that is searched for, and the last.
 const STEPS: (f64, f64) = (0.8, 0.1);
+/// Where no step leads uphill the next is this much shorter.
+const SHORTER: f64 = 0.4;
 /// A score that rises by less does not rise.
 const NEGLIGIBLE: f64 = 0.01;
 /// The noise is not followed farther down than this, logarithm of its variance: rows without noise tell no size.
@@ -129,7 +132,7 @@ impl<'a> Trial<'a> {
     }
 
     fn without(&self) -> Option<Scored> {
-        self.scored(nothing(&self.round.model(), self.columns()))
+        self.scored(nothing(&self.round.model(), self.columns()), (0.0, STEPS.0))
     }
 
     /// The size that suits the rows best.
@@ -138,9 +141,16 @@ impl<'a> Trial<'a> {
         let square: f64 = columns.iter().flatten().map(|x| x * x).sum();
         // As large as the noise.
         let seen = (self.round.linear.values() as f64 / square.max(f64::MIN_POSITIVE)).sqrt();
-        let at = |log_size: f64| self.scored(self.of_size(log_size.exp()));
+        // The noise that suits one size is near that which suits the last.
+        let near = Cell::new((0.0, STEPS.0));
+        let at = |log_size: f64| {
+            let scored = self.scored(self.of_size(log_size.exp()), near.get())?;
+            near.set((scored.log_noise, STEPS.0 * SHORTER));
+            Some(scored)
+        };
         let first = seen.min(LARGEST).ln();
-        let (log_size, scored) = uphill(first, |log_size| at(log_size.min(LARGEST.ln())), |scored| scored.score)?;
+        let (log_size, scored) =
+            uphill((first, STEPS.0), |log_size| at(log_size.min(LARGEST.ln())), |scored| scored.score)?;
         Some((log_size.min(LARGEST.ln()).exp(), scored))
     }
 
@@ -158,15 +168,15 @@ impl<'a> Trial<'a> {
         Hyperparameters { log_noise, ..self.hyper.clone() }
     }
 
-    /// The score under a prior at the noise that suits it best.
-    fn scored(&self, prior: (DMatrix<f64>, f64)) -> Option<Scored> {
+    /// The score under a prior at the noise that suits it best, sought from a place on with a first step.
+    fn scored(&self, prior: (DMatrix<f64>, f64), (start, step): (f64, f64)) -> Option<Scored> {
         let model = self.round.model();
         let model = under(&model, &prior);
         let at = |log_noise: f64| {
             let followed = log_noise > LEAST_NOISE;
             followed.then(|| model.score(&self.at_noise(log_noise))).flatten()
         };
-        let (log_noise, score) = uphill(0.0, at, |score| *score)?;
+        let (log_noise, score) = uphill((start, step), at, |score| *score)?;
         Some(Scored { prior, log_noise, score })
     }
 
@@ -181,7 +191,7 @@ impl<'a> Trial<'a> {
             }
         }
         let stretches = in_stretches(rows, PARTS);
-        let deals: [&dyn Fn(usize) -> usize; 2] = [&|row| stretches(stands[row]), &|row| stands[row] % PARTS];
+        let deals: [&(dyn Fn(usize) -> usize + Sync); 2] = [&|row| stretches(stands[row]), &|row| stands[row] % PARTS];
         deals.into_iter().all(|part_of| {
             let parts = self.parts(part_of);
             let squares = |scored: &Scored| self.held_out(&parts, part_of, scored, &stands);
@@ -191,7 +201,7 @@ impl<'a> Trial<'a> {
         })
     }
 
-    fn parts(&self, part_of: &dyn Fn(usize) -> usize) -> Vec<Gram> {
+    fn parts(&self, part_of: &(dyn Fn(usize) -> usize + Sync)) -> Vec<Gram> {
         let Round { explained, plain, joints, linear, .. } = &self.round;
         let columns = Columns {
             explained,
@@ -254,8 +264,8 @@ pub(super) fn beyond_chance(falls: &[f64]) -> bool {
 }
 
 /// The place where a score is largest, up to the last of [`STEPS`], and what is there.
-fn uphill<T>(start: f64, at: impl Fn(f64) -> Option<T>, score: impl Fn(&T) -> f64) -> Option<(f64, T)> {
-    let (mut place, mut here, mut step) = (start, at(start)?, STEPS.0);
+fn uphill<T>((start, first): (f64, f64), at: impl Fn(f64) -> Option<T>, score: impl Fn(&T) -> f64) -> Option<(f64, T)> {
+    let (mut place, mut here, mut step) = (start, at(start)?, first);
     let rises = |here: &T, next: &T| score(next) > score(here) + NEGLIGIBLE;
     while step > STEPS.1 {
         let tried = [step, -step].into_iter().find_map(|by| {
@@ -271,7 +281,7 @@ fn uphill<T>(start: f64, at: impl Fn(f64) -> Option<T>, score: impl Fn(&T) -> f6
                     (place, here) = (place + by, next);
                 }
             }
-            None => step *= 0.4,
+            None => step *= SHORTER,
         }
     }
     Some((place, here))
@@ -283,9 +293,10 @@ mod tests {
 
     #[test]
     fn the_top_of_a_hill_is_found_and_what_is_no_number_is_none() {
-        let (place, score) = uphill(0.0, |x| (x > -5.0).then_some(-(x - 3.3).powi(2)), |score| *score).unwrap();
+        let (place, score) =
+            uphill((0.0, STEPS.0), |x| (x > -5.0).then_some(-(x - 3.3).powi(2)), |score| *score).unwrap();
         assert!((place - 3.3).abs() < STEPS.1 && score > -0.01);
-        assert!(uphill(0.0, |_| None::<f64>, |score| *score).is_none());
+        assert!(uphill((0.0, STEPS.0), |_| None::<f64>, |score| *score).is_none());
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! curve's length scale, it is 0 within its root mean square over the rows, once for each half period of the fastest wave.
 
 use crate::effects::curve::{Curve, Waves};
+use crate::identify::gram::gram_of;
 use std::f64::consts::{PI, TAU};
 
 /// Places in each half period of the fastest wave; together they count as one.
@@ -19,16 +20,15 @@ pub(super) fn precision(curve: &Curve, readings: &[f64]) -> Vec<f64> {
     if places.is_empty() || square <= 0.0 {
         return Vec::new();
     }
-    let (mut cells, mut values) = (vec![0.0; count * count], vec![0.0; count]);
-    for place in places {
+    let (many, mut values) = (places.len(), vec![0.0; count]);
+    let mut waves = vec![0.0; count * many];
+    for (at, place) in places.into_iter().enumerate() {
         curve.waves.values_into(place, &mut values);
-        for (row, own) in cells.chunks_exact_mut(count).zip(&values) {
-            for (cell, other) in row.iter_mut().zip(&values) {
-                *cell += own * other / (PLACES * square);
-            }
+        for (wave, value) in values.iter().enumerate() {
+            waves[wave * many + at] = *value;
         }
     }
-    cells
+    gram_of(&waves, many).into_iter().map(|cell| cell / (PLACES * square)).collect()
 }
 
 /// Places of the waves from which the nearest reading is farther than half the curve's length.

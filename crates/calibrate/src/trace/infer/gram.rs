@@ -55,9 +55,12 @@ impl Gram {
     }
 
     fn add(&mut self, other: &Self, weight: f64) {
+        let add = |sums: &mut [f64], parts: &[f64]| {
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part * weight);
+        };
         let rows = self.matrix.chunks_exact_mut(self.size).zip(other.matrix.chunks_exact(self.size));
-        let lower = rows.enumerate().flat_map(|(row, (sums, parts))| sums[..=row].iter_mut().zip(&parts[..=row]));
-        lower.chain(self.right.iter_mut().zip(&other.right)).for_each(|(sum, part)| *sum += part * weight);
+        rows.enumerate().for_each(|(row, (sums, parts))| add(&mut sums[..=row], &parts[..=row]));
+        add(&mut self.right, &other.right);
         self.square += other.square * weight;
         self.count += other.count * weight;
     }
