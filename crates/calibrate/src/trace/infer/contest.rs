@@ -505,7 +505,7 @@ struct Change {
 
 /// Where searches have been.
 struct Way {
-    /// A number of each member: those of a set, each bit by itself added without carry, are its key. Of two sets that are met none have the same.
+    /// A random number for each member; those of a set, combined by exclusive or, are its key. That two sets share one is not to be expected.
     keys: Vec<u64>,
     /// Of every set that was scored.
     scores: HashMap<u64, f64>,

@@ -137,9 +137,9 @@ impl Slope {
     /// How sharply the score bends, square: the mean of what it does and of what it is expected to do, which takes the posterior's mean alone
     /// (average information; Gilmour, Thompson, Cullis, Biometrics 51 (1995), 1440).
     ///
-    /// With x the pull of the prior on the numbers whose variance a hyperparameter changes, times the share by which it changes that, and g its pull
-    /// on all numbers: half of the pull's work less xᵀ C x' for two curves, half of χ² less gᵀ C g for the noise, half of xᵀ C g between them. What
-    /// holds a curve's mean and what is expected in gaps is left out.
+    /// With V the prior variances of a curve's waves, m their expected values, S the shares by which two hyperparameters change V, x = S V⁻¹ m, g the pull
+    /// of the prior on all numbers and C the numbers' covariance: half of mᵀ S V⁻¹ S' m - xᵀ C x' for two hyperparameters of curves (the first term where it is
+    /// the same curve), half of χ² - gᵀ C g for the noise, half of xᵀ C g between noise and curve. What holds a curve's mean and what is expected in gaps is left out.
     pub fn information(&self, model: &Model<'_>) -> DMatrix<f64> {
         let (size, mean) = (self.posterior.size, &self.posterior.mean);
         // R x, C = Rᵀ R: first for the pull on all numbers, then for each hyperparameter of a curve.

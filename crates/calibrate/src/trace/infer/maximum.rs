@@ -13,7 +13,7 @@ pub const ROUGH: f64 = 0.1;
 const LEAST_INFORMATION: f64 = 0.1;
 /// Steps of the search; it needs some five to ten.
 const MOST_STEPS: usize = 60;
-/// A step that does not lead uphill is cut to this share, so many times at most.
+/// A step that does not lead uphill is shortened to this share of it, so many times at most.
 const CUT: f64 = 0.3;
 const MOST_CUTS: usize = 12;
 /// No step changes a hyperparameter by more than this factor's logarithm.
@@ -138,12 +138,12 @@ fn step_from(here: &Slope, model: &Model<'_>, at: &DVector<f64>, bounds: &Bounds
         .collect();
     let information = here.information(model);
     let cell = |i: usize, k: usize| if held[i] || held[k] { 0.0 } else { information[(i, k)] };
-    // Of a curve that is next to nothing the score rises with its variance, not with that's logarithm: no step that goes far beyond a share.
+    // Where a curve is next to nothing the score rises in proportion to its variance: in logarithms a step of about one is right, whatever the slope.
     let least = |k: usize| LEAST_INFORMATION + if k > 0 { gradient[k].abs() } else { 0.0 };
     let matrix = DMatrix::from_fn(count, count, |i, k| cell(i, k) + if i == k { least(i) } else { 0.0 });
     let free = DVector::from_fn(count, |k, _| if held[k] { 0.0 } else { gradient[k] });
     let step = matrix.cholesky()?.solve(&free);
     let short = step.map(|cell| cell.clamp(-LONGEST, LONGEST));
-    // Cut each for itself a step need not lead uphill.
+    // With each number cut by itself the step need not lead uphill.
     Some(if along(here, &short) > 0.0 { short } else { &step * (LONGEST / step.amax().max(LONGEST)) })
 }
