@@ -13,7 +13,8 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
 use crate::trace::projector::Projector;
 use crate::trace::search::postures;
-use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
+use denavit_model::nalgebra::allocator::Allocator;
+use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector, DefaultAllocator, Dim, Dyn, OMatrix};
 use std::sync::OnceLock;
 
 /// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
@@ -202,17 +203,12 @@ impl Linear {
     }
 
     /// Rows of the prior, made as firm as the fit has them.
-    pub fn firm(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn firm<C: Dim>(&self, columns: &OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
+    where
+        DefaultAllocator: Allocator<Dyn, C>,
+    {
         let mut firm = columns.clone();
         let priors = firm.nrows() - self.values();
-        firm.rows_mut(self.values(), priors).scale_mut(RELAXED);
-        firm
-    }
-
-    /// The same of a residual.
-    pub fn firm_residual(&self, residual: &DVector<f64>) -> DVector<f64> {
-        let mut firm = residual.clone();
-        let priors = firm.len() - self.values();
         firm.rows_mut(self.values(), priors).scale_mut(RELAXED);
         firm
     }

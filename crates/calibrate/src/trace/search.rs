@@ -104,7 +104,7 @@ impl Linearised {
     /// Geometry in its tolerances, and all effects (zero in the rows of the prior).
     pub(crate) fn firm(&self) -> &Whole {
         let Linear { residual, effects, .. } = &self.linear;
-        made(&self.firm, || Whole::new(self.linear.in_tolerances(), effects, &self.linear.firm_residual(residual)))
+        made(&self.firm, || Whole::new(self.linear.in_tolerances(), effects, &self.linear.firm(residual)))
     }
 
     /// With all effects.

@@ -5,9 +5,9 @@ use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
-use crate::identify::solve::Fit;
+use crate::identify::fit_stage;
+use crate::identify::solve::{Fit, FitOptions};
 use crate::identify::threads::{available, both, each_alone, in_parallel, made};
-use crate::identify::{IdentifyOptions, fit_stage};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::{DISTANCE, POSE, POSITION};
 use crate::observation::measurements::Measurements;
@@ -253,16 +253,16 @@ impl<'a> Tracer<'a> {
     /// Refits with these terms and refines their scanned numbers at the new state.
     pub(crate) fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
         let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
-        let mut options = self.options.identify.clone();
-        options.fit.least_promise = PROMISE_AT_END;
-        self.fitted(chosen, arm, &vec![1.0; self.data.observations()], &options)
+        self.fitted(chosen, arm, &vec![1.0; self.data.observations()], self.options.identify.fit.robust)
     }
 
-    fn fitted(&self, chosen: Vec<Candidate>, arm: &Arm, weights: &[f64], options: &IdentifyOptions) -> State {
+    fn fitted(&self, chosen: Vec<Candidate>, arm: &Arm, weights: &[f64], robust: bool) -> State {
+        let mut options = self.options.identify.clone();
+        options.fit = FitOptions { robust, least_promise: PROMISE_AT_END, ..options.fit };
         let chosen = with_steps_joined(chosen);
         let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(self.statics, self.options.earlier.as_ref(), &terms);
-        let fit = fit_stage(self.data, arm, &model, weights, options);
+        let fit = fit_stage(self.data, arm, &model, weights, &options);
         State::new(chosen, fit)
     }
 
@@ -411,10 +411,7 @@ impl<'a> Tracer<'a> {
 
     /// Refits after a small change: from the state, which rows are outliers being known.
     pub(crate) fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
-        let mut options = self.options.identify.clone();
-        options.fit.robust = false;
-        options.fit.least_promise = PROMISE_AT_END;
-        self.fitted(chosen, &state.fit.arm, &state.fit.weights, &options)
+        self.fitted(chosen, &state.fit.arm, &state.fit.weights, false)
     }
 
     /// One change for the better: effects dropped, one swapped for a better one, or two of one place merged into one.

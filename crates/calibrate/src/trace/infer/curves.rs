@@ -19,7 +19,7 @@ use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Member, Unnamed};
 use crate::trace::infer::deflection::{self, Expected};
-use crate::trace::infer::evidence::{Model, Posterior};
+use crate::trace::infer::evidence::{Model, Posterior, Slope};
 use crate::trace::infer::gaps;
 use crate::trace::infer::gram::{Columns, Gram};
 use crate::trace::infer::maximum::{self, NEGLIGIBLE};
@@ -164,8 +164,8 @@ fn settled(
             None => maximum::from_afar(&model, round.known(&state, near).as_ref(), NEGLIGIBLE),
             Some(last) => maximum::from_near(&model, last, NEGLIGIBLE),
         };
-        let Some((score, hyper)) = reached else { break };
-        let (hyper, kept) = asked_for(&model, hyper, options);
+        let Some((here, hyper)) = reached else { break };
+        let (hyper, kept) = asked_for(&model, &here, &hyper, options);
         if kept.contains(&false) {
             state.keep(&kept);
             if state.joints.is_empty() && !has_field(&state.fit.effects) {
@@ -176,8 +176,8 @@ fn settled(
             continue;
         }
         // Each round is in units of its own noise: the score of the values themselves.
-        let score = score + round.units();
-        posterior = round.step(data, &mut state, &hyper);
+        let score = here.score + round.units();
+        posterior = Some(round.step(data, &mut state, &hyper, here.posterior()));
         let enough = SETTLED.max(SETTLED_NOISE * (round.linear.values() as f64).sqrt());
         let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
@@ -291,10 +291,9 @@ impl Settled {
         let Self { mut state, hyper, posterior: last } = self;
         let round = Round::new(data, &state, reference);
         let model = round.model();
-        let posterior = model.posterior(&hyper)?;
-        round.spread_into(&mut state, last.as_ref().unwrap_or(&posterior), &hyper);
         let here = model.slope(&hyper, f64::NEG_INFINITY)?;
-        let score = here.score;
+        let (score, posterior) = (here.score, here.posterior());
+        round.spread_into(&mut state, last.as_ref().unwrap_or(&posterior), &hyper);
         let order = round.layout_order(&state);
         let count = order.len();
         state.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
@@ -316,10 +315,14 @@ impl Settled {
 
 /// Which curves raise the score by more than chance would in one clean file of those allowed. The best of a variance and a
 /// length gains more than g by chance with probability e^-g (half a χ² of two degrees of freedom, and half nothing at all).
-fn asked_for(model: &Model<'_>, hyper: Hyperparameters, options: CurveOptions) -> (Hyperparameters, Vec<bool>) {
+fn asked_for(
+    model: &Model<'_>,
+    here: &Slope,
+    hyper: &Hyperparameters,
+    options: CurveOptions,
+) -> (Hyperparameters, Vec<bool>) {
     let least = (model.waves.len() as f64 / options.false_curves).ln();
     let mut kept = vec![true; hyper.kernels.len()];
-    let Some(here) = model.slope(&hyper, f64::NEG_INFINITY) else { return (hyper, kept) };
     let (mut score, mut gone) = (here.score, Vec::new());
     loop {
         let without = |curve: usize| {
@@ -620,9 +623,8 @@ impl Round {
     }
 
     /// The state after the step to the posterior's mean, with its noise and its outliers; and that posterior.
-    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters) -> Option<Posterior> {
+    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters, posterior: Posterior) -> Posterior {
         let model = self.model();
-        let posterior = model.posterior(hyper)?;
         let curves = self.curves(state, &posterior, hyper);
         let order = self.layout_order(state);
         let had = self.numbers(state);
@@ -676,7 +678,7 @@ impl Round {
         fit.values = left_over.iter().map(|channel| channel.count).collect();
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
-        Some(posterior)
+        posterior
     }
 }
 

@@ -112,14 +112,15 @@ pub(super) fn asked_for(
     known: Option<&Hyperparameters>,
 ) -> (Vec<bool>, Option<Hyperparameters>) {
     let mut kept = vec![true; blocks.len()];
-    let Some((mut score, mut hyper)) = maximum::from_afar(model, known, ROUGH) else {
+    let Some((first, mut hyper)) = maximum::from_afar(model, known, ROUGH) else {
         return (vec![false; blocks.len()], None);
     };
+    let mut score = first.score;
     if let Some(beside) = nobody_gives(model, blocks, least, (score, &hyper)) {
         return (vec![false; blocks.len()], Some(beside));
     }
     let mut chosen_anew = true;
-    let mut slope = model.slope(&hyper, f64::NEG_INFINITY);
+    let mut slope = Some(first);
     loop {
         let left_out = |block: Option<usize>| -> Vec<usize> {
             let out = |index: &usize| Some(*index) == block || !kept[*index];
@@ -132,7 +133,10 @@ pub(super) fn asked_for(
         let mut order: Vec<(f64, usize)> = there.map(|block| (left(block), block)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let Some(&(left, weakest)) = order.first() else { break };
-        let anew = |block: Option<usize>| maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
+        let anew = |block: Option<usize>| {
+            let reached = maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
+            reached.map(|(there, hyper)| (there.score, hyper))
+        };
         // Once a block is gone the hyperparameters are good enough for the next only where little changes.
         if (chosen_anew && score - left < least) || (score - left).abs() < least {
             kept[weakest] = false;
@@ -167,7 +171,8 @@ fn nobody_gives(
     if with - bare.score(hyper)? > FAR * least {
         return None;
     }
-    let (score, beside) = maximum::from_near(&bare, hyper, ROUGH)?;
+    let (there, beside) = maximum::from_near(&bare, hyper, ROUGH)?;
+    let score = there.score;
     if with - score >= least {
         return None;
     }

@@ -92,8 +92,9 @@ pub struct Slope {
     pub score: f64,
     /// Its derivatives by [`Hyperparameters::to_vec`].
     pub gradient: Vec<f64>,
-    /// Of the plain columns and the waves that are solved for.
-    posterior: Posterior,
+    /// Of the plain columns and the waves that are solved for, and which of the model's numbers these are.
+    own: Posterior,
+    columns: Vec<usize>,
     curves: Vec<CurvePrior>,
     plain: usize,
     /// What is left of the data, in units of the noise.
@@ -101,6 +102,26 @@ pub struct Slope {
 }
 
 impl Slope {
+    /// What the data say of every number: of those that were not solved for, what was expected.
+    pub fn posterior(&self) -> Posterior {
+        let size = self.plain + self.curves.iter().map(|expected| expected.variances.len()).sum::<usize>();
+        let (mut root, mean) = (vec![0.0; size * size], whole(&self.columns, &self.own.mean, size));
+        let mut first = self.plain;
+        for CurvePrior { variances, seen } in &self.curves {
+            for (offset, (variance, _)) in variances.iter().enumerate().skip(*seen) {
+                root[(first + offset) * (size + 1)] = variance.sqrt();
+            }
+            first += variances.len();
+        }
+        for (index, column) in self.own.root.chunks_exact(self.own.size).enumerate() {
+            let at = self.columns[index];
+            for (cell, &row) in column[index..].iter().zip(&self.columns[index..]) {
+                root[at * size + row] = *cell;
+            }
+        }
+        Posterior { mean, root, size }
+    }
+
     /// The score of the model without these plain columns, each of which is expected to be what it is whatever the others are, and without these
     /// curves; all hyperparameters as they are. `None` where the numbers' covariance is not positive.
     ///
@@ -126,10 +147,10 @@ impl Slope {
         let mut matrix = vec![0.0; size * size];
         for (i, &a) in numbers.iter().enumerate() {
             for (k, &b) in numbers[..=i].iter().enumerate() {
-                matrix[i * size + k] = self.posterior.covariance(a, b);
+                matrix[i * size + k] = self.own.covariance(a, b);
             }
         }
-        let right = numbers.iter().map(|&number| self.posterior.mean[number]).collect();
+        let right = numbers.iter().map(|&number| self.own.mean[number]).collect();
         let solved = System { matrix, right, square: 0.0, count: 0.0 }.solved()?;
         Some(self.score - 0.5 * (log_prior + solved.log_determinant() + solved.explained()))
     }
@@ -141,12 +162,12 @@ impl Slope {
     /// of the prior on all numbers and C the numbers' covariance: half of mᵀ S V⁻¹ S' m - xᵀ C x' for two hyperparameters of curves (the first term where it is
     /// the same curve), half of χ² - gᵀ C g for the noise, half of xᵀ C g between noise and curve. What holds a curve's mean and what is expected in gaps is left out.
     pub fn information(&self, model: &Model<'_>) -> DMatrix<f64> {
-        let (size, mean) = (self.posterior.size, &self.posterior.mean);
+        let (size, mean) = (self.own.size, &self.own.mean);
         // R x, C = Rᵀ R: first for the pull on all numbers, then for each hyperparameter of a curve.
         let mut roots: Vec<Vec<f64>> = Vec::with_capacity(self.gradient.len());
         let along = |from: usize, pulls: &[f64]| {
             let mut root = vec![0.0; size];
-            subtract(&self.posterior.root[from * size..(from + pulls.len()) * size], pulls, &mut root);
+            subtract(&self.own.root[from * size..(from + pulls.len()) * size], pulls, &mut root);
             root
         };
         let plain = (0..self.plain).map(|i| {
@@ -208,12 +229,7 @@ impl Model<'_> {
         self.factored(hyper).map(|factored| factored.score)
     }
 
-    /// The same with its derivatives by [`Hyperparameters::to_vec`].
-    pub fn score_and_gradient(&self, hyper: &Hyperparameters) -> Option<(f64, Vec<f64>)> {
-        self.slope(hyper, f64::NEG_INFINITY).map(|slope| (slope.score, slope.gradient))
-    }
-
-    /// The same with what the information on the hyperparameters is told from; `None`, too, where the score is less than `least`.
+    /// The same with its derivatives and what the data say of every number; `None`, too, where the score is less than `least`.
     pub fn slope(&self, hyper: &Hyperparameters, least: f64) -> Option<Slope> {
         let factored = self.factored(hyper).filter(|factored| factored.score >= least)?;
         let posterior = factored.own();
@@ -259,16 +275,11 @@ impl Model<'_> {
             first += seen;
         }
         let precision = (-hyper.log_noise).exp();
-        let mean = factored.whole(&posterior.mean, self.gram.size);
+        let mean = whole(&factored.columns, &posterior.mean, self.gram.size);
         let chi_squared = self.gram.misfit(&mean) * precision;
         gradient[0] = 0.5 * (chi_squared + used - self.gram.count);
-        let Factored { score, curves, .. } = factored;
-        Some(Slope { score, gradient, posterior, curves, plain: self.gram.plain, chi_squared })
-    }
-
-    /// What the data say of every number.
-    pub fn posterior(&self, hyper: &Hyperparameters) -> Option<Posterior> {
-        Some(self.factored(hyper)?.posterior(self.gram.size))
+        let Factored { score, columns, curves, .. } = factored;
+        Some(Slope { score, gradient, own: posterior, columns, curves, plain: self.gram.plain, chi_squared })
     }
 
     /// What the prior takes of these numbers: twice the negative logarithm of its density, but for a constant.
@@ -395,33 +406,13 @@ impl Factored {
         }
         Posterior { mean, root, size }
     }
+}
 
-    /// The same of `size` numbers in all: of those that were not solved for, what was expected.
-    fn posterior(&self, size: usize) -> Posterior {
-        let own = self.own();
-        let (mut root, mean) = (vec![0.0; size * size], self.whole(&own.mean, size));
-        let mut first = size - self.curves.iter().map(|expected| expected.variances.len()).sum::<usize>();
-        for CurvePrior { variances, seen } in &self.curves {
-            for (offset, (variance, _)) in variances.iter().enumerate().skip(*seen) {
-                root[(first + offset) * (size + 1)] = variance.sqrt();
-            }
-            first += variances.len();
-        }
-        for (index, column) in own.root.chunks_exact(own.size).enumerate() {
-            let at = self.columns[index];
-            for (cell, &row) in column[index..].iter().zip(&self.columns[index..]) {
-                root[at * size + row] = *cell;
-            }
-        }
-        Posterior { mean, root, size }
-    }
-
-    /// Expected values of `size` numbers in all, of which these were solved for.
-    fn whole(&self, own: &[f64], size: usize) -> Vec<f64> {
-        let mut mean = vec![0.0; size];
-        self.columns.iter().zip(own).for_each(|(&at, own)| mean[at] = *own);
-        mean
-    }
+/// Expected values of `size` numbers in all, of which these columns were solved for.
+fn whole(columns: &[usize], own: &[f64], size: usize) -> Vec<f64> {
+    let mut mean = vec![0.0; size];
+    columns.iter().zip(own).for_each(|(&at, own)| mean[at] = *own);
+    mean
 }
 
 /// A model's numbers as a linear system: A m = b, A the posterior precision.
@@ -584,7 +575,8 @@ mod tests {
                 maximum::from_near(model, &hyperparameters(), maximum::NEGLIGIBLE).unwrap(),
                 maximum::from_near(model, &far, maximum::NEGLIGIBLE).unwrap(),
                 maximum::from_afar(model, None, maximum::NEGLIGIBLE).unwrap(),
-            ];
+            ]
+            .map(|(slope, hyper)| (slope.score, hyper));
             for (score, hyper) in &reached {
                 assert!((score - reached[0].0).abs() < 0.05, "{reached:?}");
                 let at = hyper.to_vec();

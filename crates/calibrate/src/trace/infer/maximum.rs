@@ -57,12 +57,12 @@ impl Bounds {
     }
 }
 
-/// The maximum from the best of a few starts, of which one may be known; a step that gains less than `negligible` is the last.
+/// The maximum, with the score's slope there, from the best of a few starts, of which one may be known; a step that gains less than `negligible` is the last.
 pub fn from_afar(
     model: &Model<'_>,
     known: Option<&Hyperparameters>,
     negligible: f64,
-) -> Option<(f64, Hyperparameters)> {
+) -> Option<(Slope, Hyperparameters)> {
     let bounds = Bounds::new(model);
     let curves = model.waves.len().max(1) as f64;
     let start = |share: f64, length: f64| {
@@ -82,7 +82,7 @@ pub fn from_afar(
 }
 
 /// The same near a start.
-pub fn from_near(model: &Model<'_>, start: &Hyperparameters, negligible: f64) -> Option<(f64, Hyperparameters)> {
+pub fn from_near(model: &Model<'_>, start: &Hyperparameters, negligible: f64) -> Option<(Slope, Hyperparameters)> {
     climb(model, start, &Bounds::new(model), negligible)
 }
 
@@ -92,7 +92,7 @@ fn climb(
     start: &Hyperparameters,
     bounds: &Bounds,
     negligible: f64,
-) -> Option<(f64, Hyperparameters)> {
+) -> Option<(Slope, Hyperparameters)> {
     let mut at = DVector::from_vec(bounds.clamped(start.to_vec()));
     let slope = |at: &DVector<f64>, least: f64| model.slope(&Hyperparameters::from_slice(at.as_slice()), least);
     let mut here = slope(&at, f64::NEG_INFINITY)?;
@@ -116,7 +116,7 @@ fn climb(
             break;
         }
     }
-    Some((here.score, Hyperparameters::from_slice(at.as_slice())))
+    Some((here, Hyperparameters::from_slice(at.as_slice())))
 }
 
 /// Whether hyperparameters lie beyond what the search may come to.
