@@ -42,6 +42,8 @@ export class App {
     convention = "";
     units = "m,deg";
     readonly said = h("p", { class: "said", role: "status", "aria-live": "polite" });
+    /** Ends when all that was dropped so far has been taken in. */
+    taken: Promise<unknown> = Promise.resolve();
     /** Set by the page: takes a robot in and shows it. */
     open: (robot: RobotText, meshes: Dropped) => Promise<void> = async () => {};
     changed: () => void = () => {};

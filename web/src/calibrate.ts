@@ -82,6 +82,8 @@ export class Calibrate implements Panel {
     }
 
     private async run(): Promise<void> {
+        // A file that is still being read is part of what the user sees as dropped.
+        await this.app.taken;
         const { robot } = this.app;
         if (!robot || !this.data) return;
         this.engine.stop();

@@ -112,7 +112,18 @@ async function turnTo(panel: Panel): Promise<void> {
 async function chosen(input: HTMLInputElement): Promise<void> {
     const list = [...(input.files ?? [])];
     input.value = "";
-    await app.trying(async () => take(await fromFiles(list)));
+    await dropped(fromFiles(list));
+}
+
+/** Takes in what was dropped, in the order in which it was. */
+async function dropped(files: Promise<Dropped>): Promise<void> {
+    const earlier = app.taken;
+    app.taken = app.trying(async () => {
+        const all = await files;
+        await earlier;
+        await take(all);
+    });
+    await app.taken;
 }
 
 /** What was dropped: a robot, two robots to compare, or measurements for the robot at hand. */
@@ -176,7 +187,7 @@ addEventListener("drop", (drop) => {
     drop.preventDefault();
     document.body.classList.remove("dropping");
     const transfer = drop.dataTransfer;
-    if (transfer) void app.trying(async () => take(await fromDrop(transfer)));
+    if (transfer) void dropped(fromDrop(transfer));
 });
 
 interface Embedded {

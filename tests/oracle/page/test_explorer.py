@@ -229,12 +229,23 @@ def test_a_table_of_the_same_robot_is_the_same_robot(explorer):
     expect(page.locator("#verdict")).to_have_text("The same robot")
 
 
+SLOW_TO_READ = """() => {
+    const read = Blob.prototype.arrayBuffer;
+    Blob.prototype.arrayBuffer = async function () {
+        await new Promise((done) => setTimeout(done, 1000));
+        return read.call(this);
+    };
+}"""
+
+
 def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     page = explorer()
     data, later = ROBOTS / "universal_robots/ur5e_tracker.csv", ROBOTS / "universal_robots/ur5e_tracker_later.csv"
     drop_robot(page, UR5E)
     drop(page, data)
     expect(page.locator("#data")).to_have_text("ur5e_tracker.csv")
+    # Whoever clicks while a file is still being read means that file too.
+    page.evaluate(SLOW_TO_READ)
     drop(page, later)
     page.click("#calibrate")
     page.wait_for_selector("#stages, #failed", timeout=300_000)
