@@ -177,7 +177,9 @@ fn settled(
         }
         // Each round is in units of its own noise: the score of the values themselves.
         let score = here.score + round.units();
-        posterior = Some(round.step(data, &mut state, &hyper, here.posterior()));
+        let said = here.posterior();
+        round.step(data, &mut state, &hyper, &said);
+        posterior = Some(said);
         let enough = SETTLED.max(SETTLED_NOISE * (round.linear.values() as f64).sqrt());
         let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
@@ -622,10 +624,10 @@ impl Round {
         numbers
     }
 
-    /// The state after the step to the posterior's mean, with its noise and its outliers; and that posterior.
-    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters, posterior: Posterior) -> Posterior {
+    /// Takes the state to the posterior's mean, with its noise and its outliers.
+    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters, posterior: &Posterior) {
         let model = self.model();
-        let curves = self.curves(state, &posterior, hyper);
+        let curves = self.curves(state, posterior, hyper);
         let order = self.layout_order(state);
         let had = self.numbers(state);
         let fit = &mut state.fit;
@@ -666,7 +668,7 @@ impl Round {
         };
         (fit.arm, fit.effects) = (arm, effects);
         // Noise of each channel from what is left over the values that are left.
-        let left_over = self.left_over(data, state, (&posterior, &curves), (-hyper.log_noise).exp());
+        let left_over = self.left_over(data, state, (posterior, &curves), (-hyper.log_noise).exp());
         let fit = &mut state.fit;
         let mut levels = fit.noise.levels.clone();
         for (level, channel) in levels.iter_mut().zip(&left_over) {
@@ -678,7 +680,6 @@ impl Round {
         fit.values = left_over.iter().map(|channel| channel.count).collect();
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
-        posterior
     }
 }
 
