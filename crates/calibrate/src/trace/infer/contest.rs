@@ -34,6 +34,8 @@ const MOST_ROUNDS: usize = 12;
 const BEHIND: f64 = 30.0;
 /// Beyond this the product of several ratios might be no number.
 const LARGE: f64 = 1e150;
+/// Scores that differ by no more are the same.
+const ROUNDING: f64 = 1e-9;
 /// Settings at most: each costs a factor of all that is not a candidate.
 const MOST_SETTINGS: usize = 60;
 
@@ -274,18 +276,19 @@ impl Contest<'_> {
 
     /// From each start, the best single change after the other: add, drop, swap. Every set on the way is kept.
     pub fn climbed<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>) -> Seen {
-        let mut way = Way { seen: Some(Seen::new()), ..Way::new(self.members.len()) };
-        starts.into_iter().for_each(|start| self.climb(grounds, &mut way, start));
-        way.seen.unwrap_or_default()
+        self.way(grounds, starts, Some(Seen::new())).seen.unwrap_or_default()
     }
 
-    /// The best set that is found in this way; of the others nothing is kept.
+    /// The best set that is found in this way. Of the others nothing is kept, so that scores need not be worked out which are no better than
+    /// that of the set that was changed.
     pub fn best_from(&self, grounds: &[Ground], starts: &[Vec<usize>]) -> Vec<usize> {
-        let mut way = Way::new(self.members.len());
-        for start in starts {
-            self.climb(grounds, &mut way, start);
-        }
-        way.best.map_or_else(Vec::new, |(_, set)| set)
+        self.way(grounds, starts, None).best.map_or_else(Vec::new, |(_, set)| set)
+    }
+
+    fn way<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>, seen: Option<Seen>) -> Way {
+        let mut way = Way::new((0..self.members.len()).map(|member| self.asked(&[member])).collect(), seen);
+        starts.into_iter().for_each(|start| self.climb(grounds, &mut way, start));
+        way
     }
 
     /// The same from one start, as far as no other has been.
@@ -293,10 +296,10 @@ impl Contest<'_> {
         let mut set = start.to_vec();
         set.sort_unstable();
         let mut key = way.key_of(&set);
-        let mut here = way.scores.get(&key).copied().unwrap_or_else(|| {
-            let (score, setting) = self.best(grounds, &set);
-            way.keep(key, (score, setting), || set.clone());
-            score
+        let mut here = way.score(key).unwrap_or_else(|| {
+            let scored = self.best(grounds, &set);
+            way.keep(key, scored, f64::NEG_INFINITY, || set.clone());
+            scored.0
         });
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
@@ -304,8 +307,8 @@ impl Contest<'_> {
                 break;
             }
             let mut best: Option<(f64, Change)> = None;
-            for (change, score) in self.looked_at(grounds, way, (&set, key), swapping) {
-                if score > here + 1e-9 && best.as_ref().is_none_or(|(most, _)| score > *most) {
+            for (change, score) in self.looked_at(grounds, way, (&set, key, here), swapping) {
+                if score > here + ROUNDING && best.as_ref().is_none_or(|(most, _)| score > *most) {
                     best = Some((score, change));
                 }
             }
@@ -320,14 +323,16 @@ impl Contest<'_> {
         }
     }
 
-    /// Scores all sets that differ by one member added or dropped, or else by one changed for another.
+    /// Scores all sets that differ from one, with its key and score, by a member added or dropped, or else by one changed for another. Where
+    /// the sets on the way are not kept, what is no better has any score that is no better.
     fn looked_at(
         &self,
         grounds: &[Ground],
         way: &mut Way,
-        (set, key): (&[usize], u64),
+        (set, key, here): (&[usize], u64, f64),
         swapping: bool,
     ) -> Vec<(Change, f64)> {
+        let least = if way.seen.is_some() { f64::NEG_INFINITY } else { here };
         let absent: Vec<usize> = (0..self.members.len()).filter(|member| !set.contains(member)).collect();
         let mut changes: Vec<Change> = Vec::new();
         if swapping {
@@ -337,16 +342,16 @@ impl Contest<'_> {
             changes.extend(absent.iter().map(|&other| Change { out: None, into: Some(other) }));
             changes.extend(set.iter().map(|&own| Change { out: Some(own), into: None }));
         }
-        let known = |change: &Change| way.scores.get(&way.key_after(key, *change)).copied();
+        let known = |change: &Change| way.score_above(way.key_after(key, *change), least);
         let known: Vec<Option<f64>> = changes.iter().map(known).collect();
         let unknown = changes.iter().zip(&known).filter(|(_, known)| known.is_none());
         let asked: Vec<Change> = unknown.map(|(change, _)| *change).collect();
-        let mut new = self.changed(grounds, set, &asked).into_iter();
+        let mut new = self.changed(grounds, &way.members, set, &asked, least).into_iter();
         let mut scores = Vec::with_capacity(changes.len());
         for (change, known) in changes.into_iter().zip(known) {
             let score = known.or_else(|| {
                 let scored = new.next()?;
-                way.keep(way.key_after(key, change), scored, || change.of(set));
+                way.keep(way.key_after(key, change), scored, least, || change.of(set));
                 Some(scored.0)
             });
             scores.push((change, score.unwrap_or(f64::NEG_INFINITY)));
@@ -355,26 +360,35 @@ impl Contest<'_> {
     }
 
     /// The scores of a set after each of these changes, at the setting that suits it best: what the set takes is taken out once, and what a
-    /// member alone took is given back.
-    fn changed(&self, grounds: &[Ground], set: &[usize], changes: &[Change]) -> Vec<(f64, usize)> {
+    /// member alone took is given back. Where a score is not above `least`, it may be any that is not.
+    fn changed(
+        &self,
+        grounds: &[Ground],
+        members: &[Asked],
+        set: &[usize],
+        changes: &[Change],
+        least: f64,
+    ) -> Vec<(f64, usize)> {
         if changes.is_empty() {
             return Vec::new();
         }
         let (own, nothing) = (self.asked(set), self.asked(&[]));
-        let members: Vec<Asked> = (0..self.members.len()).map(|member| self.asked(&[member])).collect();
         let asked = |member: Option<usize>| member.map_or(&nothing, |member| &members[member]);
         let odds = |change: &Change| {
             let (out, into) = (asked(change.out), asked(change.into));
             let columns = own.columns.len() + into.columns.len() - out.columns.len();
             own.odds - out.odds + into.odds - price_of_width(columns)
         };
+        let odds: Vec<f64> = changes.iter().map(odds).collect();
         let at_ground = |ground: &Ground| -> Vec<f64> {
+            // What may be left of the data where a score is above the least, but for determinants.
+            let most_left: Vec<f64> = odds.iter().map(|odds| ground.most_left(least - odds)).collect();
             let (mut best, mut room) = (vec![f64::NEG_INFINITY; changes.len()], Vec::new());
             for &width in own.widths_near(ground, &mut room) {
                 let Some(taken) = own.taken(ground, width) else { continue };
                 let mut first = 0;
                 for alike in changes.chunk_by(|a, b| a.out == b.out) {
-                    let some = &mut best[first..first + alike.len()];
+                    let of_these = first..first + alike.len();
                     first += alike.len();
                     let bare = alike.iter().all(|change| change.into.is_none());
                     let left = alike[0].out.map(|out| taken.without(own.places_of(&members[out]), !bare));
@@ -383,12 +397,15 @@ impl Contest<'_> {
                         None => Some(&taken.left),
                     };
                     let Some(left) = left else { continue };
-                    for (best, change) in some.iter_mut().zip(alike) {
-                        *best = best.max(taken.with(left, asked(change.into), &mut room));
+                    let price = (left.log_determinant / ground.count).exp();
+                    for ((best, change), most_left) in
+                        best[of_these.clone()].iter_mut().zip(alike).zip(&most_left[of_these])
+                    {
+                        *best = best.max(taken.with(left, asked(change.into), most_left / price, &mut room));
                     }
                 }
             }
-            best.iter().zip(changes).map(|(best, change)| best + odds(change)).collect()
+            best.iter().zip(&odds).map(|(best, odds)| best + odds).collect()
         };
         let scores = in_parallel(grounds, at_ground);
         let best = |change: usize| {
@@ -421,21 +438,7 @@ impl Contest<'_> {
     pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<(Ground, Setting)>) {
         let mut settings: Vec<Setting> = Vec::new();
         let mut grounds: Vec<Ground> = Vec::new();
-        let add = |setting: Setting, grounds: &mut Vec<Ground>, settings: &mut Vec<Setting>| -> Option<usize> {
-            if let Some(known) = settings.iter().position(|other| *other == setting) {
-                return Some(known);
-            }
-            if settings.len() >= MOST_SETTINGS {
-                return None;
-            }
-            let ground = self.ground(gram, &setting)?;
-            settings.push(setting);
-            grounds.push(ground);
-            Some(settings.len() - 1)
-        };
-        for setting in self.first_settings() {
-            add(setting, &mut grounds, &mut settings);
-        }
+        self.add(gram, &self.first_settings(), &mut settings, &mut grounds);
         let (mut seen, mut known) = (Seen::new(), 0);
         if grounds.is_empty() {
             return (seen, Vec::new());
@@ -449,8 +452,8 @@ impl Contest<'_> {
             for set in which {
                 let (mut score, mut at) = self.best(&grounds, &set);
                 for axis in 0..=self.kernels.len() {
-                    for next in self.neighbours(&settings[at], axis) {
-                        let Some(index) = add(next, &mut grounds, &mut settings) else { continue };
+                    let next = self.neighbours(&settings[at], axis);
+                    for index in self.add(gram, &next, &mut settings, &mut grounds) {
                         let found = self.at(&grounds[index], &set);
                         if found > score {
                             (score, at) = (found, index);
@@ -474,6 +477,33 @@ impl Contest<'_> {
             }
         }
         (seen, grounds.into_iter().zip(settings).collect())
+    }
+
+    /// Adds settings that are not among those known, with what they leave of the candidates, as long as there are not too many; where each of
+    /// them is.
+    fn add(
+        &self,
+        gram: &Gram,
+        wanted: &[Setting],
+        settings: &mut Vec<Setting>,
+        grounds: &mut Vec<Ground>,
+    ) -> Vec<usize> {
+        let place = |settings: &[Setting], wanted: &Setting| settings.iter().position(|other| other == wanted);
+        let mut new: Vec<Setting> = Vec::new();
+        for setting in wanted {
+            let room = settings.len() + new.len() < MOST_SETTINGS;
+            if room && place(settings, setting).or(place(&new, setting)).is_none() {
+                new.push(setting.clone());
+            }
+        }
+        let made = in_parallel(&new, |setting| self.ground(gram, setting));
+        for (setting, ground) in new.into_iter().zip(made) {
+            if let Some(ground) = ground {
+                settings.push(setting);
+                grounds.push(ground);
+            }
+        }
+        wanted.iter().filter_map(|setting| place(settings, setting)).collect()
     }
 
     /// Settings that differ in the structure (axis 0) or in one curve (the axes after it).
@@ -503,12 +533,21 @@ struct Change {
     into: Option<usize>,
 }
 
+/// What is known of the score of a set.
+#[derive(Clone, Copy)]
+enum Known {
+    Exactly(f64),
+    AtMost(f64),
+}
+
 /// Where searches have been.
 struct Way {
+    /// What each member asks of a setting.
+    members: Vec<Asked>,
     /// A random number for each member; those of a set, combined by exclusive or, are its key. That two sets share one is not to be expected.
     keys: Vec<u64>,
     /// Of every set that was scored.
-    scores: HashMap<u64, f64>,
+    scores: HashMap<u64, Known>,
     /// Sets that changes were made from.
     been: HashSet<u64>,
     best: Option<(f64, Vec<usize>)>,
@@ -517,10 +556,10 @@ struct Way {
 }
 
 impl Way {
-    fn new(members: usize) -> Self {
+    fn new(members: Vec<Asked>, seen: Option<Seen>) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(0);
-        let keys = (0..members).map(|_| random.random()).collect();
-        Self { keys, scores: HashMap::new(), been: HashSet::new(), best: None, seen: None }
+        let keys = members.iter().map(|_| random.random()).collect();
+        Self { members, keys, scores: HashMap::new(), been: HashSet::new(), best: None, seen }
     }
 
     fn key_of(&self, set: &[usize]) -> u64 {
@@ -531,8 +570,22 @@ impl Way {
         [change.out, change.into].into_iter().flatten().fold(key, |key, member| key ^ self.keys[member])
     }
 
-    fn keep(&mut self, key: u64, scored: (f64, usize), set: impl Fn() -> Vec<usize>) {
-        self.scores.insert(key, scored.0);
+    /// The score of a set, where it was worked out.
+    fn score(&self, key: u64) -> Option<f64> {
+        self.score_above(key, f64::NEG_INFINITY)
+    }
+
+    /// The same, or any that is not above `least` where the score is not.
+    fn score_above(&self, key: u64, least: f64) -> Option<f64> {
+        match *self.scores.get(&key)? {
+            Known::Exactly(score) => Some(score),
+            Known::AtMost(most) => (most <= least).then_some(f64::NEG_INFINITY),
+        }
+    }
+
+    /// Keeps the score of a set and the setting that suits it; where it is not above `least`, it may be any that is not.
+    fn keep(&mut self, key: u64, scored: (f64, usize), least: f64, set: impl Fn() -> Vec<usize>) {
+        self.scores.insert(key, if scored.0 > least { Known::Exactly(scored.0) } else { Known::AtMost(least) });
         if self.best.as_ref().is_none_or(|(most, _)| scored.0 > *most) {
             self.best = Some((scored.0, set()));
         }
@@ -600,23 +653,23 @@ impl Asked {
         let of = |i: usize| self.columns[i];
         let product = |i: usize, k: usize| ground.schur[of(i) * ground.width + of(k)];
         let explained = self.explained(width, product, |i| ground.right[of(i)], room);
-        explained.map_or(f64::NEG_INFINITY, |(drop, log_determinant)| ground.score(drop, log_determinant) + self.odds)
+        explained.map_or(f64::NEG_INFINITY, |own| ground.score(own.drop, own.log_determinant()) + self.odds)
     }
 
-    /// How much the columns explain, and log |S + P| - log |P|, of what these closures give of S and r; none where the system is not positive.
+    /// How much the columns explain, of what these closures give of S and r; none where the system is not positive.
     fn explained(
         &self,
         width: f64,
         product: impl Fn(usize, usize) -> f64,
         right: impl Fn(usize) -> f64,
         room: &mut Vec<f64>,
-    ) -> Option<(f64, f64)> {
+    ) -> Option<Explained> {
         // Cholesky's factor of S + P, row by row, and L⁻¹ r behind it.
         let count = self.columns.len();
         room.clear();
         room.resize(count * (count + 1), 0.0);
         let (rows, halves) = room.split_at_mut(count * count);
-        // Logarithms cost most of it: that of the product is taken, before it is too large.
+        // The logarithm of a product is taken, before that is too large.
         let (mut drop, mut log_determinant, mut ratios) = (0.0, 0.0, 1.0_f64);
         for i in 0..count {
             let precision = self.precision(i, width);
@@ -640,7 +693,20 @@ impl Asked {
                 ratios = 1.0;
             }
         }
-        Some((drop, log_determinant + ratios.ln()))
+        Some(Explained { drop, log_determinant, ratios })
+    }
+}
+
+/// How much columns explain, and what they cost: log |S + P| - log |P|, of a part the exponential, for logarithms cost most of it.
+struct Explained {
+    drop: f64,
+    log_determinant: f64,
+    ratios: f64,
+}
+
+impl Explained {
+    fn log_determinant(&self) -> f64 {
+        self.log_determinant + self.ratios.ln()
     }
 }
 
@@ -663,6 +729,8 @@ struct Left {
     /// Of each column what the set leaves of its square and of its product with the data.
     square: Vec<f64>,
     right: Vec<f64>,
+    /// And of its product with the column before it: most causes have one column or two.
+    before: Vec<f64>,
     /// What has been given back of the shares, column by column.
     given_back: Vec<f64>,
     drop: f64,
@@ -678,6 +746,7 @@ impl Asked {
         let mut left = Left {
             square: (0..all).map(|k| ground.schur[k * all + k]).collect(),
             right: ground.right.clone(),
+            before: (0..all).map(|k| if k > 0 { ground.schur[k * all + k - 1] } else { 0.0 }).collect(),
             given_back: Vec::new(),
             drop: 0.0,
             log_determinant: 0.0,
@@ -697,6 +766,9 @@ impl Asked {
                 *share /= pivot;
                 *square -= *share * *share;
                 *right -= *share * half;
+            }
+            for (before, pair) in left.before.iter_mut().skip(1).zip(share.windows(2)) {
+                *before -= pair[0] * pair[1];
             }
             shares.extend(share);
             pivots.push(pivot);
@@ -718,7 +790,14 @@ impl Left {
     /// Without the columns.
     fn bare(&self) -> Self {
         let (drop, log_determinant) = (self.drop, self.log_determinant);
-        Self { square: Vec::new(), right: Vec::new(), given_back: Vec::new(), drop, log_determinant }
+        Self {
+            square: Vec::new(),
+            right: Vec::new(),
+            before: Vec::new(),
+            given_back: Vec::new(),
+            drop,
+            log_determinant,
+        }
     }
 }
 
@@ -757,6 +836,9 @@ impl Taken<'_> {
                     *square += back * back;
                     *right -= back * half;
                 }
+                for (before, pair) in left.before.iter_mut().skip(1).zip(back.windows(2)) {
+                    *before += pair[0] * pair[1];
+                }
                 left.given_back.extend(back);
             }
             left.drop -= half * half;
@@ -766,20 +848,27 @@ impl Taken<'_> {
         Some(left)
     }
 
-    /// The score with more columns beside what is left, but for prior odds; `room` is used again.
-    fn with(&self, left: &Left, other: &Asked, room: &mut Vec<f64>) -> f64 {
+    /// The score with more columns beside what is left, but for prior odds; -∞ where more is left of the data than `most_left`. `room` is used
+    /// again.
+    fn with(&self, left: &Left, other: &Asked, most_left: f64, room: &mut Vec<f64>) -> f64 {
         let (all, of) = (self.ground.width, |i: usize| other.columns[i]);
-        let product = |i: usize, k: usize| {
-            if i == k {
-                return left.square[of(i)];
+        // A member's columns follow each other.
+        let product = |i: usize, k: usize| match i - k {
+            0 => left.square[of(i)],
+            1 => left.before[of(i)],
+            _ => {
+                let sum =
+                    |parts: &[f64]| -> f64 { parts.chunks_exact(all).map(|part| part[of(i)] * part[of(k)]).sum() };
+                self.ground.schur[of(i) * all + of(k)] - sum(&self.shares) + sum(&left.given_back)
             }
-            let sum = |parts: &[f64]| -> f64 { parts.chunks_exact(all).map(|part| part[of(i)] * part[of(k)]).sum() };
-            self.ground.schur[of(i) * all + of(k)] - sum(&self.shares) + sum(&left.given_back)
         };
         let explained = other.explained(self.width, product, |i| left.right[of(i)], room);
-        explained.map_or(f64::NEG_INFINITY, |(drop, log_determinant)| {
-            self.ground.score(left.drop + drop, left.log_determinant + log_determinant)
-        })
+        // Determinants only grow with more columns.
+        explained
+            .filter(|own| self.ground.left - (left.drop + own.drop) <= most_left)
+            .map_or(f64::NEG_INFINITY, |own| {
+                self.ground.score(left.drop + own.drop, left.log_determinant + own.log_determinant())
+            })
     }
 }
 
@@ -788,6 +877,12 @@ impl Ground {
     fn score(&self, drop: f64, determinants: f64) -> f64 {
         let left = (self.left - drop) / self.count;
         if left <= 0.0 { f64::NEG_INFINITY } else { self.base - 0.5 * (self.count * left.ln() + determinants) }
+    }
+
+    /// What may be left of the data where a score is above this one without determinants.
+    fn most_left(&self, score: f64) -> f64 {
+        // A little more, for rounding.
+        self.count * (2.0 * (self.base + ROUNDING - score) / self.count).exp()
     }
 }
 
@@ -826,12 +921,13 @@ mod tests {
 
     fn scores_after_changes_are_those_of_the_sets(contest: &Contest<'_>, grounds: &[Ground], set: &[usize]) {
         let members = [None, Some(0), Some(1), Some(2), Some(3)];
+        let asked: Vec<Asked> = (0..4).map(|member| contest.asked(&[member])).collect();
         let outs = members.iter().filter(|out| out.is_none_or(|out| set.contains(&out)));
         let changes: Vec<Change> = outs
             .flat_map(|&out| members.iter().map(move |&into| Change { out, into }))
             .filter(|change| change.into.is_none_or(|into| !set.contains(&into)))
             .collect();
-        for (change, found) in changes.iter().zip(contest.changed(grounds, set, &changes)) {
+        for (change, found) in changes.iter().zip(contest.changed(grounds, &asked, set, &changes, f64::NEG_INFINITY)) {
             let whole = contest.at(&grounds[0], &change.of(set));
             assert!((found.0 - whole).abs() < 1e-9, "{set:?} {change:?}: {} {whole}", found.0);
         }
@@ -931,6 +1027,9 @@ mod tests {
             for set in [&[1][..], &[3], &[0, 2], &[1, 3], &[0, 1, 3]] {
                 scores_after_changes_are_those_of_the_sets(&contest, &grounds, set);
             }
+            // What is not worked out does not change what is best.
+            let starts = [vec![0, 2], vec![0, 3], Vec::new()];
+            assert_eq!(contest.best_from(&grounds, &starts), best_of(&contest.climbed(&grounds, &starts)));
         }
         let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
