@@ -131,8 +131,10 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let leftover = remains(tracer, &on_rows(&last.fit, data, rows));
-    let portraits = tracer.portraits(&tracer.refitted(kept, None));
+    let (leftover, portraits) = both(
+        || remains(tracer, &on_rows(&last.fit, data, rows)),
+        || tracer.portraits(&tracer.refitted(kept.clone(), None)),
+    );
     // What names a cause is the structure without fields beside it.
     let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));

@@ -12,7 +12,7 @@ use crate::effects::survey::Survey;
 use crate::identify::residual::ResidualModel;
 use crate::identify::residual_statistics;
 use crate::identify::solve::{Fit, Noise, gross};
-use crate::identify::threads::{in_parallel, with_threads};
+use crate::identify::threads::{each_alone, in_parallel, with_threads};
 use crate::identify::triangle::dot;
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
@@ -301,9 +301,10 @@ impl Settled {
         state.fit.covariance = DMatrix::from_fn(count, count, |i, k| posterior.covariance(order[i], order[k]));
         let less = |columns: &[usize], curves: &[usize]| here.score_without(&model, columns, curves);
         let gain = |columns: &[usize], curves: &[usize]| score - less(columns, curves).unwrap_or(f64::NEG_INFINITY);
-        let gains = (0..state.waves.len()).map(|curve| gain(&[], &[curve])).collect();
+        let curves: Vec<usize> = (0..state.waves.len()).collect();
+        let gains = each_alone(&curves, |&curve| gain(&[], &[curve]));
         let fields = deflection::columns(round.always, &state.fit.effects, first);
-        let deflections = fields.iter().map(|block| gain(&block.clone().collect::<Vec<_>>(), &[])).collect();
+        let deflections = each_alone(&fields, |block| gain(&block.clone().collect::<Vec<_>>(), &[]));
         let mut first = round.gram.plain;
         let mut places = Vec::new();
         for waves in &state.waves {
@@ -327,11 +328,12 @@ fn asked_for(
     let mut kept = vec![true; hyper.kernels.len()];
     let (mut score, mut gone) = (here.score, Vec::new());
     loop {
-        let without = |curve: usize| {
+        let without = |&curve: &usize| {
             let all: Vec<usize> = gone.iter().copied().chain([curve]).collect();
             (here.score_without(model, &[], &all).unwrap_or(f64::NEG_INFINITY), curve)
         };
-        let weakest = (0..kept.len()).filter(|&curve| kept[curve]).map(without).max_by(|a, b| a.0.total_cmp(&b.0));
+        let left: Vec<usize> = (0..kept.len()).filter(|&curve| kept[curve]).collect();
+        let weakest = each_alone(&left, without).into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((left, curve)) = weakest.filter(|(left, _)| score - left < least) else { break };
         kept[curve] = false;
         gone.push(curve);

@@ -128,9 +128,11 @@ pub(super) fn asked_for(
         };
         let without = |block: Option<usize>| nothing(model, left_out(block).into_iter());
         let Some(here) = &slope else { break };
-        let there = (0..blocks.len()).filter(|&block| kept[block]);
-        let left = |block| here.score_without(model, &left_out(Some(block)), &[]).unwrap_or(f64::NEG_INFINITY);
-        let mut order: Vec<(f64, usize)> = there.map(|block| (left(block), block)).collect();
+        let there: Vec<usize> = (0..blocks.len()).filter(|&block| kept[block]).collect();
+        let left = |&block: &usize| {
+            (here.score_without(model, &left_out(Some(block)), &[]).unwrap_or(f64::NEG_INFINITY), block)
+        };
+        let mut order: Vec<(f64, usize)> = each_alone(&there, left);
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let Some(&(left, weakest)) = order.first() else { break };
         let anew = |block: Option<usize>| {

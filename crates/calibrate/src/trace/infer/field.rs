@@ -12,7 +12,7 @@ use crate::effects::field::{Products, ShapedReading, Shapes};
 use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::solve::Fit;
-use crate::identify::threads::in_parallel;
+use crate::identify::threads::{each_alone, in_parallel};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::curves::{CurveOptions, Round, State, borrowed, by_part, in_stretches};
@@ -217,18 +217,22 @@ impl<'a> Trial<'a> {
     fn held_out(
         &self,
         parts: &[Gram],
-        part_of: &dyn Fn(usize) -> usize,
+        part_of: &(dyn Fn(usize) -> usize + Sync),
         scored: &Scored,
         stands: &[usize],
     ) -> Option<Vec<f64>> {
         let hyper = self.at_noise(scored.log_noise);
-        let mut squares = vec![0.0; stands.len()];
-        for part in 0..parts.len() {
+        let numbers: Vec<usize> = (0..parts.len()).collect();
+        let left = each_alone(&numbers, |&part| {
             let gram = Gram::of_others(parts, part);
             let model = self.round.model();
             let model = Model { gram: &gram, ..under(&model, &scored.prior) };
             let mean = model.system(&hyper).0.solved()?.mean();
-            for (row, left) in self.left(&mean, part_of, part) {
+            Some(self.left(&mean, part_of, part))
+        });
+        let mut squares = vec![0.0; stands.len()];
+        for left in left {
+            for (row, left) in left? {
                 squares[stands[row]] += left * left;
             }
         }
