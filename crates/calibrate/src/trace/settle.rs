@@ -131,10 +131,8 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let (leftover, portraits) = both(
-        || remains(tracer, &on_rows(&last.fit, data, rows)),
-        || tracer.portraits(&tracer.refitted(kept.clone(), None)),
-    );
+    let (leftover, portraits) =
+        both(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
     // What names a cause is the structure without fields beside it.
     let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
