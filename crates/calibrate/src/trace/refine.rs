@@ -16,6 +16,8 @@ const BUMP_NUMBERS: usize = 2;
 const OUTLINE: f64 = 6.0;
 /// Places that are tried of a function that goes in steps.
 const PLACES: i32 = 24;
+/// Halvings between two of them, to where the step is.
+const HALVINGS_OF_A_STEP: usize = 8;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
@@ -74,10 +76,7 @@ impl CandidateScorer<'_> {
             }
             Driver::FrictionSide { side, friction } => {
                 let with = |friction: f64| Driver::FrictionSide { side: side.clone(), friction };
-                let finer = |(middle, reach): (f64, f64)| {
-                    best_stretch(|friction| drop(with(friction)), middle - reach, middle + reach)
-                };
-                let (friction, _) = finer(finer((friction, 0.4 * friction)));
+                let friction = best_stretch(|friction| drop(with(friction)), 0.6 * friction, 1.4 * friction);
                 score(with(friction), 1)
             }
             Driver::Decay { covariate, from, constant } => {
@@ -149,13 +148,24 @@ fn highest(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Where a function that goes in steps is highest: the middle of the stretch of places that are, and the distance of places.
-fn best_stretch(f: impl Fn(f64) -> f64, low: f64, high: f64) -> (f64, f64) {
+/// Where a function that goes in steps is highest: the middle of the stretch between its steps.
+fn best_stretch(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let step = (high - low) / f64::from(PLACES);
     let tried: Vec<(f64, f64)> = (0..=PLACES).map(|k| low + step * f64::from(k)).map(|at| (at, f(at))).collect();
-    let top = tried.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
-    let best: Vec<f64> = tried.iter().filter(|(_, value)| *value >= top).map(|(at, _)| *at).collect();
-    (best.iter().sum::<f64>() / best.len() as f64, step)
+    let (_, top) =
+        tried.iter().copied().fold((low, f64::NEG_INFINITY), |best, one| if one.1 > best.1 { one } else { best });
+    let mut best = tried.iter().skip_while(|(_, value)| *value < top).take_while(|(_, value)| *value >= top);
+    let first = best.next().map_or(low, |(at, _)| *at);
+    let last = best.last().map_or(first, |(at, _)| *at);
+    let end = |inside: f64, outside: f64| {
+        let (mut inside, mut outside) = (inside, outside);
+        for _ in 0..HALVINGS_OF_A_STEP {
+            let middle = 0.5 * (inside + outside);
+            if f(middle) >= top { inside = middle } else { outside = middle }
+        }
+        inside
+    };
+    0.5 * (end(first, first - step) + end(last, last + step))
 }
 
 #[cfg(test)]
@@ -164,8 +174,11 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_highest_stretch_is_found() {
-        let (found, step) = best_stretch(|x| if (0.3..0.8).contains(&x) { 1.0 } else { 0.0 }, 0.0, 2.4);
-        assert!((found - 0.55).abs() < 0.6 * step && (step - 0.1).abs() < 1e-12, "{found} {step}");
+        let f = |x: f64| if (0.33..0.87).contains(&x) { 1.0 } else { 0.0 };
+        let found = best_stretch(f, 0.0, 2.4);
+        assert!((found - 0.6).abs() < 1e-3, "{found}");
+        // Wherever one begins.
+        assert!((best_stretch(f, 0.1, 1.0) - found).abs() < 1e-3);
     }
 
     #[test]
