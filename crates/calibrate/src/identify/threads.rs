@@ -2,7 +2,10 @@
 
 use crate::identify::stop::{carried, look};
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Mutex, OnceLock};
 
 /// Rows of a stretch.
@@ -67,6 +70,32 @@ pub(crate) fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R +
     } else {
         in_parallel(items, |item| on_this_thread(|| work(item)))
     }
+}
+
+/// The same on the first items alone, no more of them than are enough: what is found does not depend on how many threads there are.
+pub(crate) fn each_alone_until<T: Sync, R: Send>(
+    items: &[T],
+    work: impl Fn(&T) -> R + Sync,
+    enough: impl Fn(&[R]) -> bool + Sync,
+) -> Vec<R> {
+    // Results in the order of the items as far as none is missing, and those that came before their turn.
+    let found = Mutex::new((Vec::new(), BTreeMap::new()));
+    let ended = AtomicBool::new(false);
+    let one = |(): &mut (), (index, item): (usize, &T)| {
+        let result = on_this_thread(|| work(item));
+        let mut found = found.lock().expect("taking a result does not panic");
+        let (first, ahead) = &mut *found;
+        ahead.insert(index, result);
+        while !ended.load(Relaxed)
+            && let Some(next) = ahead.remove(&first.len())
+        {
+            first.push(next);
+            ended.store(enough(first), Relaxed);
+        }
+    };
+    let asked = items.iter().enumerate().take_while(|_| !ended.load(Relaxed));
+    dealt(asked, available().min(items.len()), || (), one);
+    found.into_inner().expect("taking a result does not panic").0
 }
 
 /// Two pieces of work side by side, where there is a thread for the second.
@@ -158,5 +187,23 @@ mod tests {
         assert_eq!(on_threads(4, work), expected);
         assert_eq!(on_this_thread(work), expected);
         assert_eq!(on_threads(4, || both(|| 1, || rayon::current_thread_index().is_some())), (1, true));
+    }
+
+    #[test]
+    fn work_ends_with_the_shortest_row_of_first_results_that_is_enough() {
+        let items: Vec<usize> = (0..40).collect();
+        let first = |most: usize| {
+            let work = |item: &usize| {
+                // Those at the front come last.
+                std::thread::sleep(std::time::Duration::from_micros(if *item == 0 { 3000 } else { 10 }));
+                *item
+            };
+            each_alone_until(&items, work, |found| found.len() >= most)
+        };
+        for most in [1, 7, 40, 50] {
+            let expected = items[..most.min(40)].to_vec();
+            assert_eq!(on_threads(4, || first(most)), expected);
+            assert_eq!(on_this_thread(|| first(most)), expected);
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
 use crate::identify::residual::ResidualModel;
 use crate::identify::solve::{Fit, gross};
-use crate::identify::threads::each_alone;
+use crate::identify::threads::{each_alone, each_alone_until};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
@@ -37,6 +37,10 @@ const KEPT: f64 = 0.5;
 /// Parts that the run is made of, and how often it is split into two halves of them.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
+/// So many halves are searched in any case: a share of fewer says little.
+const FEWEST_HALVES: usize = 10;
+/// Where the first so many all find a cause, enough of all do: of a cause that seven halves of ten find they do so once in seventy times.
+const UNANIMOUS: usize = 12;
 /// A set of causes with this much of the mass is left possible even where no member of the best is unsure.
 const POSSIBLE: f64 = 0.1;
 /// Sets of the same names may be so many that each is this much behind what they are together, logarithm.
@@ -233,14 +237,11 @@ pub(crate) fn judge(
         let contest = entered.contest(&kernels);
         contest.climbed(&grounds(&contest, &entered.round.gram), &which)
     });
-    let share = |runs: &[Vec<usize>], name: &Name| {
-        runs.iter().filter(|found| holds(found, name)).count() as f64 / runs.len().max(1) as f64
-    };
-    let sought =
-        |counted: f64| resampled(&round.parts, counted, &|gram| contest.best_from(&grounds(&contest, gram), &which));
+    let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &which);
+    let sought = |counted: f64, enough: &Enough<'_>| resampled(&round.parts, counted, &search, enough);
     let probability = |name: &Name| masses.with(name).exp();
     let named = |&member: &usize| (probability(&names[member]), &names[member]);
-    let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|runs, name| share(runs, name));
+    let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|set, name| holds(set, name));
     let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
     let predicting = OnceCell::new();
     let predicting = || predicting.get_or_init(|| Masses::of(&predictor.seen, &names));
@@ -252,7 +253,7 @@ pub(crate) fn judge(
             let gain = |seen: &Seen| gain(seen, &|set| holds(set, mine));
             let mut gains: Vec<f64> = elsewhere.iter().map(gain).filter(|gain| gain.is_finite()).collect();
             gains.push(gain(&seen));
-            let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, mine) };
+            let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, |set| holds(set, mine)) };
             let (probability, instead) = (probability(mine), masses.rivals(mine));
             let predicting = || likely(predicting().with(mine).exp(), &predicting().rivals(mine));
             // What is there for the prediction must be possible beside structure, or do without; alone, it must be seen to predict.
@@ -529,6 +530,9 @@ fn is_plain(candidate: &Candidate) -> bool {
     }
 }
 
+/// Whether the sets that are found on so many halves say all that is asked of them.
+type Enough<'a> = dyn Fn(&[Vec<usize>]) -> bool + Sync + 'a;
+
 /// Of each of these names, with their probabilities, the share of the resampled runs that find it: halves of the run; where too few of these
 /// find what is sure but for that, halves counted twice, if more of them find it.
 ///
@@ -536,25 +540,63 @@ fn is_plain(candidate: &Candidate) -> bool {
 /// estimate the variance that it has (Shao and Wu, Annals of Statistics 17 (1989), 1176). But where rows are few, curves follow what noise
 /// they have twice. Counted once, what a half tells is its own, but it is half as much: a cause that the run shows well may be too little there.
 /// What either way finds again does not hang on which rows there are.
-fn found_again<N>(
+///
+/// No more halves are searched than it takes to say of each cause that is sure but for this whether enough of all of them find it (a curtailed
+/// test; Wetherill, Sequential Methods in Statistics, 1966), or than [`UNANIMOUS`] where all find it; the share is that of those which were searched.
+fn found_again<N: Sync>(
     names: &[(f64, N)],
-    sought: &dyn Fn(f64) -> Vec<Vec<usize>>,
-    share: &dyn Fn(&[Vec<usize>], &N) -> f64,
+    sought: &dyn Fn(f64, &Enough<'_>) -> Vec<Vec<usize>>,
+    holds: &(dyn Fn(&[usize], &N) -> bool + Sync),
 ) -> Vec<f64> {
-    let (once, twice) = (OnceCell::new(), OnceCell::new());
-    let of = |(probability, name): &(f64, N)| {
-        let found = share(once.get_or_init(|| sought(1.0)), name);
-        if *probability < NAMED || found >= FOUND_AGAIN {
-            return found;
-        }
-        found.max(share(twice.get_or_init(|| sought(2.0)), name))
+    let shares = |counted: f64, asked: &[&N]| -> Vec<f64> {
+        let enough = |found: &[Vec<usize>]| {
+            found.len() >= FEWEST_HALVES
+                && asked.iter().all(|name| decided(found.iter().map(|set| holds(set, name)), found.len()))
+        };
+        let found = sought(counted, &enough);
+        names.iter().map(|(_, name)| share(&found, |set| holds(set, name))).collect()
     };
-    names.iter().map(of).collect()
+    let asked = |again: &[f64]| -> Vec<&N> {
+        let open =
+            names.iter().zip(again).filter(|((probability, _), again)| *probability >= NAMED && **again < FOUND_AGAIN);
+        open.map(|((_, name), _)| name).collect()
+    };
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let mut again = shares(1.0, &asked(&vec![0.0; names.len()]));
+    let failed = asked(&again);
+    if !failed.is_empty() {
+        let twice = shares(2.0, &failed);
+        for (((probability, _), again), twice) in names.iter().zip(&mut again).zip(twice) {
+            if *probability >= NAMED && *again < FOUND_AGAIN {
+                *again = again.max(twice);
+            }
+        }
+    }
+    again
 }
 
-/// What is found on each half of the run, each row counted so often; the run is split into two halves again and again (complementary pairs;
-/// Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
-fn resampled(parts: &[Gram], counted: f64, search: &(dyn Fn(&Gram) -> Vec<usize> + Sync)) -> Vec<Vec<usize>> {
+/// The share of these sets of which `holds` is true.
+fn share(sets: &[Vec<usize>], holds: impl Fn(&[usize]) -> bool) -> f64 {
+    sets.iter().filter(|set| holds(set)).count() as f64 / sets.len().max(1) as f64
+}
+
+/// Whether the halves that were searched, which found a cause or did not, say whether enough of all halves find it.
+fn decided(found: impl Iterator<Item = bool>, searched: usize) -> bool {
+    let (all, found) = (2 * SPLITS, found.filter(|found| *found).count());
+    let enough = |found: usize| found as f64 >= FOUND_AGAIN * all as f64;
+    enough(found) || !enough(found + all - searched) || (found == searched && searched >= UNANIMOUS)
+}
+
+/// What is found on halves of the run, on as many as are enough, each row counted so often; the run is split into two halves again and again
+/// (complementary pairs; Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
+fn resampled(
+    parts: &[Gram],
+    counted: f64,
+    search: &(dyn Fn(&Gram) -> Vec<usize> + Sync),
+    enough: &Enough<'_>,
+) -> Vec<Vec<usize>> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut order: Vec<usize> = (0..parts.len()).collect();
     let mut halves: Vec<Vec<usize>> = Vec::with_capacity(2 * SPLITS);
@@ -564,9 +606,62 @@ fn resampled(parts: &[Gram], counted: f64, search: &(dyn Fn(&Gram) -> Vec<usize>
         }
         halves.extend(order.chunks(parts.len().div_ceil(2)).map(<[usize]>::to_vec));
     }
-    each_alone(&halves, |half| {
+    let found_on = |half: &Vec<usize>| {
         let times = |part| if half.contains(&part) { counted } else { 0.0 };
         let counts: Vec<f64> = (0..parts.len()).map(times).collect();
         search(&Gram::weighted(parts, &counts))
-    })
+    };
+    each_alone_until(&halves, found_on, enough)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    /// Halves that find a cause or do not, as often as they are counted; how many were searched each time.
+    fn again(probability: f64, once: &[bool], twice: &[bool]) -> (f64, Vec<usize>) {
+        let searched = RefCell::new(Vec::new());
+        let sought = |counted: f64, enough: &Enough<'_>| {
+            let found = if counted > 1.0 { twice } else { once };
+            let sets: Vec<Vec<usize>> = found.iter().map(|found| if *found { vec![7] } else { Vec::new() }).collect();
+            let first = (1..=sets.len()).find(|first| enough(&sets[..*first])).unwrap_or(sets.len());
+            searched.borrow_mut().push(first);
+            sets[..first].to_vec()
+        };
+        let again = found_again(&[(probability, 7)], &sought, &|set, name| set.contains(name));
+        (again[0], searched.into_inner())
+    }
+
+    #[test]
+    fn no_more_halves_are_searched_than_the_verdict_takes() {
+        let all = 2 * SPLITS;
+        let mixed = |missed: usize| -> Vec<bool> { (0..all).map(|half| half >= missed).collect() };
+        let (always, never) = (mixed(0), mixed(all));
+        assert_eq!(again(0.99, &always, &never), (1.0, vec![12]));
+        // Six that miss it are not too many, seven are.
+        assert_eq!(again(0.99, &mixed(6), &never), (0.8, vec![30]));
+        assert_eq!(again(0.99, &mixed(7), &never), (0.3, vec![10, 10]));
+        assert_eq!(again(0.99, &mixed(7), &always), (1.0, vec![10, 12]));
+        // One that misses it among the first: all are searched that may say otherwise.
+        let late: Vec<bool> = (0..all).map(|half| half != 1 && half < 25).collect();
+        assert_eq!(again(0.99, &late, &never), (24.0 / 25.0, vec![25]));
+        let late: Vec<bool> = (0..all).map(|half| half != 1 && half < 24).collect();
+        assert_eq!(again(0.99, &late, &never), (23.0 / 30.0, vec![30, 10]));
+        // Nothing hangs on it where a cause is not probable.
+        assert_eq!(again(0.5, &always, &never), (1.0, vec![10]));
+    }
+
+    #[test]
+    fn the_verdict_is_that_of_all_halves_but_where_the_first_all_find_it() {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        for _ in 0..500 {
+            let level: f64 = random.random_range(0.6..1.0);
+            let found: Vec<bool> = (0..2 * SPLITS).map(|_| random.random_bool(level)).collect();
+            let whole = found.iter().filter(|found| **found).count() as f64 / found.len() as f64;
+            let (share, _) = again(0.99, &found, &vec![false; found.len()]);
+            let unanimous = found[..UNANIMOUS].iter().all(|found| *found);
+            assert_eq!(sure(0.99, share), unanimous || sure(0.99, whole), "{found:?}");
+        }
+    }
 }
