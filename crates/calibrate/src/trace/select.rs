@@ -153,6 +153,47 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    /// A search on some of the rows, ended on all of them: so many show what there is to be found, but not to the last digit where it is.
+    pub(crate) fn run_on(&self, data: &Measurements, geometric: &Fit<NoEffects>) -> Proposals {
+        let Proposals { mut candidates, states, scan } = self.on(data, geometric).run();
+        let mut ended: Vec<State> = Vec::with_capacity(states.len());
+        for (index, state) in states.iter().enumerate() {
+            let known = states[..index].iter().position(|other| same_terms(&other.chosen, &state.chosen));
+            let all = known.map_or_else(|| self.ended(state), |known| ended[known].clone());
+            for (some, all) in state.chosen.iter().zip(&all.chosen) {
+                candidates
+                    .iter_mut()
+                    .filter(|candidate| candidate.term == some.term)
+                    .for_each(|candidate| *candidate = all.clone());
+            }
+            ended.push(all);
+        }
+        Proposals { candidates, states: ended, scan }
+    }
+
+    /// A state that was found on some of the rows, as all of them have it. Rows that it makes outliers of say where scanned numbers are, too.
+    fn ended(&self, state: &State) -> State {
+        let all = self.refitted(state.chosen.clone(), Some(state));
+        let open = self.opened(&all);
+        let moved = self.rescanned(open);
+        if same_terms(&moved.chosen, &all.chosen) { all } else { self.refitted(moved.chosen.clone(), Some(&moved)) }
+    }
+
+    /// The same on some of the rows: what may be looked for is what all of them let one ask.
+    fn on<'b>(&'b self, data: &'b Measurements, geometric: &'b Fit<NoEffects>) -> Tracer<'b> {
+        Tracer {
+            data,
+            statics: self.statics,
+            options: self.options,
+            geometric,
+            survey: self.survey.clone(),
+            candidates: self.candidates.clone(),
+            driven: OnceLock::new(),
+            blocks: OnceLock::new(),
+            carriers: self.carriers.clone(),
+        }
+    }
+
     /// What drives each candidate, see [`driven`].
     pub(crate) fn driven(&self) -> &[Vec<f64>] {
         made(&self.driven, || driven(self.data, self.statics, &self.candidates)).as_slice()
@@ -276,11 +317,7 @@ impl<'a> Tracer<'a> {
         if before < LEAST_REJECTED {
             return None;
         }
-        let mut open = State::new(state.chosen.clone(), state.fit.clone());
-        for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
-            let size = state.fit.noise.chi_squared(self.data.series_of(at), *square).sqrt();
-            *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
-        }
+        let open = self.opened(state);
         let linear = self.linear(&open);
         let models = self.linearised(&open).models();
         let scorer = self.scorer(linear);
@@ -290,6 +327,16 @@ impl<'a> Tracer<'a> {
         // Rows that the place as first scanned left out may come back.
         let next = self.refitted(next.chosen.clone(), Some(&next));
         (rejected(&next.fit) * 2 <= before).then_some(next)
+    }
+
+    /// A state with the rows that were rejected back, their pull bounded.
+    fn opened(&self, state: &State) -> State {
+        let mut open = State::new(state.chosen.clone(), state.fit.clone());
+        for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
+            let size = state.fit.noise.chi_squared(self.data.series_of(at), *square).sqrt();
+            *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
+        }
+        open
     }
 
     /// The model linearised at a state.

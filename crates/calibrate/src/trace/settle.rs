@@ -27,6 +27,8 @@ use std::sync::Arc;
 /// that these do not show is none to be named, and the time grows with them.
 const MOST_ROWS: usize = 800;
 const MOST_VALUES: usize = 2400;
+/// Values of these rows that the search looks at, at most: all that it proposes is judged on all of them.
+const MOST_SEARCHED: usize = 1000;
 /// Where there are more, so many times as many others must show a cause, too.
 const MOST_OTHERS: usize = 4;
 /// Candidates that are judged, at most.
@@ -66,7 +68,11 @@ pub(crate) fn trace(
             &options.curves,
         )
     };
-    let (curves, found) = both(all_curves, || tracer.run());
+    let found = || match evenly_spread(part.len(), rows_of(part, MOST_SEARCHED)) {
+        all if all.len() == part.len() => tracer.run(),
+        some => tracer.run_on(&part.subset(&some), &on_rows(&thin[0].1, part, &some)),
+    };
+    let (curves, found) = both(all_curves, found);
     let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
@@ -131,8 +137,10 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let (leftover, portraits) =
-        both(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
+    let (leftover, portraits) = both(
+        || remains(tracer, &on_rows(&last.fit, data, rows)),
+        || tracer.portraits(&tracer.refitted(kept.clone(), None)),
+    );
     // What names a cause is the structure without fields beside it.
     let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
@@ -260,10 +268,20 @@ fn with_field(beside: &Beside<'_>, data: &Measurements, last: &CurveFit, leftove
 
 /// Rows spread evenly over the run; where it has more than are looked at, others between them.
 fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
-    let (rows, values) = (data.len(), data.values());
-    let most = rows.min(MOST_ROWS).min((rows * MOST_VALUES).div_ceil(values.max(1)));
+    let rows = data.len();
+    let most = rows_of(data, MOST_VALUES).min(MOST_ROWS);
     let count = (rows / most.max(1)).clamp(1, 1 + MOST_OTHERS);
     (0..count).map(|j| (0..most).map(|k| (k * count + j) * rows / (most * count)).collect()).collect()
+}
+
+/// How many rows have so many values at most, or all.
+fn rows_of(data: &Measurements, values: usize) -> usize {
+    (data.len() * values).div_ceil(data.values().max(1)).min(data.len())
+}
+
+/// So many of all rows.
+fn evenly_spread(all: usize, count: usize) -> Vec<usize> {
+    (0..count).map(|k| k * all / count).collect()
 }
 
 /// What a fit leaves that smooth functions explain.
