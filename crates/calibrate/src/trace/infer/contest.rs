@@ -279,14 +279,15 @@ impl Contest<'_> {
         self.way(grounds, starts, Some(Seen::new())).seen.unwrap_or_default()
     }
 
-    /// The best set that is found in this way. Of the others nothing is kept, so that scores need not be worked out which are no better than
-    /// that of the set that was changed.
+    /// The best set that is found in this way, where changes of a set are scored at the setting alone that suits it. Of the others nothing is kept,
+    /// so that scores need not be worked out which are no better than that of the set that was changed.
     pub fn best_from(&self, grounds: &[Ground], starts: &[Vec<usize>]) -> Vec<usize> {
         self.way(grounds, starts, None).best.map_or_else(Vec::new, |(_, set)| set)
     }
 
     fn way<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>, seen: Option<Seen>) -> Way {
-        let mut way = Way::new((0..self.members.len()).map(|member| self.asked(&[member])).collect(), seen);
+        let members = (0..self.members.len()).map(|member| self.asked(&[member])).collect();
+        let mut way = Way::new(members, grounds.len(), seen);
         starts.into_iter().for_each(|start| self.climb(grounds, &mut way, start));
         way
     }
@@ -296,25 +297,22 @@ impl Contest<'_> {
         let mut set = start.to_vec();
         set.sort_unstable();
         let mut key = way.key_of(&set);
-        let mut here = way.score(key).unwrap_or_else(|| {
-            let scored = self.best(grounds, &set);
-            way.keep(key, scored, f64::NEG_INFINITY, || set.clone());
-            scored.0
-        });
+        let (mut here, mut at) = self.scored(grounds, way, (&set, key));
         let mut swapping = false;
         for _ in 0..MOST_ROUNDS {
             if !swapping && !way.been.insert(key) {
                 break;
             }
             let mut best: Option<(f64, Change)> = None;
-            for (change, score) in self.looked_at(grounds, way, (&set, key, here), swapping) {
+            for (change, score) in self.looked_at((grounds, at), way, (&set, key, here), swapping) {
                 if score > here + ROUNDING && best.as_ref().is_none_or(|(most, _)| score > *most) {
                     best = Some((score, change));
                 }
             }
             match best {
-                Some((score, change)) => {
-                    (here, key, set, swapping) = (score, way.key_after(key, change), change.of(&set), false);
+                Some((_, change)) => {
+                    (key, set, swapping) = (way.key_after(key, change), change.of(&set), false);
+                    (here, at) = self.scored(grounds, way, (&set, key));
                 }
                 // Swaps are many: they wait until nothing else helps.
                 None if swapping => break,
@@ -323,15 +321,32 @@ impl Contest<'_> {
         }
     }
 
-    /// Scores all sets that differ from one, with its key and score, by a member added or dropped, or else by one changed for another. Where
-    /// the sets on the way are not kept, what is no better has any score that is no better.
+    /// The score of a set with its key, and the one setting at which its changes are scored, where not all that is seen is kept.
+    fn scored(&self, grounds: &[Ground], way: &mut Way, (set, key): (&[usize], u64)) -> (f64, Option<usize>) {
+        let known = way.score(key).filter(|_| way.seen.is_some());
+        known.map_or_else(
+            || {
+                let scored = self.best(grounds, set);
+                way.keep(key, scored, f64::NEG_INFINITY, || set.to_vec());
+                (scored.0, way.seen.is_none().then_some(scored.1))
+            },
+            |score| (score, None),
+        )
+    }
+
+    /// Scores all sets that differ from one, with its key and score, by a member added or dropped, or else by one changed for another, at one
+    /// setting or at that of all which suits best. Where the sets on the way are not kept, what is no better has any score that is no better.
     fn looked_at(
         &self,
-        grounds: &[Ground],
+        (grounds, at): (&[Ground], Option<usize>),
         way: &mut Way,
         (set, key, here): (&[usize], u64, f64),
         swapping: bool,
     ) -> Vec<(Change, f64)> {
+        let (grounds, key) = match at {
+            Some(ground) => (&grounds[ground..=ground], key ^ way.keys_of_grounds[ground]),
+            None => (grounds, key),
+        };
         let least = if way.seen.is_some() { f64::NEG_INFINITY } else { here };
         let absent: Vec<usize> = (0..self.members.len()).filter(|member| !set.contains(member)).collect();
         let mut changes: Vec<Change> = Vec::new();
@@ -546,6 +561,8 @@ struct Way {
     members: Vec<Asked>,
     /// A random number for each member; those of a set, combined by exclusive or, are its key. That two sets share one is not to be expected.
     keys: Vec<u64>,
+    /// The same for each ground: what is known of a set at this one alone has the set's key combined with it.
+    keys_of_grounds: Vec<u64>,
     /// Of every set that was scored.
     scores: HashMap<u64, Known>,
     /// Sets that changes were made from.
@@ -556,10 +573,11 @@ struct Way {
 }
 
 impl Way {
-    fn new(members: Vec<Asked>, seen: Option<Seen>) -> Self {
+    fn new(members: Vec<Asked>, grounds: usize, seen: Option<Seen>) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(0);
-        let keys = members.iter().map(|_| random.random()).collect();
-        Self { members, keys, scores: HashMap::new(), been: HashSet::new(), best: None, seen }
+        let mut keys = |count: usize| (0..count).map(|_| random.random()).collect();
+        let (keys, keys_of_grounds) = (keys(members.len()), keys(grounds));
+        Self { members, keys, keys_of_grounds, scores: HashMap::new(), been: HashSet::new(), best: None, seen }
     }
 
     fn key_of(&self, set: &[usize]) -> u64 {
