@@ -21,16 +21,22 @@ pub(super) struct Predictor<'a> {
 }
 
 impl<'a> Predictor<'a> {
-    /// The best of the sets that are found from these.
+    /// The best of the sets that are found from these, at the settings without structure that suit them.
     pub(super) fn new(
         contest: &'a Contest<'a>,
         settings: &'a [(Ground, Setting)],
         starts: &[Vec<usize>],
         parts: &'a [Gram],
     ) -> Self {
-        let predict = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
+        let predict: Vec<&(Ground, Setting)> =
+            settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).collect();
+        let suits = in_parallel(starts, |set| {
+            let scores = predict.iter().enumerate().map(|(place, (ground, _))| (contest.at(ground, set), place));
+            scores.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
+        });
+        let suit = predict.iter().enumerate().filter(|(place, _)| suits.contains(&Some(*place)));
         let (grounds, settings): (Vec<Ground>, Vec<&Setting>) =
-            predict.map(|(ground, setting)| (ground.clone(), setting)).unzip();
+            suit.map(|(_, (ground, setting))| (ground.clone(), setting)).unzip();
         let seen = contest.climbed(&grounds, starts);
         Self { contest, settings, grounds, parts, set: best_of(&seen), seen, left: OnceLock::new() }
     }
