@@ -34,7 +34,7 @@ use std::ops::Range;
 /// The fastest wave of a curve has this many periods per turn; a slide: as many over its range. Time grows with its cube.
 const HIGHEST_ORDER: f64 = 60.0;
 /// Measured values for each number of the model, at least. With fewer a wave only repeats the prior, at the cube's cost.
-const VALUES_PER_NUMBER: usize = 4;
+const VALUES_PER_NUMBER: usize = 6;
 /// A curve has at least this many waves, twenty periods over its range: what it cannot follow would be missing from its band, and a
 /// periodic error that is faster would have no curve to beat before it is named. Curves of six joints then cost less than those of four hundred positions.
 const FEWEST_WAVES: usize = 48;
