@@ -237,7 +237,10 @@ pub(crate) fn judge(
         let contest = entered.contest(&kernels);
         contest.climbed(&grounds(&contest, &entered.round.gram), &which)
     });
-    let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &which);
+    // Each half from what the run showed, and from where that began.
+    let begin: Vec<Vec<usize>> =
+        [set.clone(), predictor.set.clone()].into_iter().chain(starts.iter().cloned()).chain([Vec::new()]).collect();
+    let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &begin);
     let sought = |counted: f64, enough: &Enough<'_>| resampled(&round.parts, counted, &search, enough);
     let probability = |name: &Name| masses.with(name).exp();
     let named = |&member: &usize| (probability(&names[member]), &names[member]);
