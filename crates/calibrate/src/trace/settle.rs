@@ -27,8 +27,10 @@ use std::sync::Arc;
 /// that these do not show is none to be named, and the time grows with them.
 const MOST_ROWS: usize = 800;
 const MOST_VALUES: usize = 2400;
-/// Values of these rows that the search looks at, at most: all that it proposes is judged on all of them.
-const MOST_SEARCHED: usize = 1000;
+/// Values of these rows that the search looks at for each row of the run, and at least: all that it proposes is judged on all of them. Long runs
+/// show smaller causes, and more of these at once.
+const SEARCHED_PER_ROW: usize = 2;
+const FEWEST_SEARCHED: usize = 800;
 /// Where there are more, so many times as many others must show a cause, too.
 const MOST_OTHERS: usize = 4;
 /// Candidates that are judged, at most.
@@ -68,7 +70,8 @@ pub(crate) fn trace(
             &options.curves,
         )
     };
-    let found = || match evenly_spread(part.len(), rows_of(part, MOST_SEARCHED)) {
+    let searched = rows_of(part, (SEARCHED_PER_ROW * data.len()).max(FEWEST_SEARCHED));
+    let found = || match evenly_spread(part.len(), searched) {
         all if all.len() == part.len() => tracer.run(),
         some => tracer.run_on(&part.subset(&some), &on_rows(&thin[0].1, part, &some)),
     };
