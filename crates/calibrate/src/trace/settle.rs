@@ -71,9 +71,12 @@ pub(crate) fn trace(
         )
     };
     let searched = rows_of(part, (SEARCHED_PER_ROW * data.len()).max(FEWEST_SEARCHED));
-    let found = || match evenly_spread(part.len(), searched) {
-        all if all.len() == part.len() => tracer.run(),
-        some => tracer.run_on(&part.subset(&some), &on_rows(&thin[0].1, part, &some)),
+    let found = || {
+        if searched == part.len() {
+            return tracer.run();
+        }
+        let some = evenly_spread(part.len(), searched);
+        tracer.run_on(&part.subset(&some), &on_rows(&thin[0].1, part, &some))
     };
     let (curves, found) = both(all_curves, found);
     let known = &curves.fit.effects.curves;
@@ -140,10 +143,8 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let (leftover, portraits) = both(
-        || remains(tracer, &on_rows(&last.fit, data, rows)),
-        || tracer.portraits(&tracer.refitted(kept.clone(), None)),
-    );
+    let (leftover, portraits) =
+        both(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
     // What names a cause is the structure without fields beside it.
     let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
@@ -277,7 +278,7 @@ fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
     (0..count).map(|j| (0..most).map(|k| (k * count + j) * rows / (most * count)).collect()).collect()
 }
 
-/// How many rows have so many values at most, or all.
+/// How many rows have so many values, or all.
 fn rows_of(data: &Measurements, values: usize) -> usize {
     (data.len() * values).div_ceil(data.values().max(1)).min(data.len())
 }
