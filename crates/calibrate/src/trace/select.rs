@@ -153,13 +153,22 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// A search on some of the rows, ended on all of them: so many show what there is to be found, but not to the last digit where it is.
+    /// The terms that are worth being judged: a search step by step, from geometry alone.
+    pub fn run(&self) -> Proposals {
+        self.ended(self.searched())
+    }
+
+    /// The same where the search looks at some of the rows: so many show what there is to be found, but not to the last digit where it is.
     pub(crate) fn run_on(&self, data: &Measurements, geometric: &Fit<NoEffects>) -> Proposals {
-        let Proposals { mut candidates, states, scan } = self.on(data, geometric).run();
+        self.ended(self.on(data, geometric).searched())
+    }
+
+    /// What a search proposes, its states as all rows have them.
+    fn ended(&self, Proposals { mut candidates, states, scan }: Proposals) -> Proposals {
         let mut ended: Vec<State> = Vec::with_capacity(states.len());
         for (index, state) in states.iter().enumerate() {
             let known = states[..index].iter().position(|other| same_terms(&other.chosen, &state.chosen));
-            let all = known.map_or_else(|| self.ended(state), |known| ended[known].clone());
+            let all = known.map_or_else(|| self.on_all_rows(state), |known| ended[known].clone());
             for (some, all) in state.chosen.iter().zip(&all.chosen) {
                 candidates
                     .iter_mut()
@@ -171,12 +180,32 @@ impl<'a> Tracer<'a> {
         Proposals { candidates, states: ended, scan }
     }
 
-    /// A state that was found on some of the rows, as all of them have it. Rows that it makes outliers of say where scanned numbers are, too.
-    fn ended(&self, state: &State) -> State {
-        let all = self.refitted(state.chosen.clone(), Some(state));
-        let open = self.opened(&all);
-        let moved = self.rescanned(open);
-        if same_terms(&moved.chosen, &all.chosen) { all } else { self.refitted(moved.chosen.clone(), Some(&moved)) }
+    /// A state that was found on some of the rows, or on all, its scanned numbers where all say that they are.
+    fn on_all_rows(&self, state: &State) -> State {
+        let mut all = if state.fit.weights.len() == self.data.observations() {
+            state.clone()
+        } else {
+            self.moved(self.refitted(state.chosen.clone(), Some(state)))
+        };
+        for _ in 0..MOST_CHANGES {
+            let before = rejected(&all.fit);
+            if before == 0 {
+                break;
+            }
+            let next = self.moved(all.clone());
+            if rejected(&next.fit) >= before {
+                break;
+            }
+            all = next;
+        }
+        all
+    }
+
+    /// The same state, its scanned numbers where all rows say that they are, those that it takes for outliers as well: a step that stands on
+    /// the wrong side of some rows makes outliers of them, and none of the others say that it is elsewhere.
+    fn moved(&self, state: State) -> State {
+        let moved = self.rescanned(self.opened(&state));
+        if same_terms(&moved.chosen, &state.chosen) { state } else { self.refitted(moved.chosen.clone(), Some(&moved)) }
     }
 
     /// The same on some of the rows: what may be looked for is what all of them let one ask.
@@ -204,8 +233,8 @@ impl<'a> Tracer<'a> {
         self.blocks.get_or_init(|| leftover::blocks(self))
     }
 
-    /// The terms that are worth being judged: a search step by step, from geometry alone.
-    pub fn run(&self) -> Proposals {
+    /// A search step by step, from geometry alone.
+    fn searched(&self) -> Proposals {
         let bare = self.refitted(Vec::new(), None);
         let mut state = bare.clone();
         for _ in 0..MOST_LOCAL {
@@ -312,7 +341,6 @@ impl<'a> Tracer<'a> {
     /// Rejected rows come back with the weight that keeps their pull bounded; what is found there counts only if the
     /// robust fit then keeps at least half of them.
     fn local(&self, state: &State) -> Option<State> {
-        let rejected = |fit: &Fit<EffectModel>| fit.weights.iter().filter(|weight| **weight == 0.0).count();
         let before = rejected(&state.fit);
         if before < LEAST_REJECTED {
             return None;
@@ -590,6 +618,11 @@ impl<'a> Tracer<'a> {
         // Other effects, other outliers.
         if state.chosen.len() < first.chosen.len() { self.refitted(state.chosen.clone(), Some(&state)) } else { state }
     }
+}
+
+/// How many rows a fit takes for outliers.
+fn rejected(fit: &Fit<EffectModel>) -> usize {
+    fit.weights.iter().filter(|weight| **weight == 0.0).count()
 }
 
 pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
