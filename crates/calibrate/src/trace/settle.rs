@@ -19,7 +19,7 @@ use crate::trace::infer::field::Beside;
 use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, OtherRows, Question, judge};
 use crate::trace::leftover::{self, Block, Leftover};
-use crate::trace::select::{State, Tracer, same_terms};
+use crate::trace::select::{Proposals, State, Tracer, same_terms};
 use crate::trace::{Finding, Portrait, Trace, TraceOptions};
 use std::sync::Arc;
 
@@ -70,15 +70,7 @@ pub(crate) fn trace(
             &options.curves,
         )
     };
-    let searched = rows_of(part, (SEARCHED_PER_ROW * data.len()).max(FEWEST_SEARCHED));
-    let found = || {
-        if searched == part.len() {
-            return tracer.run();
-        }
-        let some = evenly_spread(part.len(), searched);
-        tracer.run_on(&part.subset(&some), &on_rows(&thin[0].1, part, &some))
-    };
-    let (curves, found) = both(all_curves, found);
+    let (curves, found) = both(all_curves, || search(tracer, data.len()));
     let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
@@ -268,6 +260,17 @@ fn with_field(beside: &Beside<'_>, data: &Measurements, last: &CurveFit, leftove
     let fields = last.deflections.len() + 1;
     let with = fit_again(beside.survey, data, &start, beside.reference, beside.options, fields)?;
     with.fit.settled().then_some(with)
+}
+
+/// What a search in a run of so many rows proposes.
+fn search(tracer: &Tracer<'_>, rows: usize) -> Proposals {
+    let all = tracer.data;
+    let searched = rows_of(all, (SEARCHED_PER_ROW * rows).max(FEWEST_SEARCHED));
+    if searched == all.len() {
+        return tracer.run();
+    }
+    let some = evenly_spread(all.len(), searched);
+    tracer.run_on(&all.subset(&some), &on_rows(tracer.geometric, all, &some))
 }
 
 /// Rows spread evenly over the run; where it has more than are looked at, others between them.
