@@ -280,8 +280,11 @@ impl Contest<'_> {
     }
 
     /// The best set that is found in this way, where changes of a set are scored at the setting alone that suits it. Of the others nothing is kept,
-    /// so that scores need not be worked out which are no better than that of the set that was changed.
+    /// so that scores need not be worked out which are no better than that of the set that was changed. Where no setting can be solved nothing is found.
     pub fn best_from(&self, grounds: &[Ground], starts: &[Vec<usize>]) -> Vec<usize> {
+        if grounds.is_empty() {
+            return Vec::new();
+        }
         self.way(grounds, starts, None).best.map_or_else(Vec::new, |(_, set)| set)
     }
 
@@ -1048,6 +1051,7 @@ mod tests {
             // What is not worked out does not change what is best.
             let starts = [vec![0, 2], vec![0, 3], Vec::new()];
             assert_eq!(contest.best_from(&grounds, &starts), best_of(&contest.climbed(&grounds, &starts)));
+            assert!(contest.best_from(&[], &starts).is_empty());
         }
         let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
