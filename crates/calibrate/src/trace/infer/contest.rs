@@ -36,6 +36,8 @@ const BEHIND: f64 = 30.0;
 const LARGE: f64 = 1e150;
 /// Scores that differ by no more are the same.
 const ROUNDING: f64 = 1e-9;
+/// What holds geometry and frames where the rows do not, beside rows that do.
+const HELD: f64 = 1e-9;
 /// Settings at most: each costs a factor of all that is not a candidate.
 const MOST_SETTINGS: usize = 60;
 
@@ -192,13 +194,24 @@ impl Contest<'_> {
     }
 
     /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
+    ///
+    /// A part of the run may lack a setup of the instrument, or have too little of it: what places it is then held where it is.
     pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Ground> {
+        self.ground_held(gram, setting, 0.0).or_else(|| self.ground_held(gram, setting, HELD))
+    }
+
+    /// The same with so much more on the diagonal of geometry and frames, whose own is 1.
+    fn ground_held(&self, gram: &Gram, setting: &Setting, more: f64) -> Option<Ground> {
         let Held { index, mut matrix, right, log_prior, odds } = self.held(gram, setting);
         let size = index.len();
-        let scale: Vec<f64> = (0..size).map(|i| matrix[i * size + i].powf(-0.5)).collect();
+        let scale_of = |own: f64| if own > 0.0 { own.powf(-0.5) } else { 1.0 };
+        let scale: Vec<f64> = (0..size).map(|i| scale_of(matrix[i * size + i])).collect();
         for i in 0..size {
             for k in 0..=i {
                 matrix[i * size + k] *= scale[i] * scale[k];
+            }
+            if i < self.always {
+                matrix[i * size + i] += more;
             }
         }
         let factor = Triangle::factor(matrix, size)?;
@@ -1056,5 +1069,60 @@ mod tests {
         let (seen, settings) = contest.run(&gram, &[vec![0, 2]]);
         let (best, (_, at)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
         assert_eq!((best.as_slice(), &settings[*at].1), (&[1][..], &contest.bare()));
+    }
+
+    /// Two columns of geometry, then two candidates of which the first acts; beside it the same with the frame of a setup that these rows lack.
+    #[test]
+    fn a_frame_of_which_nothing_was_measured_changes_no_choice() {
+        const VALUES: usize = 60;
+        let cell = |value: usize, k: usize| ((value * value * (k + 3)) as f64 * 0.737).sin();
+        let plain: Vec<Vec<f64>> = (0..4).map(|k| (0..VALUES).map(|value| cell(value, k)).collect()).collect();
+        let explained: Vec<f64> =
+            (0..VALUES).map(|value| plain[1][value] + 0.8 * plain[2][value] + 0.5 * cell(value, 40)).collect();
+        let rows: Vec<usize> = (0..VALUES).collect();
+        // The frame moves along one axis twice, in nothing that was measured, and in a row that says next to nothing.
+        let score = |frame: &[Vec<f64>]| -> (Vec<f64>, Vec<usize>) {
+            let columns: Vec<&[f64]> =
+                plain[..2].iter().chain(frame).chain(&plain[2..]).map(std::vec::Vec::as_slice).collect();
+            let given =
+                Columns { explained: &explained, plain: &columns, joints: &[], rows: &rows, weights: &[1.0; VALUES] };
+            let gram = Gram::of(&given, &[], &[]);
+            let always = 2 + frame.len();
+            let precision =
+                DMatrix::from_fn(
+                    always + 2,
+                    always + 2,
+                    |i, k| {
+                        if i == k && !(2..always).contains(&i) { 0.01 } else { 0.0 }
+                    },
+                );
+            let member = |k: usize| Member { columns: k..k + 1, log_odds: -2.0, least_precision: 0.0 };
+            let members = [member(always), member(always + 1)];
+            let contest = Contest {
+                always,
+                precision: &precision,
+                pull: &vec![0.0; always],
+                charge: 0.0,
+                waves: &[],
+                means: &[],
+                firm: &[],
+                kernels: &[],
+                unnamed: &[],
+                members: &members,
+            };
+            let grounds = [contest.ground(&gram, &contest.bare()).unwrap()];
+            let none = contest.at(&grounds[0], &[]);
+            let scores = [vec![0], vec![1], vec![0, 1]].iter().map(|set| contest.at(&grounds[0], set) - none).collect();
+            (scores, contest.best_from(&grounds, &[Vec::new(), vec![1]]))
+        };
+        let one_row = |value: f64| -> Vec<f64> { (0..VALUES).map(|row| if row == 0 { value } else { 0.0 }).collect() };
+        let (expected, best) = score(&[]);
+        assert_eq!(best, [0]);
+        let (lacking, found) = score(&[vec![0.0; VALUES]]);
+        assert_eq!(found, best);
+        for (lacking, expected) in lacking.iter().zip(&expected) {
+            assert!((lacking - expected).abs() < 1e-6, "{lacking} {expected}");
+        }
+        assert_eq!(score(&[one_row(1.0), one_row(2.0)]).1, best);
     }
 }
