@@ -232,8 +232,7 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     let anew = fit(data, &identification.nominal.layout, &placed.fit.arm, &held, &geometric.weights, &plain);
     let std: Vec<f64> = places[..whole.numbers().len()].iter().map(|&index| known.std[index]).collect();
 
-    let few = (data.len() > MOST_ROWS)
-        .then(|| data.subset(&(0..MOST_ROWS).map(|k| k * data.len() / MOST_ROWS).collect::<Vec<usize>>()));
+    let few = (data.len() > MOST_ROWS).then(|| data.subset(&data.evenly_spread(MOST_ROWS)));
     let some = few.as_ref().unwrap_or(data);
     // Which rows are gross outliers is decided without the earlier calibration, which cannot then reject what contradicts it.
     let by_itself = IdentifyOptions { earlier: Some(earlier.counted(0.0)), ..options.clone() };

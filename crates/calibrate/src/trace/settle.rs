@@ -269,7 +269,7 @@ fn search(tracer: &Tracer<'_>, rows: usize) -> Proposals {
     if searched == all.len() {
         return tracer.run();
     }
-    let some = evenly_spread(all.len(), searched);
+    let some = all.evenly_spread(searched);
     tracer.run_on(&all.subset(&some), &on_rows(tracer.geometric, all, &some))
 }
 
@@ -278,17 +278,13 @@ fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
     let rows = data.len();
     let most = rows_of(data, MOST_VALUES).min(MOST_ROWS);
     let count = (rows / most.max(1)).clamp(1, 1 + MOST_OTHERS);
-    (0..count).map(|j| (0..most).map(|k| (k * count + j) * rows / (most * count)).collect()).collect()
+    let all = data.evenly_spread(most * count);
+    (0..count).map(|first| all.iter().copied().skip(first).step_by(count).collect()).collect()
 }
 
 /// How many rows have so many values, or all.
 fn rows_of(data: &Measurements, values: usize) -> usize {
     (data.len() * values).div_ceil(data.values().max(1)).min(data.len())
-}
-
-/// So many of all rows.
-fn evenly_spread(all: usize, count: usize) -> Vec<usize> {
-    (0..count).map(|k| k * all / count).collect()
 }
 
 /// What a fit leaves that smooth functions explain.
