@@ -281,9 +281,9 @@ impl Contest<'_> {
     }
 
     /// The score of a set at the setting that suits it best.
-    pub fn best(&self, grounds: &[Ground], set: &[usize]) -> (f64, usize) {
+    pub fn best<'g>(&self, grounds: impl IntoIterator<Item = &'g Ground>, set: &[usize]) -> (f64, usize) {
         let (asked, mut room) = (self.asked(set), Vec::new());
-        let scores = grounds.iter().enumerate().map(|(index, ground)| (asked.score(ground, &mut room), index));
+        let scores = grounds.into_iter().enumerate().map(|(index, ground)| (asked.score(ground, &mut room), index));
         scores.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
     }
 
@@ -339,15 +339,13 @@ impl Contest<'_> {
 
     /// The score of a set with its key, and the one setting at which its changes are scored, where not all that is seen is kept.
     fn scored(&self, grounds: &[Ground], way: &mut Way, (set, key): (&[usize], u64)) -> (f64, Option<usize>) {
-        let known = way.score(key).filter(|_| way.seen.is_some());
-        known.map_or_else(
-            || {
-                let scored = self.best(grounds, set);
-                way.keep(key, scored, f64::NEG_INFINITY, || set.to_vec());
-                (scored.0, way.seen.is_none().then_some(scored.1))
-            },
-            |score| (score, None),
-        )
+        let all_kept = way.seen.is_some();
+        if all_kept && let Some(score) = way.score_above(key, f64::NEG_INFINITY) {
+            return (score, None);
+        }
+        let scored = self.best(grounds, set);
+        way.keep(key, scored, f64::NEG_INFINITY, || set.to_vec());
+        (scored.0, (!all_kept).then_some(scored.1))
     }
 
     /// Scores all sets that differ from one, with its key and score, by a member added or dropped, or else by one changed for another, at one
@@ -604,12 +602,7 @@ impl Way {
         [change.out, change.into].into_iter().flatten().fold(key, |key, member| key ^ self.keys[member])
     }
 
-    /// The score of a set, where it was worked out.
-    fn score(&self, key: u64) -> Option<f64> {
-        self.score_above(key, f64::NEG_INFINITY)
-    }
-
-    /// The same, or any that is not above `least` where the score is not.
+    /// The score of a set, where it was worked out, or any that is not above `least` where the score is not.
     fn score_above(&self, key: u64, least: f64) -> Option<f64> {
         match *self.scores.get(&key)? {
             Known::Exactly(score) => Some(score),
@@ -942,6 +935,25 @@ pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
 }
 
 #[cfg(test)]
+impl<'a> Contest<'a> {
+    /// Candidates beside so many columns of geometry and nothing else.
+    pub(super) fn of_plain(always: usize, precision: &'a DMatrix<f64>, pull: &'a [f64], members: &'a [Member]) -> Self {
+        Contest {
+            always,
+            precision,
+            pull,
+            charge: 0.0,
+            waves: &[],
+            means: &[],
+            firm: &[],
+            kernels: &[],
+            unnamed: &[],
+            members,
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::trace::infer::gram::Columns;
@@ -1074,13 +1086,10 @@ mod tests {
     /// Two columns of geometry, then two candidates of which the first acts; beside it the same with the frame of a setup that these rows lack.
     #[test]
     fn a_frame_of_which_nothing_was_measured_changes_no_choice() {
-        const VALUES: usize = 60;
-        let cell = |value: usize, k: usize| ((value * value * (k + 3)) as f64 * 0.737).sin();
         let plain: Vec<Vec<f64>> = (0..4).map(|k| (0..VALUES).map(|value| cell(value, k)).collect()).collect();
         let explained: Vec<f64> =
             (0..VALUES).map(|value| plain[1][value] + 0.8 * plain[2][value] + 0.5 * cell(value, 40)).collect();
         let rows: Vec<usize> = (0..VALUES).collect();
-        // The frame moves along one axis twice, in nothing that was measured, and in a row that says next to nothing.
         let score = |frame: &[Vec<f64>]| -> (Vec<f64>, Vec<usize>) {
             let columns: Vec<&[f64]> =
                 plain[..2].iter().chain(frame).chain(&plain[2..]).map(std::vec::Vec::as_slice).collect();
@@ -1098,18 +1107,8 @@ mod tests {
                 );
             let member = |k: usize| Member { columns: k..k + 1, log_odds: -2.0, least_precision: 0.0 };
             let members = [member(always), member(always + 1)];
-            let contest = Contest {
-                always,
-                precision: &precision,
-                pull: &vec![0.0; always],
-                charge: 0.0,
-                waves: &[],
-                means: &[],
-                firm: &[],
-                kernels: &[],
-                unnamed: &[],
-                members: &members,
-            };
+            let pull = vec![0.0; always];
+            let contest = Contest::of_plain(always, &precision, &pull, &members);
             let grounds = [contest.ground(&gram, &contest.bare()).unwrap()];
             let none = contest.at(&grounds[0], &[]);
             let scores = [vec![0], vec![1], vec![0, 1]].iter().map(|set| contest.at(&grounds[0], set) - none).collect();
@@ -1123,6 +1122,7 @@ mod tests {
         for (lacking, expected) in lacking.iter().zip(&expected) {
             assert!((lacking - expected).abs() < 1e-6, "{lacking} {expected}");
         }
+        // Two directions of a frame that one row cannot tell apart.
         assert_eq!(score(&[one_row(1.0), one_row(2.0)]).1, best);
     }
 }

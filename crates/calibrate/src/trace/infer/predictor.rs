@@ -30,11 +30,8 @@ impl<'a> Predictor<'a> {
     ) -> Self {
         let predict: Vec<&(Ground, Setting)> =
             settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).collect();
-        let suits = in_parallel(starts, |set| {
-            let scores = predict.iter().enumerate().map(|(place, (ground, _))| (contest.at(ground, set), place));
-            scores.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
-        });
-        let suit = predict.iter().enumerate().filter(|(place, _)| suits.contains(&Some(*place)));
+        let suits = in_parallel(starts, |set| contest.best(predict.iter().map(|(ground, _)| ground), set).1);
+        let suit = predict.iter().enumerate().filter(|(place, _)| suits.contains(place));
         let (grounds, settings): (Vec<Ground>, Vec<&Setting>) =
             suit.map(|(_, (ground, setting))| (ground.clone(), setting)).unzip();
         let seen = contest.climbed(&grounds, starts);
@@ -108,18 +105,7 @@ mod tests {
         let members: Vec<Member> =
             (2..4).map(|k| Member { columns: k..k + 1, log_odds: -2.0, least_precision: 0.0 }).collect();
         let precision = DMatrix::from_diagonal_element(4, 4, 0.01);
-        let contest = Contest {
-            always: 2,
-            precision: &precision,
-            pull: &[0.0; 4],
-            charge: 0.0,
-            waves: &[],
-            means: &[],
-            firm: &[],
-            kernels: &[],
-            unnamed: &[],
-            members: &members,
-        };
+        let contest = Contest::of_plain(2, &precision, &[0.0; 4], &members);
         let whole = Gram::weighted(&parts, &[1.0; 5]);
         let (_, settings) = contest.run(&whole, &[]);
         let predictor = Predictor::new(&contest, &settings, &[Vec::new()], &parts);
