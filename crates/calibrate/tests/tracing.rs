@@ -11,19 +11,23 @@ use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Term};
+use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::trace::{Trace, TraceOptions, trace};
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_model::Chain;
 
 fn traced(effects: Vec<Effect>, seed: u64) -> Trace {
     let (chain, statics) = drawn("universal_robots/ur5e.urdf");
     let options = SimulationOptions { rows: 150, seed, ..SimulationOptions::default() };
-    let data = simulate(&chain, &options, &EffectModel::new(statics.clone(), effects)).data;
-    let options = TraceOptions::new(IdentifyOptions::axes(&chain));
-    let geometric = identify(&chain, &data, &options.identify).geometric;
-    trace(&statics, &data, &geometric, &options)
+    traced_in(&chain, &statics, &simulate(&chain, &options, &EffectModel::new(statics.clone(), effects)).data)
+}
+
+fn traced_in(chain: &Chain, statics: &Statics, data: &Measurements) -> Trace {
+    let options = TraceOptions::new(IdentifyOptions::axes(chain));
+    let geometric = identify(chain, data, &options.identify).geometric;
+    trace(statics, data, &geometric, &options)
 }
 
 fn effect(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) -> Effect {
@@ -71,10 +75,7 @@ fn a_soft_joint_stays_plain_on_an_arm_that_is_not_as_drawn() {
     let model = EffectModel::new(statics.clone(), vec![soft(1, 4.5e-5), soft(2, 8.8e-5)]);
     let options =
         SimulationOptions { rows: 300, seed: 22, turn: 2e-3, shift: 2e-3, noise_position: 2e-5, ..Default::default() };
-    let data = simulate(&chain, &options, &model).data;
-    let options = TraceOptions::new(IdentifyOptions::axes(&chain));
-    let geometric = identify(&chain, &data, &options.identify).geometric;
-    let found = trace(&statics, &data, &geometric, &options);
+    let found = traced_in(&chain, &statics, &simulate(&chain, &options, &model).data);
     let mut drivers: Vec<Driver> = found.findings.iter().map(|finding| finding.term.driver.clone()).collect();
     drivers.sort_by_key(Driver::joint);
     assert_eq!(drivers, [Driver::Torque(1), Driver::Torque(2)]);
@@ -122,10 +123,7 @@ fn a_base_that_was_pushed_twice_is_found_to_the_row() {
         let bare = simulate(&chain, &options, &NoEffects);
         let pushes = ["drift@base:step=139=3mm", "drift@base:step=219=3mm"].map(|text| text.parse().unwrap());
         let model = specified_effects(&pushes, &statics, &bare, seed).unwrap();
-        let data = with_run_order(simulate(&chain, &options, &model).data);
-        let options = TraceOptions::new(IdentifyOptions::axes(&chain));
-        let geometric = identify(&chain, &data, &options.identify).geometric;
-        let found = trace(&statics, &data, &geometric, &options);
+        let found = traced_in(&chain, &statics, &with_run_order(simulate(&chain, &options, &model).data));
         let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
         assert_eq!((finding.term.kind, finding.term.carrier), (Kind::Drift, Carrier::Base));
         let Driver::Steps { at, .. } = &finding.term.driver else { panic!("{:?}", finding.term.driver) };

@@ -185,27 +185,25 @@ impl<'a> Tracer<'a> {
         let mut all = if state.fit.weights.len() == self.data.observations() {
             state.clone()
         } else {
-            self.moved(self.refitted(state.chosen.clone(), Some(state)))
+            let fitted = self.refitted(state.chosen.clone(), Some(state));
+            self.moved(&fitted).unwrap_or(fitted)
         };
         for _ in 0..MOST_CHANGES {
             let before = rejected(&all.fit);
             if before == 0 {
                 break;
             }
-            let next = self.moved(all.clone());
-            if rejected(&next.fit) >= before {
-                break;
-            }
+            let Some(next) = self.moved(&all).filter(|next| rejected(&next.fit) < before) else { break };
             all = next;
         }
         all
     }
 
-    /// The same state, its scanned numbers where all rows say that they are, those that it takes for outliers as well: a step that stands on
-    /// the wrong side of some rows makes outliers of them, and none of the others say that it is elsewhere.
-    fn moved(&self, state: State) -> State {
-        let moved = self.rescanned(self.opened(&state));
-        if same_terms(&moved.chosen, &state.chosen) { state } else { self.refitted(moved.chosen.clone(), Some(&moved)) }
+    /// A state with its scanned numbers where all rows say that they are, those that it takes for outliers as well, if that is elsewhere: a step
+    /// that stands on the wrong side of some rows makes outliers of them, and none of the others say so.
+    fn moved(&self, state: &State) -> Option<State> {
+        let moved = self.rescanned(self.opened(state));
+        (!same_terms(&moved.chosen, &state.chosen)).then(|| self.refitted(moved.chosen.clone(), Some(&moved)))
     }
 
     /// The same on some of the rows: what may be looked for is what all of them let one ask.

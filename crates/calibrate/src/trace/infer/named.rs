@@ -551,30 +551,24 @@ fn found_again<N: Sync>(
     sought: &dyn Fn(f64, &Enough<'_>) -> Vec<Vec<usize>>,
     holds: &(dyn Fn(&[usize], &N) -> bool + Sync),
 ) -> Vec<f64> {
-    let shares = |counted: f64, asked: &[&N]| -> Vec<f64> {
+    let shares = |counted: f64, asked: &[usize]| -> Vec<f64> {
         let enough = |found: &[Vec<usize>]| {
-            found.len() >= FEWEST_HALVES
-                && asked.iter().all(|name| decided(found.iter().map(|set| holds(set, name)), found.len()))
+            let decided = |&index: &usize| decided(found.iter().map(|set| holds(set, &names[index].1)), found.len());
+            found.len() >= FEWEST_HALVES && asked.iter().all(decided)
         };
         let found = sought(counted, &enough);
         names.iter().map(|(_, name)| share(&found, |set| holds(set, name))).collect()
     };
-    let asked = |again: &[f64]| -> Vec<&N> {
-        let open =
-            names.iter().zip(again).filter(|((probability, _), again)| *probability >= NAMED && **again < FOUND_AGAIN);
-        open.map(|((_, name), _)| name).collect()
-    };
     if names.is_empty() {
         return Vec::new();
     }
-    let mut again = shares(1.0, &asked(&vec![0.0; names.len()]));
-    let failed = asked(&again);
+    let sure: Vec<usize> = (0..names.len()).filter(|&index| names[index].0 >= NAMED).collect();
+    let mut again = shares(1.0, &sure);
+    let failed: Vec<usize> = sure.into_iter().filter(|&index| again[index] < FOUND_AGAIN).collect();
     if !failed.is_empty() {
         let twice = shares(2.0, &failed);
-        for (((probability, _), again), twice) in names.iter().zip(&mut again).zip(twice) {
-            if *probability >= NAMED && *again < FOUND_AGAIN {
-                *again = again.max(twice);
-            }
+        for index in failed {
+            again[index] = again[index].max(twice[index]);
         }
     }
     again
