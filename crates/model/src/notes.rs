@@ -30,6 +30,13 @@ pub enum Note {
         /// What was done, a sentence.
         what: String,
     },
+    /// Something in the source is not understood, and was ignored.
+    NotUnderstood {
+        /// Where.
+        place: Place,
+        /// What it is and what the user can do, a sentence.
+        what: String,
+    },
     /// An angle was read as the multiple of π that it was written for.
     IntendedAngle {
         /// Where.
@@ -92,7 +99,9 @@ impl Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mended { place, what } | Self::Split { place, what } => write!(f, "{place}: {what}"),
+            Self::Mended { place, what } | Self::NotUnderstood { place, what } | Self::Split { place, what } => {
+                write!(f, "{place}: {what}")
+            }
             Self::IntendedAngle { place, written, read_as, change, tip_moves } => {
                 write!(
                     f,

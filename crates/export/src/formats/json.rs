@@ -156,6 +156,7 @@ impl From<&Note> for NoteEntry {
     fn from(note: &Note) -> Self {
         let (kind, place) = match note {
             Note::Mended { place, .. } => ("mended", Some(place)),
+            Note::NotUnderstood { place, .. } => ("not_understood", Some(place)),
             Note::IntendedAngle { place, .. } => ("intended_angle", Some(place)),
             Note::TreatedAsParallel { .. } => ("treated_as_parallel", None),
             Note::FarNumber { .. } => ("far_number", None),
