@@ -12,7 +12,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-bag", &[]),
     ("denavit-export", &["denavit-model", "denavit-dh"]),
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
-    ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export"]),
+    ("denavit-linear", &[]),
+    ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export", "denavit-linear"]),
     (
         "denavit-load",
         &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-xacro"],

@@ -3,7 +3,6 @@
 pub mod carried;
 mod continued;
 pub mod dh_form;
-pub(crate) mod gram;
 pub mod identifiability;
 pub mod information;
 pub mod initial_guess;
@@ -13,7 +12,6 @@ pub mod known_effects;
 pub mod lack_of_fit;
 pub mod noise;
 pub mod normal_equations;
-pub(crate) mod panel;
 pub mod posterior;
 pub mod proportion;
 pub mod quantization;
@@ -23,9 +21,9 @@ pub mod residual_statistics;
 pub mod siblings;
 mod simd_residuals;
 pub mod solve;
-pub mod stop;
-pub mod threads;
-pub(crate) mod triangle;
+
+pub use denavit_linear::{stop, threads};
+pub(crate) use denavit_linear::{panel, products as gram, triangle};
 
 use self::initial_guess::nominal_fit;
 use self::posterior::{Earlier, expecting};

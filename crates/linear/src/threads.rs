@@ -1,6 +1,6 @@
 //! Work on all cores; where there is one alone, as in a web page, or where the caller keeps the cores busy, no thread is started.
 
-use crate::identify::stop::{carried, look};
+use crate::stop::{carried, look};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -33,7 +33,7 @@ pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
 }
 
 /// How many threads a computation may use, the calling one included.
-pub(crate) fn available() -> usize {
+pub fn available() -> usize {
     // The system is asked once: it reads files for the answer.
     static CORES: OnceLock<usize> = OnceLock::new();
     if ALONE.get() { 1 } else { *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from)) }
@@ -41,7 +41,7 @@ pub(crate) fn available() -> usize {
 
 /// Does the work with one thread for each core at hand, for all that it deals out: to start a thread anew each time takes as long as
 /// many a piece of work. The threads end with the work, so that a process may be copied (`fork`) before and after.
-pub(crate) fn with_threads<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+pub fn with_threads<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     on_threads(available(), work)
 }
 
@@ -58,12 +58,12 @@ fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
 }
 
 /// The work done on each item, in the order of the items.
-pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     dealt(items.iter(), available().min(items.len()), || (), |(), item| work(item))
 }
 
 /// The same, each on a thread of its own: where one takes many small pieces of work.
-pub(crate) fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     // A single one may as well have all threads.
     if items.len() < 2 {
         items.iter().map(work).collect()
@@ -73,7 +73,7 @@ pub(crate) fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R +
 }
 
 /// The same on the first items alone, no more of them than are enough: what is found does not depend on how many threads there are.
-pub(crate) fn each_alone_until<T: Sync, R: Send>(
+pub fn each_alone_until<T: Sync, R: Send>(
     items: &[T],
     work: impl Fn(&T) -> R + Sync,
     enough: impl Fn(&[R]) -> bool + Sync,
@@ -99,7 +99,7 @@ pub(crate) fn each_alone_until<T: Sync, R: Send>(
 }
 
 /// Two pieces of work side by side, where there is a thread for the second.
-pub(crate) fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
+pub fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
     if available() == 1 {
         return (one(), other());
     }
@@ -107,7 +107,7 @@ pub(crate) fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl
 }
 
 /// The work done on stretches of so many rows, in their order; each thread begins with what `start` makes.
-pub(crate) fn in_stretches<S, R: Send>(
+pub fn in_stretches<S, R: Send>(
     rows: usize,
     start: impl Fn() -> S + Sync,
     work: impl Fn(&mut S, Range<usize>) -> R + Sync,
@@ -163,7 +163,7 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
 
 /// What is in a cell; where there is nothing, it is made. Threads that come at one time may each make it: none waits for another, which may
 /// do a part of this one's work while it waits itself.
-pub(crate) fn made<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
+pub fn made<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     cell.get().unwrap_or_else(|| {
         let made = make();
         cell.get_or_init(|| made)

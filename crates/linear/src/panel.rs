@@ -4,13 +4,13 @@
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _};
 
 /// Columns of a panel.
-pub(crate) const PANEL: usize = 16;
+pub const PANEL: usize = 16;
 
 /// A cell of each of its columns, side by side.
-pub(crate) type Line = [f64; PANEL];
+pub type Line = [f64; PANEL];
 
 /// The cells of at most [`PANEL`] columns, of which the first `depth` count, line by line; columns that lack are nothing.
-pub(crate) fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usize, lines: &mut Vec<Line>) {
+pub fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usize, lines: &mut Vec<Line>) {
     lines.clear();
     lines.resize(depth, [0.0; PANEL]);
     for (index, column) in columns.enumerate() {
@@ -25,7 +25,7 @@ pub(crate) fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usiz
 /// # Shape and units
 /// `rows`: one after the other, `stride` cells from one to the next, of which as many count as there are lines.
 #[inline(always)]
-pub(crate) fn each_sum<S: Simd>(simd: S, rows: &[f64], stride: usize, lines: &[Line], take: impl FnMut(usize, &Line)) {
+pub fn each_sum<S: Simd>(simd: S, rows: &[f64], stride: usize, lines: &[Line], take: impl FnMut(usize, &Line)) {
     // As many sums as the machine's registers hold.
     match S::f64s::LEN {
         8 => each_sum_by::<S, 8, 2>(simd, rows, stride, lines, take),

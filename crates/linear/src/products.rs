@@ -1,12 +1,12 @@
 //! Gram matrices: products of columns of numbers, formed in vectors of the machine, several columns at a time.
 
-use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
-use crate::identify::threads::{available, dealt};
-use crate::identify::triangle::WORTH_A_THREAD;
+use crate::panel::{Line, PANEL, each_sum, lines_of};
+use crate::threads::{available, dealt};
+use crate::triangle::WORTH_A_THREAD;
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Columns on the left and on the right whose products are formed at once: as many sums as sixteen registers hold.
-pub(crate) const TILE: (usize, usize) = (4, 2);
+pub const TILE: (usize, usize) = (4, 2);
 /// The same of machines with vectors of eight numbers, which have thirty-two.
 const WIDE: (usize, usize) = (4, 4);
 const WIDE_VECTOR: usize = 8;
@@ -17,7 +17,7 @@ const FEW: (usize, usize) = (4, 10);
 const DEPTH: usize = 256;
 
 /// leftᵀ right, of columns of `rows` cells: a product per column of `left`, for each column of `right`.
-pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
+pub fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
     if rows == 0 {
         return Vec::new();
     }
@@ -35,7 +35,7 @@ pub(crate) fn cross_gram(left: &[f64], right: &[f64], rows: usize) -> Vec<f64> {
 }
 
 /// The products of columns of `rows` cells with each other, square.
-pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
+pub fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
     let count = columns.len() / rows.max(1);
     if count < FEW.1 {
         return cross_gram(columns, columns, rows);
@@ -62,13 +62,13 @@ pub(crate) fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
 }
 
 /// Takes so many times each of these columns from another.
-pub(crate) fn subtract(columns: &[f64], times: &[f64], from: &mut [f64]) {
+pub fn subtract(columns: &[f64], times: &[f64], from: &mut [f64]) {
     let columns = Columns { cells: columns, stride: from.len() };
     dispatch!(Level::new(), simd => subtract_in(simd, columns, times, from));
 }
 
 /// The same of several columns of `rows` cells: `times` holds for each of them how many times each of the columns is taken.
-pub(crate) fn subtract_each(columns: &[f64], times: &[f64], from: &mut [f64], rows: usize) {
+pub fn subtract_each(columns: &[f64], times: &[f64], from: &mut [f64], rows: usize) {
     let count = columns.len() / rows.max(1);
     if count == 0 {
         return;
@@ -175,7 +175,7 @@ fn add_cross_gram_by<S: Simd, const L: usize, const R: usize>(
 /// # Shape and units
 /// `cells`: columns of `stride` cells, of which the first `rows` count; as many columns as [`TILE`] goes into. `sums`:
 /// square, the product of columns l ≤ r at `r * count + l`; some others are touched, too.
-pub(crate) fn add_gram(cells: &[f64], stride: usize, rows: usize, sums: &mut [f64]) {
+pub fn add_gram(cells: &[f64], stride: usize, rows: usize, sums: &mut [f64]) {
     dispatch!(Level::new(), simd => add_gram_in(simd, cells, stride, rows, sums));
 }
 

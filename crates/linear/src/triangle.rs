@@ -1,15 +1,15 @@
 //! Cholesky factors of some hundred unknowns, row by row and in panels of so many columns that what is read once is used for several
 //! sums.
 
-use crate::identify::panel::{Line, PANEL, each_sum, lines_of};
-use crate::identify::stop::look;
-use crate::identify::threads::{available, dealt};
+use crate::panel::{Line, PANEL, each_sum, lines_of};
+use crate::stop::look;
+use crate::threads::{available, dealt};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Rows that a thread takes at once.
 const ROWS: usize = 2 * PANEL;
 /// Fewer multiplications than this are done sooner than a second thread is there.
-pub(crate) const WORTH_A_THREAD: usize = 150_000;
+pub const WORTH_A_THREAD: usize = 150_000;
 
 /// The lower triangle L of A = L Lᵀ, row by row.
 #[derive(Debug, Clone)]
@@ -221,7 +221,7 @@ fn forward_in<S: Simd>(simd: S, cells: &[f64], size: usize, x: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use denavit_model::nalgebra::{Cholesky, DMatrix, DVector};
+    use nalgebra::{Cholesky, DMatrix, DVector};
 
     #[test]
     fn factor_and_inverse_are_those_of_a_library() {

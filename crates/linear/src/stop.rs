@@ -42,14 +42,14 @@ impl Stop {
 }
 
 /// Ends the work here where it was asked to stop.
-pub(crate) fn look() {
+pub fn look() {
     if HERE.with_borrow(|stop| stop.as_ref().is_some_and(|stop| stop.0.load(Ordering::Relaxed))) {
         resume_unwind(Box::new(Stopped));
     }
 }
 
 /// The same work for another thread, which stops with this one.
-pub(crate) fn carried<R>(work: impl FnOnce() -> R) -> impl FnOnce() -> R {
+pub fn carried<R>(work: impl FnOnce() -> R) -> impl FnOnce() -> R {
     let stop = HERE.with_borrow(Clone::clone);
     move || {
         HERE.set(stop);
@@ -60,7 +60,7 @@ pub(crate) fn carried<R>(work: impl FnOnce() -> R) -> impl FnOnce() -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::threads::in_parallel;
+    use crate::threads::in_parallel;
     use std::sync::atomic::AtomicUsize;
 
     #[test]
