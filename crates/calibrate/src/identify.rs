@@ -22,8 +22,8 @@ pub mod siblings;
 mod simd_residuals;
 pub mod solve;
 
-pub use denavit_linear::{stop, threads};
 pub(crate) use denavit_linear::{panel, products as gram, triangle};
+pub use denavit_linear::{stop, threads};
 
 use self::initial_guess::nominal_fit;
 use self::posterior::{Earlier, expecting};
