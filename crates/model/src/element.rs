@@ -105,14 +105,45 @@ impl Element {
     /// Every value in it under the path that leads there, such as `actuator "motor"/mechanicalReduction` or
     /// `@damping`; paths are unique, in the order of the file. Names that are part of a path are no values.
     pub fn entries(&self) -> Vec<(String, String)> {
+        self.entries_without(&|_, _| false)
+    }
+
+    /// As [`Element::entries`], without what `read` says is read otherwise: a node's text and the node itself (`None`), or
+    /// one of its attributes.
+    pub fn entries_without(&self, read: &dyn Fn(usize, Option<&str>) -> bool) -> Vec<(String, String)> {
         let mut result = Vec::new();
+        for (index, (node, here)) in self.nodes.iter().zip(self.paths()).enumerate() {
+            let inside = self.nodes[index + 1..].iter().enumerate().take_while(|(_, next)| next.depth > node.depth);
+            let mut inside = inside.filter(|(_, next)| next.depth == node.depth + 1);
+            let holds = inside.any(|(offset, _)| !read(index + 1 + offset, None));
+            let named = node.depth > 0 && node.attribute("name").is_some();
+            let own = result.len();
+            if !node.text.is_empty() && !read(index, None) {
+                let words: Vec<&str> = node.text.split_whitespace().collect();
+                result.push((here.clone(), words.join(" ")));
+            }
+            for (name, value) in &node.attributes {
+                let in_label = name == "name" && (named || node.depth == 0) || name == "reference" && node.depth == 0;
+                if !in_label && !read(index, Some(name)) {
+                    let words: Vec<&str> = value.split_whitespace().collect();
+                    result.push((format!("{here}@{name}"), words.join(" ")));
+                }
+            }
+            if node.depth > 0 && result.len() == own && !holds && !read(index, None) {
+                result.push((here, String::new()));
+            }
+        }
+        result
+    }
+
+    /// The path to each node, unique among them; empty for the element itself.
+    pub fn paths(&self) -> Vec<String> {
         let mut path: Vec<String> = Vec::new();
         let mut known: HashMap<String, usize> = HashMap::new();
-        for (index, node) in self.nodes.iter().enumerate() {
-            let holds = self.nodes.get(index + 1).is_some_and(|next| next.depth > node.depth);
+        let mut result = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
             let depth = node.depth.min(NAMED_DEPTH);
             path.truncate(depth.saturating_sub(1));
-            let named = node.depth > 0 && node.attribute("name").is_some();
             if depth > 0 {
                 let mut step = match node.attribute("name") {
                     Some(name) => format!("{} \"{name}\"", node.tag),
@@ -125,22 +156,7 @@ impl Element {
                 }
                 path.push(step);
             }
-            let here = path.join("/");
-            let own = result.len();
-            if !node.text.is_empty() {
-                let words: Vec<&str> = node.text.split_whitespace().collect();
-                result.push((here.clone(), words.join(" ")));
-            }
-            for (name, value) in &node.attributes {
-                let in_label = name == "name" && (named || node.depth == 0) || name == "reference" && node.depth == 0;
-                if !in_label {
-                    let words: Vec<&str> = value.split_whitespace().collect();
-                    result.push((format!("{here}@{name}"), words.join(" ")));
-                }
-            }
-            if node.depth > 0 && result.len() == own && !holds {
-                result.push((here, String::new()));
-            }
+            result.push(path.join("/"));
         }
         result
     }

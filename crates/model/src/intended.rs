@@ -4,8 +4,13 @@
 //! a multiple of π only if that multiple, rounded or cut off at the last place that is written (or at single
 //! precision), is what stands there, and if enough digits are written that chance is no explanation:
 //! three for multiples of π/4, four for multiples of π/6 and π/12.
+//!
+//! Axes are read by the same thought: "2.2e-08 -4.4e-08 -1.0" is what a drawing program's arithmetic left of 0 0 -1, and
+//! "0.9659258 0.258819 0" is 15°. A calibrated axis is off by far more than such dust, or is written with all its digits.
 
-use std::f64::consts::PI;
+use crate::se3;
+use nalgebra::{Unit, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A multiple of π that a literal was written for.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +60,135 @@ pub fn read_as(written: &str) -> Option<IntendedAngle> {
                 read_as: in_words(count, parts, value < 0.0),
                 change,
             });
+        }
+    }
+    None
+}
+
+/// A pitch this near to ±π/2 (rad) is one: at gimbal lock the conversion from a matrix keeps half the digits.
+const GIMBAL_DUST: f64 = 5e-6;
+
+/// The quarter turn that a pitch (the second angle of `rpy`) was meant for, where arithmetic at gimbal lock left something
+/// beside it: "-1.5707927". `None` where it is none, or written with more digits than such files have, or where
+/// [`read_as`] reads it already.
+///
+/// # Examples
+/// ```
+/// use denavit_model::intended::pitch_read_as;
+/// assert_eq!(pitch_read_as("-1.5707927").unwrap().read_as, "-π/2");
+/// assert_eq!(pitch_read_as("-1.57079271234"), None);
+/// assert_eq!(pitch_read_as("-1.5708"), None);
+/// ```
+pub fn pitch_read_as(written: &str) -> Option<IntendedAngle> {
+    let value: f64 = written.trim().parse().ok()?;
+    let literal = Literal::of(written.trim())?;
+    let angle = FRAC_PI_2.copysign(value);
+    let change = angle - value;
+    let dust = change.abs() <= GIMBAL_DUST && change != 0.0;
+    let short = (6..=8).contains(&literal.significant_digits);
+    (dust && short && read_as(written).is_none()).then(|| IntendedAngle {
+        angle,
+        read_as: in_words(1.0, 2.0, value < 0.0),
+        change,
+    })
+}
+
+/// A direction that an axis was written for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntendedAxis {
+    /// The direction.
+    pub axis: Unit<Vector3<f64>>,
+    /// The literal in the file.
+    pub written: String,
+    /// As a file would write it: `0 0 -1`, or in words where it lies between two axes: `0 cos 15° sin 15°`.
+    pub read_as: String,
+    /// Angle between what is written and `axis`, rad; not zero.
+    pub turned: f64,
+}
+
+/// A tilt (rad) up to which nobody can have meant it, however many digits state it: single precision.
+const AXIS_DUST: f64 = 1e-7;
+/// A tilt (rad) up to which it is dust where few digits state it. No calibration of an arm sees less: 20 µm in a metre.
+const SHORT_AXIS_DUST: f64 = 2e-5;
+/// More digits than this in a component that is dust are somebody's result.
+const SHORT: usize = 6;
+/// More digits than this in a component beside dust: the same.
+const SHORT_LARGE: usize = 8;
+
+/// The direction that the three numbers of an axis were surely meant for, where it is not exactly what is written.
+///
+/// Components that are dust beside the others become 0. If two are left that are the sine and cosine of a multiple of
+/// 15°, each to the digits that are written, they become that.
+///
+/// # Examples
+/// ```
+/// use denavit_model::intended::axis_read_as;
+/// assert_eq!(axis_read_as("2.2e-08 -4.4e-08 -1.0").unwrap().read_as, "0 0 -1");
+/// assert_eq!(axis_read_as("0.0012 0 0.9999993"), None);
+/// assert_eq!(axis_read_as("0 0 1"), None);
+/// ```
+pub fn axis_read_as(written: &str) -> Option<IntendedAxis> {
+    let mut words = written.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+    let literals = [words.next()?, words.next()?, words.next()?];
+    let mut values = [0.0; 3];
+    for (value, literal) in values.iter_mut().zip(literals) {
+        *value = literal.parse().ok()?;
+    }
+    let exact = |value: &f64| *value == 0.0 || value.abs() == 1.0;
+    if values.iter().all(exact) || !values.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    let own = Unit::try_new(Vector3::from(values), 0.0)?;
+    let mut meant = values;
+    // "… 0.99999999992": made of length 1 by a program that kept its digits, so that all of them count.
+    let digits = |index: usize| Literal::of(literals[index]).map_or(usize::MAX, |literal| literal.significant_digits);
+    let large = |index: &usize| own[*index].abs() > SHORT_AXIS_DUST && values[*index].abs() != 1.0;
+    let rough = (0..3).filter(large).all(|index| digits(index) <= SHORT_LARGE);
+    for (index, meant) in meant.iter_mut().enumerate() {
+        let tilt = own[index].abs();
+        if tilt <= AXIS_DUST || rough && tilt <= SHORT_AXIS_DUST && digits(index) <= SHORT {
+            *meant = 0.0;
+        }
+    }
+    let left: Vec<usize> = (0..3).filter(|index| meant[*index] != 0.0).collect();
+    let mut words = meant.map(|value| value.to_string());
+    match left[..] {
+        [one] => {
+            meant[one] = meant[one].signum();
+            words[one] = meant[one].to_string();
+        }
+        [one, other] => {
+            if let Some((angle, degrees)) = between_axes((literals[one], meant[one]), (literals[other], meant[other])) {
+                (meant[one], meant[other]) = (angle.cos().copysign(meant[one]), angle.sin().copysign(meant[other]));
+                let sign = |index: usize| if meant[index] < 0.0 { "-" } else { "" };
+                words[one] = format!("{}cos {degrees}°", sign(one));
+                words[other] = format!("{}sin {degrees}°", sign(other));
+            }
+        }
+        _ => return None,
+    }
+    let axis = Unit::try_new(Vector3::from(meant), 0.0)?;
+    let turned = se3::angle_between(&own, &axis);
+    let changed = turned > 4.0 * f64::EPSILON;
+    changed.then(|| IntendedAxis { axis, written: written.trim().to_owned(), read_as: words.join(" "), turned })
+}
+
+/// The multiple of 15° of which two components are cosine and sine, as far as they are written; rad and degrees.
+fn between_axes((one, x): (&str, f64), (other, y): (&str, f64)) -> Option<(f64, u32)> {
+    /// Digits of both together that chance does not explain.
+    const DIGITS: usize = 6;
+    for parts in 1..6_u32 {
+        let angle = f64::from(parts) * PI / 12.0;
+        let mut digits = 0;
+        let mut fits = |literal: &str, value: f64, exact: f64| {
+            let Some(literal) = Literal::of(literal.trim()) else { return false };
+            let half = (exact - 0.5).abs() < 1e-12 && value.abs() == 0.5;
+            digits += if half { 3 } else { literal.significant_digits };
+            let last_place = 10f64.powi(-literal.places);
+            (value.abs() - exact).abs() < last_place.max(4.0 * f64::EPSILON)
+        };
+        if fits(one, x, angle.cos()) && fits(other, y, angle.sin()) && digits >= DIGITS {
+            return Some((angle, 15 * parts));
         }
     }
     None
@@ -176,6 +310,56 @@ mod tests {
             ("0.2618", "π/12"),
         ] {
             check(written, expected);
+        }
+    }
+
+    #[test]
+    fn dust_beside_an_axis_is_recognised() {
+        for (written, expected) in [
+            ("2.2e-08 -4.4e-08 -1.0", "0 0 -1"),
+            ("-8.8e-08 -1.0 4.4e-08", "0 -1 0"),
+            ("-1.96e-6 2.3e-6 1.0", "0 0 1"),
+            ("1e-05 0 1", "0 0 1"),
+            ("0 -1.00000000000000 3.1415926535e-9", "0 -1 0"),
+            ("-9.717e-13 0.9999999999999 0", "0 1 0"),
+            ("1.6e-08 0.9659258 0.2588190", "0 cos 15° sin 15°"),
+            ("0.866 -0.5 0", "cos 30° -sin 30° 0"),
+            ("-0.7071 0.70711 0", "-cos 45° sin 45° 0"),
+        ] {
+            let found = axis_read_as(written);
+            assert_eq!(found.map(|found| found.read_as).as_deref(), Some(expected), "{written}");
+        }
+    }
+
+    #[test]
+    fn other_axes_are_left_alone() {
+        for written in [
+            "0 0 1",
+            "0 0 2",
+            "0 1 1",
+            "1 1 1",
+            "0.577 0.577 0.577",
+            "0.0012 0 0.9999993",
+            "0.0001 0 1",
+            "3e-5 0 1",
+            "0.00000423178 -0.0000119083 0.99999999992",
+            "0.3 0.4 0",
+            "0.9 0.5 0",
+            "0 0 0",
+            "nan 0 1",
+            "0 1",
+        ] {
+            assert_eq!(axis_read_as(written), None, "{written}");
+        }
+    }
+
+    #[test]
+    fn pitches_at_gimbal_lock_are_recognised_others_not() {
+        for written in ["-1.5707927", "1.570793", "1.5707999"] {
+            assert!(pitch_read_as(written).is_some(), "{written}");
+        }
+        for written in ["1.5704", "1.5707927123", "1.57", "0", "1.5707963267948966", "x", "1.5708"] {
+            assert_eq!(pitch_read_as(written), None, "{written}");
         }
     }
 

@@ -159,9 +159,9 @@ impl<'a> PlacedRobot<'a> {
     /// A joint's screw axis in the root frame; `None` where its kind has none. A planar joint has its normal's direction.
     pub fn screw(&self, joint: usize) -> Option<Screw> {
         let joint = &self.robot.joints[joint];
-        let screw = joint.kind.screw(joint).or_else(|| {
+        let screw = joint.kind.screw(joint, self.reading).or_else(|| {
             let planar = joint.kind == JointKind::Planar;
-            planar.then_some(Screw::Prismatic(joint.axis))
+            planar.then_some(Screw::Prismatic(joint.axis_as(self.reading)))
         })?;
         Some(screw.moved(&self.poses[joint.child]))
     }
@@ -221,12 +221,13 @@ impl<'a> PlacedRobot<'a> {
 
 impl JointKind {
     /// The screw axis of a joint of this kind in its own frame; `None` where it has not exactly one value.
-    pub(crate) fn screw(&self, joint: &Joint) -> Option<Screw> {
-        let line = AxisLine { direction: joint.axis, point: Point3::origin() };
+    pub(crate) fn screw(&self, joint: &Joint, reading: Reading) -> Option<Screw> {
+        let axis = joint.axis_as(reading);
+        let line = AxisLine { direction: axis, point: Point3::origin() };
         match self {
             Self::Revolute | Self::Continuous => Some(Screw::Revolute(line)),
             Self::Screw(pitch) => Some(Screw::Helical { axis: line, pitch: *pitch }),
-            Self::Prismatic => Some(Screw::Prismatic(joint.axis)),
+            Self::Prismatic => Some(Screw::Prismatic(axis)),
             _ => None,
         }
     }

@@ -107,6 +107,17 @@ pub enum ProblemKind {
     /// An axis of length zero on a joint that moves.
     #[error("axis xyz=\"{0}\" has length zero; give the direction that the joint moves along or about")]
     ZeroAxis(String),
+    /// A rotation stated twice.
+    #[error("<origin> has both rpy=\"{rpy}\" and quat_xyzw=\"{quat_xyzw}\"; remove one of the two")]
+    TwoRotations {
+        /// As written.
+        rpy: String,
+        /// As written.
+        quat_xyzw: String,
+    },
+    /// A quaternion of length zero.
+    #[error("quat_xyzw=\"{0}\" has length zero; no rotation is \"0 0 0 1\"")]
+    ZeroQuaternion(String),
     /// A number that is none.
     #[error("<{element} {attribute}=\"{value}\">: \"{word}\" is no finite number{}", if .value.contains("${") || .value.contains("$(") { "; the file is xacro that was not expanded" } else { "" })]
     BadNumber {

@@ -2,7 +2,9 @@
 
 use crate::chain::Limits;
 use crate::element::Element;
-use crate::intended::{self, IntendedAngle};
+use crate::intended::{self, IntendedAngle, IntendedAxis};
+use crate::inventory::Inventory;
+use crate::loops::Loop;
 use crate::notes::{Note, Place};
 use crate::se3::{self, Pose};
 use crate::tree::Reading;
@@ -22,8 +24,10 @@ pub struct Robot {
     pub root: usize,
     /// What stands beside links and joints in the file: transmissions, simulators' and controllers' settings, materials.
     pub elements: Vec<Element>,
-    /// What was mended or taken as meant while reading.
+    /// What was mended or taken as meant while reading, what is not understood, and what is carried along but not used.
     pub notes: Vec<Note>,
+    /// What was understood and what was not; [`Robot::inventory`] adds what is carried along.
+    pub read: Inventory,
     /// Where it came from.
     pub source: SourceText,
 }
@@ -94,6 +98,9 @@ pub struct Origin {
     pub rpy: [f64; 3],
     /// The three angles as the file writes them; `None` where it writes none.
     pub rpy_written: Option<[String; 3]>,
+    /// The quaternion x, y, z, w as the file writes it (URDF 1.1's `quat_xyzw`), whose rotation is `rpy`; `None` where it
+    /// writes none.
+    pub quat_written: Option<[String; 4]>,
 }
 
 /// An origin as it was read: its angles as written, or as intended.
@@ -119,8 +126,9 @@ impl Origin {
     pub fn read(&self, reading: Reading) -> ReadOrigin {
         let mut read = ReadOrigin { xyz: self.xyz, rpy: self.rpy, reread: Vec::new() };
         if let (Reading::Intended, Some(written)) = (reading, &self.rpy_written) {
-            for (angle, literal) in read.rpy.iter_mut().zip(written) {
-                if let Some(intended) = intended::read_as(literal) {
+            for (index, (angle, literal)) in read.rpy.iter_mut().zip(written).enumerate() {
+                let pitch = || (index == 1).then(|| intended::pitch_read_as(literal)).flatten();
+                if let Some(intended) = intended::read_as(literal).or_else(pitch) {
                     *angle = intended.angle;
                     read.reread.push((literal.clone(), intended));
                 }
@@ -205,10 +213,12 @@ pub struct Joint {
     pub parent: usize,
     /// Index of the child link.
     pub child: usize,
-    /// Unit axis in the child link's frame; what the file gives is [`Joint::axis_written`].
+    /// Unit axis in the child link's frame, as written but for its length; as it is read: [`Joint::axis_as`].
     pub axis: Unit<Vector3<f64>>,
     /// The axis as the file gives it, before it is made of unit length; `None` where it gives none (URDF: 1 0 0).
     pub axis_written: Option<[f64; 3]>,
+    /// The direction that the axis was surely meant to have, where that is another than is written.
+    pub axis_meant: Option<IntendedAxis>,
     /// Limits, as far as they are given; [`Joint::limits_in_force`] leaves out what the joint's kind does not have.
     pub limits: Limits,
     /// Which joint it follows, where it is a mimic joint.
@@ -217,6 +227,20 @@ pub struct Joint {
     pub elements: Vec<Element>,
     /// Byte offset of its element in the source text.
     pub at: usize,
+}
+
+/// Elements of a joint whose every attribute is understood or reported by itself.
+const UNDERSTOOD_OF_JOINT: [&str; 4] = ["dynamics", "safety_controller", "calibration", "limit"];
+
+/// Joint positions (rad, m) at which a reference sensor switches: URDF's `calibration`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Calibration {
+    /// Where it switches on when the joint moves in its positive sense.
+    pub rising: Option<f64>,
+    /// Where it switches off then.
+    pub falling: Option<f64>,
+    /// Older files: the position of the reference.
+    pub reference_position: Option<f64>,
 }
 
 /// Viscous damping and Coulomb friction; URDF's defaults are 0.
@@ -244,10 +268,26 @@ impl Joint {
         self.elements.iter().find(|element| element.tag() == tag)
     }
 
+    /// Unit axis in the child link's frame, as written or as meant.
+    pub fn axis_as(&self, reading: Reading) -> Unit<Vector3<f64>> {
+        match (&self.axis_meant, reading) {
+            (Some(meant), Reading::Intended) => meant.axis,
+            _ => self.axis,
+        }
+    }
+
     /// Damping and friction; 0 where the file states none.
     pub fn dynamics(&self) -> Dynamics {
         let number = |name| self.element("dynamics").and_then(|element| element.number(name)).unwrap_or(0.0);
         Dynamics { damping: number("damping"), friction: number("friction") }
+    }
+
+    /// Where a reference sensor switches, where stated.
+    pub fn calibration(&self) -> Option<Calibration> {
+        let element = self.element("calibration")?;
+        let [rising, falling, reference_position] =
+            ["rising", "falling", "reference_position"].map(|name| element.number(name));
+        Some(Calibration { rising, falling, reference_position })
     }
 
     /// Soft limits, where stated; of a range of which one end is stated the other is 0.
@@ -334,6 +374,76 @@ impl Link {
 }
 
 impl Robot {
+    /// What became of everything in the file, in its order: what is understood is counted, what is carried along
+    /// unchanged and what is not understood has its place.
+    ///
+    /// # Examples
+    /// ```
+    /// use denavit_model::{Outcome, urdf};
+    /// let text = r#"<robot name="r"><link name="a"/><gazebo reference="a"/><link name="b" colour="red"/>
+    ///   <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>"#;
+    /// let inventory = urdf::read("r.urdf", text)?.inventory();
+    /// assert_eq!(inventory.count(Outcome::Carried), 1);
+    /// assert_eq!(inventory.reported().next().unwrap().what, r#"attribute colour="red" of <link>"#);
+    /// # Ok::<(), denavit_model::UrdfError>(())
+    /// ```
+    pub fn inventory(&self) -> Inventory {
+        let mut inventory = self.read.clone();
+        let on_links = self.links.iter().flat_map(|link| {
+            let on_shapes = link.visuals.iter().chain(&link.collisions).flat_map(|shape| &shape.elements);
+            link.elements.iter().chain(on_shapes).map(move |element| ("link", &link.name, element))
+        });
+        let on_joints = self.joints.iter().flat_map(|joint| {
+            let further = joint.elements.iter().filter(|element| !UNDERSTOOD_OF_JOINT.contains(&element.tag()));
+            further.map(move |element| ("joint", &joint.name, element))
+        });
+        let owned = on_links.chain(on_joints).map(|(tag, name, element)| (format!("{tag} \"{name}\""), element));
+        let own = self.elements.iter().map(|element| (element.label(), element));
+        // What is reported is kept, too, but listed once.
+        let reported: Vec<(usize, String)> =
+            inventory.items.iter().map(|item| (item.place.line, item.what.clone())).collect();
+        for (owner, element) in owned.chain(own) {
+            let place = self.source.place(element.at, owner);
+            let tag = element.tag();
+            let local = tag.rsplit(':').next().unwrap_or(tag);
+            let known = format!("<{local}> in <");
+            if !reported.iter().any(|(line, what)| *line == place.line && what.starts_with(&known)) {
+                inventory.carry(place, format!("<{tag}>"));
+            }
+        }
+        inventory.items.sort_by_key(|item| item.place.line);
+        inventory
+    }
+
+    /// Notes on what is carried along and acts on nothing here: closed loops, calibration positions.
+    pub fn unused(&self) -> Vec<Note> {
+        let mut notes: Vec<Note> = self
+            .loops()
+            .into_iter()
+            .map(|Loop { label, at, between }| {
+                let ends = match &between[..] {
+                    [one, other, ..] => format!(" between \"{one}\" and \"{other}\""),
+                    _ => String::new(),
+                };
+                let what = format!(
+                    "closes a loop{ends}, which is carried along and not solved: every joint moves freely here, so give \
+                     joint values that close it"
+                );
+                Note::NotUnderstood { place: self.source.place(at, label), what }
+            })
+            .collect();
+        let calibrated: Vec<&Joint> = self.joints.iter().filter(|joint| joint.calibration().is_some()).collect();
+        if let Some(first) = calibrated.first() {
+            let many = if calibrated.len() > 1 { format!(" (of {} joints)", calibrated.len()) } else { String::new() };
+            let what = format!(
+                "<calibration> states where a reference sensor switches{many}; it is carried along and shifts no joint's \
+                 zero here"
+            );
+            notes.push(Note::NotUnderstood { place: self.source.place(first.at, format!("joint \"{}\"", first.name)), what });
+        }
+        notes
+    }
+
     /// Index of the link of this name.
     pub fn link_index(&self, name: &str) -> Option<usize> {
         self.links.iter().position(|link| link.name == name)

@@ -4,6 +4,7 @@
 //! Six-vectors are angular first, `[omega; v]`.
 
 use nalgebra::{IsometryMatrix3, Matrix3, Matrix6, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
+use std::f64::consts::PI;
 
 /// A rigid motion, rotation matrix and translation in m.
 pub type Pose = IsometryMatrix3<f64>;
@@ -113,6 +114,41 @@ pub fn rpy_from_rotation(rotation: &Rotation3<f64>) -> [f64; 3] {
         return [0.0, pitch, (-r[(0, 1)]).atan2(r[(1, 1)])];
     }
     [r[(2, 1)].atan2(r[(2, 2)]), pitch, r[(1, 0)].atan2(r[(0, 0)])]
+}
+
+/// URDF's fixed-axis angles, rad, without what rounding added: the rotation that they give is `rotation` to rounding, near
+/// a pitch of a quarter turn too, where roll and yaw are one number and each by itself is lost.
+pub fn written_rpy(rotation: &Rotation3<f64>) -> [f64; 3] {
+    let r = rotation.matrix();
+    let cosine_of_pitch = r[(0, 0)].hypot(r[(1, 0)]);
+    let yaw = if cosine_of_pitch < 4.0 * f64::EPSILON { 0.0 } else { clean_angle(r[(1, 0)].atan2(r[(0, 0)])) };
+    // Roll from the rotation with the yaw as it will be written taken off: what the yaw lacks goes into the roll.
+    let (sine, cosine) = sin_cos_of_written(yaw);
+    let roll = (sine * r[(0, 2)] - cosine * r[(1, 2)]).atan2(cosine * r[(1, 1)] - sine * r[(0, 1)]);
+    let pitch = (-r[(2, 0)]).atan2(cosine * r[(0, 0)] + sine * r[(1, 0)]);
+    [clean_angle(roll), clean_angle(pitch), yaw]
+}
+
+/// The quaternion x, y, z, w of a rotation, of length 1, w not negative.
+pub fn quaternion_xyzw(rotation: &Rotation3<f64>) -> [f64; 4] {
+    let quaternion = UnitQuaternion::from_rotation_matrix(rotation);
+    let sense = if quaternion.w < 0.0 { -1.0 } else { 1.0 };
+    [quaternion.i, quaternion.j, quaternion.k, quaternion.w].map(|part| sense * part + 0.0)
+}
+
+/// An angle without what rounding added (rad): a multiple of π/12, or a short decimal.
+pub fn clean_angle(angle: f64) -> f64 {
+    // Rounding of a turn that went through some products, rad.
+    const ROUNDING: f64 = 8.0 * f64::EPSILON;
+    let parts = (angle / (PI / 12.0)).round();
+    let multiple = if parts % 12.0 == 0.0 { parts / 12.0 * PI } else { parts * PI / 12.0 };
+    if (multiple - angle).abs() <= ROUNDING {
+        return multiple + 0.0;
+    }
+    // A short decimal next to a multiple of π would be read as that multiple.
+    let rounded = (angle * 1e12).round() / 1e12;
+    let short = (rounded - angle).abs() <= 4.0 * f64::EPSILON * angle.abs().max(1.0);
+    if (multiple - angle).abs() >= 1e-6 && short { rounded + 0.0 } else { angle }
 }
 
 /// Angle of a rotation in \[0, π\], rad, with every digit near 0 and near π.

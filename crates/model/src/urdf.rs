@@ -1,13 +1,21 @@
 //! Reading URDF: text to [`Robot`], every problem reported at once, what is surely meant mended with a note.
+//!
+//! Whatever the text holds is understood, carried along as an [`Element`], or reported: see [`Robot::inventory`].
+
+mod account;
+mod known;
 
 use crate::chain::Limits;
 use crate::element::Element;
 use crate::notes::{Note, Place};
 use crate::problems::{Problem, ProblemKind, UrdfError, nearest_name};
+use crate::intended;
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Mimic, Origin, Robot, Shape, SourceText};
 use crate::screw::Pitch;
+use crate::se3;
 use crate::well_formed;
-use nalgebra::{Matrix3, Unit, Vector3};
+use account::Account;
+use nalgebra::{Matrix3, Quaternion, Unit, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::HashMap;
 
@@ -19,13 +27,18 @@ const DRAKE: &str = "http://drake.mit.edu";
 /// `file` is used in messages only. Read with a note, since what is meant is sure: a byte order mark, white space
 /// before the XML declaration, unbound namespace prefixes, commas between numbers, doubled child elements (the first
 /// counts), a parent link "world" that is not declared. Missing `xyz`, `rpy`, `axis`, mimic `multiplier` and `offset`
-/// take URDF's defaults. Links and joints may stand in a default namespace.
+/// take URDF's defaults. Links and joints may stand in a default namespace. `<origin>` states its rotation as `rpy` or, since
+/// URDF 1.1, as `quat_xyzw`, which need not be of length 1.
+///
+/// An attribute, element or text that is not understood is reported by a note, one for each kind of thing, and in
+/// [`Robot::inventory`], each by its own line. So are closed loops and calibration positions, which are carried along
+/// but act on nothing here.
 ///
 /// # Errors
 /// Everything that is wrong with the file, each with line and element; see [`ProblemKind`].
 ///
 /// # Source
-/// <https://wiki.ros.org/urdf/XML>.
+/// <https://wiki.ros.org/urdf/XML>; `quat_xyzw`: <https://github.com/ros/urdfdom/blob/master/xsd/urdf.xsd>.
 ///
 /// # Examples
 /// ```
@@ -43,10 +56,16 @@ pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
         Document::parse_with_options(&source.text, options).map_err(|error| xml_error(&source, text, &error))?;
     let mut reader = Reader { source: &source, problems: Vec::new(), notes: mends };
     let parts = reader.robot(document.root_element());
-    let Reader { problems, notes, .. } = reader;
+    let Reader { problems, mut notes, .. } = reader;
     let Some(parts) = parts.filter(|_| problems.is_empty()) else { return Err(UrdfError { problems }) };
     let Parts { name, links, joints, root, elements } = parts;
-    Ok(Robot { name, links, joints, root, elements, notes, source })
+    let account = Account::of(document.root_element());
+    notes.extend(account.notes(&source));
+    let read = account.inventory(&source);
+    let mut robot = Robot { name, links, joints, root, elements, notes, read, source };
+    let unused = robot.unused();
+    robot.notes.extend(unused);
+    Ok(robot)
 }
 
 fn xml_error(source: &SourceText, original: &str, error: &roxmltree::Error) -> UrdfError {
@@ -64,8 +83,7 @@ fn xml_error(source: &SourceText, original: &str, error: &roxmltree::Error) -> U
 
 /// What a `<limit>` states beyond URDF's four: accelerations, jerks.
 fn further_limits(limit: Node) -> Option<Element> {
-    let known = ["lower", "upper", "velocity", "effort"];
-    let further = limit.attributes().filter(|attribute| !known.contains(&attribute.name()));
+    let further = limit.attributes().filter(|attribute| !known::RANGE.contains(&attribute.name()));
     let further: Vec<_> = further.map(|limit| (limit.name().to_owned(), limit.value().to_owned())).collect();
     (!further.is_empty()).then(|| Element { at: limit.range().start, ..Element::empty("limit", further) })
 }
@@ -89,7 +107,7 @@ struct Reader<'a> {
     source: &'a SourceText,
     problems: Vec<Problem>,
     notes: Vec<Note>,
-}
+    }
 
 fn element_of(node: Node) -> String {
     match node.attribute("name") {
@@ -101,6 +119,15 @@ fn element_of(node: Node) -> String {
 fn words(value: &str) -> impl Iterator<Item = &str> {
     value.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty())
 }
+
+/// The numbers of an attribute as the file writes them.
+fn as_written<const N: usize>(value: &str) -> Option<[String; N]> {
+    let written: Vec<String> = words(value).map(str::to_owned).collect();
+    written.try_into().ok()
+}
+
+/// A quaternion whose length is off by more gets a note: less is rounding.
+const UNIT_QUATERNION: f64 = 1e-3;
 
 impl Reader<'_> {
     fn problem(&mut self, node: Node, element: impl Into<String>, kind: ProblemKind) {
@@ -289,7 +316,7 @@ impl Reader<'_> {
             (entry("radius"), entry("length"))
         };
         match shape.tag_name().name() {
-            "box" => Geometry::Box(self.three(shape, "size", owner).unwrap_or_default()),
+            "box" => Geometry::Box(self.several(shape, "size", owner).unwrap_or_default()),
             "sphere" => Geometry::Sphere(self.number(shape, "radius", owner).unwrap_or(0.0)),
             "cylinder" => {
                 let (radius, length) = radius_and_length(self);
@@ -301,7 +328,7 @@ impl Reader<'_> {
             }
             "mesh" => Geometry::Mesh {
                 filename: shape.attribute("filename").unwrap_or_default().to_owned(),
-                scale: self.three(shape, "scale", owner).unwrap_or([1.0; 3]),
+                scale: self.several(shape, "scale", owner).unwrap_or([1.0; 3]),
             },
             other => Geometry::Other(other.to_owned()),
         }
@@ -326,7 +353,7 @@ impl Reader<'_> {
         let origin = self.origin(node, &owner);
         let axis_written = self
             .only_child(node, "axis", &owner)
-            .and_then(|axis| self.three(axis, "xyz", &owner).map(|xyz| (axis, xyz)));
+            .and_then(|axis| self.several(axis, "xyz", &owner).map(|xyz| (axis, xyz)));
         let axis = match axis_written {
             None => Vector3::x_axis(),
             Some((axis, xyz)) => Unit::try_new(Vector3::from(xyz), 0.0).unwrap_or_else(|| {
@@ -361,6 +388,7 @@ impl Reader<'_> {
             child: 0,
             axis,
             axis_written: axis_written.map(|(_, xyz)| xyz),
+            axis_meant: axis_written.and_then(|(axis, _)| intended::axis_read_as(axis.attribute("xyz")?)),
             limits,
             mimic,
             at: node.range().start,
@@ -411,13 +439,34 @@ impl Reader<'_> {
 
     fn origin(&mut self, node: Node, owner: &str) -> Origin {
         let Some(origin) = self.only_child(node, "origin", owner) else { return Origin::default() };
-        let xyz = self.three(origin, "xyz", owner).unwrap_or_default();
-        let rpy = self.three(origin, "rpy", owner);
-        let rpy_written = rpy.and(origin.attribute("rpy")).and_then(|value| {
-            let mut written = words(value).map(str::to_owned);
-            Some([written.next()?, written.next()?, written.next()?])
-        });
-        Origin { xyz, rpy: rpy.unwrap_or_default(), rpy_written }
+        let xyz = self.several(origin, "xyz", owner).unwrap_or_default();
+        if origin.has_attribute("quat_xyzw") {
+            let (rpy, quat_written) = self.quaternion(origin, owner).unwrap_or_default();
+            return Origin { xyz, rpy, rpy_written: None, quat_written };
+        }
+        let rpy = self.several(origin, "rpy", owner);
+        let rpy_written = rpy.and(origin.attribute("rpy")).and_then(as_written);
+        Origin { xyz, rpy: rpy.unwrap_or_default(), rpy_written, quat_written: None }
+    }
+
+    /// The rotation of `quat_xyzw`, as fixed-axis angles, and its four numbers as written.
+    fn quaternion(&mut self, origin: Node, owner: &str) -> Option<([f64; 3], Option<[String; 4]>)> {
+        let written = origin.attribute("quat_xyzw").unwrap_or_default();
+        if let Some(rpy) = origin.attribute("rpy") {
+            let kind = ProblemKind::TwoRotations { rpy: rpy.to_owned(), quat_xyzw: written.to_owned() };
+            self.problem(origin, owner, kind);
+            return None;
+        }
+        let [x, y, z, w] = self.several::<4>(origin, "quat_xyzw", owner)?;
+        let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), f64::MIN_POSITIVE) else {
+            self.problem(origin, owner, ProblemKind::ZeroQuaternion(written.to_owned()));
+            return None;
+        };
+        let length = x.hypot(y).hypot(z.hypot(w));
+        if (length - 1.0).abs() > UNIT_QUATERNION {
+            self.mended(origin, owner, format!("quat_xyzw=\"{written}\" has length {length:.4}; made of length 1"));
+        }
+        Some((se3::written_rpy(&rotation.to_rotation_matrix()), as_written(written)))
     }
 
     /// The first child of this name; more of them get a note.
@@ -457,12 +506,13 @@ impl Reader<'_> {
         self.problem(node, owner, kind);
     }
 
-    fn three(&mut self, node: Node, attribute: &'static str, owner: &str) -> Option<[f64; 3]> {
+    fn several<const N: usize>(&mut self, node: Node, attribute: &'static str, owner: &str) -> Option<[f64; N]> {
         let value = node.attribute(attribute)?;
         if value.contains(',') {
-            self.mended(node, owner, format!("{attribute}=\"{value}\" has commas; read as three numbers"));
+            let count = if N == 3 { "three" } else { "four" };
+            self.mended(node, owner, format!("{attribute}=\"{value}\" has commas; read as {count} numbers"));
         }
-        let mut numbers = [0.0; 3];
+        let mut numbers = [0.0; N];
         let mut found = 0;
         for word in words(value) {
             let Some(number) = word.parse::<f64>().ok().filter(|number| number.is_finite()) else {
@@ -474,9 +524,9 @@ impl Reader<'_> {
             }
             found += 1;
         }
-        if found != 3 {
+        if found != N {
             let element = node.tag_name().name().to_owned();
-            let kind = ProblemKind::WrongCount { element, attribute, value: value.to_owned(), found, expected: 3 };
+            let kind = ProblemKind::WrongCount { element, attribute, value: value.to_owned(), found, expected: N };
             self.problem(node, owner, kind);
             return None;
         }

@@ -4,6 +4,8 @@
 
 use crate::element::{Element, ElementNode};
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Origin, Robot, Shape};
+use crate::se3;
+use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -96,8 +98,25 @@ fn numbers(values: &[f64]) -> String {
 }
 
 fn origin(origin: &Origin) -> String {
-    if origin.xyz == [0.0; 3] && origin.rpy == [0.0; 3] && origin.rpy_written.is_none() {
+    let unwritten = origin.rpy_written.is_none() && origin.quat_written.is_none();
+    if origin.xyz == [0.0; 3] && origin.rpy == [0.0; 3] && unwritten {
         return String::new();
+    }
+    if let Some(written) = &origin.quat_written {
+        let turn = se3::rotation_from_rpy(origin.rpy);
+        // As written, where that still is the rotation.
+        let number = |index: usize| written[index].parse::<f64>().ok();
+        let kept = (|| {
+            let quaternion = Quaternion::new(number(3)?, number(0)?, number(1)?, number(2)?);
+            let old = UnitQuaternion::try_new(quaternion, f64::MIN_POSITIVE)?.to_rotation_matrix();
+            Some(se3::rotation_angle(&(old.inverse() * turn)) <= 1e-14)
+        })();
+        let quaternion = if kept == Some(true) {
+            written.each_ref().map(|word| escaped(word)).join(" ")
+        } else {
+            numbers(&se3::quaternion_xyzw(&turn))
+        };
+        return format!("<origin xyz=\"{}\" quat_xyzw=\"{quaternion}\"/>", numbers(&origin.xyz));
     }
     // As written, where that still is the angle.
     let angle = |index: usize| {

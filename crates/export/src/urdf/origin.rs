@@ -1,7 +1,8 @@
 //! The attributes `xyz` and `rpy`, read and written.
 
 use super::edit::Edits;
-use super::written::{Numbers, three, three_over};
+use super::written::{Numbers, three, three_over, word};
+use denavit_model::nalgebra::{Quaternion, UnitQuaternion};
 use denavit_model::robot::SourceText;
 use denavit_model::se3;
 use roxmltree::Node;
@@ -18,7 +19,20 @@ pub(crate) fn write(source: &SourceText, edits: &mut Edits, node: Node, numbers:
     }
 }
 
+/// The rotation in the notation that the element has: `quat_xyzw` of URDF 1.1, or `rpy`.
 fn write_rpy(source: &SourceText, edits: &mut Edits, node: Node, rpy: [f64; 3], scale: f64) {
+    if node.has_attribute("quat_xyzw") {
+        let turn = se3::rotation_from_rpy(rpy);
+        let stays = numbers_of(node).is_some_and(|old| {
+            let back = se3::rotation_from_rpy(old.rpy).inverse() * turn;
+            se3::rotation_angle(&back) <= 8.0 * f64::EPSILON
+        });
+        if !stays {
+            let text = se3::quaternion_xyzw(&turn).map(word).join(" ");
+            edits.attribute(source, node, "quat_xyzw", &text);
+        }
+        return;
+    }
     let written = node.attribute("rpy");
     let text = written.map_or_else(|| three(rpy), |written| three_over(written, rpy, scale));
     if (written.is_some() || rpy != [0.0; 3]) && Some(text.as_str()) != written {
@@ -52,7 +66,7 @@ pub(crate) fn joint_axis(source: &SourceText, edits: &mut Edits, joint: Node) {
     match joint.children().find(|child| is(child, "axis")) {
         Some(axis) => {
             let written = axis.attribute("xyz");
-            if written.and_then(three_of) != Some(Z) {
+            if written.and_then(several_of) != Some(Z) {
                 edits.attribute(source, axis, "xyz", "0 0 1");
             }
         }
@@ -64,14 +78,22 @@ pub(crate) fn is(node: &Node, tag: &str) -> bool {
     node.is_element() && node.tag_name().name() == tag
 }
 
-fn three_of(value: &str) -> Option<[f64; 3]> {
+fn several_of<const N: usize>(value: &str) -> Option<[f64; N]> {
     let words = value.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
     let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
     numbers?.try_into().ok()
 }
 
-/// The attributes `xyz` and `rpy`, 0 where missing; `None` where they are no numbers.
+/// The attributes `xyz` and `rpy` or `quat_xyzw`, 0 where missing; `None` where they are no numbers.
 pub(crate) fn numbers_of(node: Node) -> Option<Numbers> {
-    let three = |name| node.attribute(name).map_or(Some([0.0; 3]), three_of);
-    Some(Numbers { xyz: three("xyz")?, rpy: three("rpy")? })
+    let three = |name| node.attribute(name).map_or(Some([0.0; 3]), several_of);
+    let rpy = match node.attribute("quat_xyzw") {
+        Some(written) => {
+            let [x, y, z, w] = several_of(written)?;
+            let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), f64::MIN_POSITIVE)?;
+            se3::written_rpy(&turn.to_rotation_matrix())
+        }
+        None => three("rpy")?,
+    };
+    Some(Numbers { xyz: three("xyz")?, rpy })
 }

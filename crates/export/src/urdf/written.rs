@@ -1,15 +1,12 @@
 //! Numbers as a URDF writes them: the shortest text that reads back as the number, and `rpy` without loss near a pitch
 //! of a quarter turn.
 
-use denavit_model::nalgebra::{Rotation3, Vector3};
-use denavit_model::se3::{self, Pose};
-use std::f64::consts::PI;
+use denavit_model::nalgebra::Vector3;
+pub(crate) use denavit_model::se3::clean_angle;
+use denavit_model::se3::{self, Pose, written_rpy as rpy};
 
 /// Rounding of a product or two, relative to the numbers that went in.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// Rounding of a turn that went through some products, rad.
-const TURN_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The shortest decimal that reads back as `value`; never `-0`.
 pub(crate) fn word(value: f64) -> String {
@@ -30,30 +27,6 @@ pub(crate) fn clean(value: f64, scale: f64) -> f64 {
     let tolerance = ROUNDING * scale.max(value.abs());
     let rounded = (value * 1e12).round() / 1e12;
     if (rounded - value).abs() <= tolerance { rounded + 0.0 } else { value }
-}
-
-/// An angle without what rounding added: a multiple of π/12, or a short decimal.
-pub(crate) fn clean_angle(angle: f64) -> f64 {
-    let parts = (angle / (PI / 12.0)).round();
-    let multiple = if parts % 12.0 == 0.0 { parts / 12.0 * PI } else { parts * PI / 12.0 };
-    if (multiple - angle).abs() <= TURN_ROUNDING {
-        return multiple + 0.0;
-    }
-    // A short decimal next to a multiple of π would be read as that multiple.
-    if (multiple - angle).abs() < 1e-6 { angle } else { clean(angle, 1.0) }
-}
-
-/// URDF's fixed-axis angles, rad: the rotation that they give is `rotation` to rounding, near a pitch of a quarter turn
-/// too, where roll and yaw are one number and each by itself is lost.
-pub(crate) fn rpy(rotation: &Rotation3<f64>) -> [f64; 3] {
-    let r = rotation.matrix();
-    let cosine_of_pitch = r[(0, 0)].hypot(r[(1, 0)]);
-    let yaw = if cosine_of_pitch < ROUNDING { 0.0 } else { clean_angle(r[(1, 0)].atan2(r[(0, 0)])) };
-    // Roll from the rotation with the yaw as it will be written taken off: what the yaw lacks goes into the roll.
-    let (sine, cosine) = se3::sin_cos_of_written(yaw);
-    let roll = (sine * r[(0, 2)] - cosine * r[(1, 2)]).atan2(cosine * r[(1, 1)] - sine * r[(0, 1)]);
-    let pitch = (-r[(2, 0)]).atan2(cosine * r[(0, 0)] + sine * r[(1, 0)]);
-    [clean_angle(roll), clean_angle(pitch), yaw]
 }
 
 /// Where something sits, in the numbers that will be written.
@@ -97,7 +70,7 @@ pub(crate) fn three_over(written: &str, values: [f64; 3], scale: f64) -> String 
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
     #[test]
     fn numbers_are_short_and_never_minus_zero() {

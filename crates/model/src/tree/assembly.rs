@@ -1,8 +1,7 @@
 //! A chain put together, joint by joint, along the way from base to tip.
 
-use super::{PLANAR_PARTS, Step, TreeError};
+use super::{PLANAR_PARTS, Reading, Step, TreeError};
 use crate::chain::{Chain, ChainJoint, Coordinate, Limits, Quantity};
-use crate::intended;
 use crate::notes::{Note, Noted, Place};
 use crate::placed::PlacedRobot;
 use crate::robot::{Joint, JointKind, Robot};
@@ -18,7 +17,9 @@ const SAME_AXIS: f64 = 1e-9;
 struct ReadLiteral {
     place: Place,
     written: String,
-    angle: intended::IntendedAngle,
+    read_as: String,
+    /// rad.
+    change: f64,
     /// Reach that lay behind us when it was met, m.
     reach_before: f64,
 }
@@ -76,11 +77,11 @@ impl<'a> Assembly<'a> {
             .map_err(|source| TreeError::Chain { file: robot.source.file.clone(), source })?;
         let mut notes = self.notes;
         notes.extend(self.literals.into_iter().map(|literal| Note::IntendedAngle {
-            tip_moves: literal.angle.change.abs() * (self.reach - literal.reach_before),
+            tip_moves: literal.change.abs() * (self.reach - literal.reach_before),
             place: literal.place,
             written: literal.written,
-            read_as: literal.angle.read_as,
-            change: literal.angle.change,
+            read_as: literal.read_as,
+            change: literal.change,
         }));
         Ok(Noted { value: chain, notes })
     }
@@ -90,15 +91,16 @@ impl<'a> Assembly<'a> {
         let read = self.placed.origin(joint);
         for (written, angle) in &read.reread {
             let place = self.robot.joint_place(joint);
-            let (written, angle) = (written.clone(), angle.clone());
-            self.literals.push(ReadLiteral { place, written, angle, reach_before: self.reach });
+            let (written, read_as, change) = (written.clone(), angle.read_as.clone(), angle.change);
+            self.literals.push(ReadLiteral { place, written, read_as, change, reach_before: self.reach });
         }
         read.pose()
     }
 
     fn moving(&mut self, index: usize, upwards: bool) -> Result<(), TreeError> {
         let joint = &self.robot.joints[index];
-        let Some(screw) = joint.kind.screw(joint) else {
+        self.axis(index);
+        let Some(screw) = joint.kind.screw(joint, self.placed.reading()) else {
             return match joint.kind {
                 JointKind::Fixed => Ok(()),
                 JointKind::Planar => {
@@ -125,6 +127,22 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
+    /// Notes an axis that is read as another direction than is written. It turns what the joint does, at most by twice
+    /// the angle between the two.
+    fn axis(&mut self, index: usize) {
+        let joint = &self.robot.joints[index];
+        let meant = joint.axis_meant.as_ref().filter(|_| joint.kind.moves() && joint.kind != JointKind::Floating);
+        if let (Some(meant), Reading::Intended) = (meant, self.placed.reading()) {
+            self.literals.push(ReadLiteral {
+                place: self.robot.joint_place(index),
+                written: format!("axis {}", meant.written),
+                read_as: meant.read_as.clone(),
+                change: 2.0 * meant.turned,
+                reach_before: self.reach,
+            });
+        }
+    }
+
     fn push(&mut self, name: String, screw: Screw, coordinate: usize, scale: f64, offset: f64) {
         let screw = screw.moved(&self.base_from_here);
         let joint = ChainJoint { name, screw, coordinate, scale, offset };
@@ -135,7 +153,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn planar(&mut self, index: usize, joint: &Joint, upwards: bool) {
-        let normal = joint.axis;
+        let normal = joint.axis_as(self.placed.reading());
         // The plane's own x and y: those of the frame when the normal is z, else turned with it.
         let across = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
         let x = Unit::new_normalize(across - normal.as_ref() * normal.dot(&across));
