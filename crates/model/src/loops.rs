@@ -19,8 +19,7 @@ pub struct Loop {
 }
 
 /// Tags without a prefix, beside links and joints, that close a loop; so does every tag that ends in `_constraint`.
-const CLOSING: [&str; 6] =
-    ["constraint", "loop_joint", "loop", "closed_loop", "loop_closure", "linear_bushing_rpy"];
+const CLOSING: [&str; 6] = ["constraint", "loop_joint", "loop", "closed_loop", "loop_closure", "linear_bushing_rpy"];
 
 impl Robot {
     /// Every closed loop that the file states beside the tree, in the order of the file.

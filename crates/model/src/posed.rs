@@ -252,7 +252,8 @@ impl Parts<'_> {
     /// SDF's `<pose>`: three lengths, then fixed-axis angles or a quaternion.
     fn pose(&self, node: usize, within: &Frame) -> Option<Posed> {
         let own = &self.nodes[node];
-        let named = ["relative_to", "frame"].iter().find_map(|name| own.attribute(name).filter(|name| !name.is_empty()));
+        let named =
+            ["relative_to", "frame"].iter().find_map(|name| own.attribute(name).filter(|name| !name.is_empty()));
         let frame = match named {
             Some("world" | "__model__") => Frame::Root,
             Some(name) => Frame::Named(name.to_owned()),
@@ -401,7 +402,9 @@ mod tests {
             sensor(&format!("<pose relative_to=\"a\">1 2 3 0 0 {quarter}</pose>")),
             format!("<gazebo><plugin name=\"p\">{offsets}<rpy_offset>0 0 {quarter}</rpy_offset></plugin></gazebo>"),
             format!("<sensor name=\"s\"><parent link=\"a\"/><origin xyz=\"1 2 3\" rpy=\"0 0 {quarter}\"/></sensor>"),
-            format!("<sensor name=\"s\"><parent link=\"a\"/><origin xyz=\"1 2 3\" quat_xyzw=\"0 0 {half} {half}\"/></sensor>"),
+            format!(
+                "<sensor name=\"s\"><parent link=\"a\"/><origin xyz=\"1 2 3\" quat_xyzw=\"0 0 {half} {half}\"/></sensor>"
+            ),
             format!("<frame name=\"f\" link=\"a\" xyz=\"1 2 3\" rpy=\"0 0 {quarter}\"/>"),
         ];
         let expected = se3::pose(se3::rotation_from_rpy([0.0, 0.0, quarter]), Vector3::new(1.0, 2.0, 3.0));
@@ -412,7 +415,8 @@ mod tests {
             let Placed::Pose(pose) = &posed.placed else { panic!("{case}") };
             let (turned, moved) = se3::difference(pose, &expected);
             assert!(turned < 1e-15 && moved < 1e-15, "{case}: {turned} {moved}");
-            let numbers: Vec<f64> = posed.rewritten(&posed.placed).into_iter().flat_map(|change| change.numbers).collect();
+            let numbers: Vec<f64> =
+                posed.rewritten(&posed.placed).into_iter().flat_map(|change| change.numbers).collect();
             assert!((numbers[0] - 1.0).abs() < 1e-15 && numbers.len() >= 6, "{case}: {numbers:?}");
             if case.contains("degrees") {
                 assert!((numbers[5] - 90.0).abs() < 1e-13, "{numbers:?}");

@@ -439,7 +439,10 @@ impl Robot {
                 "<calibration> states where a reference sensor switches{many}; it is carried along and shifts no joint's \
                  zero here"
             );
-            notes.push(Note::NotUnderstood { place: self.source.place(first.at, format!("joint \"{}\"", first.name)), what });
+            notes.push(Note::NotUnderstood {
+                place: self.source.place(first.at, format!("joint \"{}\"", first.name)),
+                what,
+            });
         }
         notes
     }

@@ -7,9 +7,9 @@ mod known;
 
 use crate::chain::Limits;
 use crate::element::Element;
+use crate::intended;
 use crate::notes::{Note, Place};
 use crate::problems::{Problem, ProblemKind, UrdfError, nearest_name};
-use crate::intended;
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Mimic, Origin, Robot, Shape, SourceText};
 use crate::screw::Pitch;
 use crate::se3;
@@ -107,7 +107,7 @@ struct Reader<'a> {
     source: &'a SourceText,
     problems: Vec<Problem>,
     notes: Vec<Note>,
-    }
+}
 
 fn element_of(node: Node) -> String {
     match node.attribute("name") {

@@ -69,13 +69,14 @@ fn a_file_that_is_understood_is_wholly_understood() {
     assert_eq!(inventory.count(Outcome::Reported), 0);
     // Two materials and a transmission.
     assert_eq!(inventory.count(Outcome::Carried), 3, "{:?}", inventory.items);
-    assert_eq!(inventory.understood, 95);
+    // All attributes but those of two materials, a colour and a transmission.
+    assert_eq!(inventory.understood, positions().len() + ROBOT.matches("=\"").count() - 4);
 }
 
 #[test]
 fn every_position_reports_an_attribute_an_element_and_a_text() {
     let line = |at: usize| 1 + ROBOT[..at].matches('\n').count();
-    assert!(positions().len() > 40);
+    assert!(positions().len() > 30);
     for (at, tag) in positions() {
         let attribute = format!("{} odd=\"1\"{}", &ROBOT[..at], &ROBOT[at..]);
         for (text, words) in [
@@ -111,7 +112,8 @@ fn near_names_are_proposed() {
     assert!(said("<limit lower", "<limits lower").contains("did you mean <limit>?"));
     assert!(said(" damping=", " dampng=").contains("did you mean damping?"));
     assert!(said("<axis xyz=", "<axis xzy=").contains("did you mean xyz?"));
-    let odd = said("<origin xyz=\"0 0 1\" rpy=\"0 0 0\"/><parent", "<origin xyz=\"0 0 1\" quat_wxyz=\"1 0 0 0\"/><parent");
+    let odd =
+        said("<origin xyz=\"0 0 1\" rpy=\"0 0 0\"/><parent", "<origin xyz=\"0 0 1\" quat_wxyz=\"1 0 0 0\"/><parent");
     assert!(odd.contains("joint \"j\": attribute quat_wxyz=\"1 0 0 0\" of <origin>"), "{odd}");
     assert!(odd.contains("xyz, rpy or quat_xyzw") || odd.contains("did you mean quat_xyzw"), "{odd}");
 }

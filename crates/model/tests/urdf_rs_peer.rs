@@ -177,6 +177,7 @@ fn what_we_write_reads_back_as_it_was() {
             }
             for joint in &mut joints {
                 joint.origin.rpy_written = None;
+                joint.axis_meant = None;
             }
             format!("{links:?} {joints:?} {elements:?} {}", robot.root)
         };

@@ -92,7 +92,7 @@ impl Account {
         self.unknown.push(Unknown {
             at: attribute.range().start,
             owner: owner_of(node),
-            what: format!("attribute {name}=\"{}\" of <{tag}>", shortened(attribute.value())),
+            what: format!("attribute {name}=\"{}\" of <{tag}>", shortened(attribute.value(), KEPT)),
             note: Some(format!("is not understood and changes nothing here; {advice}")),
             kind: format!("attribute {name} of <{tag}>"),
         });
@@ -133,7 +133,7 @@ impl Account {
         self.unknown.push(Unknown {
             at: node.range().start,
             owner: owner_of(node),
-            what: format!("text \"{}\" in <{tag}>", shortened(text.trim())),
+            what: format!("text \"{}\" in <{tag}>", shortened(text.trim(), KEPT)),
             note: Some("is not understood and changes nothing here; write attributes or a comment".to_owned()),
             kind: format!("text in <{tag}>"),
         });
@@ -152,7 +152,7 @@ impl Account {
         let note = |(first, note, count): (&Unknown, &String, usize)| {
             let more = if count > 1 { format!(" ({count} of this kind in the file)") } else { String::new() };
             let place = source.place(first.at, first.owner.as_str());
-            Note::NotUnderstood { place, what: format!("{} {note}{more}", first.what) }
+            Note::NotUnderstood { place, what: format!("{} {note}{more}", shortened(&first.what, SHOWN)) }
         };
         kinds.into_iter().map(note).collect()
     }
@@ -168,11 +168,13 @@ impl Account {
     }
 }
 
-/// Longer values are cut in messages.
-const SHOWN: usize = 60;
+/// Longer ones are cut in notes.
+const SHOWN: usize = 120;
+/// Longer values are cut in the inventory.
+const KEPT: usize = 1000;
 
-fn shortened(value: &str) -> String {
-    match value.char_indices().nth(SHOWN) {
+fn shortened(value: &str, length: usize) -> String {
+    match value.char_indices().nth(length) {
         Some((end, _)) => format!("{}…", &value[..end]),
         None => value.to_owned(),
     }

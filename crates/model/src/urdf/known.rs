@@ -61,8 +61,7 @@ static GEOMETRY: Known =
     Known { children: &[&BOX, &SPHERE, &CYLINDER, &CAPSULE, &MESH], ..leaf("geometry", &["name"]) };
 
 static SHAPE: &[&Known] = &[&ORIGIN, &GEOMETRY];
-static VISUAL: Known =
-    Known { children: SHAPE, carried: &["material"], once: false, ..placing("visual", &["name"]) };
+static VISUAL: Known = Known { children: SHAPE, carried: &["material"], once: false, ..placing("visual", &["name"]) };
 static COLLISION: Known = Known {
     children: SHAPE,
     carried: &["material", "surface", "proximity_properties", "contact_coefficients"],
@@ -88,18 +87,7 @@ static LINK: Known = Known {
 };
 static JOINT: Known = Known {
     kept: &["dont_collapse"],
-    children: &[
-        &ORIGIN,
-        &PARENT,
-        &CHILD,
-        &AXIS,
-        &LIMIT,
-        &MIMIC,
-        &PITCH,
-        &DYNAMICS,
-        &SOFT_LIMITS,
-        &CALIBRATION,
-    ],
+    children: &[&ORIGIN, &PARENT, &CHILD, &AXIS, &LIMIT, &MIMIC, &PITCH, &DYNAMICS, &SOFT_LIMITS, &CALIBRATION],
     carried: &[
         "controller_gains",
         "joint_properties",
