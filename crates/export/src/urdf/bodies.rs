@@ -2,7 +2,7 @@
 
 use denavit_model::PlacedRobot;
 use denavit_model::intended;
-use denavit_model::nalgebra::Vector3;
+use denavit_model::nalgebra::{Unit, Vector3};
 use denavit_model::notes::Note;
 use denavit_model::robot::{Joint, JointKind, Robot};
 use denavit_model::se3::Pose;
@@ -16,6 +16,8 @@ pub(crate) struct Bodies {
     pub origins: Vec<Numbers>,
     /// Whether a literal of the joint's origin was read as another number.
     pub reread: Vec<bool>,
+    /// Each joint's axis in its child link's frame, read as was asked for.
+    pub axes: Vec<Unit<Vector3<f64>>>,
     /// root_from_link.
     pub poses: Vec<Pose>,
     /// The joint that carries each link.
@@ -54,6 +56,14 @@ impl Bodies {
                 change: intended.change,
                 tip_moves: intended.change.abs() * reach[joint.child],
             }));
+            let meant = joint.axis_meant.as_ref().filter(|_| reading == Reading::Intended && has_axis(&joint.kind));
+            notes.extend(meant.map(|meant| Note::IntendedAngle {
+                place: robot.joint_place(index),
+                written: format!("axis {}", meant.written),
+                read_as: meant.read_as.clone(),
+                change: meant.turned,
+                tip_moves: 2.0 * meant.turned * reach[joint.child],
+            }));
         }
         let mut on_the_way = vec![false; robot.links.len()];
         for link in placed.order().iter().rev() {
@@ -65,6 +75,7 @@ impl Bodies {
         Self {
             origins,
             reread,
+            axes: robot.joints.iter().map(|joint| joint.axis_as(reading)).collect(),
             poses: links.clone().map(|link| *placed.pose(link)).collect(),
             to_parent: links.clone().map(|link| placed.carrier(link)).collect(),
             body: links.map(|link| placed.body(link)).collect(),

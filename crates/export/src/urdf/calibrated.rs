@@ -56,7 +56,7 @@ pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result
             next = moved(&nominal.joints()[index].screw, &joints[index].screw, &frame) * frame;
         }
         let carries_the_tip = Some(place) == last_moving && place + 1 == way.len();
-        if carries_the_tip && on_axis(&next, &home, &joint.axis, calibrated.size()) {
+        if carries_the_tip && on_axis(&next, &home, &bodies.axes[*index], calibrated.size()) {
             next = home;
         }
         if place + 1 == way.len() && Some(place) != last_moving {

@@ -97,7 +97,7 @@ impl Plan {
         let start = bodies.body[robot.joints[joints[0]].parent];
         let base = self.poses[start];
         let base_from = |link: usize| base.inverse() * bodies.poses[link];
-        let steps = steps(robot, joints, &base_from);
+        let steps = steps(robot, bodies, joints, &base_from);
         let names = (robot.name.clone(), robot.links[start].name.clone(), robot.links[tip].name.clone());
         let chain = chain(robot, names, &steps, base_from(tip))
             .map_err(|source| ExportError::Chain { file: robot.source.file.clone(), source })?;
@@ -232,12 +232,12 @@ struct Step {
     screw: Screw,
 }
 
-fn steps(robot: &Robot, joints: &[usize], base_from: &impl Fn(usize) -> Pose) -> Vec<Step> {
+fn steps(robot: &Robot, bodies: &Bodies, joints: &[usize], base_from: &impl Fn(usize) -> Pose) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     for index in joints {
         let joint = &robot.joints[*index];
         let pose = base_from(joint.child);
-        let direction = Unit::new_normalize(pose.rotation * joint.axis.as_ref());
+        let direction = Unit::new_normalize(pose.rotation * bodies.axes[*index].as_ref());
         let axis = AxisLine { direction, point: Point3::from(pose.translation.vector) };
         let screw = match joint.kind {
             JointKind::Prismatic => Screw::Prismatic(direction),

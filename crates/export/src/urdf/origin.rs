@@ -2,7 +2,7 @@
 
 use super::edit::Edits;
 use super::written::{Numbers, three, three_over, word};
-use denavit_model::nalgebra::{Quaternion, UnitQuaternion};
+use denavit_model::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use denavit_model::robot::SourceText;
 use denavit_model::se3;
 use roxmltree::Node;
@@ -57,6 +57,19 @@ pub(crate) fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, 
         }
         None if *numbers == Numbers::default() => {}
         None => edits.first_child(source, joint, &numbers.element()),
+    }
+}
+
+/// A joint's axis as it was meant, where that is another than is written.
+pub(crate) fn axis_as_meant(source: &SourceText, edits: &mut Edits, joint: Node, axis: [f64; 3]) {
+    let found = joint.children().find(|child| is(child, "axis"));
+    let written = found.and_then(|axis| several_of::<3>(axis.attribute("xyz")?));
+    let stays = written.is_none_or(|written| {
+        let length = Vector3::from(written).norm();
+        (Vector3::from(written) / length - Vector3::from(axis)).norm() <= 4.0 * f64::EPSILON
+    });
+    if let (Some(found), false) = (found, stays) {
+        edits.attribute(source, found, "xyz", &three(axis));
     }
 }
 

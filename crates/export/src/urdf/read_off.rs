@@ -32,7 +32,7 @@ pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: R
             between.push(bodies.origins[index]);
             continue;
         }
-        let z = joint.axis.z;
+        let z = bodies.axes[index].z;
         if !has_axis(&joint.kind) || z.abs() != 1.0 {
             return None;
         }

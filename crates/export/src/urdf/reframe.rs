@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, has_axis};
 use super::edit::Edits;
 use super::frames::Plan;
-use super::origin::{is, joint_axis, joint_origin, numbers_of, write, write_xyz};
+use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_of, write, write_xyz};
 use super::written::{Numbers, three};
 use super::{ExportError, nodes::Nodes};
 use denavit_model::notes::Note;
@@ -146,6 +146,9 @@ pub(crate) fn edit(
             joint_origin(&robot.source, edits, node, &numbers);
             joint_axis(&robot.source, edits, node);
             continue;
+        }
+        if has_axis(&joint.kind) {
+            axis_as_meant(&robot.source, edits, node, bodies.axes[index].into_inner().into());
         }
         let old = bodies.origins[index];
         let on_the_way = !joint.kind.moves() && bodies.on_the_way[joint.child];

@@ -42,10 +42,10 @@ pub(crate) fn poses(robot: &Robot, bodies: &Bodies, value: &dyn Fn(&Joint) -> f6
     for link in &bodies.order {
         let Some(index) = bodies.to_parent[*link] else { continue };
         let joint = &robot.joints[index];
-        let line = AxisLine { direction: joint.axis, point: Point3::origin() };
+        let line = AxisLine { direction: bodies.axes[index], point: Point3::origin() };
         let motion = match &joint.kind {
             JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line).motion(value(joint)),
-            JointKind::Prismatic => Screw::Prismatic(joint.axis).motion(value(joint)),
+            JointKind::Prismatic => Screw::Prismatic(bodies.axes[index]).motion(value(joint)),
             JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch }.motion(value(joint)),
             _ => Pose::identity(),
         };

@@ -36,7 +36,12 @@ pub fn edit(robot: &Robot, kind: usize, chance: &mut Chance) -> Option<(String, 
 pub const KINDS: usize = 10;
 
 pub fn origin_of(pose: &Pose) -> Origin {
-    Origin { xyz: pose.translation.vector.into(), rpy: se3::rpy_from_rotation(&pose.rotation), rpy_written: None }
+    Origin {
+        xyz: pose.translation.vector.into(),
+        rpy: se3::rpy_from_rotation(&pose.rotation),
+        rpy_written: None,
+        quat_written: None,
+    }
 }
 
 /// A leaf link that is nothing but its frame is what it says; the root stands for the floor.
