@@ -1,0 +1,137 @@
+//! Newton's method on the pose of an arm, from a start near a solution; and damped least squares where none is sure.
+
+use crate::arm::SixR;
+use denavit_model::nalgebra::{Matrix6, Vector3, Vector6};
+use denavit_model::{Chain, Pose, se3};
+
+/// A step of more than this, rad, is shortened: beyond it the linear model says nothing.
+const LONGEST_STEP: f64 = 0.5;
+/// From a start near the solution Newton's method doubles its digits in each step; what needs more has left it.
+const MOST_STEPS: usize = 15;
+
+/// How far a pose is from the target: `[rotation vector, translation / size]`, both in the base frame.
+#[inline]
+pub(crate) fn error(target: &Pose, reached: &Pose, size: f64) -> Vector6<f64> {
+    let turn = small_rotation_vector(target, reached);
+    let shift = (target.translation.vector - reached.translation.vector) / size;
+    Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
+}
+
+/// The rotation vector (rad) from one orientation to the other: by half the difference of the columns' cross products where it is
+/// small, which keeps all digits and needs no quaternion.
+#[inline]
+fn small_rotation_vector(target: &Pose, reached: &Pose) -> Vector3<f64> {
+    let (t, r) = (target.rotation.matrix(), reached.rotation.matrix());
+    let trace = t.component_mul(r).sum();
+    if trace < 2.9 {
+        return se3::rotation_vector(&(target.rotation * reached.rotation.inverse()));
+    }
+    let sum: Vector3<f64> = (0..3).map(|k| r.column(k).cross(&t.column(k))).sum();
+    let sine = 0.5 * sum;
+    // sin θ u; θ/sin θ to fourth order, exact to rounding for the angles that come here.
+    let square = sine.norm_squared();
+    sine * (1.0 + square / 6.0 + 3.0 * square * square / 40.0)
+}
+
+/// Refines joint values of a six-joint arm; returns the error that is left, or `None` where it did not converge.
+pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, values: &mut [f64; 6], close: f64) -> Option<f64> {
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let mut jacobian = Matrix6::zeros();
+        let mut reached = Pose::identity();
+        for (k, (axis, value)) in arm.axes.iter().zip(values.iter()).enumerate() {
+            let direction = reached.rotation * axis.direction;
+            let point = reached.rotation * axis.point + reached.translation.vector;
+            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&direction);
+            jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&point);
+            reached *= axis.motion(*value);
+        }
+        reached *= arm.home;
+        let error = error(target, &reached, size);
+        let now = error.norm();
+        // Rounding alone is left, or the error no longer falls at the end.
+        if now < 1e-15 || (now < close && now >= 0.5 * last) {
+            return Some(now);
+        }
+        last = now;
+        let tip = reached.translation.vector;
+        for k in 0..6 {
+            let direction: Vector3<f64> = jacobian.fixed_view::<3, 1>(0, k).into_owned();
+            let point: Vector3<f64> = jacobian.fixed_view::<3, 1>(3, k).into_owned();
+            jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&(direction.cross(&(tip - point)) / size));
+        }
+        let mut step = error;
+        if !jacobian.lu().solve_mut(&mut step) {
+            return (now < close).then_some(now);
+        }
+        let longest = step.amax();
+        if !longest.is_finite() {
+            return (now < close).then_some(now);
+        }
+        let share = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };
+        for (value, step) in values.iter_mut().zip(step.iter()) {
+            *value += share * step;
+        }
+    }
+    (last < close).then_some(last)
+}
+
+/// Levenberg-Marquardt for any chain: from `q` to a least distance of pose, error as in [`error`]. Returns the error that is left.
+///
+/// The step is Jᵀ (J Jᵀ + λ)⁻¹ e, six equations for any number of coordinates.
+pub(crate) fn least_squares(
+    chain: &Chain,
+    target: &Pose,
+    size: f64,
+    q: &mut [f64],
+    (columns, trial): (&mut [Vector6<f64>], &mut [f64]),
+    most_steps: usize,
+) -> f64 {
+    let mut reached = chain.tip_jacobian_into(q, columns);
+    let mut left = error(target, &reached, size);
+    let mut damping = 1e-3;
+    for _ in 0..most_steps {
+        if left.norm() < 1e-14 {
+            break;
+        }
+        let mut square = Matrix6::zeros();
+        for column in columns.iter_mut() {
+            for k in 3..6 {
+                column[k] /= size;
+            }
+            square += *column * column.transpose();
+        }
+        let mut improved = false;
+        for _ in 0..8 {
+            let damped = square + Matrix6::identity() * (damping * damping);
+            let Some(factor) = damped.cholesky() else { break };
+            let multiplier = factor.solve(&left);
+            let mut longest: f64 = 0.0;
+            for ((trial, q), column) in trial.iter_mut().zip(q.iter()).zip(columns.iter()) {
+                let step = column.dot(&multiplier);
+                longest = longest.max(step.abs());
+                *trial = q + step;
+            }
+            let share = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };
+            if share < 1.0 {
+                for (trial, q) in trial.iter_mut().zip(q.iter()) {
+                    *trial = q + share * (*trial - q);
+                }
+            }
+            let there = error(target, &chain.fk(trial), size);
+            if there.norm() < left.norm() {
+                improved = longest > 1e-13;
+                q.copy_from_slice(trial);
+                damping = (damping * 0.1).max(1e-9);
+                break;
+            }
+            damping = (damping * 4.0).min(1e3);
+        }
+        if !improved {
+            break;
+        }
+        reached = chain.tip_jacobian_into(q, columns);
+        left = error(target, &reached, size);
+    }
+    left.norm()
+}

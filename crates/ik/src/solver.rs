@@ -1,0 +1,612 @@
+//! The solver: which method a chain gets, and all its solutions for a pose.
+
+use crate::arm::SixR;
+use crate::branch::Branch;
+use crate::circles::{EXACT, Few, SLACK};
+use crate::class::{Class, Drawn};
+use crate::general::Elimination;
+use crate::newton;
+use crate::{parallel, wrist};
+use denavit_model::chain::Quantity;
+use denavit_model::nalgebra::Vector6;
+use denavit_model::{Chain, Pose, Screw, se3};
+use std::f64::consts::TAU;
+use std::fmt;
+use thiserror::Error;
+
+/// A pose counts as reached within this, rad and share of the robot's size: far above rounding, far below any encoder.
+const REACHED: f64 = 1e-9;
+/// Two solutions are one when no joint differs by more, rad or share of the robot's size: solutions that meet at a singularity are
+/// known to half the digits.
+const SAME: f64 = 1e-6;
+/// Starts of the numerical search.
+const RESTARTS: u32 = 120;
+/// Starts around a branch that the real arm does not have where the drawn one has it, and how far around, rad: the
+/// nearer a singularity, the smaller the region from which Newton's method finds a branch.
+const AROUND: u32 = 40;
+const NEARBY: [f64; 2] = [0.12, 0.4];
+/// Steps of one numerical search.
+const SEARCH_STEPS: usize = 60;
+/// Values of a redundant joint that are tried where the given one reaches nothing.
+const SWEEP: u32 = 72;
+
+/// Why a chain gets no solver.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum IkError {
+    /// Nothing moves.
+    #[error("the chain from \"{base}\" to \"{tip}\" has no moving joint; name another base or tip")]
+    NoJoints {
+        /// Its base.
+        base: String,
+        /// Its tip.
+        tip: String,
+    },
+}
+
+/// How solutions are found.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Method {
+    /// Six revolute joints: every branch in closed form.
+    ClosedForm {
+        /// Which closed form.
+        class: Class,
+        /// By how much axes miss parallel in this arm, rad: the branches of the exact arm are carried over by Newton's method.
+        angle: f64,
+        /// By how much axes miss their common point, m.
+        distance: f64,
+    },
+    /// Seven revolute joints: the closed form of the six others at each value of one.
+    Redundant {
+        /// Index of the joint whose value is a parameter.
+        parameter: usize,
+        /// The closed form of the others.
+        class: Class,
+    },
+    /// Anything else: damped least squares from many starts. Finds most solutions, not surely all.
+    Search,
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ClosedForm { class, angle, distance } => {
+                write!(f, "closed form: {class}")?;
+                if *angle > 1e-9 {
+                    write!(f, " within {:.1e} rad", angle)?;
+                }
+                if *distance > 1e-9 {
+                    write!(f, " within {:.3} mm", distance * 1e3)?;
+                }
+                Ok(())
+            }
+            Self::Redundant { parameter, class } => {
+                write!(f, "closed form at each value of joint {}; of the others {class}", parameter + 1)
+            }
+            Self::Search => write!(f, "numerical search from {RESTARTS} starts; it may miss solutions"),
+        }
+    }
+}
+
+/// One solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Which branch, where the arm's class has names for them.
+    pub branch: Option<Branch>,
+    /// Distance of the tip's origin from the target, m.
+    pub position_error: f64,
+    /// Angle of the tip from the target, rad.
+    pub orientation_error: f64,
+    /// Every joint is within its limits.
+    pub within_limits: bool,
+}
+
+/// The solutions for one pose; kept by the caller, so that further poses allocate nothing.
+#[derive(Debug, Clone, Default)]
+pub struct Solutions {
+    coordinates: usize,
+    joints: Vec<f64>,
+    found: Vec<Found>,
+    lost: usize,
+    reached: bool,
+    columns: Vec<Vector6<f64>>,
+    trial: Vec<f64>,
+    start: Vec<f64>,
+}
+
+impl Solutions {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    /// None was found, not even a nearest.
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    /// Each with its joint values (rad, m), nearest to where the search began first, those outside of limits last.
+    pub fn iter(&self) -> impl Iterator<Item = (&[f64], &Found)> {
+        self.joints.chunks_exact(self.coordinates.max(1)).zip(&self.found)
+    }
+
+    /// Whether the pose is reached; if not, the one solution is the nearest that was found.
+    pub fn reached(&self) -> bool {
+        self.reached
+    }
+
+    /// Branches of the drawn arm that this arm does not have at this pose, or that were not found on it.
+    pub fn lost(&self) -> usize {
+        self.lost
+    }
+
+    fn clear(&mut self, coordinates: usize) {
+        self.coordinates = coordinates;
+        self.joints.clear();
+        self.found.clear();
+        self.lost = 0;
+        self.reached = false;
+        self.columns.resize(coordinates, Vector6::zeros());
+        self.trial.resize(coordinates, 0.0);
+        self.start.resize(coordinates, 0.0);
+    }
+}
+
+/// The closed form of six joints.
+#[derive(Debug, Clone)]
+struct Six {
+    arm: SixR,
+    drawn: Drawn,
+    general: Option<Box<Elimination>>,
+    /// How far beyond tangency a branch of the drawn arm is tried on the real one.
+    slack: f64,
+}
+
+/// What a pose's six-joint candidates were good for.
+#[derive(Default)]
+struct Tally {
+    lost: usize,
+}
+
+impl Six {
+    fn of(arm: SixR, size: f64, always_general: bool) -> Self {
+        let drawn = Drawn::of(&arm, size);
+        let exact = drawn.angle < 1e-9 && drawn.distance < 1e-9 * size;
+        let needs_general = always_general && (!exact || drawn.class == Class::General);
+        let general = needs_general.then(|| Box::new(Elimination::of(&arm, size)));
+        Self { arm, drawn, general, slack: if exact { EXACT } else { SLACK } }
+    }
+
+    /// Calls `add` with the joint values of each solution.
+    fn each(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6], Option<Branch>) -> bool) -> Tally {
+        let mut tally = Tally::default();
+        let reversed = self.drawn.is_reversed();
+        let seen = if reversed { target.inverse() } else { *target };
+        let is_wrist = matches!(self.drawn.class, Class::SphericalWrist | Class::SphericalShoulder);
+        let found = match self.drawn.class {
+            Class::SphericalWrist | Class::SphericalShoulder => wrist::solve(&self.drawn.arm, &seen, self.slack),
+            Class::ParallelShoulder | Class::ParallelWrist => parallel::solve(&self.drawn.arm, &seen, self.slack),
+            Class::General => {
+                self.eliminate(target, size, |values| {
+                    add(values, None);
+                });
+                return tally;
+            }
+        };
+        let turned = |values: &[f64; 6]| {
+            let mut values = *values;
+            if reversed {
+                values.reverse();
+                values.iter_mut().for_each(|value| *value = -*value);
+            }
+            values
+        };
+        let exact = self.slack <= EXACT;
+        let named = |values: &[f64; 6]| Some(Branch::of(&self.drawn.arm, &turned(values), is_wrist));
+        let (mut failed, mut reached) = (Few::<[f64; 6], 8>::new([0.0; 6]), 0u32);
+        for values in found.as_slice() {
+            let mut there = turned(values);
+            if newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() && add(&there, named(&there)) {
+                reached += 1;
+            } else {
+                failed.push(*values);
+            }
+        }
+        // Near a singularity a branch of the real arm lies far from that of the drawn one. Solutions come in pairs, so that an odd
+        // number of them tells the same.
+        if exact || (failed.as_slice().is_empty() && reached % 2 == 0) {
+            return tally;
+        }
+        for values in failed.as_slice() {
+            let drawn_reaches = newton::error(&seen, &self.drawn.arm.fk(values), size).norm() < 1e-6;
+            // All of the starts: where two singularities meet the real arm may have four branches in place of two.
+            let mut found = false;
+            for k in 0..AROUND {
+                let mut there = turned(values);
+                for (joint, value) in there.iter_mut().enumerate() {
+                    *value += NEARBY[k as usize % 2] * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0);
+                }
+                found |= newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() && add(&there, named(&there));
+            }
+            tally.lost += usize::from(!found && drawn_reaches);
+        }
+        self.eliminate(target, size, |values| {
+            add(values, named(values));
+        });
+        tally
+    }
+
+    fn eliminate(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6])) {
+        let Some(general) = &self.general else { return };
+        for values in general.solve(target, size).as_slice() {
+            let mut there = *values;
+            if newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() {
+                add(&there);
+            }
+        }
+    }
+}
+
+#[derive(Debug, Clone)]
+enum Way {
+    Six(Six),
+    Seven { parameter: usize },
+    Search,
+}
+
+/// Inverse kinematics of one chain.
+///
+/// # Examples
+/// ```
+/// use denavit_ik::Solver;
+/// use denavit_model::examples;
+/// let arm = examples::puma_like();
+/// let solver = Solver::new(&arm)?;
+/// let pose = arm.fk(&[0.3, 0.5, -0.7, 0.4, 0.6, -0.2]);
+/// let solutions = solver.solve(&pose, &[0.0; 6]);
+/// assert_eq!(solutions.len(), 8);
+/// # Ok::<(), denavit_ik::IkError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Solver {
+    chain: Chain,
+    size: f64,
+    way: Way,
+    method: Method,
+}
+
+/// Joints of a seven-joint arm in the order in which they are tried as the parameter: the third turns the elbow of arms with a
+/// spherical shoulder and wrist, the last that of arms with an offset wrist.
+const PARAMETERS: [usize; 7] = [2, 6, 3, 0, 4, 1, 5];
+
+impl Solver {
+    /// Reads the chain's class off its screw axes.
+    ///
+    /// # Errors
+    /// The chain has no coordinate.
+    pub fn new(chain: &Chain) -> Result<Self, IkError> {
+        if chain.coordinates().is_empty() {
+            return Err(IkError::NoJoints { base: chain.base().to_owned(), tip: chain.tip().to_owned() });
+        }
+        let size = chain.size();
+        let (way, method) = if let Some(arm) = SixR::of(chain) {
+            let six = Six::of(arm, size, true);
+            let (class, angle, distance) = (six.drawn.class, six.drawn.angle, six.drawn.distance);
+            (Way::Six(six), Method::ClosedForm { class, angle, distance })
+        } else if let Some((parameter, class)) = redundant(chain, size) {
+            (Way::Seven { parameter }, Method::Redundant { parameter, class })
+        } else {
+            (Way::Search, Method::Search)
+        };
+        Ok(Self { chain: chain.clone(), size, way, method })
+    }
+
+    /// How solutions are found for this chain.
+    pub fn method(&self) -> &Method {
+        &self.method
+    }
+
+    /// The chain.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// All solutions for a pose; see [`Solver::solve_into`].
+    pub fn solve(&self, target: &Pose, near: &[f64]) -> Solutions {
+        let mut solutions = Solutions::default();
+        self.solve_into(target, near, &mut solutions);
+        solutions
+    }
+
+    /// All solutions for base_from_tip = `target`, nearest to `near` first; those outside of limits last.
+    ///
+    /// Joints that turn are given by the whole turns that bring them next to `near` within their limits. Where no solution
+    /// reaches the pose, the nearest that was found is the only one ([`Solutions::reached`] is false). Chains of more than six
+    /// coordinates: the solutions at the parameter's value in `near`, or at the nearest value that has one.
+    ///
+    /// # Shape and units
+    /// `near`: one value per coordinate, rad or m.
+    ///
+    /// # Panics
+    /// `near` is shorter than [`Chain::coordinates`].
+    pub fn solve_into(&self, target: &Pose, near: &[f64], solutions: &mut Solutions) {
+        let n = self.chain.coordinates().len();
+        let near = &near[..n];
+        solutions.clear(n);
+        match &self.way {
+            Way::Six(six) => {
+                let tally = six.each(target, self.size, |values, branch| {
+                    self.add(target, near, values, branch, solutions)
+                });
+                solutions.lost = tally.lost;
+            }
+            Way::Seven { parameter } => self.seven(*parameter, target, near, solutions),
+            Way::Search => self.search(target, near, solutions, RESTARTS),
+        }
+        solutions.reached = !solutions.found.is_empty();
+        if !solutions.reached {
+            self.nearest(target, near, solutions);
+        }
+        self.sort(near, solutions);
+    }
+
+    /// One solution per pose along a path, each next to the one before: the branch of `start` is kept where it can be.
+    ///
+    /// The second value says where it could not: `None` for a pose that is not reached, else how far the joint that moves most
+    /// turned (rad) or slid (m) from the pose before.
+    pub fn follow(&self, path: &[Pose], start: &[f64]) -> Vec<(Vec<f64>, Option<f64>)> {
+        let mut near = start.to_vec();
+        let mut solutions = Solutions::default();
+        path.iter()
+            .map(|target| {
+                self.solve_into(target, &near, &mut solutions);
+                let reached = solutions.reached();
+                let best = solutions.iter().next().map_or_else(|| near.clone(), |(joints, _)| joints.to_vec());
+                let step = best.iter().zip(&near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                if reached {
+                    near.clone_from(&best);
+                }
+                (best, reached.then_some(step))
+            })
+            .collect()
+    }
+
+    /// Adds joint values unless they are there already; whether they are new.
+    fn add(
+        &self,
+        target: &Pose,
+        near: &[f64],
+        values: &[f64],
+        branch: Option<Branch>,
+        solutions: &mut Solutions,
+    ) -> bool {
+        let n = near.len();
+        let at = solutions.joints.len();
+        for (k, joint) in self.chain.joints().iter().enumerate() {
+            let q = (values[k] - joint.offset) / joint.scale;
+            solutions.joints.push(self.unwound(k, q, near[k], joint.scale));
+        }
+        self.keep(target, at, n, branch, solutions)
+    }
+
+    /// Keeps the joint values that stand at `at` unless they are there already, or miss the target.
+    fn keep(&self, target: &Pose, at: usize, n: usize, branch: Option<Branch>, solutions: &mut Solutions) -> bool {
+        let (before, new) = solutions.joints.split_at(at);
+        let same = |old: &[f64]| {
+            old.iter().zip(new).zip(self.chain.coordinates()).all(|((a, b), coordinate)| match coordinate.quantity {
+                Quantity::Angle => {
+                    let turns = ((a - b) / TAU).round();
+                    (a - b - turns * TAU).abs() < SAME
+                }
+                Quantity::Length => (a - b).abs() < SAME * self.size,
+            })
+        };
+        let again = before.chunks_exact(n).any(same);
+        let (orientation_error, position_error) = se3::difference(&self.chain.fk(new), target);
+        if again || position_error > 2.0 * REACHED * self.size || orientation_error > 2.0 * REACHED {
+            solutions.joints.truncate(at);
+            return false;
+        }
+        let within_limits = self.within_limits(new);
+        solutions.found.push(Found { branch, position_error, orientation_error, within_limits });
+        true
+    }
+
+    fn within_limits(&self, q: &[f64]) -> bool {
+        q.iter().zip(self.chain.coordinates()).all(|(q, coordinate)| {
+            let inside = |(lower, upper): (f64, f64)| *q >= lower - SAME && *q <= upper + SAME;
+            coordinate.continuous || coordinate.limits.interval().is_none_or(inside)
+        })
+    }
+
+    /// The value of coordinate k by whole turns next to `near`, within its limits if there is such a turn.
+    fn unwound(&self, k: usize, q: f64, near: f64, scale: f64) -> f64 {
+        let coordinate = &self.chain.coordinates()[k];
+        let turns = matches!(self.chain.joints()[k].screw, Screw::Revolute(_));
+        if coordinate.quantity != Quantity::Angle || !turns {
+            return q;
+        }
+        let turn = TAU / scale.abs();
+        let nearest = q - ((q - near) / turn).round() * turn;
+        let Some((lower, upper)) = coordinate.limits.interval().filter(|_| !coordinate.continuous) else {
+            return nearest;
+        };
+        let first = ((lower - SAME - nearest) / turn).ceil();
+        let last = ((upper + SAME - nearest) / turn).floor();
+        if first > last { nearest } else { nearest + 0.0f64.clamp(first, last) * turn }
+    }
+
+    /// The arm of the six other joints with one held.
+    fn held(&self, parameter: usize, value: f64) -> Option<SixR> {
+        held(&self.chain, parameter, value)
+    }
+
+    fn seven(&self, parameter: usize, target: &Pose, near: &[f64], solutions: &mut Solutions) {
+        let coordinate = &self.chain.coordinates()[parameter];
+        let (lower, upper) = coordinate.range();
+        let start = near[parameter];
+        let widest = (upper - start).abs().max((start - lower).abs());
+        for step in 0..=SWEEP {
+            // Outwards from the given value, to both sides in turn.
+            let side = if step % 2 == 0 { 1.0 } else { -1.0 };
+            let q = start + side * f64::from(step.div_ceil(2)) * 2.0 * widest / f64::from(SWEEP);
+            if step > 0 && (q < lower || q > upper) {
+                continue;
+            }
+            let joint = &self.chain.joints()[parameter];
+            let value = joint.value(&self.pad(parameter, q));
+            let Some(arm) = self.held(parameter, value) else { return };
+            let six = Six::of(arm, self.size, false);
+            let tally = six.each(target, self.size, |values, branch| {
+                let mut all = [0.0; 7];
+                for (k, all) in all.iter_mut().enumerate() {
+                    *all = match k.cmp(&parameter) {
+                        std::cmp::Ordering::Less => values[k],
+                        std::cmp::Ordering::Equal => value,
+                        std::cmp::Ordering::Greater => values[k - 1],
+                    };
+                }
+                self.add(target, near, &all, branch, solutions)
+            });
+            solutions.lost = tally.lost;
+            if solutions.found.iter().any(|found| found.within_limits) {
+                return;
+            }
+        }
+    }
+
+    /// Coordinates that are zero but for one.
+    fn pad(&self, k: usize, q: f64) -> [f64; 7] {
+        let mut all = [0.0; 7];
+        all[self.chain.joints()[k].coordinate] = q;
+        all
+    }
+
+    /// Damped least squares from `near` and from points spread over the joint range.
+    fn search(&self, target: &Pose, near: &[f64], solutions: &mut Solutions, starts: u32) {
+        let n = near.len();
+        for start in 0..starts {
+            let at = solutions.joints.len();
+            let left = self.descend(target, near, start, solutions);
+            if left < REACHED {
+                for k in 0..n {
+                    // Mimic joints share a coordinate: only a chain without them turns whole turns freely.
+                    if self.chain.joints().len() == n && self.chain.joints()[k].coordinate == k {
+                        let scale = self.chain.joints()[k].scale;
+                        solutions.joints[at + k] = self.unwound(k, solutions.joints[at + k], near[k], scale);
+                    }
+                }
+                self.keep(target, at, n, None, solutions);
+            } else {
+                solutions.joints.truncate(at);
+            }
+            // A chain with more coordinates than a pose has numbers has endlessly many: the nearest few will do.
+            if n > 6 && solutions.found.len() >= 16 {
+                return;
+            }
+        }
+    }
+
+    /// One search; its joint values are appended.
+    fn descend(&self, target: &Pose, near: &[f64], start: u32, solutions: &mut Solutions) -> f64 {
+        let Solutions { joints, columns, trial, start: q, .. } = solutions;
+        for (k, q) in q.iter_mut().enumerate() {
+            let (lower, upper) = self.chain.coordinates()[k].range();
+            // Additive recurrence with the square roots of primes: spread evenly for any number of coordinates.
+            let share = (0.5 + f64::from(start) * STEPS[k % STEPS.len()] + 0.37 * (k / STEPS.len()) as f64).fract();
+            *q = if start == 0 { near[k] } else { lower + share * (upper - lower) };
+        }
+        let left = newton::least_squares(&self.chain, target, self.size, q, (columns, trial), SEARCH_STEPS);
+        joints.extend_from_slice(q);
+        left
+    }
+
+    /// Where nothing reaches the pose: the least error over some searches.
+    fn nearest(&self, target: &Pose, near: &[f64], solutions: &mut Solutions) {
+        let n = near.len();
+        let mut least = f64::INFINITY;
+        for start in 0..24 {
+            let at = solutions.joints.len();
+            let left = self.descend(target, near, start, solutions);
+            if left < least {
+                least = left;
+                if at > 0 {
+                    solutions.joints.copy_within(at.., 0);
+                }
+            }
+            solutions.joints.truncate(n);
+        }
+        let (orientation_error, position_error) = se3::difference(&self.chain.fk(&solutions.joints), target);
+        let within_limits = self.within_limits(&solutions.joints);
+        solutions.found.push(Found { branch: None, position_error, orientation_error, within_limits });
+        solutions.reached = position_error <= REACHED * self.size && orientation_error <= REACHED;
+    }
+
+    /// Within limits first, then the least greatest change of a joint.
+    fn sort(&self, near: &[f64], solutions: &mut Solutions) {
+        let n = near.len();
+        let rank = |solutions: &Solutions, i: usize| {
+            let joints = &solutions.joints[i * n..(i + 1) * n];
+            let farthest = joints.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            (!solutions.found[i].within_limits, farthest)
+        };
+        // Insertion sort: a handful of items, and no allocation.
+        for i in 1..solutions.found.len() {
+            let mut j = i;
+            while j > 0 {
+                let (a, b) = (rank(solutions, j - 1), rank(solutions, j));
+                if a.0 < b.0 || (a.0 == b.0 && a.1 <= b.1) {
+                    break;
+                }
+                solutions.found.swap(j - 1, j);
+                for k in 0..n {
+                    solutions.joints.swap((j - 1) * n + k, j * n + k);
+                }
+                j -= 1;
+            }
+        }
+    }
+}
+
+/// Fractional parts of the square roots of the first primes.
+const STEPS: [f64; 8] = [
+    0.414_213_562_373_095,
+    0.732_050_807_568_877,
+    0.236_067_977_499_789,
+    0.645_751_311_064_590,
+    0.316_624_790_355_399,
+    0.605_551_275_463_989,
+    0.123_105_625_617_660,
+    0.358_898_943_540_673,
+];
+
+/// A seven-joint arm with joint `parameter` held at a joint value (rad).
+fn held(chain: &Chain, parameter: usize, value: f64) -> Option<SixR> {
+    let joints = chain.joints();
+    let in_order = joints.iter().enumerate().all(|(k, joint)| joint.coordinate == k);
+    if joints.len() != 7 || chain.coordinates().len() != 7 || !in_order {
+        return None;
+    }
+    let motion = joints[parameter].screw.motion(value);
+    let mut axes = [crate::arm::Axis {
+        direction: denavit_model::nalgebra::Vector3::z(),
+        point: denavit_model::nalgebra::Vector3::zeros(),
+    }; 6];
+    let others = joints.iter().enumerate().filter(|(k, _)| *k != parameter);
+    for (axis, (k, joint)) in axes.iter_mut().zip(others) {
+        let Screw::Revolute(line) = joint.screw else { return None };
+        let line = if k > parameter { line.moved(&motion) } else { line };
+        *axis = crate::arm::Axis { direction: *line.direction, point: line.point.coords };
+    }
+    matches!(joints[parameter].screw, Screw::Revolute(_)).then(|| SixR { axes, home: motion * chain.home() })
+}
+
+/// The joint of a seven-joint arm to hold, and the class of the others: the same at whatever value it is held.
+fn redundant(chain: &Chain, size: f64) -> Option<(usize, Class)> {
+    PARAMETERS.into_iter().find_map(|parameter| {
+        let class_at = |value: f64| Some(Drawn::of(&held(chain, parameter, value)?, size).class);
+        let class = class_at(0.7)?;
+        (class != Class::General && class_at(-1.3)? == class && class_at(0.1)? == class).then_some((parameter, class))
+    })
+}

@@ -1,0 +1,214 @@
+//! Every branch, on arms of each class, drawn and calibrated: the joint values that made a pose are among its solutions.
+
+use denavit_ik::{Class, Method, Solutions, Solver};
+use denavit_model::chain::{ChainJoint, Coordinate, Quantity};
+use denavit_model::nalgebra::{Point3, Unit, Vector3};
+use denavit_model::{AxisLine, Chain, Screw, examples, se3};
+use std::f64::consts::{PI, TAU};
+
+/// Numbers spread evenly over 0 to 1, the same in every run.
+struct Spread(u64);
+
+impl Spread {
+    fn next(&mut self) -> f64 {
+        // SplitMix64 (Steele, Lea, Flood 2014).
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn within(&mut self, bound: f64) -> f64 {
+        bound * (2.0 * self.next() - 1.0)
+    }
+
+    fn vector(&mut self, bound: f64) -> Vector3<f64> {
+        Vector3::new(self.within(bound), self.within(bound), self.within(bound))
+    }
+}
+
+fn arm(axes: &[([f64; 3], [f64; 3])], tip: [f64; 3]) -> Chain {
+    let screws = axes.iter().map(|(direction, point)| {
+        let direction = Unit::new_normalize(Vector3::from(*direction));
+        Screw::Revolute(AxisLine { direction, point: Point3::from(*point) })
+    });
+    with_screws(screws.collect(), Vector3::from(tip))
+}
+
+fn with_screws(screws: Vec<Screw>, tip: Vector3<f64>) -> Chain {
+    let names: Vec<String> = (1..=screws.len()).map(|k| format!("joint_{k}")).collect();
+    let coordinates = names.iter().map(|name| Coordinate::unlimited(name.clone(), Quantity::Angle)).collect();
+    let joints = screws.into_iter().zip(&names).enumerate().map(|(k, (screw, name))| {
+        let (coordinate, scale, offset) = (k, 1.0, 0.0);
+        ChainJoint { name: name.clone(), screw, coordinate, scale, offset }
+    });
+    let home = se3::pose(se3::rotation_from_rpy([0.3, -0.2, 1.0]), tip);
+    Chain::new(("arm", "base", "tip"), coordinates, joints.collect(), home).unwrap()
+}
+
+/// UR5e's axes (maker's D-H figures), at its zero.
+fn ur5e() -> Chain {
+    let (d1, a2, a3, d4, d5) = (0.1625, -0.425, -0.3922, 0.1333, 0.0997);
+    arm(
+        &[
+            ([0., 0., 1.], [0.; 3]),
+            ([0., -1., 0.], [0., 0., d1]),
+            ([0., -1., 0.], [a2, 0., d1]),
+            ([0., -1., 0.], [a2 + a3, 0., d1]),
+            ([0., 0., -1.], [a2 + a3, -d4, d1]),
+            ([0., -1., 0.], [a2 + a3, -d4, d1 - d5]),
+        ],
+        [-0.8172, -0.2329, 0.0628],
+    )
+}
+
+/// An arm of KUKA's and ABB's kind: shoulder offset, forearm offset, spherical wrist.
+fn opw() -> Chain {
+    arm(
+        &[
+            ([0., 0., 1.], [0.; 3]),
+            ([0., 1., 0.], [0.15, 0., 0.5]),
+            ([0., 1., 0.], [0.15, 0., 1.2]),
+            ([1., 0., 0.], [0.3, 0., 1.3]),
+            ([0., 1., 0.], [0.9, 0., 1.3]),
+            ([1., 0., 0.], [0.9, 0., 1.3]),
+        ],
+        [1.0, 0., 1.3],
+    )
+}
+
+/// A spherical wrist behind three axes without any symmetry.
+fn oblique_shoulder() -> Chain {
+    arm(
+        &[
+            ([0.1, 0.2, 1.], [0.; 3]),
+            ([0.3, 1., 0.1], [0.1, 0.1, 0.4]),
+            ([1., 0.4, 0.3], [0.5, 0.1, 0.5]),
+            ([0.2, 0., 1.], [0.8, 0.3, 0.6]),
+            ([0., 1., 0.], [0.8, 0.3, 0.6]),
+            ([1., 0., 0.3], [0.8, 0.3, 0.6]),
+        ],
+        [0.9, 0.3, 0.7],
+    )
+}
+
+fn moved(chain: &Chain, spread: &mut Spread, turn: f64, shift: f64) -> Chain {
+    let screws = chain.joints().iter().map(|joint| {
+        let line = joint.screw.line().unwrap();
+        let direction = Unit::new_normalize(*line.direction + spread.vector(turn));
+        Screw::Revolute(AxisLine { direction, point: line.point + spread.vector(shift) })
+    });
+    chain.with_geometry(&screws.collect::<Vec<_>>(), *chain.home()).unwrap()
+}
+
+fn random(spread: &mut Spread) -> Chain {
+    let screws = (0..6).map(|_| {
+        let direction = Unit::new_normalize(spread.vector(1.0));
+        Screw::Revolute(AxisLine { direction, point: Point3::from(spread.vector(0.5)) })
+    });
+    let screws = screws.collect();
+    let tip = spread.vector(0.5);
+    with_screws(screws, tip)
+}
+
+fn reversed(chain: &Chain) -> Chain {
+    let tip_from_base = chain.home().inverse();
+    let screws = chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>();
+    with_screws(screws, tip_from_base.translation.vector).with_geometry(
+        &chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>(),
+        tip_from_base,
+    ).unwrap()
+}
+
+/// Smallest singular value over largest: how near the arm is to a singularity, where branches meet.
+fn regular(chain: &Chain, q: &[f64]) -> bool {
+    let mut columns = vec![denavit_model::nalgebra::Vector6::zeros(); q.len()];
+    chain.tip_jacobian_into(q, &mut columns);
+    let jacobian = denavit_model::nalgebra::Matrix6::from_columns(&columns);
+    let values = jacobian.singular_values();
+    values[5] > 1e-3 * values[0]
+}
+
+/// How many of the poses lost the joint values that made them; the numbers of solutions, summed; the worst error.
+fn missed(chain: &Chain, poses: u64, seed: u64) -> (u64, usize, f64) {
+    let solver = Solver::new(chain).unwrap();
+    let mut spread = Spread(seed);
+    let mut solutions = Solutions::default();
+    let (mut missed, mut count, mut worst) = (0, 0, 0.0f64);
+    let n = chain.coordinates().len();
+    let mut tried = 0;
+    while tried < poses {
+        let q: Vec<f64> = (0..n).map(|_| spread.within(PI)).collect();
+        if !regular(chain, &q) {
+            continue;
+        }
+        tried += 1;
+        solver.solve_into(&chain.fk(&q), &vec![0.0; n], &mut solutions);
+        let there = |joints: &[f64]| joints.iter().zip(&q).all(|(a, b)| (a - b - ((a - b) / TAU).round() * TAU).abs() < 1e-5);
+        let lost = !solutions.iter().any(|(joints, _)| there(joints));
+        if lost { println!("lost {q:?}, {} found, lost {}", solutions.len(), solutions.lost()); }
+        missed += u64::from(lost);
+        count += solutions.len();
+        if !solutions.reached() {
+            println!("not reached: {q:?} {:?} {}", solutions.iter().next(), solver.method());
+            continue;
+        }
+        for (joints, found) in solutions.iter() {
+            let (turned, moved) = se3::difference(&chain.fk(joints), &chain.fk(&q));
+            assert!(found.position_error <= 2e-9 * chain.size() );
+            worst = worst.max(turned).max(moved / chain.size());
+        }
+    }
+    (missed, count, worst)
+}
+
+fn class(chain: &Chain) -> Class {
+    match Solver::new(chain).unwrap().method() {
+        Method::ClosedForm { class, .. } => *class,
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn drawn_arms_lose_no_branch() {
+    for (chain, expected) in [
+        (examples::puma_like(), Class::SphericalWrist),
+        (opw(), Class::SphericalWrist),
+        (oblique_shoulder(), Class::SphericalWrist),
+        (ur5e(), Class::ParallelShoulder),
+        (reversed(&opw()), Class::SphericalShoulder),
+        (reversed(&ur5e()), Class::ParallelWrist),
+    ] {
+        assert_eq!(class(&chain), expected);
+        let (missed, count, worst) = missed(&chain, 2000, 1);
+        println!("{expected}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}", count as f64 / 2000.0);
+        assert!(missed == 0 && worst < 1e-12, "{expected}: {missed} lost, {worst:e}");
+    }
+}
+
+#[test]
+fn calibrated_arms_keep_the_branches_of_their_drawing() {
+    let mut spread = Spread(5);
+    for drawn in [examples::puma_like(), opw(), ur5e(), oblique_shoulder(), reversed(&opw()), reversed(&ur5e())] {
+        let chain = moved(&drawn, &mut spread, 2e-3, 1e-3);
+        let (missed, count, worst) = missed(&chain, 2000, 2);
+        println!("{}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}", class(&chain), count as f64 / 2000.0);
+        assert!(missed == 0 && worst < 1e-12, "{missed} lost, {worst:e}");
+    }
+}
+
+#[test]
+fn arms_without_symmetry_lose_at_most_one_branch_in_a_thousand() {
+    let mut spread = Spread(9);
+    let (mut lost, mut all, mut poses) = (0, 0, 0);
+    for arm in 0..10 {
+        let chain = random(&mut spread);
+        assert_eq!(class(&chain), Class::General);
+        let (missed, count, worst) = missed(&chain, 40, 100 + arm);
+        assert!(worst < 1e-9, "{worst:e}");
+        (lost, all, poses) = (lost + missed, all + count, poses + 40);
+    }
+    println!("{lost} of {poses} lost, {:.2} solutions each", all as f64 / f64::from(poses));
+    assert!(lost * 1000 <= u64::try_from(all).unwrap(), "{lost} lost of {poses}");
+}
