@@ -8,12 +8,13 @@ use std::process::Command;
 const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-model", &[]),
     ("denavit-dh", &["denavit-model"]),
+    ("denavit-ik", &["denavit-model"]),
     ("denavit-xacro", &[]),
     ("denavit-bag", &[]),
     ("denavit-export", &["denavit-model", "denavit-dh"]),
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
     ("denavit-linear", &[]),
-    ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export", "denavit-linear"]),
+    ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export", "denavit-linear", "denavit-ik"]),
     (
         "denavit-load",
         &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-xacro"],

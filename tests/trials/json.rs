@@ -29,6 +29,7 @@ const KINDS: &[Kind] = &[
     printed("denavit.match/1", "a robot against a vendor's table", "table arm.urdf --match arm_dh.csv --json"),
     printed("denavit.chains/1", "the chains of a tree", "chains arm.urdf --json"),
     printed("denavit.fk/1", "where the tip is", "fk arm.urdf --q 0,-1.57,1.57,0,0,0 --json"),
+    printed("denavit.ik/1", "joint values that reach poses", "ik arm.urdf --pose 0.4,0.2,0.5,3.14,0,0 --json"),
     printed("denavit.diff/1", "how two robots differ", "diff arm.urdf longer.urdf --json"),
     printed("denavit.check/1", "what breaks a rule", "check bent.urdf --json"),
     printed("denavit.fingerprint/1", "a short hash of what the robot is", "fingerprint arm.urdf --json"),

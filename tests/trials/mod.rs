@@ -2,6 +2,7 @@
 
 mod commands;
 mod git;
+mod ik;
 mod json;
 mod large;
 mod library;

@@ -13,6 +13,7 @@ use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::report::html::page;
 use denavit_calibrate::report::text;
 use denavit_calibrate::trace::TraceOptions;
+use denavit_ik::Solver;
 use study::study_coverage::ur5e;
 use study::{World, calibrated, judged, run};
 
@@ -60,7 +61,7 @@ fn a_field_is_saved_read_compensated_and_goes_on() {
     assert!(moved > 1e-5, "{moved}");
     let acting = |q: &[f64]| again.fk(&chain, &Conditions { reading: q, ..at });
     let wanted = Wanted::Joints(at.reading.to_vec());
-    let command = compensate(&chain, &chain, &acting, &wanted, at.reading);
+    let command = compensate(&Solver::new(&chain), &chain, &acting, &wanted, at.reading);
     assert!(command.uncompensated.0 > 1e-5 && command.position_error < 1e-10, "{command:?}");
     let mut beyond: serde_json::Value = serde_json::from_str(&model.to_json()).unwrap();
     let last = model.effects.len() - 1;

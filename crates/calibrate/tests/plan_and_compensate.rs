@@ -8,6 +8,7 @@ use denavit_calibrate::apply::plan::{PlanOptions, plan};
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::Units;
+use denavit_ik::Solver;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector6};
 use denavit_model::{Screw, examples, se3};
 
@@ -45,7 +46,7 @@ fn commands_reach_the_wanted_pose_by_the_actual_robot() {
     let mut reached = 0;
     for row in 0..run.data.len() {
         let q = run.data.reading(row).to_vec();
-        let command = compensate(&chain, &actual, &|q| actual.fk(q), &Wanted::Joints(q.clone()), &q);
+        let command = compensate(&Solver::new(&chain), &actual, &|q| actual.fk(q), &Wanted::Joints(q.clone()), &q);
         let (turned, moved) = se3::difference(&actual.fk(&command.joints), &chain.fk(&q));
         assert!(command.uncompensated.0 > 1e-4 && (moved - command.position_error).abs() < 1e-15);
         // A stretched arm or wrist: the pose may be out of the actual robot's reach, and the command says so.
@@ -60,7 +61,7 @@ fn commands_reach_the_wanted_pose_by_the_actual_robot() {
     }
     assert!(reached > 30, "{reached}");
     let wanted = Wanted::Pose(chain.fk(&[0.3, -0.5, 0.8, 0.4, 0.9, -0.2]));
-    let command = compensate(&chain, &actual, &|q| actual.fk(q), &wanted, &[0.0; 6]);
+    let command = compensate(&Solver::new(&chain), &actual, &|q| actual.fk(q), &wanted, &[0.0; 6]);
     assert!(command.position_error < 1e-12 && command.outside.len() < 7, "{command:?}");
 }
 

@@ -37,6 +37,7 @@ Examples:
   denavit table panda.urdf --format tex > dh.tex   for a document
   denavit chains pr2.urdf                          which chains there are
   denavit fk ur5e.urdf --q 0,-1.57,1.57,0,0,0      where the tip is
+  denavit ik ur5e.urdf --pose 0.4,0.2,0.5,180,0,0 --units m,deg --all   every way to reach a pose
   denavit table ur.urdf.xacro ur_type:=ur5e        xacro, without ROS
   denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
   denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
@@ -54,6 +55,8 @@ pub enum Command {
     Chains(ChainsArguments),
     /// Forward kinematics: where the tip is at given joint values
     Fk(FkArguments),
+    /// Print the joint values that reach a pose: every branch of the arm
+    Ik(IkArguments),
     /// Print the screw axes and the home pose (product of exponentials)
     Poe(PoeArguments),
     /// Say how two robots differ: per joint, and at the tips
@@ -312,6 +315,53 @@ pub struct FkArguments {
     /// Units of text.
     #[command(flatten)]
     pub units: UnitsArguments,
+}
+
+const IK_EXAMPLES: &str = "\
+Poses are of the tip in the base frame: x,y,z and roll,pitch,yaw (R = Rz(yaw) Ry(pitch) Rx(roll)), or columns of a CSV with \
+qx,qy,qz,qw in place of the angles; rows of joint values stand for the pose that the robot has there. Solutions next to \
+--near come first, those outside of the limits last; each next row is sought next to the one before. The exit code is 1 where a \
+pose is not reached within the limits; then the nearest pose that was found is printed, and how far it is away.
+
+Examples:
+  denavit ik ur5e.urdf --pose 0.4,0.2,0.5,180,0,0 --units m,deg --all
+  denavit ik calibrated.urdf --poses path.csv --near 0,-90,90,0,90,0 --units mm,deg -o joints.csv";
+
+/// Arguments of `denavit ik`.
+#[derive(Debug, Args)]
+#[command(after_help = IK_EXAMPLES)]
+pub struct IkArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Pose to reach: x,y,z,roll,pitch,yaw
+    #[arg(
+        long,
+        value_name = "POSE",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        required_unless_present = "poses",
+        conflicts_with = "poses"
+    )]
+    pub pose: Vec<f64>,
+    /// Poses to reach, a CSV, or - for standard input
+    #[arg(long, value_name = "FILE")]
+    pub poses: Option<String>,
+    /// Joint values that the first solution is to be near, in order or by name, in --units
+    #[arg(long, value_name = "VALUES", allow_hyphen_values = true, default_value = "")]
+    pub near: String,
+    /// Print every solution, not the first alone
+    #[arg(long)]
+    pub all: bool,
+    /// Units of poses and of joint values: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// Formats of screw axes.

@@ -15,6 +15,7 @@ pub mod fingerprint;
 pub mod fk;
 pub mod fleet;
 pub mod identify;
+pub mod ik;
 pub mod man;
 pub mod measure;
 pub mod plan;

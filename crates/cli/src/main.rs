@@ -32,6 +32,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Table(arguments) => commands::table::run(&arguments),
         Command::Chains(arguments) => commands::chains::run(&arguments),
         Command::Fk(arguments) => commands::fk::run(&arguments),
+        Command::Ik(arguments) => commands::ik::run(&arguments),
         Command::Poe(arguments) => commands::poe::run(&arguments),
         Command::Describe(arguments) => commands::describe::run(&arguments),
         Command::Diff(arguments) => commands::diff::run(&arguments),

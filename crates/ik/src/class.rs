@@ -66,9 +66,12 @@ impl Drawn {
         let misses = |drawn: &Self| (drawn.angle / PARALLEL_WITHIN).max(drawn.distance / (MEET_WITHIN * size));
         // Rounding alone must not choose among classes that hold exactly: the first of the list then.
         let rank = |drawn: &Self| if misses(drawn) < 1e-9 { 0.0 } else { misses(drawn) };
-        found.into_iter().flatten().filter(|drawn| misses(drawn) < 1.0).min_by(|a, b| rank(a).total_cmp(&rank(b))).unwrap_or(
-            Self { arm: arm.clone(), class: Class::General, angle: 0.0, distance: 0.0 },
-        )
+        found
+            .into_iter()
+            .flatten()
+            .filter(|drawn| misses(drawn) < 1.0)
+            .min_by(|a, b| rank(a).total_cmp(&rank(b)))
+            .unwrap_or(Self { arm: arm.clone(), class: Class::General, angle: 0.0, distance: 0.0 })
     }
 
     /// Whether joint values are those of the arm seen from its tip.

@@ -15,7 +15,7 @@
 //! Raghavan, Roth 1993 (the fourteen equations); Manocha, Canny 1994 (the eigenvalue problem).
 
 use crate::arm::{Axis, SixR, turn_between};
-use crate::circles::{Few, turned_dot, on_line};
+use crate::circles::{Few, on_line, turned_dot};
 use denavit_model::nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use denavit_model::{Pose, se3};
 
@@ -90,12 +90,9 @@ fn turn(axis: &Axis, sense: f64, shift: f64) -> [Motion; 3] {
     let u = axis.direction;
     let along = u * u.transpose();
     let (there, back) = (translation(&axis.point), translation(&-axis.point));
-    let [constant, cosine, sine] = [
-        linear(&along, 1.0),
-        linear(&(Matrix3::identity() - along), 0.0),
-        linear(&(se3::skew(&u) * sense), 0.0),
-    ]
-    .map(|part| there * part * back);
+    let [constant, cosine, sine] =
+        [linear(&along, 1.0), linear(&(Matrix3::identity() - along), 0.0), linear(&(se3::skew(&u) * sense), 0.0)]
+            .map(|part| there * part * back);
     let (s, c) = shift.sin_cos();
     [constant, cosine * c - sine * s, sine * c + cosine * s]
 }
@@ -207,7 +204,9 @@ impl Elimination {
         // Where axes 1 and 2 are parallel neither tells joint 2: then the distance of p from axis 1 does.
         let line = if of_m.norm().max(of_q.norm()) < 1e-6 {
             let (a, constant) = turned_dot(&two.direction, &(two.point - one.point), &(q - two.point));
-            let squares = (p - one.point).norm_squared() - (two.point - one.point).norm_squared() - (q - two.point).norm_squared();
+            let squares = (p - one.point).norm_squared()
+                - (two.point - one.point).norm_squared()
+                - (q - two.point).norm_squared();
             on_line(a * 2.0, squares - 2.0 * constant, 1.0)
         } else {
             line
@@ -301,7 +300,8 @@ fn tangents(matrix: &SMatrix<f64, 12, 12>) -> Option<(f64, f64)> {
         v /= size;
     }
     let ratio = |over: &dyn Fn(usize) -> usize, under: &[usize]| {
-        let best = under.iter().copied().max_by(|a, b| v[*a].hypot(v[over(*a)]).total_cmp(&v[*b].hypot(v[over(*b)])))?;
+        let best =
+            under.iter().copied().max_by(|a, b| v[*a].hypot(v[over(*a)]).total_cmp(&v[*b].hypot(v[over(*b)])))?;
         Some(v[over(best)] / v[best])
     };
     let x = ratio(&|k| k + 3, &[0, 1, 2, 3, 4, 5, 6, 7, 8])?;
@@ -312,52 +312,37 @@ fn tangents(matrix: &SMatrix<f64, 12, 12>) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
-    #[test]
-    fn debug_elimination() {
-        let mut seed = 1u64;
-        let mut next = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((seed >> 11) as f64 / (1u64 << 53) as f64) * 2.0 - 1.0
-        };
-        for _ in 0..6 {
-            let mut vector = || Vector3::new(next(), next(), next());
-            let axes: [Axis; 6] = std::array::from_fn(|_| Axis { direction: vector().normalize(), point: vector() * 0.5 });
+    fn products(one: f64, other: f64) -> SVector<f64, 9> {
+        let parts = |angle: f64| [1.0, angle.cos(), angle.sin()];
+        SVector::from_fn(|k, _| parts(one)[k / 3] * parts(other)[k % 3])
+    }
+
+    proptest! {
+        /// Both sides of the fourteen equations are the fifteen numbers of axis 6 as the joints carry it.
+        #[test]
+        fn the_equations_hold_at_every_posture(
+            numbers in prop::collection::vec(-1.0..1.0f64, 36), q in prop::array::uniform6(-3.0..3.0f64),
+        ) {
+            let vector = |k: usize| Vector3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
+            prop_assume!((0..6).all(|k| vector(6 * k).norm() > 0.1));
+            let axes: [Axis; 6] = std::array::from_fn(|k| {
+                Axis { direction: vector(6 * k).normalize(), point: vector(6 * k + 3) }
+            });
             let arm = SixR { axes, home: Pose::identity() };
-            let q: [f64; 6] = std::array::from_fn(|_| next() * 3.0);
-            let target = arm.fk(&q);
             let elimination = Elimination::of(&arm, 1.0);
-            let moved = target;
+            let moved = arm.fk(&q);
             let six = &arm.axes[5];
             let end = line(&(moved.rotation * six.point + moved.translation.vector), &(moved.rotation * six.direction));
-            let mut right = SMatrix::<f64, 14, 8>::zeros();
-            let mut left = elimination.left;
-            for (j, second) in elimination.second.iter().enumerate() {
-                for (k, first) in elimination.first.iter().enumerate() {
-                    let column = second * (first * end);
-                    let column = column.fixed_rows::<14>(1);
-                    if j + k == 0 {
-                        let constant = left[0].column(0) - column;
-                        left[0].set_column(0, &constant);
-                    } else {
-                        right.set_column(3 * j + k - 1, &column);
-                    }
-                }
+            let [v3, v4, v5] = [q[2] + elimination.shifts[0], q[3] + elimination.shifts[1], q[4] + elimination.shifts[2]];
+            let left = (elimination.left[0] + elimination.left[1] * v3.cos() + elimination.left[2] * v3.sin()) * products(v4, v5);
+            let mut right = SVector::<f64, 14>::zeros();
+            for (k, weight) in products(q[1], q[0]).iter().enumerate() {
+                let column = elimination.second[k / 3] * (elimination.first[k % 3] * end);
+                right += column.fixed_rows::<14>(1) * *weight;
             }
-            let sh = elimination.shifts;
-            let [a, b, c] = [q[2] + sh[0], q[3] + sh[1], q[4] + sh[2]];
-            let m45 = SVector::<f64, 9>::from_fn(|i, _| [1.0, b.cos(), b.sin()][i / 3] * [1.0, c.cos(), c.sin()][i % 3]);
-            let m12 = SVector::<f64, 8>::from_fn(|i, _| [1.0, q[1].cos(), q[1].sin()][(i + 1) / 3] * [1.0, q[0].cos(), q[0].sin()][(i + 1) % 3]);
-            let l = (left[0] + left[1] * a.cos() + left[2] * a.sin()) * m45;
-            println!("residual of 14: {:.1e}", (l - right * m12).amax());
-            println!("singular values of right {:?}", right.singular_values().as_slice().iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>());
-            eliminate(&mut right, &mut left);
-            let l = (left[0] + left[1] * a.cos() + left[2] * a.sin()) * m45;
-            println!("residual of 6: {:.1e}", l.fixed_rows::<6>(8).amax());
-            let t = (0.5 * a).tan();
-            println!("wanted t {t} x {} y {}", (0.5 * b).tan(), (0.5 * c).tan());
-            println!("found {:?}", elimination.solve(&target, 1.0).as_slice());
-            println!("q {q:?}");
+            prop_assert!((left - right).amax() < 1e-12 * (1.0 + right.amax()));
         }
     }
 }

@@ -20,4 +20,4 @@ mod wrist;
 
 pub use branch::Branch;
 pub use class::Class;
-pub use solver::{Found, IkError, Method, Solutions, Solver};
+pub use solver::{Found, Method, Solutions, Solver};

@@ -47,7 +47,11 @@ pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[f64; 6], 8> {
         let (length, rest) = (upper.dot(&fore), reach.norm_squared() - upper.norm_squared() - fore.norm_squared());
         let a = Vector2::new(2.0 * length, 2.0 * upper.dot(&u.cross(&fore)));
         let axis = five.direction;
-        let turned = rotated(&one.direction, -v1, &(moved.rotation * rotated(&six.direction, -v6, &rotated(&five.direction, -v5, &axis))));
+        let turned = rotated(
+            &one.direction,
+            -v1,
+            &(moved.rotation * rotated(&six.direction, -v6, &rotated(&five.direction, -v5, &axis))),
+        );
         let whole = turn_between(&u, &axis, &turned);
         for third in on_line(a, rest, slack).as_slice() {
             let second = turn_between(&u, &(upper + rotated(&u, *third, &fore)), &reach);

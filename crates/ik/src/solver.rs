@@ -12,7 +12,6 @@ use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, Pose, Screw, se3};
 use std::f64::consts::TAU;
 use std::fmt;
-use thiserror::Error;
 
 /// A pose counts as reached within this, rad and share of the robot's size: far above rounding, far below any encoder.
 const REACHED: f64 = 1e-9;
@@ -29,20 +28,6 @@ const NEARBY: [f64; 2] = [0.12, 0.4];
 const SEARCH_STEPS: usize = 60;
 /// Values of a redundant joint that are tried where the given one reaches nothing.
 const SWEEP: u32 = 72;
-
-/// Why a chain gets no solver.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum IkError {
-    /// Nothing moves.
-    #[error("the chain from \"{base}\" to \"{tip}\" has no moving joint; name another base or tip")]
-    NoJoints {
-        /// Its base.
-        base: String,
-        /// Its tip.
-        tip: String,
-    },
-}
 
 /// How solutions are found.
 #[derive(Debug, Clone, PartialEq)]
@@ -227,7 +212,8 @@ impl Six {
                 for (joint, value) in there.iter_mut().enumerate() {
                     *value += NEARBY[k as usize % 2] * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0);
                 }
-                found |= newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() && add(&there, named(&there));
+                found |= newton::refine(&self.arm, target, size, &mut there, REACHED).is_some()
+                    && add(&there, named(&there));
             }
             tally.lost += usize::from(!found && drawn_reaches);
         }
@@ -262,11 +248,10 @@ enum Way {
 /// use denavit_ik::Solver;
 /// use denavit_model::examples;
 /// let arm = examples::puma_like();
-/// let solver = Solver::new(&arm)?;
+/// let solver = Solver::new(&arm);
 /// let pose = arm.fk(&[0.3, 0.5, -0.7, 0.4, 0.6, -0.2]);
 /// let solutions = solver.solve(&pose, &[0.0; 6]);
 /// assert_eq!(solutions.len(), 8);
-/// # Ok::<(), denavit_ik::IkError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Solver {
@@ -282,13 +267,7 @@ const PARAMETERS: [usize; 7] = [2, 6, 3, 0, 4, 1, 5];
 
 impl Solver {
     /// Reads the chain's class off its screw axes.
-    ///
-    /// # Errors
-    /// The chain has no coordinate.
-    pub fn new(chain: &Chain) -> Result<Self, IkError> {
-        if chain.coordinates().is_empty() {
-            return Err(IkError::NoJoints { base: chain.base().to_owned(), tip: chain.tip().to_owned() });
-        }
+    pub fn new(chain: &Chain) -> Self {
         let size = chain.size();
         let (way, method) = if let Some(arm) = SixR::of(chain) {
             let six = Six::of(arm, size, true);
@@ -299,7 +278,7 @@ impl Solver {
         } else {
             (Way::Search, Method::Search)
         };
-        Ok(Self { chain: chain.clone(), size, way, method })
+        Self { chain: chain.clone(), size, way, method }
     }
 
     /// How solutions are found for this chain.
@@ -322,7 +301,7 @@ impl Solver {
     /// All solutions for base_from_tip = `target`, nearest to `near` first; those outside of limits last.
     ///
     /// Joints that turn are given by the whole turns that bring them next to `near` within their limits. Where no solution
-    /// reaches the pose, the nearest that was found is the only one ([`Solutions::reached`] is false). Chains of more than six
+    /// reaches the pose, the nearest that was found is the only one ([`Solutions::reached`] is false); a chain without coordinates has none. Chains of more than six
     /// coordinates: the solutions at the parameter's value in `near`, or at the nearest value that has one.
     ///
     /// # Shape and units
@@ -334,11 +313,13 @@ impl Solver {
         let n = self.chain.coordinates().len();
         let near = &near[..n];
         solutions.clear(n);
+        if n == 0 {
+            return;
+        }
         match &self.way {
             Way::Six(six) => {
-                let tally = six.each(target, self.size, |values, branch| {
-                    self.add(target, near, values, branch, solutions)
-                });
+                let tally =
+                    six.each(target, self.size, |values, branch| self.add(target, near, values, branch, solutions));
                 solutions.lost = tally.lost;
             }
             Way::Seven { parameter } => self.seven(*parameter, target, near, solutions),

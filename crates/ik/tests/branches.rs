@@ -115,10 +115,12 @@ fn random(spread: &mut Spread) -> Chain {
 fn reversed(chain: &Chain) -> Chain {
     let tip_from_base = chain.home().inverse();
     let screws = chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>();
-    with_screws(screws, tip_from_base.translation.vector).with_geometry(
-        &chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>(),
-        tip_from_base,
-    ).unwrap()
+    with_screws(screws, tip_from_base.translation.vector)
+        .with_geometry(
+            &chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>(),
+            tip_from_base,
+        )
+        .unwrap()
 }
 
 /// Smallest singular value over largest: how near the arm is to a singularity, where branches meet.
@@ -132,7 +134,7 @@ fn regular(chain: &Chain, q: &[f64]) -> bool {
 
 /// How many of the poses lost the joint values that made them; the numbers of solutions, summed; the worst error.
 fn missed(chain: &Chain, poses: u64, seed: u64) -> (u64, usize, f64) {
-    let solver = Solver::new(chain).unwrap();
+    let solver = Solver::new(chain);
     let mut spread = Spread(seed);
     let mut solutions = Solutions::default();
     let (mut missed, mut count, mut worst) = (0, 0, 0.0f64);
@@ -145,18 +147,18 @@ fn missed(chain: &Chain, poses: u64, seed: u64) -> (u64, usize, f64) {
         }
         tried += 1;
         solver.solve_into(&chain.fk(&q), &vec![0.0; n], &mut solutions);
-        let there = |joints: &[f64]| joints.iter().zip(&q).all(|(a, b)| (a - b - ((a - b) / TAU).round() * TAU).abs() < 1e-5);
+        let there =
+            |joints: &[f64]| joints.iter().zip(&q).all(|(a, b)| (a - b - ((a - b) / TAU).round() * TAU).abs() < 1e-5);
         let lost = !solutions.iter().any(|(joints, _)| there(joints));
-        if lost { println!("lost {q:?}, {} found, lost {}", solutions.len(), solutions.lost()); }
         missed += u64::from(lost);
         count += solutions.len();
         if !solutions.reached() {
-            println!("not reached: {q:?} {:?} {}", solutions.iter().next(), solver.method());
+            missed += 1;
             continue;
         }
         for (joints, found) in solutions.iter() {
             let (turned, moved) = se3::difference(&chain.fk(joints), &chain.fk(&q));
-            assert!(found.position_error <= 2e-9 * chain.size() );
+            assert!(found.position_error <= 2e-9 * chain.size());
             worst = worst.max(turned).max(moved / chain.size());
         }
     }
@@ -164,7 +166,7 @@ fn missed(chain: &Chain, poses: u64, seed: u64) -> (u64, usize, f64) {
 }
 
 fn class(chain: &Chain) -> Class {
-    match Solver::new(chain).unwrap().method() {
+    match Solver::new(chain).method() {
         Method::ClosedForm { class, .. } => *class,
         other => panic!("{other}"),
     }
@@ -182,7 +184,10 @@ fn drawn_arms_lose_no_branch() {
     ] {
         assert_eq!(class(&chain), expected);
         let (missed, count, worst) = missed(&chain, 2000, 1);
-        println!("{expected}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}", count as f64 / 2000.0);
+        println!(
+            "{expected}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}",
+            count as f64 / 2000.0
+        );
         assert!(missed == 0 && worst < 1e-12, "{expected}: {missed} lost, {worst:e}");
     }
 }
@@ -193,7 +198,11 @@ fn calibrated_arms_keep_the_branches_of_their_drawing() {
     for drawn in [examples::puma_like(), opw(), ur5e(), oblique_shoulder(), reversed(&opw()), reversed(&ur5e())] {
         let chain = moved(&drawn, &mut spread, 2e-3, 1e-3);
         let (missed, count, worst) = missed(&chain, 2000, 2);
-        println!("{}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}", class(&chain), count as f64 / 2000.0);
+        println!(
+            "{}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}",
+            class(&chain),
+            count as f64 / 2000.0
+        );
         assert!(missed == 0 && worst < 1e-12, "{missed} lost, {worst:e}");
     }
 }
@@ -211,4 +220,87 @@ fn arms_without_symmetry_lose_at_most_one_branch_in_a_thousand() {
     }
     println!("{lost} of {poses} lost, {:.2} solutions each", all as f64 / f64::from(poses));
     assert!(lost * 1000 <= u64::try_from(all).unwrap(), "{lost} lost of {poses}");
+}
+
+/// iiwa 14 and the like: spherical shoulder and wrist, the elbow turns about the line between them.
+fn seven(offset: f64) -> Chain {
+    arm(
+        &[
+            ([0., 0., 1.], [0.; 3]),
+            ([0., 1., 0.], [0., 0., 0.36]),
+            ([0., 0., 1.], [0., 0., 0.36]),
+            ([0., -1., 0.], [offset, 0., 0.78]),
+            ([0., 0., 1.], [0., 0., 0.9]),
+            ([0., 1., 0.], [0., 0., 1.18]),
+            ([0., 0., 1.], [0.088 * f64::from(u8::from(offset > 0.0)), 0., 1.3]),
+        ],
+        [0., 0., 1.4],
+    )
+}
+
+#[test]
+fn seven_joints_are_solved_at_a_value_of_one() {
+    for (chain, parameter) in [(seven(0.0), 2), (seven(0.0825), 6)] {
+        let solver = Solver::new(&chain);
+        assert!(
+            matches!(solver.method(), Method::Redundant { parameter: p, .. } if *p == parameter),
+            "{}",
+            solver.method()
+        );
+        let mut spread = Spread(3);
+        for _ in 0..200 {
+            let q: Vec<f64> = (0..7).map(|_| spread.within(2.5)).collect();
+            let target = chain.fk(&q);
+            let solutions = solver.solve(&target, &q);
+            assert!(solutions.reached());
+            let best = solutions.iter().next().unwrap();
+            let farthest = best.0.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(farthest < 1e-4, "{q:?} {best:?}");
+            // From another value of the parameter the pose is reached, too.
+            let solutions = solver.solve(&target, &[0.0; 7]);
+            assert!(solutions.reached() && solutions.iter().all(|(_, found)| found.position_error < 1e-8));
+        }
+    }
+}
+
+#[test]
+fn other_chains_are_searched_and_a_pose_out_of_reach_has_a_nearest() {
+    for chain in examples::all() {
+        let solver = Solver::new(&chain);
+        let n = chain.coordinates().len();
+        let mut spread = Spread(4);
+        let mut reached = 0;
+        for _ in 0..10 {
+            let range = |coordinate: &Coordinate, share: f64| {
+                coordinate.range().0 + share * (coordinate.range().1 - coordinate.range().0)
+            };
+            let q: Vec<f64> = chain.coordinates().iter().map(|coordinate| range(coordinate, spread.next())).collect();
+            reached += usize::from(solver.solve(&chain.fk(&q), &vec![0.0; n]).reached());
+        }
+        assert!(reached >= 9, "{}: {reached} of 10, {}", chain.name(), solver.method());
+        let far = se3::translation(Vector3::new(100.0, 0.0, 0.0));
+        let solutions = solver.solve(&far, &vec![0.0; n]);
+        let (_, nearest) = solutions.iter().next().unwrap();
+        assert!(!solutions.reached() && nearest.position_error > 50.0);
+    }
+}
+
+#[test]
+fn a_path_keeps_its_branch_and_limits_choose_the_turn() {
+    let chain = ur5e();
+    let solver = Solver::new(&chain);
+    let start = [0.3, -1.2, 1.4, -0.5, -1.3, 0.2];
+    let path: Vec<_> = (0..50).map(|k| chain.fk(&start.map(|q| q + 0.01 * f64::from(k)))).collect();
+    for (k, (joints, step)) in solver.follow(&path, &start).into_iter().enumerate() {
+        assert!(step.unwrap() < 0.02, "{k} {step:?}");
+        assert!((joints[0] - 0.3 - 0.01 * k as f64).abs() < 1e-9);
+    }
+    // The same arm whose first joint may turn from half a turn to one and a half.
+    let mut coordinates = chain.coordinates().to_vec();
+    coordinates[0].limits = denavit_model::Limits::between(PI, 3.0 * PI);
+    let names = (chain.name(), chain.base(), chain.tip());
+    let narrow = Chain::new(names, coordinates, chain.joints().to_vec(), *chain.home()).unwrap();
+    let solutions = Solver::new(&narrow).solve(&chain.fk(&start), &start);
+    let (joints, found) = solutions.iter().next().unwrap();
+    assert!(found.within_limits && joints[0] >= PI && joints[0] <= 3.0 * PI, "{joints:?}");
 }

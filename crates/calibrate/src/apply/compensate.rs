@@ -4,6 +4,7 @@ mod in_order;
 
 pub use in_order::in_order;
 
+use denavit_ik::Solver;
 use denavit_model::chain::Quantity;
 use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Vector6};
 use denavit_model::{Chain, Pose, Screw, se3};
@@ -72,21 +73,22 @@ const MOST_STEPS: usize = 200;
 
 /// Find the command for a wanted pose.
 ///
-/// `actual` gives base_from_tip of the robot as it is, effects included; `calibrated` is its chain, whose Jacobian is near
+/// `solver` is that of the robot as drawn, `actual` gives base_from_tip of the robot as it is, effects included; `calibrated` is its chain, whose Jacobian is near
 /// enough for Newton's steps. The nominal solution nearest to `near` (rad, m) is the start.
 ///
 /// # Shape and units
 /// `near`: one value per coordinate.
 pub fn compensate(
-    nominal: &Chain,
+    solver: &Solver,
     calibrated: &Chain,
     actual: &dyn Fn(&[f64]) -> Pose,
     wanted: &Wanted,
     near: &[f64],
 ) -> Command {
+    let nominal = solver.chain();
     let (pose, (start, keeps_configuration)) = match wanted {
         Wanted::Joints(q) => (nominal.fk(q), (q.clone(), true)),
-        Wanted::Pose(pose) => (*pose, nominal_solution(nominal, pose, near)),
+        Wanted::Pose(pose) => (*pose, nominal_solution(solver, pose, near)),
     };
     let lever = lever(nominal);
     let (joints, steps) = newton(calibrated, actual, &pose, &start, lever);
@@ -107,37 +109,30 @@ pub fn compensate(
 
 /// Joint values at which the nominal robot has a pose, and whether they keep the configuration of `near`.
 ///
-/// The straight way of the tip from where it is at `near` is followed first. Where that ends, the search goes on from over
-/// the joint range: to a solution within the limits that keeps the configuration, else to the nearest within the limits, else
-/// to any, else to the nearest miss.
-fn nominal_solution(chain: &Chain, pose: &Pose, near: &[f64]) -> (Vec<f64>, bool) {
+/// The straight way of the tip from where it is at `near` is followed first. Where that ends, all branches of inverse kinematics are
+/// looked at: the nearest within the limits that keeps the configuration, else the nearest within the limits, else any, else
+/// the nearest miss.
+fn nominal_solution(solver: &Solver, pose: &Pose, near: &[f64]) -> (Vec<f64>, bool) {
+    let chain = solver.chain();
     let lever = lever(chain);
     if let Some(found) = followed(chain, pose, near, lever) {
         return (found, true);
     }
-    let farthest = |q: &[f64]| q.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let mut within: Option<Vec<f64>> = None;
-    let mut best: Option<(bool, f64, Vec<f64>)> = None;
-    let starts = std::iter::once(near.to_vec()).chain((1..40).map(|k| spread(chain, k)));
-    for start in starts {
-        let (found, _) = newton(chain, &|q| chain.fk(q), pose, &start, lever);
-        let found = unwound(chain, found, near);
-        let left = error(&chain.fk(&found), pose, lever).norm();
-        if left < REACHED && beyond_limits(chain, &found).is_empty() {
-            if regular_between(chain, near, &found, lever) {
-                return (found, true);
-            }
-            if within.as_ref().is_none_or(|other| farthest(&found) < farthest(other)) {
-                within = Some(found);
-            }
-            continue;
-        }
-        let better = |(reached, least, _): &(bool, f64, Vec<f64>)| !reached && left < *least;
-        if best.as_ref().is_none_or(better) {
-            best = Some((left < REACHED, left, found));
-        }
+    let solutions = solver.solve(pose, near);
+    let within = || solutions.iter().filter(|(_, found)| solutions.reached() && found.within_limits);
+    if let Some((kept, _)) = within().find(|(joints, _)| regular_between(chain, near, joints, lever)) {
+        return (kept.to_vec(), true);
     }
-    let found = within.or_else(|| best.map(|(_, _, found)| found)).unwrap_or_else(|| near.to_vec());
+    if let Some((joints, _)) = within().next() {
+        return (joints.to_vec(), false);
+    }
+    let found = solutions.iter().next().map_or_else(|| near.to_vec(), |(joints, _)| joints.to_vec());
+    let found = if solutions.reached() {
+        found
+    } else {
+        // Out of reach: the least error with this command's weights of place and direction.
+        unwound(chain, newton(chain, &|q| chain.fk(q), pose, &found, lever).0, near)
+    };
     let keeps = regular_between(chain, near, &found, lever);
     (found, keeps)
 }
@@ -241,15 +236,6 @@ pub fn beyond_limits(chain: &Chain, q: &[f64]) -> Vec<String> {
         (coordinate.limits.range.is_some() && (*value < lower || *value > upper)).then(|| coordinate.name.clone())
     };
     chain.coordinates().iter().zip(q).filter_map(beyond).collect()
-}
-
-fn spread(chain: &Chain, index: usize) -> Vec<f64> {
-    let share = |k: usize| (0.5 + index as f64 * 0.618_033_988_749_895 * (k as f64 + 1.0).sqrt()).fract();
-    let at = |(k, coordinate): (usize, &denavit_model::Coordinate)| {
-        let (lower, upper) = coordinate.range();
-        lower + (upper - lower) * share(k)
-    };
-    chain.coordinates().iter().enumerate().map(at).collect()
 }
 
 fn lever(chain: &Chain) -> f64 {

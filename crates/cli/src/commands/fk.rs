@@ -24,7 +24,7 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     let loaded = source::load(&arguments.robot.robot, &arguments.robot.source)?;
     let noted = loaded.chain(&arguments.robot.selection())?;
     let chain = &noted.value;
-    let q = joint_values(chain, &arguments.q, arguments.degrees)?;
+    let q = joint_values(chain, "--q", &arguments.q, arguments.degrees)?;
     doubts(chain, &q, arguments.degrees);
     let pose = match &arguments.effects {
         None if !arguments.given.given.is_empty() => {
@@ -93,11 +93,11 @@ fn with_effects(
     Ok(model.fk(chain, &Conditions { reading: q, recorded: recorded.row(0), tip: 0 }))
 }
 
-/// Joint values from `0.1,0.2` or `name=0.1,other=0.2`, rad and m.
-pub fn joint_values(chain: &Chain, written: &str, degrees: bool) -> Result<Vec<f64>, Failure> {
+/// Joint values from `0.1,0.2` or `name=0.1,other=0.2` of a named option, rad and m.
+pub fn joint_values(chain: &Chain, option: &str, written: &str, degrees: bool) -> Result<Vec<f64>, Failure> {
     let coordinates = chain.coordinates();
     let words: Vec<&str> = written.split([',', ' ']).map(str::trim).filter(|word| !word.is_empty()).collect();
-    let wrong = |message: String| Failure::Argument(format!("--q: {message}"));
+    let wrong = |message: String| Failure::Argument(format!("{option}: {message}"));
     let names = || coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
     let by_name = words.iter().any(|word| word.contains('='));
     if !by_name && !words.is_empty() && words.len() != coordinates.len() {

@@ -8,6 +8,7 @@ use crate::effects::{SavedEffects, recorded};
 use crate::observation::measurements::covariates::PAYLOAD;
 use crate::observation::measurements::poses::Poses;
 use crate::observation::measurements::{Covariate, Covariates, MissingColumn};
+use denavit_ik::Solver;
 use denavit_model::Chain;
 
 /// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach, how far joints have
@@ -29,6 +30,7 @@ pub fn in_order(
         0.0f64.clamp(lower, upper)
     };
     let mut near: Vec<f64> = nominal.coordinates().iter().map(middle).collect();
+    let solver = Solver::new(nominal);
     let mut before: Option<Vec<f64>> = None;
     let effects = effects.of_the_tip();
     let (recorded, open) = followed(&effects, nominal, poses, given);
@@ -62,7 +64,7 @@ pub fn in_order(
             }
             conditions(&with_sides)
         };
-        let mut command = compensate(nominal, calibrated, &actual, &wanted, start);
+        let mut command = compensate(&solver, calibrated, &actual, &wanted, start);
         // The first pose has nothing to keep.
         command.keeps_configuration |= before.is_none() && poses.joints.is_empty();
         if allowed.reached_by(&command) {
