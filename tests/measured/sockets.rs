@@ -3,6 +3,7 @@
 use super::Folder;
 use crate::support::{Run, denavit_in, robot};
 use denavit_calibrate::apply::compensate::{Wanted, compensate};
+use denavit_ik::Solver;
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Pose, Reading};
 use std::fmt::Write as _;
@@ -36,7 +37,7 @@ fn reaching(arm: &denavit_model::Chain, ball: &Point3<f64>, place: &Vector3<f64>
         let turn = Rotation3::new(Vector3::new(draw(), draw(), draw()));
         let near: Vec<f64> = (0..6).map(|_| draw()).collect();
         let pose = Pose::from_parts((place - turn * ball.coords).into(), turn);
-        let found = compensate(arm, arm, &|q| arm.fk(q), &Wanted::Pose(pose), &near).joints;
+        let found = compensate(&Solver::new(arm), arm, &|q| arm.fk(q), &Wanted::Pose(pose), &near).joints;
         if ((arm.fk(&found) * ball).coords - place).norm() < 1e-12 {
             return found;
         }

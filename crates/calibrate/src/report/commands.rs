@@ -128,13 +128,14 @@ pub fn to_json(chain: &Chain, commands: &[Command], lines: &[usize], allowed: Al
 mod tests {
     use super::*;
     use crate::apply::compensate::{Wanted, compensate};
+    use denavit_ik::Solver;
     use denavit_model::examples;
 
     #[test]
     fn commands_have_a_header_and_a_line_each() {
         let chain = examples::puma_like();
         let wanted = Wanted::Joints(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
-        let command = compensate(&chain, &chain, &|q| chain.fk(q), &wanted, &[0.0; 6]);
+        let command = compensate(&Solver::new(&chain), &chain, &|q| chain.fk(q), &wanted, &[0.0; 6]);
         let text =
             to_csv(&chain, &[command], Allowed { position: 1e-6, orientation: 1e-6 }, Units::default(), "made here");
         assert_eq!(text.lines().count(), 4);
