@@ -179,11 +179,6 @@ mod tests {
         Row { a, b, k }
     }
 
-    fn near(one: f64, other: f64) -> bool {
-        let turn = one - other;
-        turn.sin().abs() < 1e-5 && turn.cos() > 0.0
-    }
-
     proptest! {
         #[test]
         fn every_pair_that_made_the_equations_is_found(
@@ -199,7 +194,6 @@ mod tests {
             let found = pairs(first, second, SLACK);
             // Where two roots meet their place is known to half the digits.
             let matches = found.as_slice().iter().any(|(fx, fy)| (fx - x).sin().hypot((fy - y).sin()) < 2e-3 && (fx - x).cos() > 0.0 && (fy - y).cos() > 0.0);
-            let _ = near;
             prop_assert!(matches, "{x} {y} not in {:?}", found.as_slice());
         }
     }

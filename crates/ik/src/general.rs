@@ -23,7 +23,7 @@ type Line = SVector<f64, 15>;
 type Motion = SMatrix<f64, 15, 15>;
 
 /// Angles at which the half-angle tangents of joints 3, 4 and 5 are infinite lie away from the round angles of drawings.
-const SHIFTS: [[f64; 3]; 3] = [[0.613, -0.377, 0.841], [1.377, 0.951, -0.563], [-0.839, 1.713, 0.291]];
+const SHIFTS: [f64; 3] = [0.613, -0.377, 0.841];
 
 /// Largest imaginary part (of a half-angle tangent, as a share of its size) of a solution that rounding or a near
 /// singularity has made complex.
@@ -41,7 +41,6 @@ pub(crate) struct Elimination {
     /// Of a turn by minus the angle of joints 1 and 2: the parts of 1, cos, sin.
     first: [Motion; 3],
     second: [Motion; 3],
-    shifts: [f64; 3],
 }
 
 /// The fifteen numbers of a point and a direction.
@@ -105,15 +104,14 @@ impl Elimination {
             axis.point /= size;
         }
         scaled.home.translation.vector /= size;
-        let mut made: Vec<Self> = SHIFTS.iter().map(|shifts| Self::with_shifts(&scaled, *shifts)).collect();
-        made.swap_remove(0)
+        Self::of_scaled(&scaled)
     }
 
-    fn with_shifts(arm: &SixR, shifts: [f64; 3]) -> Self {
+    fn of_scaled(arm: &SixR) -> Self {
         let [one, two, three, four, five, six] = &arm.axes;
-        let third = turn(three, 1.0, shifts[0]);
-        let fourth = turn(four, 1.0, shifts[1]);
-        let fifth = turn(five, 1.0, shifts[2]);
+        let third = turn(three, 1.0, SHIFTS[0]);
+        let fourth = turn(four, 1.0, SHIFTS[1]);
+        let fifth = turn(five, 1.0, SHIFTS[2]);
         let start = line(&six.point, &six.direction);
         let mut left = [SMatrix::<f64, 14, 9>::zeros(); 3];
         for (left, third) in left.iter_mut().zip(&third) {
@@ -124,7 +122,7 @@ impl Elimination {
                 }
             }
         }
-        Self { arm: arm.clone(), left, first: turn(one, -1.0, 0.0), second: turn(two, -1.0, 0.0), shifts }
+        Self { arm: arm.clone(), left, first: turn(one, -1.0, 0.0), second: turn(two, -1.0, 0.0) }
     }
 
     /// Candidates for all real solutions, joint values in rad; `target` with lengths in units of the arm.
@@ -178,9 +176,9 @@ impl Elimination {
             }
             let matrix = zeroth + linear * t + quadratic * (t * t);
             let Some((x, y)) = tangents(&matrix) else { continue };
-            let v3 = 2.0 * t.atan() - self.shifts[0];
-            let v4 = 2.0 * x.atan() - self.shifts[1];
-            let v5 = 2.0 * y.atan() - self.shifts[2];
+            let v3 = 2.0 * t.atan() - SHIFTS[0];
+            let v4 = 2.0 * x.atan() - SHIFTS[1];
+            let v5 = 2.0 * y.atan() - SHIFTS[2];
             self.others(&moved, [v3, v4, v5], |v1, v2, v6| found.push([v1, v2, v3, v4, v5, v6]));
         }
         found
@@ -335,7 +333,7 @@ mod tests {
             let moved = arm.fk(&q);
             let six = &arm.axes[5];
             let end = line(&(moved.rotation * six.point + moved.translation.vector), &(moved.rotation * six.direction));
-            let [v3, v4, v5] = [q[2] + elimination.shifts[0], q[3] + elimination.shifts[1], q[4] + elimination.shifts[2]];
+            let [v3, v4, v5] = [q[2] + SHIFTS[0], q[3] + SHIFTS[1], q[4] + SHIFTS[2]];
             let left = (elimination.left[0] + elimination.left[1] * v3.cos() + elimination.left[2] * v3.sin()) * products(v4, v5);
             let mut right = SVector::<f64, 14>::zeros();
             for (k, weight) in products(q[1], q[0]).iter().enumerate() {

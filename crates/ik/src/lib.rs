@@ -15,6 +15,8 @@ mod general;
 mod newton;
 mod parallel;
 mod quartic;
+mod seven;
+mod six;
 mod solver;
 mod wrist;
 

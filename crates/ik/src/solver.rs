@@ -2,11 +2,9 @@
 
 use crate::arm::SixR;
 use crate::branch::Branch;
-use crate::circles::{EXACT, Few, SLACK};
-use crate::class::{Class, Drawn};
-use crate::general::Elimination;
-use crate::newton;
-use crate::{parallel, wrist};
+use crate::class::Class;
+use crate::six::Six;
+use crate::{newton, seven};
 use denavit_model::chain::Quantity;
 use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, Pose, Screw, se3};
@@ -14,16 +12,12 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 /// A pose counts as reached within this, rad and share of the robot's size: far above rounding, far below any encoder.
-const REACHED: f64 = 1e-9;
+pub(crate) const REACHED: f64 = 1e-9;
 /// Two solutions are one when no joint differs by more, rad or share of the robot's size: solutions that meet at a singularity are
 /// known to half the digits.
 const SAME: f64 = 1e-6;
 /// Starts of the numerical search.
 const RESTARTS: u32 = 120;
-/// Starts around a branch that the real arm does not have where the drawn one has it, and how far around, rad: the
-/// nearer a singularity, the smaller the region from which Newton's method finds a branch.
-const AROUND: u32 = 40;
-const NEARBY: [f64; 2] = [0.12, 0.4];
 /// Steps of one numerical search.
 const SEARCH_STEPS: usize = 60;
 /// Values of a redundant joint that are tried where the given one reaches nothing.
@@ -59,7 +53,7 @@ impl fmt::Display for Method {
             Self::ClosedForm { class, angle, distance } => {
                 write!(f, "closed form: {class}")?;
                 if *angle > 1e-9 {
-                    write!(f, " within {:.1e} rad", angle)?;
+                    write!(f, " within {angle:.1e} rad")?;
                 }
                 if *distance > 1e-9 {
                     write!(f, " within {:.3} mm", distance * 1e3)?;
@@ -138,105 +132,9 @@ impl Solutions {
     }
 }
 
-/// The closed form of six joints.
-#[derive(Debug, Clone)]
-struct Six {
-    arm: SixR,
-    drawn: Drawn,
-    general: Option<Box<Elimination>>,
-    /// How far beyond tangency a branch of the drawn arm is tried on the real one.
-    slack: f64,
-}
-
-/// What a pose's six-joint candidates were good for.
-#[derive(Default)]
-struct Tally {
-    lost: usize,
-}
-
-impl Six {
-    fn of(arm: SixR, size: f64, always_general: bool) -> Self {
-        let drawn = Drawn::of(&arm, size);
-        let exact = drawn.angle < 1e-9 && drawn.distance < 1e-9 * size;
-        let needs_general = always_general && (!exact || drawn.class == Class::General);
-        let general = needs_general.then(|| Box::new(Elimination::of(&arm, size)));
-        Self { arm, drawn, general, slack: if exact { EXACT } else { SLACK } }
-    }
-
-    /// Calls `add` with the joint values of each solution.
-    fn each(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6], Option<Branch>) -> bool) -> Tally {
-        let mut tally = Tally::default();
-        let reversed = self.drawn.is_reversed();
-        let seen = if reversed { target.inverse() } else { *target };
-        let is_wrist = matches!(self.drawn.class, Class::SphericalWrist | Class::SphericalShoulder);
-        let found = match self.drawn.class {
-            Class::SphericalWrist | Class::SphericalShoulder => wrist::solve(&self.drawn.arm, &seen, self.slack),
-            Class::ParallelShoulder | Class::ParallelWrist => parallel::solve(&self.drawn.arm, &seen, self.slack),
-            Class::General => {
-                self.eliminate(target, size, |values| {
-                    add(values, None);
-                });
-                return tally;
-            }
-        };
-        let turned = |values: &[f64; 6]| {
-            let mut values = *values;
-            if reversed {
-                values.reverse();
-                values.iter_mut().for_each(|value| *value = -*value);
-            }
-            values
-        };
-        let exact = self.slack <= EXACT;
-        let named = |values: &[f64; 6]| Some(Branch::of(&self.drawn.arm, &turned(values), is_wrist));
-        let (mut failed, mut reached) = (Few::<[f64; 6], 8>::new([0.0; 6]), 0u32);
-        for values in found.as_slice() {
-            let mut there = turned(values);
-            if newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() && add(&there, named(&there)) {
-                reached += 1;
-            } else {
-                failed.push(*values);
-            }
-        }
-        // Near a singularity a branch of the real arm lies far from that of the drawn one. Solutions come in pairs, so that an odd
-        // number of them tells the same.
-        if exact || (failed.as_slice().is_empty() && reached % 2 == 0) {
-            return tally;
-        }
-        for values in failed.as_slice() {
-            let drawn_reaches = newton::error(&seen, &self.drawn.arm.fk(values), size).norm() < 1e-6;
-            // All of the starts: where two singularities meet the real arm may have four branches in place of two.
-            let mut found = false;
-            for k in 0..AROUND {
-                let mut there = turned(values);
-                for (joint, value) in there.iter_mut().enumerate() {
-                    *value += NEARBY[k as usize % 2] * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0);
-                }
-                found |= newton::refine(&self.arm, target, size, &mut there, REACHED).is_some()
-                    && add(&there, named(&there));
-            }
-            tally.lost += usize::from(!found && drawn_reaches);
-        }
-        self.eliminate(target, size, |values| {
-            add(values, named(values));
-        });
-        tally
-    }
-
-    fn eliminate(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6])) {
-        let Some(general) = &self.general else { return };
-        for values in general.solve(target, size).as_slice() {
-            let mut there = *values;
-            if newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() {
-                add(&there);
-            }
-        }
-    }
-}
-
 #[derive(Debug, Clone)]
 enum Way {
-    Six(Six),
+    Six(Box<Six>),
     Seven { parameter: usize },
     Search,
 }
@@ -261,10 +159,6 @@ pub struct Solver {
     method: Method,
 }
 
-/// Joints of a seven-joint arm in the order in which they are tried as the parameter: the third turns the elbow of arms with a
-/// spherical shoulder and wrist, the last that of arms with an offset wrist.
-const PARAMETERS: [usize; 7] = [2, 6, 3, 0, 4, 1, 5];
-
 impl Solver {
     /// Reads the chain's class off its screw axes.
     pub fn new(chain: &Chain) -> Self {
@@ -272,8 +166,8 @@ impl Solver {
         let (way, method) = if let Some(arm) = SixR::of(chain) {
             let six = Six::of(arm, size, true);
             let (class, angle, distance) = (six.drawn.class, six.drawn.angle, six.drawn.distance);
-            (Way::Six(six), Method::ClosedForm { class, angle, distance })
-        } else if let Some((parameter, class)) = redundant(chain, size) {
+            (Way::Six(Box::new(six)), Method::ClosedForm { class, angle, distance })
+        } else if let Some((parameter, class)) = seven::redundant(chain, size) {
             (Way::Seven { parameter }, Method::Redundant { parameter, class })
         } else {
             (Way::Search, Method::Search)
@@ -329,7 +223,7 @@ impl Solver {
         if !solutions.reached {
             self.nearest(target, near, solutions);
         }
-        self.sort(near, solutions);
+        sort(near, solutions);
     }
 
     /// One solution per pose along a path, each next to the one before: the branch of `start` is kept where it can be.
@@ -418,11 +312,6 @@ impl Solver {
         if first > last { nearest } else { nearest + 0.0f64.clamp(first, last) * turn }
     }
 
-    /// The arm of the six other joints with one held.
-    fn held(&self, parameter: usize, value: f64) -> Option<SixR> {
-        held(&self.chain, parameter, value)
-    }
-
     fn seven(&self, parameter: usize, target: &Pose, near: &[f64], solutions: &mut Solutions) {
         let coordinate = &self.chain.coordinates()[parameter];
         let (lower, upper) = coordinate.range();
@@ -437,7 +326,7 @@ impl Solver {
             }
             let joint = &self.chain.joints()[parameter];
             let value = joint.value(&self.pad(parameter, q));
-            let Some(arm) = self.held(parameter, value) else { return };
+            let Some(arm) = seven::held(&self.chain, parameter, value) else { return };
             let six = Six::of(arm, self.size, false);
             let tally = six.each(target, self.size, |values, branch| {
                 let mut all = [0.0; 7];
@@ -471,11 +360,11 @@ impl Solver {
             let at = solutions.joints.len();
             let left = self.descend(target, near, start, solutions);
             if left < REACHED {
-                for k in 0..n {
-                    // Mimic joints share a coordinate: only a chain without them turns whole turns freely.
-                    if self.chain.joints().len() == n && self.chain.joints()[k].coordinate == k {
-                        let scale = self.chain.joints()[k].scale;
-                        solutions.joints[at + k] = self.unwound(k, solutions.joints[at + k], near[k], scale);
+                // Mimic joints share a coordinate: only a chain without them turns whole turns freely.
+                let joints = self.chain.joints();
+                if joints.len() == n && joints.iter().enumerate().all(|(k, joint)| joint.coordinate == k) {
+                    for (k, joint) in joints.iter().enumerate() {
+                        solutions.joints[at + k] = self.unwound(k, solutions.joints[at + k], near[k], joint.scale);
                     }
                 }
                 self.keep(target, at, n, None, solutions);
@@ -523,35 +412,10 @@ impl Solver {
         solutions.found.push(Found { branch: None, position_error, orientation_error, within_limits });
         solutions.reached = position_error <= REACHED * self.size && orientation_error <= REACHED;
     }
-
-    /// Within limits first, then the least greatest change of a joint.
-    fn sort(&self, near: &[f64], solutions: &mut Solutions) {
-        let n = near.len();
-        let rank = |solutions: &Solutions, i: usize| {
-            let joints = &solutions.joints[i * n..(i + 1) * n];
-            let farthest = joints.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            (!solutions.found[i].within_limits, farthest)
-        };
-        // Insertion sort: a handful of items, and no allocation.
-        for i in 1..solutions.found.len() {
-            let mut j = i;
-            while j > 0 {
-                let (a, b) = (rank(solutions, j - 1), rank(solutions, j));
-                if a.0 < b.0 || (a.0 == b.0 && a.1 <= b.1) {
-                    break;
-                }
-                solutions.found.swap(j - 1, j);
-                for k in 0..n {
-                    solutions.joints.swap((j - 1) * n + k, j * n + k);
-                }
-                j -= 1;
-            }
-        }
-    }
 }
 
 /// Fractional parts of the square roots of the first primes.
-const STEPS: [f64; 8] = [
+pub(crate) const STEPS: [f64; 8] = [
     0.414_213_562_373_095,
     0.732_050_807_568_877,
     0.236_067_977_499_789,
@@ -562,32 +426,27 @@ const STEPS: [f64; 8] = [
     0.358_898_943_540_673,
 ];
 
-/// A seven-joint arm with joint `parameter` held at a joint value (rad).
-fn held(chain: &Chain, parameter: usize, value: f64) -> Option<SixR> {
-    let joints = chain.joints();
-    let in_order = joints.iter().enumerate().all(|(k, joint)| joint.coordinate == k);
-    if joints.len() != 7 || chain.coordinates().len() != 7 || !in_order {
-        return None;
+/// Within limits first, then the least greatest change of a joint.
+fn sort(near: &[f64], solutions: &mut Solutions) {
+    let n = near.len();
+    let rank = |solutions: &Solutions, i: usize| {
+        let joints = &solutions.joints[i * n..(i + 1) * n];
+        let farthest = joints.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        (u8::from(!solutions.found[i].within_limits), farthest)
+    };
+    // Insertion sort: a handful of items, and no allocation.
+    for i in 1..solutions.found.len() {
+        let mut j = i;
+        while j > 0 {
+            let (a, b) = (rank(solutions, j - 1), rank(solutions, j));
+            if a <= b {
+                break;
+            }
+            solutions.found.swap(j - 1, j);
+            for k in 0..n {
+                solutions.joints.swap((j - 1) * n + k, j * n + k);
+            }
+            j -= 1;
+        }
     }
-    let motion = joints[parameter].screw.motion(value);
-    let mut axes = [crate::arm::Axis {
-        direction: denavit_model::nalgebra::Vector3::z(),
-        point: denavit_model::nalgebra::Vector3::zeros(),
-    }; 6];
-    let others = joints.iter().enumerate().filter(|(k, _)| *k != parameter);
-    for (axis, (k, joint)) in axes.iter_mut().zip(others) {
-        let Screw::Revolute(line) = joint.screw else { return None };
-        let line = if k > parameter { line.moved(&motion) } else { line };
-        *axis = crate::arm::Axis { direction: *line.direction, point: line.point.coords };
-    }
-    matches!(joints[parameter].screw, Screw::Revolute(_)).then(|| SixR { axes, home: motion * chain.home() })
-}
-
-/// The joint of a seven-joint arm to hold, and the class of the others: the same at whatever value it is held.
-fn redundant(chain: &Chain, size: f64) -> Option<(usize, Class)> {
-    PARAMETERS.into_iter().find_map(|parameter| {
-        let class_at = |value: f64| Some(Drawn::of(&held(chain, parameter, value)?, size).class);
-        let class = class_at(0.7)?;
-        (class != Class::General && class_at(-1.3)? == class && class_at(0.1)? == class).then_some((parameter, class))
-    })
 }

@@ -1,5 +1,7 @@
 //! Every branch, on arms of each class, drawn and calibrated: the joint values that made a pose are among its solutions.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
+
 use denavit_ik::{Class, Method, Solutions, Solver};
 use denavit_model::chain::{ChainJoint, Coordinate, Quantity};
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
@@ -114,13 +116,8 @@ fn random(spread: &mut Spread) -> Chain {
 
 fn reversed(chain: &Chain) -> Chain {
     let tip_from_base = chain.home().inverse();
-    let screws = chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>();
-    with_screws(screws, tip_from_base.translation.vector)
-        .with_geometry(
-            &chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect::<Vec<_>>(),
-            tip_from_base,
-        )
-        .unwrap()
+    let screws: Vec<_> = chain.joints().iter().rev().map(|joint| joint.screw.moved(&tip_from_base)).collect();
+    with_screws(screws.clone(), Vector3::zeros()).with_geometry(&screws, tip_from_base).unwrap()
 }
 
 /// Smallest singular value over largest: how near the arm is to a singularity, where branches meet.
