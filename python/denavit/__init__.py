@@ -111,3 +111,7 @@ __all__ = [
     "load",
     "show_explorer",
 ]
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__doc__", "__file__", "__name__", "__version__"]

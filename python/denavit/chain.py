@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
 from denavit._frozen import Frozen
+from denavit._given import joint_values, whole
 from denavit._shown import Shown
+from denavit.errors import ArgumentError
 from denavit.table import Table
 
 if TYPE_CHECKING:
@@ -22,6 +24,12 @@ if TYPE_CHECKING:
     from denavit.run import Plan, Simulation
 
 Array = NDArray[np.float64]
+
+JointValues = ArrayLike | Mapping[str, Any]
+"""Joint values: an array whose last axis is the coordinates in order, or values by joint name (a mapping, a data frame)."""
+
+_MOST_THREADS = 4096
+_MOST_ROWS = 10**9
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +151,20 @@ class Chain(Shown, Frozen):
         """The most by which what the notes describe moves the tip, m."""
         return self._native.tip_moves_at_most
 
+    @property
+    def n(self) -> int:
+        """How many coordinates move it."""
+        return len(self)
+
+    @property
+    def limits(self) -> Array:
+        """Lowest and highest value of each coordinate, rad or m, shape ``(n, 2)``; -inf and inf where none is stated."""
+        ends = [
+            (-np.inf if entry.lower is None else entry.lower, np.inf if entry.upper is None else entry.upper)
+            for entry in self.coordinates
+        ]
+        return np.array(ends, dtype=np.float64).reshape(-1, 2)
+
     def screws(self) -> Array:
         """Screw axes in the base frame at zero, shape ``(joints, 6)``: ``[ω, v]``, as in Lynch and Park."""
         return np.array([joint["twist"] for joint in self.poe()["joints"]], dtype=np.float64).reshape(-1, 6)
@@ -156,11 +178,11 @@ class Chain(Shown, Frozen):
         found: dict[str, Any] = json.loads(self._native.poe("json"))
         return found
 
-    def fk(self, q: ArrayLike, out: Array | None = None, *, threads: int = 1) -> Array:
+    def fk(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
         """Forward kinematics: base_from_tip.
 
         Args:
-            q: Joint values, rad and m, shape ``(..., n)``.
+            q: Joint values, rad and m, shape ``(..., n)``; a data frame or mapping by joint names.
             out: C-contiguous float64 array of shape ``(..., 4, 4)`` for the result.
             threads: Threads to share the work among; 0: as many as there are cores.
 
@@ -176,41 +198,56 @@ class Chain(Shown, Frozen):
             >>> chain.fk([0, 0, 0, 0, 0, 0]).round(4)[:3, 3]
             array([-0.8172, -0.2329,  0.0628])
         """
-        return self._native.fk(q, out, threads)
+        if type(q) is not np.ndarray:
+            q = joint_values("q", q, self.joints)
+        return self._native.fk(q, out, threads if threads == 1 else whole("threads", threads, 0, _MOST_THREADS))
 
-    def tips(self, q: ArrayLike, out: Array | None = None, *, threads: int = 1) -> Array:
+    def tips(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
         """Where the tip's origin is in the base frame, m, shape ``(..., 3)``; quicker than `fk`, and as exact."""
-        return self._native.tips(q, out, threads)
+        if type(q) is not np.ndarray:
+            q = joint_values("q", q, self.joints)
+        return self._native.tips(q, out, threads if threads == 1 else whole("threads", threads, 0, _MOST_THREADS))
 
     def jacobian(
         self,
-        q: ArrayLike,
-        frame: Literal["space", "body", "tip"] = "space",
+        q: JointValues,
+        frame: Literal["space", "world", "body", "local", "tip", "local_world_aligned"] = "space",
         out: Array | None = None,
         *,
+        order: Literal["angular_first", "linear_first"] = "angular_first",
         threads: int = 1,
     ) -> Array:
-        """Jacobians, angular rows first, per unit of each coordinate.
+        """Jacobians, per unit of each coordinate.
 
         Args:
             q: Joint values, rad and m, shape ``(..., n)``.
-            frame: ``space``: the tip's twist in the base frame; ``body``: in its own frame (Lynch, Park 2017, ch. 5);
-                ``tip``: its angular velocity and the velocity of its origin along the base frame's axes (geometric Jacobian).
+            frame: ``space`` (pinocchio's ``world``): the tip's twist in the base frame; ``body`` (``local``): in its own frame
+                (Lynch, Park 2017, ch. 5); ``tip`` (``local_world_aligned``): its angular velocity and the velocity of its
+                origin along the base frame's axes (geometric Jacobian). The world is the chain's base frame.
             out: C-contiguous float64 array of shape ``(..., 6, n)`` for the result.
+            order: ``angular_first``: rows ω, then v, as in Lynch and Park; ``linear_first``: v, then ω, as in pinocchio and
+                roboticstoolbox.
             threads: Threads to share the work among; 0: as many as there are cores.
 
         Returns:
             Shape ``(..., 6, n)``.
         """
-        return self._native.jacobian(q, frame, out, threads)
+        if type(q) is not np.ndarray:
+            q = joint_values("q", q, self.joints)
+        if order not in ("angular_first", "linear_first"):
+            raise ArgumentError(f"order is {order!r}; write angular_first or linear_first")
+        found = self._native.jacobian(q, frame, out, threads if threads == 1 else whole("threads", threads, 0, _MOST_THREADS))
+        if order == "linear_first":
+            found[...] = found[..., [3, 4, 5, 0, 1, 2], :]
+        return found
 
     def sample(self, count: int, seed: int = 0) -> Array:
         """Random joint values within the limits, rad and m, shape ``(count, n)``; same seed, same values."""
-        return self._native.sample(count, seed)
+        return self._native.sample(whole("count", count, 0, _MOST_ROWS), whole("seed", seed))
 
     def table(
         self,
-        convention: Literal["distal", "standard", "proximal", "modified", "craig", "paper", "hayati"] | None = None,
+        convention: str | None = None,
         *,
         gauge: Literal["simple", "paper"] | None = None,
         tolerance: float = 1e-6,
@@ -218,7 +255,8 @@ class Chain(Shown, Frozen):
         """The chain's Denavit-Hartenberg table; `denavit table`.
 
         Args:
-            convention: How the numbers are grouped; by default as the source does, else ``distal`` (standard).
+            convention: How the numbers are grouped: ``distal`` (also ``standard``, ``sdh``, ``DH``), ``proximal``
+                (``modified``, ``mdh``, ``craig``), ``paper`` or ``hayati``; by default as the source does, else ``distal``.
             gauge: How to choose what the geometry leaves free; by default as the source does, else the fewest numbers.
             tolerance: Neighbouring axes closer to parallel than this are made parallel, rad; 0: none.
         """
@@ -259,7 +297,6 @@ class Chain(Shown, Frozen):
         Raises:
             ArgumentError: Fewer candidates than poses are left within the limits and the box, or an argument cannot be.
         """
-        from denavit.errors import ArgumentError
         from denavit.fit import earlier
         from denavit.run import plan
         from denavit.run import tell_apart as chosen_for
@@ -334,6 +371,16 @@ class Chain(Shown, Frozen):
         seen = (camera, board, on_hand, pixel_noise)
         return simulate(self, rows, q, test, *chosen, *seen, (range_noise, angle_noise), repeatability)
 
+    def to_jax(self) -> Any:
+        """Forward kinematics as a function of jax: ``f(q)`` of shape ``(n,)`` gives base_from_tip, shape ``(4, 4)``, m.
+
+        It can be compiled, mapped (`jax.vmap`) and differentiated both ways; its derivative is this chain's Jacobian. Numbers
+        are those of jax: 32 bits unless ``jax_enable_x64`` is set.
+        """
+        from denavit.bridges.jax import to_jax
+
+        return to_jax(self)
+
     def to_yourdfpy(self) -> Any:
         """The robot as `yourdfpy` reads it; of URDF sources only."""
         from denavit.bridges.robots import to_yourdfpy
@@ -341,7 +388,13 @@ class Chain(Shown, Frozen):
         return to_yourdfpy(self._robot)
 
     def to_pinocchio(self) -> Any:
-        """The robot as a model of `pinocchio`, with masses and inertias; of URDF sources only."""
+        """The robot as a model of `pinocchio`, with masses and inertias; of URDF sources only.
+
+        Joints that mimic another follow it there, too.
+
+        Raises:
+            ExportError: The installed pinocchio cannot couple them so.
+        """
         from denavit.bridges.robots import to_pinocchio
 
         return to_pinocchio(self._robot)

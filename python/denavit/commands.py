@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from denavit import _denavit
 from denavit._files import save
-from denavit.chain import Array
+from denavit._given import array, is_frame, joint_values, number
+from denavit.chain import Array, Chain
 from denavit.errors import ArgumentError
 from denavit.measurements import Measurements
 from denavit.results import effects_of
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from denavit.fit import Fit
 
 
@@ -77,6 +81,19 @@ class Commands:
     def __len__(self) -> int:
         return len(self.json["commands"])
 
+    def __iter__(self) -> Iterator[Array]:
+        return iter(self.q)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return self.q.astype(dtype or np.float64, copy=False)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row each: joint values to command, rad and m, the state, and what is expected of it, m. Needs pandas."""
+        import pandas as pd
+
+        rest = {"state": self.states, "position_error_m": self.position_errors, "uncompensated_m": self.uncompensated}
+        return pd.DataFrame([entry["joints"] for entry in self.json["commands"]]).assign(**rest)
+
     def __hash__(self) -> int:
         return hash(self.csv)
 
@@ -87,23 +104,27 @@ class Commands:
 def compensate(fit: Fit, poses: Any, given: Mapping[str, float], allowed_miss: tuple[float, float]) -> Commands:
     """Commands with which the calibrated robot reaches poses."""
     effects = effects_of(fit.nominal, fit.effects_json)
-    pairs = [(str(name), float(value)) for name, value in given.items()]
-    wanted = _wanted(poses)
-    found, csv, text, notes = effects.compensate(fit.nominal._native, fit.chain._native, wanted, pairs, allowed_miss)
+    wanted = _wanted(poses, fit.nominal)
+    found, csv, text, notes = effects.compensate(fit.nominal._native, fit.chain._native, wanted, pairs(given), allowed_miss)
     return Commands(json.loads(found), csv, text, tuple(notes))
 
 
-def _wanted(poses: Any) -> _denavit.Wanted:
+def pairs(given: Mapping[str, float] | None) -> list[tuple[str, float]]:
+    """What effects follow, as the native part takes it."""
+    return [(str(name), number(f"given[{name!r}]", value)) for name, value in (given or {}).items()]
+
+
+def _wanted(poses: Any, chain: Chain) -> _denavit.Wanted:
     if isinstance(poses, Measurements):
         return poses._given()
     if isinstance(poses, str | os.PathLike):
         return Measurements.read(poses)._given()
-    if hasattr(poses, "columns"):
+    if is_frame(poses):
         return Measurements.from_pandas(poses, file="<poses>")._given()
-    array = np.ascontiguousarray(poses, dtype=np.float64)
-    if array.ndim not in (2, 3):
+    if isinstance(poses, Mapping):
+        poses = joint_values("poses", poses, chain.joints)
+    found: Array = array("poses", poses)
+    if found.ndim not in (2, 3):
         shape = "poses of shape (N, 4, 4), joint values of shape (N, n), a data frame or a file"
-        raise ArgumentError(f"poses has shape {array.shape}; give {shape}")
-    if array.shape == (4, 4):
-        array = array[None]
-    return array
+        raise ArgumentError(f"poses has shape {found.shape}; give {shape}")
+    return found[None] if found.shape == (4, 4) else found

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from denavit import _denavit
+from denavit._given import whole
 from denavit._shown import Shown
 from denavit.bridges.sources import text_of
+from denavit.errors import ArgumentError
+from denavit.records import Records
 from denavit.robot import Robot, Source, load
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +148,8 @@ def diff(
         up_to_zeros,
         count_names,
         ranges,
-        samples,
-        seed,
+        whole("samples", samples),
+        whole("seed", seed),
     )
     reports = {name: found.render(name) for name in ("text", "json", "junit", "sarif", "github", "markdown")}
     values = json.loads(reports["json"])
@@ -264,6 +270,19 @@ class Check:
     def __len__(self) -> int:
         return len(self.findings)
 
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.findings)
+
+    def __getitem__(self, at: int) -> Finding:
+        return self.findings[at]
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each finding. Needs pandas."""
+        return Records(self.findings).to_pandas()
+
+    def _repr_html_(self) -> str:
+        return Records(self.findings)._repr_html_() if self.findings else "<p>nothing found</p>"
+
     def __hash__(self) -> int:
         return hash(self.reports["json"])
 
@@ -294,7 +313,11 @@ def check(
         >>> found.ok, len(found)
         (True, 0)
     """
-    file, text = (source.file, source.urdf or "") if isinstance(source, Robot) else text_of(source, None, None)
+    if isinstance(source, Robot) and source.urdf is None:
+        raise ArgumentError(
+            f"{source.file} is no URDF, and the rules are about URDF files; check robot.canonical()", file=source.file
+        )
+    file, text = (source.file, source.urdf or "") if isinstance(source, Robot) else text_of(source, None)
     folders = [os.fspath(folder) for folder in package_path]
     chosen = None if config is None else os.fspath(config)
     found = _denavit.check(file, text, list(allow), list(deny), chosen, folders)

@@ -8,17 +8,21 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from denavit import _denavit
 from denavit import progress as _progress
 from denavit._files import save
 from denavit._frozen import Frozen
+from denavit._given import array, joint_values, number, whole
 from denavit._shown import Shown
-from denavit.chain import Chain
-from denavit.commands import Commands, compensate
+from denavit.chain import Array, Chain
+from denavit.commands import Commands, compensate, pairs
 from denavit.errors import ArgumentError, ExportError
-from denavit.measurements import Measurements
+from denavit.measurements import Measurements, is_several, measurements
 from denavit.records import Records
-from denavit.results import Curve, Effect, Errors, Leftover, Parameter, Prediction, Residuals
+from denavit.results import Curve, Effect, Errors, Leftover, Parameter, Prediction, Residuals, effects_of
 from denavit.robot import Robot, load
 
 if TYPE_CHECKING:
@@ -166,14 +170,41 @@ class Fit(Shown, Frozen):
         _, train, held_out = self._found.stages[names.index(stage) if isinstance(stage, str) else stage]
         return held_out if test else train
 
-    def predict(self, later: Measurements) -> Prediction:
-        """Hold the calibrated model, effects included, against rows that were measured later.
+    def fk(self, q: ArrayLike, *, given: Mapping[str, float] | None = None) -> Array:
+        """Where the tip is: base_from_tip of the calibrated robot with its effects and error curves; nothing measured is needed.
+
+        Args:
+            q: Joint values, rad and m, shape ``(..., n)``.
+            given: What effects follow, such as ``{"payload": 2.5}``.
+
+        Returns:
+            Homogeneous matrices, m, shape ``(..., 4, 4)``.
+
+        Raises:
+            ArgumentError: An effect follows what is not given.
+        """
+        values = array("q", joint_values("q", q, self._chain.joints))
+        n = len(self._chain)
+        if values.ndim == 0 or values.shape[-1] != n:
+            raise ArgumentError(
+                f"q has shape {values.shape}, but the chain has {n} coordinates; give one value for each in the last axis"
+            )
+        rows = np.ascontiguousarray(values.reshape(-1, n))
+        effects = effects_of(self._chain, self._found.effects)
+        found = effects.fk(self.chain._native, rows, pairs(given)) if len(rows) else np.zeros((0, 4, 4))
+        return found.reshape(*values.shape[:-1], 4, 4)
+
+    def predict(self, later: Measurements | Any) -> Prediction:
+        """Compare the calibrated model, effects included, with rows that were measured later.
+
+        Args:
+            later: Measurements, or what `calibrate` takes as such.
 
         Raises:
             DataError: The rows cannot be read.
             CalibrationError: They are of another kind, or of targets that nothing places.
         """
-        errors, residuals = self._fitted().predict(later._given())
+        errors, residuals = self._fitted().predict(measurements("later", later, self._chain)._given())
         return Prediction(json.loads(errors), Residuals(*residuals))
 
     def compensate(
@@ -222,10 +253,10 @@ class Fit(Shown, Frozen):
 
 
 def calibrate(
-    chain: Chain,
-    data: Measurements | Sequence[Measurements] = (),
+    chain: Chain | Robot | Any,
+    data: Measurements | Sequence[Measurements] | Any = (),
     *,
-    test: Measurements | None = None,
+    test: Measurements | Any | None = None,
     hold_out: float | None = None,
     hold_out_setups: Sequence[str] = (),
     tips: Sequence[str] = (),
@@ -243,9 +274,10 @@ def calibrate(
     """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C ends it at once.
 
     Args:
-        chain: The chain as drawn.
-        data: Measurements to fit. Where the instrument stands and where the target sits is found. Several are several setups:
-            each has its own instrument frame and targets.
+        chain: The chain as drawn; of a robot, or of a source that `load` takes, the chain that it takes where none is named.
+        data: Measurements to fit: `Measurements`, a file, a data frame, a mapping of columns, or a pair of arrays, joint values
+            ``(N, n)`` and positions ``(N, 3)``. Where the instrument stands and where the target sits is found. Several in a
+            list are several setups: each has its own instrument frame and targets.
         test: Measurements to judge by, never fitted; sockets in it are new places.
         hold_out: Without `test`: share of the rows to keep for judging.
         hold_out_setups: Setups, or placements of sockets, to keep for judging.
@@ -287,8 +319,12 @@ def calibrate(
         raise ArgumentError("hold_out and hold_out_setups exclude each other; give one of them")
     if effects is not None and not isinstance(effects, str) and not list(effects):
         effects = None
-    several = [data] if isinstance(data, Measurements) else list(data)
-    sockets = [(part.socket, part) for part in several if part.socket is not None] + list((socket or {}).items())
+    if not isinstance(chain, Chain):
+        chain = load(chain).chain()
+    several = [measurements("data", part, chain) for part in (data if is_several(data) else (data,))]
+    in_sockets = {label: measurements(f"socket {label}", part, chain) for label, part in (socket or {}).items()}
+    sockets = [(part.socket, part) for part in several if part.socket is not None] + list(in_sockets.items())
+    test = None if test is None else measurements("test", test, chain)
     rows: _denavit.RowsGiven = {
         "data": [part._given() for part in several if part.socket is None],
         "sockets": [(label, part._given()) for label, part in sockets],
@@ -301,11 +337,11 @@ def calibrate(
         "scales": _words(scales),
         "pitches": _words(pitches),
         "effects": ["none"] if effects is None else _words(effects),
-        "max_effects": max_effects,
-        "gear_ratios": [f"{joint}={float(ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],
+        "max_effects": whole("max_effects", max_effects),
+        "gear_ratios": [f"{joint}={number(f'gear_ratio[{joint!r}]', ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],
         "prior": earlier(prior),
-        "hold_out": hold_out,
-        "seed": seed,
+        "hold_out": None if hold_out is None else number("hold_out", hold_out),
+        "seed": whole("seed", seed),
     }
     if progress is not None:
         native = _denavit.calibrate(chain._native, rows, search, progress)

@@ -14,9 +14,17 @@ from pathlib import Path
 from typing import Any, Literal
 
 from denavit import _denavit
+from denavit._given import whole
 from denavit.errors import ArgumentError, DenavitError
 from denavit.progress import shown
 from denavit.records import Records
+
+__all__ = ["Failed", "Run", "run"]
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__doc__", "__file__", "__name__"]
+
 
 _TRIES = 5
 """A job whose worker or node is lost is begun again as often."""
@@ -111,7 +119,7 @@ def run(
     words = [(str(name), str(value)) for name, value in (set or {}).items()]
     with _told(progress) as tell:
         if engine == "embedded":
-            return _run(_denavit.fleet_run(os.fspath(manifest), words, Path(store), threads, tell))
+            return _run(_denavit.fleet_run(os.fspath(manifest), words, Path(store), whole("threads", threads), tell))
         if engine not in _ENGINES:
             raise ArgumentError(f'engine is "{engine}"; write "embedded", "ray" or "dask"')
         if threads:

@@ -9,13 +9,17 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
 from denavit._files import save
+from denavit._given import array, frame_columns, is_frame, joint_values
 from denavit.bridges.sources import cell
 from denavit.chain import Chain
-from denavit.errors import ArgumentError
+from denavit.errors import ArgumentError, DataError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -176,8 +180,10 @@ class Measurements:
         Raises:
             ArgumentError: The columns are not of one length.
         """
-        alone = (str, bytes, int, float)
-        lists = {name: None if isinstance(values, alone) else list(values) for name, values in columns.items()}
+        lists = {
+            name: list(values) if isinstance(values, Iterable) and not isinstance(values, str | bytes) else None
+            for name, values in columns.items()
+        }
         lengths = {len(values) for values in lists.values() if values is not None}
         if len(lengths) != 1:
             found = ", ".join(f"{name} {len(values)}" for name, values in lists.items() if values is not None) or "none"
@@ -188,20 +194,95 @@ class Measurements:
         full = [[columns[name]] * rows if values is None else values for name, values in lists.items()]
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(list(columns))
-        writer.writerows([cell(value) for value in row] for row in zip(*full, strict=True))
+        writer.writerow([str(name) for name in columns])
+        try:
+            writer.writerows([cell(value) for value in row] for row in zip(*full, strict=True))
+        except ArgumentError as error:
+            raise ArgumentError(f"{file}: {error.message}", file=file) from None
         return cls(out.getvalue(), file, units)
 
     @classmethod
-    def from_pandas(cls, frame: pd.DataFrame, units: str = "m,rad", file: str = "<data frame>") -> Measurements:
-        """Take a data frame's columns; what is missing is what was not measured."""
-        return cls.from_columns({str(name): frame[name].tolist() for name in frame.columns}, units, file)
+    def from_arrays(cls, chain: Chain, q: ArrayLike, measured: ArrayLike, file: str = "<arrays>") -> Measurements:
+        """Take joint values, rad and m, shape ``(N, n)``, and what was measured at each.
+
+        Args:
+            chain: Whose joints `q` has, in order or by name.
+            q: Joint values.
+            measured: Positions of one target, m, shape ``(N, 3)``; distances, m, shape ``(N,)``; or instrument_from_target poses,
+                m, shape ``(N, 4, 4)``.
+            file: What messages call it.
+
+        Raises:
+            ArgumentError: Another shape.
+        """
+        values = array("q", joint_values("q", q, chain.joints))
+        seen = array("measured", measured)
+        if values.ndim != 2 or values.shape[1] != len(chain) or len(values) != len(seen):
+            raise ArgumentError(
+                f"q has shape {values.shape} and measured {seen.shape}; give q of shape (N, {len(chain)}), measured of N values"
+            )
+        columns: dict[str, Any] = dict(zip(chain.joints, values.T.tolist(), strict=True))
+        if seen.ndim == 1:
+            columns["distance"] = seen.tolist()
+        elif seen.shape[1:] == (3,):
+            columns |= dict(zip(("x", "y", "z"), seen.T.tolist(), strict=True))
+        elif seen.shape[1:] == (4, 4):
+            columns |= dict(zip(("x", "y", "z"), seen[:, :3, 3].T.tolist(), strict=True))
+            turns = np.array([_denavit.quaternion(np.ascontiguousarray(pose[:3, :3])) for pose in seen])
+            columns |= dict(zip(("qx", "qy", "qz", "qw"), turns.T.tolist(), strict=True))
+        else:
+            raise ArgumentError(f"measured has shape {seen.shape}; give positions (N, 3), distances (N,) or poses (N, 4, 4)")
+        return cls.from_columns(columns, file=file)
+
+    @classmethod
+    def from_pandas(cls, frame: pd.DataFrame, units: str | None = None, file: str = "<data frame>") -> Measurements:
+        """Take a data frame's columns, and its index where that has a name; what is missing is what was not measured.
+
+        Headings are read as those of a CSV file: ``elbow_joint (deg)``, ``X [mm]``.
+
+        Args:
+            frame: A data frame of pandas or polars.
+            units: Of columns that name none; by default those that `to_pandas` wrote into the frame, else m and rad.
+            file: What messages call it.
+        """
+        if not is_frame(frame):
+            raise ArgumentError(f"a {type(frame).__name__} is no data frame; give one, or columns to from_columns")
+        attributes = getattr(frame, "attrs", {})
+        stated = attributes.get("units") if isinstance(attributes, Mapping) else None
+        columns = {str(name): values for name, values in frame_columns(frame, file)}
+        return cls.from_columns(columns, units or stated or "m,rad", file)
 
     def to_pandas(self) -> pd.DataFrame:
         """The columns as a data frame, in the file's own units. Needs pandas."""
         import pandas as pd
 
-        return pd.read_csv(io.StringIO(self.text), comment="#", skipinitialspace=True)
+        if self.socket is not None:
+            return pd.read_csv(io.StringIO(self.text), comment="#", skipinitialspace=True, header=None)
+        frame = pd.read_csv(io.StringIO(self.text), comment="#", skipinitialspace=True)
+        frame.attrs["units"] = self.units
+        return frame
+
+    def __iter__(self) -> Iterator[dict[str, str]]:
+        """Rows, each cell as it is written by the name of its column."""
+        names = self.columns
+        rows = self._rows()
+        if self.socket is None:
+            next(rows, None)
+        for row in rows:
+            labels = names or tuple(str(at) for at in range(len(row)))
+            yield dict(zip(labels, (text.strip() for text in row), strict=False))
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Rows of numbers in the file's own units, shape ``(rows, columns)``; NaN for empty cells."""
+        rows = []
+        for at, row in enumerate(self, 1):
+            for name, text in row.items():
+                if text and not _is_number(text):
+                    raise DataError(
+                        f"{self.file}: row {at}, column {name!r} is {text!r}, no number; to_pandas() keeps texts", file=self.file
+                    )
+            rows.append([float(text) if text else np.nan for text in row.values()])
+        return np.array(rows, dtype=dtype or np.float64)
 
     @property
     def text(self) -> str:
@@ -258,6 +339,51 @@ class Measurements:
     def __repr__(self) -> str:
         where = "" if self.socket is None else f" in socket {self.socket}"
         return f"<denavit.Measurements {self.file}: {len(self)} rows{where}, {self.units}>"
+
+
+def measurements(name: str, data: Any, chain: Chain) -> Measurements:
+    """Measurements from what people give as such: a file, a data frame, a mapping of columns, arrays, a simulated run.
+
+    Raises:
+        ArgumentError: It is none of these.
+    """
+    from denavit.run import Simulation
+
+    if isinstance(data, Measurements):
+        return data
+    if isinstance(data, Simulation):
+        return data.data
+    if isinstance(data, str | os.PathLike):
+        return Measurements.read(data)
+    if is_frame(data):
+        return Measurements.from_pandas(data)
+    if isinstance(data, Mapping):
+        return Measurements.from_columns({str(name): values for name, values in data.items()}, file=f"<{name}>")
+    if isinstance(data, tuple) and len(data) == 2 and not any(isinstance(part, Measurements) for part in data):
+        return Measurements.from_arrays(chain, *data, file=f"<{name}>")
+    raise ArgumentError(
+        f"{name} is a {type(data).__name__}; give denavit.Measurements, a file, a data frame, a mapping of columns, or a pair of "
+        f"arrays: joint values of shape (N, {len(chain)}) and positions of shape (N, 3)"
+    )
+
+
+def is_several(data: Any) -> bool:
+    """Whether it is a list of measurements rather than one."""
+    if isinstance(data, list):
+        return True
+    return isinstance(data, tuple) and not (len(data) == 2 and all(_is_array(part) for part in data))
+
+
+def _is_array(value: Any) -> bool:
+    return isinstance(value, np.ndarray | list) or is_frame(value)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def camera_file(camera: str | os.PathLike[str] | None, board: str | None, on_hand: bool) -> tuple[str, str] | None:

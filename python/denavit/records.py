@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
@@ -38,9 +39,9 @@ class Records(tuple[T, ...]):
         return [_flat(entry) for entry in self]
 
     def _cells(self) -> list[list[str]]:
-        rows = self.rows()
+        rows = [people(row) for row in self.rows()]
         names = list(dict.fromkeys(name for row in rows for name in row))
-        return [names, *([_shown(row.get(name)) for name in names] for row in rows)] if rows else []
+        return [names, *([written(row.get(name)) for name in names] for row in rows)] if rows else []
 
     def __repr__(self) -> str:
         cells = self._cells()
@@ -52,11 +53,39 @@ class Records(tuple[T, ...]):
 
     def _repr_html_(self) -> str:
         cells = self._cells()
-        if not cells:
-            return "none"
-        head, *body = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in cells)
-        rows = "".join(f"<tr>{row}</tr>" for row in body)
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        return html_table(cells) if cells else "none"
+
+
+def html_table(cells: list[list[str]]) -> str:
+    """A table of texts, the first row its head."""
+    head, *body = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in cells)
+    rows = "".join(f"<tr>{row}</tr>" for row in body)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+_SMALL = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
+"""How people read small lengths and angles."""
+
+_WITH_UNIT = ("change", "sd", "interval", "value")
+"""Numbers of a row that are in its ``unit``."""
+
+
+def people(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row as people read it: mm and mrad in place of m and rad, with the names that say so."""
+    out: dict[str, Any] = {}
+    own = _SMALL.get(str(row.get("unit")))
+    for name, value in row.items():
+        stem, mark, end = name.rpartition("_")
+        if mark and end in _SMALL and isinstance(value, float | int):
+            unit, factor = _SMALL[end]
+            out[f"{stem}_{unit}"] = value * factor
+        elif own and name in _WITH_UNIT and isinstance(value, float | int):
+            out[name] = value * own[1]
+        elif own and name == "unit":
+            out[name] = own[0]
+        else:
+            out[name] = value
+    return out
 
 
 def _flat(entry: Entry) -> dict[str, Any]:
@@ -69,7 +98,8 @@ def _flat(entry: Entry) -> dict[str, Any]:
     return flat
 
 
-def _shown(value: object) -> str:
+def written(value: object) -> str:
+    """A cell as text, numbers with four digits."""
     if value is None:
         return ""
     if isinstance(value, float):

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
+from denavit._given import array
 from denavit.chain import Array, Chain, Coordinate
+from denavit.records import html_table, people, written
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +83,11 @@ class Coefficient:
     value: float
     sd: float | None
     unit: str
+
+    def __str__(self) -> str:
+        shown = people({"value": self.value, "sd": self.sd, "unit": self.unit})
+        spread = "" if self.sd is None else f" ± {written(shown['sd'])}"
+        return f"{self.name} {written(shown['value'])}{spread} {shown['unit']}".rstrip()
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +208,7 @@ class Curve:
         return self._at(q)[1]
 
     def _at(self, q: ArrayLike) -> tuple[Array, Array]:
-        readings = np.asarray(q, dtype=np.float64)
+        readings = np.asarray(array("q", q)).reshape(np.shape(q))
         found = effects_of(self._chain, self._effects).curve(self.joint, np.ascontiguousarray(readings).reshape(-1))
         if found is None:
             return np.zeros(readings.shape), np.full(readings.shape, np.nan)
@@ -269,6 +279,35 @@ class Residuals:
     def __len__(self) -> int:
         return len(self.rows)
 
+    def __iter__(self) -> Iterator[tuple[int, Array, Array]]:
+        """Row, errors of its lengths (m), errors of its orientation (rad), one after the other."""
+        return iter(zip(self.rows.tolist(), self.place, self.turn, strict=True))
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Errors of lengths (m), then of orientation (rad), shape ``(k, 6)``."""
+        return np.hstack([self.place, self.turn]).astype(dtype or np.float64, copy=False)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each observation, indexed by its row: x, y, z and their norm in m, rx, ry, rz in rad. Needs pandas."""
+        import pandas as pd
+
+        columns = ["x", "y", "z", "rx", "ry", "rz"]
+        frame = pd.DataFrame(np.asarray(self), columns=columns, index=pd.Index(self.rows.astype(np.int64), name="row"))
+        return frame.assign(distance=self.distance)
+
+    def _repr_html_(self) -> str:
+        if not len(self):
+            return "<p>no residuals</p>"
+        mm = 1e3 * self.distance
+        columns = {"observations": str(len(self)), "rms, mm": f"{float(np.sqrt(np.mean(mm**2))):.4g}"}
+        columns |= {
+            f"{name}, mm": f"{float(np.quantile(mm, share)):.4g}"
+            for name, share in (("median", 0.5), ("95 %", 0.95), ("largest", 1.0))
+        }
+        if self.turn.any():
+            columns["rms, mrad"] = f"{1e3 * float(np.sqrt(np.mean(np.sum(self.turn**2, axis=1)))):.4g}"
+        return html_table([list(columns), list(columns.values())])
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Residuals):
             return NotImplemented
@@ -294,6 +333,23 @@ class Prediction:
 
     errors: dict[str, float]
     residuals: Residuals
+
+    def __len__(self) -> int:
+        return len(self.residuals)
+
+    def __iter__(self) -> Iterator[tuple[int, Array, Array]]:
+        return iter(self.residuals)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.asarray(self.residuals, dtype=dtype)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The residuals, a row for each observation. Needs pandas."""
+        return self.residuals.to_pandas()
+
+    def _repr_html_(self) -> str:
+        shown = {name: value for name, value in people(self.errors).items() if value is not None}
+        return html_table([["error", ""], *([name, written(value)] for name, value in shown.items())])
 
     def __hash__(self) -> int:
         return hash(self.residuals)

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 Source = Any
 """What `load` takes: a path, ``git:REVISION:PATH``, text, bytes, a D-H table as a mapping or data frame, a robot of
-`yourdfpy` or `urchin`, or a name of `robot_descriptions`."""
+`yourdfpy`, `urchin`, `pinocchio` or `roboticstoolbox`, a `Table`, or a name of `robot_descriptions`."""
 
-Origin = tuple[str, str, dict[str, str], tuple[str, ...], bool, bool]
+Origin = tuple[str, str, dict[str, str], tuple[str, ...], bool, bool, str | None, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,22 +56,24 @@ class Robot(Shown, Frozen):
         ['tool0']
     """
 
-    __slots__ = ("_native", "_origin")
+    __slots__ = ("_made", "_native", "_origin")
     _made_by = "a robot is read, not made: use denavit.load"
     _native: _denavit.Robot
     _origin: Origin
+    _made: tuple[str, ...]
 
     @classmethod
-    def _of(cls, origin: Origin) -> Robot:
-        file, text, arguments, package_path, allow_any_file, vendor_angles = origin
-        native = _denavit.Robot.from_text(file, text, list(arguments.items()), list(package_path), allow_any_file, vendor_angles)
+    def _of(cls, origin: Origin, made: tuple[str, ...] = ()) -> Robot:
+        file, text, arguments, package_path, allow_any_file, vendor_angles, convention, units = origin
+        reading = allow_any_file, vendor_angles, convention, units
+        native = _denavit.Robot.from_text(file, text, list(arguments.items()), list(package_path), *reading)
         if native.urdf is not None and native.file != file:
             # What a xacro file included is in the URDF: this is what is kept.
-            origin = (native.file, native.urdf, {}, (), False, False)
-        return cls._with(_native=native, _origin=origin)
+            origin = (native.file, native.urdf, {}, (), False, False, None, "")
+        return cls._with(_native=native, _origin=origin, _made=made)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Robot._of, (self._origin,)
+        return Robot._of, (self._origin, self._made)
 
     def _key(self) -> tuple[object, ...]:
         _, text, arguments, *others = self._origin
@@ -108,9 +110,18 @@ class Robot(Shown, Frozen):
         return self._origin[1] if self.urdf is None else self.urdf
 
     @property
+    def _self_contained(self) -> str:
+        """The text with convention and units that were given beside it; of a table only they are."""
+        *_, convention, units = self._origin
+        if self.kind != "table" or self.text.lstrip().startswith("{"):
+            return self.text
+        said = (("convention", convention), ("units", units))
+        return "".join(f"# {key}: {word}\n" for key, word in said if word and f"# {key}: " not in self.text) + self.text
+
+    @property
     def notes(self) -> tuple[str, ...]:
-        """What was read otherwise than it is written."""
-        return tuple(self._native.notes)
+        """What was read otherwise than it is written; of a canonical robot also what its making changed."""
+        return (*self._native.notes, *self._made)
 
     @property
     def chains(self) -> tuple[ChainListing, ...]:
@@ -138,6 +149,7 @@ class Robot(Shown, Frozen):
         tip: str | None = None,
         exact: bool = False,
         tolerance: float = 1e-6,
+        keep_link_frames: bool = False,
     ) -> Robot:
         """The same robot with its link frames on the D-H frames; `denavit export`.
 
@@ -148,12 +160,16 @@ class Robot(Shown, Frozen):
             tip: The chain that ``mark`` marks.
             exact: Take every number as it is written.
             tolerance: Neighbouring axes closer to parallel than this are made parallel, rad.
+            keep_link_frames: The same as ``link_frames="keep"``.
 
         Raises:
             ExportError: The robot cannot be written so.
         """
-        text, _ = self._native.canonical(link_frames, frames, tip, exact, tolerance)
-        return Robot._of((f"{self.file} (canonical)", text, {}, (), False, False))
+        if keep_link_frames and link_frames == "mark":
+            raise ArgumentError('keep_link_frames and link_frames="mark" exclude each other; give one of them')
+        kept: str = "keep" if keep_link_frames else link_frames
+        text, notes = self._native.canonical(kept, frames, tip, exact, tolerance)
+        return Robot._of((f"{self.file} (canonical)", text, {}, (), False, False, None, ""), tuple(notes))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the URDF, as a whole or not at all.
@@ -180,22 +196,29 @@ def load(
     allow_any_file: bool = False,
     vendor_angles: bool = False,
     file: str | None = None,
+    table_convention: str | None = None,
+    table_units: str | None = None,
     convention: str | None = None,
 ) -> Robot:
     """Read a robot from any source.
 
     Args:
         source: A path, ``git:REVISION:PATH``, the text of a URDF, xacro, table or set of screw axes (str or bytes), a D-H
-            table as a mapping of columns, a list of rows or a data frame (θ and α in rad, d and a in m), a robot of
-            `yourdfpy` or `urchin`, or a name of `robot_descriptions` such as ``ur5e_description``.
+            table as a mapping of columns, a list of rows, a data frame or a `Table` (rad and m where a heading such as
+            ``alpha [deg]`` or `table_units` says nothing else), a robot of `yourdfpy`, `urchin`, `pinocchio` or
+            `roboticstoolbox`, or a name of `robot_descriptions` such as ``ur5e_description``.
         arguments: Arguments of a xacro file.
         package_path: Folders with ROS packages, or packages.
         allow_any_file: Let xacro read files outside its package and the package path.
         vendor_angles: Read the angles of a UR kinematics file as the vendor's tool means them, Rx Ry Rz.
-        file: What messages call a source that has no name; its ending tells formats apart.
-        convention: Of a D-H table given as a mapping or data frame: ``distal`` (default) or ``proximal``.
+        file: What messages call a source that has no name; its ending distinguishes formats.
+        table_convention: Of a D-H table that does not state it: ``distal`` (also ``standard``, ``sdh``, ``DH``), ``proximal``
+            (``modified``, ``mdh``, ``craig``), ``paper`` or ``hayati``.
+        table_units: Of the numbers of a D-H table that state none, such as ``mm,deg``.
+        convention: The same as `table_convention`.
 
     Raises:
+        ArgumentError: The source is of no known kind, or keywords exclude each other.
         ReadError: The file cannot be read.
         RobotError: What was read is no robot; `file`, `line`, `element` and `hint` say more.
 
@@ -207,9 +230,13 @@ def load(
     """
     if isinstance(source, Robot):
         return source
-    name, text = text_of(source, file, convention)
+    if convention is not None and table_convention is not None:
+        raise ArgumentError("convention and table_convention are the same; give one of them")
+    convention = table_convention if convention is None else convention
+    name, text = text_of(source, file, convention, table_units)
     given = {key: _written(value) for key, value in (arguments or {}).items()}
-    return Robot._of((name, text, given, tuple(os.fspath(folder) for folder in package_path), allow_any_file, vendor_angles))
+    folders = tuple(os.fspath(folder) for folder in package_path)
+    return Robot._of((name, text, given, folders, allow_any_file, vendor_angles, convention, table_units or ""))
 
 
 def _written(value: object) -> str:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import html
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from denavit import _denavit
 from denavit._files import save
@@ -140,7 +144,7 @@ class Table(Frozen):
         return self.format("text").rstrip()
 
     def _repr_html_(self) -> str:
-        columns, rows, words = self._native.cells("m,deg")
+        columns, rows, words = self._native.cells("mm,deg")
         signs = {"theta": "θ", "alpha": "α", "beta": "β"}
         head = ["", "joint", "kind", *(signs.get(name, name) for name in columns), "limits"]
         cells = [[label, joint, kind, *numbers, limits] for label, joint, kind, numbers, limits in rows]
@@ -208,18 +212,41 @@ class Table(Frozen):
         return copied
 
     def to_pandas(self) -> pd.DataFrame:
-        """A data frame with a row each for base, joints and tool; rad and m. Needs pandas."""
+        """A data frame with a row each for base, joints and tool; rad and m. Needs pandas.
+
+        `denavit.load` reads it back as the same robot: the base row's ``kind`` holds the convention, as in the CSV; joints that
+        one coordinate moves have one name; ``pitch`` (m/rad) and ``scale`` are there where a joint has them.
+        """
         import pandas as pd
 
         by_row = {str(number): entry for number, entry in enumerate(self._json["joints"], 1)}
-        numbers = ("theta", "d", "alpha", "a", "beta")
+        numbers = ("theta", "d", "alpha", "a", "beta", "pitch", "scale")
         records = []
         for row in self.rows:
-            joint = by_row.get(row.row, {})
-            values = {name: getattr(row, name) for name in numbers}
-            records.append({"row": row.row, "joint": joint.get("name", ""), "kind": joint.get("kind", ""), **values})
+            joint = by_row.get(row.row, {"coordinate": "", "kind": self.convention if row.row == "base" else ""})
+            values = {name: joint.get(name, {"pitch": 0.0, "scale": 1.0}.get(name, getattr(row, name, None))) for name in numbers}
+            records.append({"row": row.row, "joint": joint["coordinate"], "kind": joint["kind"], **values})
         frame = pd.DataFrame.from_records(records).set_index("row")
-        return frame.astype(dict.fromkeys(numbers, "float64")).dropna(axis="columns", how="all")
+        frame = frame.astype(dict.fromkeys(numbers, "float64"))
+        usual = {"pitch": 0.0, "scale": 1.0}
+        frame = frame.drop(columns=[name for name, value in usual.items() if (frame[name] == value).all()])
+        frame = frame.dropna(axis="columns", how="all")
+        frame.attrs["convention"] = self.convention
+        return frame
+
+    def __len__(self) -> int:
+        return len(self._json["rows"])
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __getitem__(self, row: int) -> Row:
+        return self.rows[row]
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Rows of θ, d, α, a (and β where the table has it), rad and m; NaN for numbers that a row does not have."""
+        names = ("theta", "d", "alpha", "a") + (("beta",) if any(row.beta is not None for row in self.rows) else ())
+        return np.array([[getattr(row, name) for name in names] for row in self.rows], dtype=dtype or np.float64)
 
     def format(self, name: str = "text", units: str = "m,deg") -> str:
         """In a format of `denavit table`: text, md, csv, json, tex, rtb, matlab, …; `units` are those of text."""
@@ -230,15 +257,25 @@ class Table(Frozen):
         ending = os.fspath(path).rpartition(".")[2]
         save(path, self.format(format or {"txt": "text"}.get(ending, ending)))
 
-    def match(self, vendor: Any, *, convention: str | None = None) -> Match:
+    def match(
+        self,
+        vendor: Any,
+        *,
+        table_convention: str | None = None,
+        table_units: str | None = None,
+        convention: str | None = None,
+    ) -> Match:
         """Is it the vendor's robot? Find the senses, zeros, base and tool frames in which the chain equals a table.
 
         Args:
             vendor: A table's file (CSV or JSON), its text, or the table as a mapping or data frame.
-            convention: Of a table given as a mapping or data frame.
+            table_convention: Of a table that does not state it, as for `denavit.load`.
+            table_units: Of the numbers of a table that state none, such as ``mm,deg``; a mapping or data frame is in m and rad.
+            convention: The same as `table_convention`.
         """
-        file, text = text_of(vendor, None, convention)
-        written, words = self._native.match(file, text)
+        stated = table_convention if convention is None else convention
+        file, text = text_of(vendor, None, stated, table_units)
+        written, words = self._native.match(file, text, stated, table_units or "")
         found = json.loads(written)
         return Match(found["verdict"], found["position_error_m"], found["rotation_error_rad"], found, words)
 

@@ -122,4 +122,4 @@ def _robots(given: Any) -> tuple[Robot, ...]:
 
 def _told(robot: Robot) -> tuple[str, str]:
     """File and text of a robot as the page takes it: URDF with xacro expanded, or a table as it stands."""
-    return PurePath(robot.file).name, robot.text
+    return PurePath(robot.file).name, robot._self_contained

@@ -64,6 +64,12 @@ fn shape_words(shape: &[usize]) -> String {
 
 fn contiguous<'py>(q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let py = q.py();
+    let fields = q.getattr("dtype").and_then(|dtype| dtype.getattr("names")).is_ok_and(|names| !names.is_none());
+    if fields {
+        return Err(argument(
+            "q is a structured array; give a data frame, a mapping by joint name, or plain rows of numbers",
+        ));
+    }
     let options = PyDict::new(py);
     options.set_item("dtype", "float64")?;
     let made = PyModule::import(py, "numpy")?.getattr("ascontiguousarray")?.call((q,), Some(&options));

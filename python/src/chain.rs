@@ -2,10 +2,10 @@
 
 use crate::arrays::{self, Configurations, FEW, result};
 use crate::errors::{argument, load, said};
-use crate::robot::reading;
+use crate::robot::{convention, reading};
 use crate::table::Table;
 use denavit_calibrate::apply::simulate;
-use denavit_dh::{Convention, Gauge};
+use denavit_dh::Gauge;
 use denavit_export::{Units, poe};
 use denavit_load::{Loaded, Selection, TableOptions};
 use denavit_model::chain::Quantity;
@@ -193,10 +193,14 @@ impl Chain {
         threads: usize,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let frame = match frame {
-            "space" => JacobianFrame::Space,
-            "body" => JacobianFrame::Body,
-            "tip" => JacobianFrame::Tip,
-            other => return Err(argument(format!("frame is \"{other}\"; write space, body or tip"))),
+            "space" | "world" => JacobianFrame::Space,
+            "body" | "local" => JacobianFrame::Body,
+            "tip" | "local_world_aligned" => JacobianFrame::Tip,
+            other => {
+                return Err(argument(format!(
+                    "frame is \"{other}\"; write space (world), body (local) or tip (local_world_aligned)"
+                )));
+            }
         };
         let n = self.compiled.coordinates();
         let q = Configurations::of(q, n)?;
@@ -218,13 +222,7 @@ impl Chain {
     #[pyo3(signature = (convention, gauge, tolerance))]
     fn table(&self, py: Python<'_>, convention: Option<&str>, gauge: Option<&str>, tolerance: f64) -> PyResult<Table> {
         let options = TableOptions {
-            convention: convention
-                .map(|word| {
-                    let wrong =
-                        || argument(format!("convention is \"{word}\"; write distal, proximal, paper or hayati"));
-                    Convention::from_word(word).ok_or_else(wrong)
-                })
-                .transpose()?,
+            convention: convention.map(|word| self::convention("convention", word)).transpose()?,
             gauge: match gauge {
                 None => None,
                 Some("simple") => Some(Gauge::Simple),

@@ -5,26 +5,26 @@
 use crate::chain::Chain;
 use crate::errors::{argument, data, measured};
 use crate::given_file::Given;
-use crate::robot::reading;
+use crate::robot::{ORTHONORMAL, reading};
 use crate::run::joint_rows;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
-use denavit_calibrate::effects::driver::APPROACH;
+use denavit_calibrate::effects::driver::{APPROACH, Conditions};
 use denavit_calibrate::effects::{SavedEffects, recorded};
 use denavit_calibrate::observation::measurements::Units;
 use denavit_calibrate::observation::measurements::poses::{self, Poses};
 use denavit_calibrate::report::commands::{summary, to_csv, to_json};
-use denavit_load::measured::{all_known, without_part_in_the_tip};
+use denavit_load::measured::{all_known, with_given, without_part_in_the_tip};
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::se3;
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
+use numpy::{
+    PyArray1, PyArray3, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods as _,
+};
 use pyo3::prelude::*;
 
 /// What messages call the effects.
 const EFFECTS: &str = "effects";
-
-/// A matrix is no rotation where its columns are off by more.
-const ORTHONORMAL: f64 = 1e-6;
 
 /// Effects and error curves of a robot.
 #[pyclass(frozen, module = "denavit._denavit")]
@@ -76,6 +76,26 @@ impl Effects {
         let deviation = |at: &f64| own.iter().map(|curve| curve.deviation(*at).powi(2)).sum::<f64>().sqrt();
         let values = PyArray1::from_iter(py, q.iter().map(value));
         Ok(Some((values, PyArray1::from_iter(py, q.iter().map(deviation)))))
+    }
+
+    /// base_from_tip of a calibrated chain with these effects, homogeneous matrices row by row, shape (N, 4, 4).
+    fn fk<'py>(
+        &self,
+        py: Python<'py>,
+        calibrated: &Chain,
+        q: PyReadonlyArray2<'py, f64>,
+        given: Vec<(String, f64)>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let chain = &calibrated.chain;
+        let rows = joint_rows("q", &q, chain)?;
+        let (model, recorded) = with_given(EFFECTS, &self.model, &given).map_err(|failure| measured(&failure))?;
+        let poses = py.detach(|| {
+            let pose = |reading: &Vec<f64>| {
+                model.fk(chain, &Conditions { reading, recorded: recorded.row(0), tip: 0 }).to_homogeneous().transpose()
+            };
+            rows.iter().flat_map(|reading| pose(reading).as_slice().to_vec()).collect::<Vec<f64>>()
+        });
+        Ok(PyArray1::from_vec(py, poses).reshape([rows.len(), 4, 4])?)
     }
 
     /// Commands with which the calibrated robot reaches poses: JSON and CSV of `denavit compensate`, text, notes.

@@ -36,9 +36,9 @@ mod _denavit {
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
     #[pymodule_export]
-    use crate::robot::{Robot, read_text};
+    use crate::robot::{Robot, quaternion, read_text, rpy};
     #[pymodule_export]
     use crate::run::{plan, simulate, tell_apart};
     #[pymodule_export]
-    use crate::table::Table;
+    use crate::table::{Table, table_columns, table_units};
 }

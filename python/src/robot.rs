@@ -2,14 +2,20 @@
 
 use crate::chain::Chain;
 use crate::errors::{argument, load, said};
-use denavit_dh::{Gauge, Parallelism};
+use denavit_dh::{Convention, Gauge, Parallelism};
+use denavit_export::sources::Stated;
 use denavit_export::urdf::{Frames, LinkFrames, Options as ExportOptions};
 use denavit_load::{Loaded, Options, Selection};
-use denavit_model::{Note, Reading};
+use denavit_model::nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use denavit_model::{Note, Reading, se3};
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// A matrix is no rotation where its columns are off by more.
+pub const ORTHONORMAL: f64 = 1e-6;
 
 /// A robot as its source gives it.
 #[pyclass(frozen, module = "denavit._denavit")]
@@ -25,16 +31,60 @@ pub fn read_text(py: Python<'_>, name: &str) -> PyResult<(String, String)> {
     py.detach(|| denavit_load::read_text(name)).map_err(|error| load(&error))
 }
 
+/// Roll, pitch and yaw of a rotation matrix, as URDF writes them, rad.
+#[pyfunction]
+pub fn rpy(rotation: PyReadonlyArray2<'_, f64>) -> PyResult<[f64; 3]> {
+    let entries = rotation.as_array();
+    if entries.shape() != [3, 3] {
+        return Err(argument("a rotation is a matrix of shape (3, 3)"));
+    }
+    let matrix = Matrix3::from_fn(|row, column| entries[[row, column]]);
+    Ok(se3::rpy_from_rotation(&Rotation3::from_matrix_unchecked(matrix)))
+}
+
+/// A rotation matrix as a quaternion x, y, z, w of unit length.
+#[pyfunction]
+pub fn quaternion(rotation: PyReadonlyArray2<'_, f64>) -> PyResult<[f64; 4]> {
+    let entries = rotation.as_array();
+    let matrix = (entries.shape() == [3, 3]).then(|| Matrix3::from_fn(|row, column| entries[[row, column]]));
+    let off = |matrix: &Matrix3<f64>| (matrix.transpose() * matrix - Matrix3::identity()).amax();
+    let rotation = matrix.filter(|matrix| off(matrix) < ORTHONORMAL && matrix.determinant() > 0.0);
+    let rotation = rotation.ok_or_else(|| argument("a pose's upper left 3 by 3 must be a rotation"))?;
+    let found = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&rotation));
+    Ok([found.i, found.j, found.k, found.w])
+}
+
 /// Angles as written, or as they were meant.
 pub fn reading(exact: bool) -> Reading {
     if exact { Reading::AsWritten } else { Reading::Intended }
 }
 
+/// Convention and units of a table whose file does not state them.
+pub fn stated(convention: Option<&str>, units: &str) -> PyResult<Stated> {
+    let convention = convention.map(|word| self::convention("table_convention", word)).transpose()?;
+    let stated = Stated { convention, ..Stated::default() }.with_units(units);
+    stated.map_err(|word| {
+        argument(format!(
+            "table_units: \"{word}\" is no unit of a table; write one of lengths and one of angles, such as mm,deg"
+        ))
+    })
+}
+
+/// A convention by one of its names.
+pub fn convention(keyword: &str, word: &str) -> PyResult<Convention> {
+    Convention::from_word(word).ok_or_else(|| {
+        argument(format!(
+            "{keyword} is \"{word}\"; write distal (standard, sdh, dh), proximal (modified, mdh, craig), paper or hayati"
+        ))
+    })
+}
+
 #[pymethods]
 impl Robot {
-    /// Reads a robot from text; `file` is what messages call it, and its ending tells some formats apart.
+    /// Reads a robot from text; `file` is what messages call it, and its ending distinguishes some formats.
     #[staticmethod]
-    #[pyo3(signature = (file, text, arguments, package_path, allow_any_file, vendor_angles))]
+    #[pyo3(signature = (file, text, arguments, package_path, allow_any_file, vendor_angles, convention, units))]
+    #[expect(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
     fn from_text(
         py: Python<'_>,
         file: &str,
@@ -43,8 +93,11 @@ impl Robot {
         package_path: Vec<PathBuf>,
         allow_any_file: bool,
         vendor_angles: bool,
+        convention: Option<&str>,
+        units: &str,
     ) -> PyResult<Self> {
-        let options = Options { arguments, package_path, allow_any_file, vendor_angles, ..Options::default() };
+        let stated = stated(convention, units)?;
+        let options = Options { arguments, package_path, allow_any_file, vendor_angles, stated, ..Options::default() };
         let opened = py.detach(|| denavit_load::from_text(file, text, &options)).map_err(|error| load(&error))?;
         let notes = opened.notes.iter().map(said).collect();
         let file: Arc<str> = match &opened.robot {
@@ -104,6 +157,15 @@ impl Robot {
         let options = Options { package_path, ..Options::default() };
         let found = py.detach(|| denavit_load::meshes(robot, &self.file, &options, most)).found;
         found.into_iter().map(|mesh| (mesh.uri, PyBytes::new(py, &mesh.bytes))).collect()
+    }
+
+    /// Joints that move by themselves, and joints that follow another (`<mimic>`); of a tree only.
+    fn couplings(&self) -> (Vec<String>, Vec<String>) {
+        let Loaded::Robot(robot) = &*self.loaded else { return (Vec::new(), Vec::new()) };
+        let moving = robot.joints.iter().filter(|joint| joint.kind.moves());
+        let (followers, drivers): (Vec<_>, Vec<_>) = moving.partition(|joint| joint.mimic.is_some());
+        let names = |joints: Vec<&denavit_model::robot::Joint>| joints.iter().map(|joint| joint.name.clone()).collect();
+        (names(drivers), names(followers))
     }
 
     /// What was read otherwise than it is written.

@@ -1,11 +1,29 @@
 //! A Denavit-Hartenberg table, and whether it is the vendor's.
 
 use crate::errors::{Class, Spot, argument, error, said};
+use crate::robot::stated;
+use denavit_export::numbers::{AngleUnit, LengthUnit};
 use denavit_export::{Sheet, Units, formats, matched, sources};
 use denavit_load::Made;
 use denavit_model::Chain;
 use pyo3::prelude::*;
 use std::sync::Arc;
+
+/// For each heading the name of the column of a D-H table that it means; `None` where such a column is not read.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
+pub fn table_columns(headings: Vec<String>) -> Vec<Option<&'static str>> {
+    headings.iter().map(|heading| sources::column(heading)).collect()
+}
+
+/// Words for the units of a table: those that are given, m and rad where none is.
+#[pyfunction]
+pub fn table_units(given: &str) -> PyResult<String> {
+    let stated = stated(None, given)?;
+    let usual = Units { length: LengthUnit::Metre, angle: AngleUnit::Radian };
+    let units = Units { length: stated.length.unwrap_or(usual.length), angle: stated.angle.unwrap_or(usual.angle) };
+    Ok(format!("{},{}", units.length_word(), units.angle_word()))
+}
 
 /// A table.
 #[pyclass(frozen, module = "denavit._denavit")]
@@ -59,8 +77,16 @@ impl Table {
     }
 
     /// How a vendor's table lies on the robot: JSON, and text.
-    fn r#match(&self, py: Python<'_>, file: &str, text: &str) -> PyResult<(String, String)> {
-        let readings = sources::read_vendor_table(file, text, sources::Stated::default());
+    #[pyo3(signature = (file, text, convention, units))]
+    fn r#match(
+        &self,
+        py: Python<'_>,
+        file: &str,
+        text: &str,
+        convention: Option<&str>,
+        units: &str,
+    ) -> PyResult<(String, String)> {
+        let readings = sources::read_vendor_table(file, text, stated(convention, units)?);
         let readings =
             readings.map_err(|failure| error(Class::Robot, &failure.to_string(), (&failure.place).into()))?;
         let found = py.detach(|| matched::best(&self.chain, &readings));

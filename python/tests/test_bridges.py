@@ -28,7 +28,7 @@ def test_pinocchio_has_the_same_kinematics_and_mass_matrix() -> None:
     pinocchio = real("pinocchio")
     path = "robots/franka/panda.urdf"
     robot = dn.load(path)
-    mine, theirs = robot.chain().to_pinocchio(), pinocchio.buildModelFromUrdf(path)
+    mine, theirs = robot.chain().to_pinocchio(), pinocchio.buildModelFromXML(robot.urdf, mimic=True)
     assert mine == theirs
     q = pinocchio.neutral(theirs)
     a, b = mine.createData(), theirs.createData()

@@ -100,7 +100,7 @@ def test_the_table_says_what_the_command_says(chain: dn.Chain) -> None:
     assert table.to_dict() == json.loads(table.format("json"))
     assert [row.row for row in table.rows] == ["base", "1", "2", "3", "4", "5", "6", "tool"]
     assert table.rows[2].a == -0.425
-    assert "<td style='text-align:right'>-0.425</td>" in table._repr_html_()
+    assert "<td style='text-align:right'>-425</td>" in table._repr_html_()
     assert r"\begin{tabular}" in table._repr_latex_()
     assert table.match(DH).exact
     assert not table.match({"theta": 0, "d": 0, "alpha": 0, "a": [1, 2, 3, 4, 5, 6]})

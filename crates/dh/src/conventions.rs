@@ -41,8 +41,8 @@ impl Convention {
     /// The convention of this word; also `standard` and `modified`, `craig`.
     pub fn from_word(word: &str) -> Option<Self> {
         match word.to_ascii_lowercase().as_str() {
-            "standard" | "classic" => Some(Self::Distal),
-            "modified" | "craig" | "modified-craig" | "khalil" => Some(Self::Proximal),
+            "standard" | "classic" | "classical" | "dh" | "sdh" | "paul" => Some(Self::Distal),
+            "modified" | "mdh" | "craig" | "modified-craig" | "khalil" => Some(Self::Proximal),
             word => Self::ALL.into_iter().find(|convention| convention.word() == word),
         }
     }

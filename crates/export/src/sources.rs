@@ -24,6 +24,16 @@ use thiserror::Error;
 
 pub use stated::{ReadAs, Stated};
 
+/// Columns of a D-H table that are read, by their names here.
+const COLUMNS: [&str; 13] =
+    ["row", "joint", "kind", "convention", "theta", "offset", "d", "alpha", "a", "r", "beta", "pitch", "scale"];
+
+/// The name here of a column of a D-H table, as a heading such as `Alpha [deg]` or `θ` means it; `None` where it is not read.
+pub fn column(heading: &str) -> Option<&'static str> {
+    let name = header::Heading::of(heading).name;
+    COLUMNS.into_iter().find(|column| *column == name)
+}
+
 /// A robot read from a table or from screw axes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
