@@ -1,8 +1,10 @@
 //! One file per command.
 
+#[cfg(feature = "calibrate")]
 pub mod calibrate;
 pub mod chains;
 pub mod check;
+#[cfg(feature = "calibrate")]
 pub mod compensate;
 pub mod completions;
 pub mod describe;
@@ -13,13 +15,19 @@ pub mod explore;
 pub mod export;
 pub mod fingerprint;
 pub mod fk;
+#[cfg(feature = "fleet")]
 pub mod fleet;
+#[cfg(feature = "calibrate")]
 pub mod identify;
+#[cfg(feature = "calibrate")]
 pub mod ik;
 pub mod man;
+#[cfg(feature = "calibrate")]
 pub mod measure;
+#[cfg(feature = "calibrate")]
 pub mod plan;
 pub mod poe;
+#[cfg(feature = "calibrate")]
 pub mod simulate;
 pub mod table;
 

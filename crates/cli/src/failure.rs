@@ -32,30 +32,39 @@ pub enum Failure {
     #[error(transparent)]
     Check(#[from] denavit_load::CheckError),
     /// Words or files that make no calibration.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     Measured(#[from] denavit_load::measured::MeasuredError),
     /// Measurements that cannot be read.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     Data(#[from] denavit_calibrate::observation::measurements::DataError),
     /// A bag that makes no rows.
+    #[cfg(feature = "bags")]
     #[error(transparent)]
     Bag(#[from] denavit_bag::BagError),
     /// Measurements that cannot be fitted.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
     /// A chain of more joints than can be identified.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     TooManyJoints(#[from] denavit_calibrate::identify::proportion::TooManyJoints),
     /// Effects that cannot be read.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     Effects(#[from] denavit_calibrate::effects::saved::SavedError),
     /// A fleet that cannot be run, or has no store.
+    #[cfg(feature = "fleet")]
     #[error(transparent)]
     Fleet(#[from] denavit_fleet::FleetError),
     /// A calibration that makes no page.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     Page(#[from] denavit_calibrate::report::html::PageError),
     /// Poses that cannot be chosen.
+    #[cfg(feature = "calibrate")]
     #[error(transparent)]
     Plan(#[from] denavit_calibrate::apply::plan::PlanError),
     /// A calibration that a maker's form cannot hold.
@@ -75,4 +84,14 @@ pub enum Failure {
     /// Nobody reads on: no failure.
     #[error("the reader has gone")]
     ClosedPipe,
+}
+
+#[cfg(not(all(feature = "bags", feature = "calibrate", feature = "fleet")))]
+impl Failure {
+    /// What this build leaves out, and how to get it.
+    pub fn not_built(feature: &str) -> Self {
+        Self::Argument(format!(
+            "this denavit was built without the feature \"{feature}\"; build it with all of them: cargo install --path crates/cli"
+        ))
+    }
 }

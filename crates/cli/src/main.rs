@@ -1,9 +1,15 @@
 //! The command `denavit`: reads arguments and files, calls the crates, prints. No mathematics here.
 
+// A smaller build parses what it cannot do, to say how to get it.
+#![cfg_attr(not(all(feature = "bags", feature = "fleet")), allow(dead_code, unused_imports))]
+
 mod args;
+#[cfg(feature = "calibrate")]
+mod bags;
 mod commands;
 mod delivery;
 mod failure;
+#[cfg(feature = "calibrate")]
 mod measured;
 mod output;
 mod progress;
@@ -32,6 +38,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Table(arguments) => commands::table::run(&arguments),
         Command::Chains(arguments) => commands::chains::run(&arguments),
         Command::Fk(arguments) => commands::fk::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Ik(arguments) => commands::ik::run(&arguments),
         Command::Poe(arguments) => commands::poe::run(&arguments),
         Command::Describe(arguments) => commands::describe::run(&arguments),
@@ -42,13 +49,30 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Explore(arguments) => commands::explore::run(&arguments),
         Command::Fingerprint(arguments) => commands::fingerprint::run(&arguments),
         Command::Check(arguments) => commands::check::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Identify(arguments) => commands::identify::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Measure(arguments) => commands::measure::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Plan(arguments) => commands::plan::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Compensate(arguments) => commands::compensate::run(&arguments),
+        #[cfg(feature = "fleet")]
         Command::Fleet(arguments) => commands::fleet::run(&arguments),
+        #[cfg(not(feature = "calibrate"))]
+        Command::Ik(_)
+        | Command::Calibrate(_)
+        | Command::Identify(_)
+        | Command::Measure(_)
+        | Command::Plan(_)
+        | Command::Simulate(_)
+        | Command::Compensate(_) => Err(Failure::not_built("calibrate")),
+        #[cfg(not(feature = "fleet"))]
+        Command::Fleet(_) => Err(Failure::not_built("fleet")),
         Command::Completions(arguments) => commands::completions::run(&arguments),
         Command::Man(arguments) => commands::man::run(&arguments),
     }

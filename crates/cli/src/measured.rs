@@ -3,6 +3,7 @@
 use crate::args::{
     BagArguments, CameraArguments, GivenArguments, ImportArguments, MeasureName, RobotArguments, SeveralTips,
 };
+use crate::bags;
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
@@ -102,20 +103,10 @@ pub fn data_file_or_bag(
     arguments: &BagArguments,
     chain: &Chain,
 ) -> Result<DataFile, Failure> {
-    if !denavit_bag::is_bag(file) {
+    if !bags::is_bag(file) {
         return data_file(file, units, import);
     }
-    let asked = denavit_bag::Asked {
-        joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
-        joint_topic: arguments.joint_topic.clone(),
-        target_topic: arguments.target_topic.clone(),
-    };
-    let rows = denavit_bag::rows(file, &asked)?;
-    mention(&rows.notes.iter().map(|note| format!("{file}: {note}")).collect::<Vec<_>>());
-    let unreadable = |error| denavit_bag::BagError::Open { file: file.into(), what: std::io::Error::to_string(&error) };
-    let parts = denavit_bag::files(file)?.into_iter().map(|part| HashedFile::read(&part).map_err(unreadable));
-    let bag = parts.collect::<Result<_, _>>()?;
-    Ok(DataFile { name: file.into(), content: rows.csv.into(), bag, ..DataFile::default() })
+    bags::data_file(file, arguments, chain)
 }
 
 /// What the arguments say of the columns of a file of measurements.

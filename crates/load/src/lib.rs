@@ -19,6 +19,7 @@ mod canonical;
 mod checked;
 mod error;
 pub mod json;
+#[cfg(feature = "calibrate")]
 pub mod measured;
 mod meshes;
 mod read;

@@ -1,12 +1,16 @@
 //! A robot as its source gives it, and the chains that it has.
 
 use crate::LoadError;
+#[cfg(feature = "calibrate")]
 use denavit_calibrate::effects::driver::Statics;
 use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
+#[cfg(feature = "calibrate")]
+use denavit_model::PlacedRobot;
 use denavit_model::notes::{Note, Noted};
 use denavit_model::tree::ChainListing;
-use denavit_model::{Chain, PlacedRobot, Reading, Robot, Tips};
+use denavit_model::{Chain, Reading, Robot, Tips};
+#[cfg(feature = "calibrate")]
 use std::sync::Arc;
 
 /// A robot as its source gives it.
@@ -118,11 +122,13 @@ impl Loaded {
     }
 
     /// What gravity acts on, angles read as for the chain.
+    #[cfg(feature = "calibrate")]
     pub fn statics(&self, chain: &Chain, reading: Reading) -> Statics {
         self.statics_to(chain, &Arc::new(Tips::only(chain)), reading)
     }
 
     /// The same on the ways to several tips.
+    #[cfg(feature = "calibrate")]
     pub fn statics_to(&self, chain: &Chain, tips: &Arc<Tips>, reading: Reading) -> Statics {
         match self {
             Self::Robot(robot) => Statics::placed_tips(&PlacedRobot::new(robot, reading), chain, tips),

@@ -1,19 +1,26 @@
 //! `denavit fk`: where the tip is.
 
-use crate::args::{FkArguments, GivenArguments};
+use crate::args::FkArguments;
+#[cfg(feature = "calibrate")]
+use crate::args::GivenArguments;
 use crate::delivery::Delivery;
 use crate::failure::Failure;
+#[cfg(feature = "calibrate")]
 use crate::measured;
 use crate::output::{self, Status};
 use crate::source;
+#[cfg(feature = "calibrate")]
 use denavit_calibrate::effects::driver::{Conditions, Statics};
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
+#[cfg(feature = "calibrate")]
 use denavit_load::measured::{with_given, without_part_in_the_tip};
+#[cfg(feature = "calibrate")]
+use denavit_model::Pose;
 use denavit_model::chain::{Chain, Coordinate, Quantity};
 use denavit_model::nalgebra::UnitQuaternion;
 use denavit_model::problems::nearest_name;
-use denavit_model::{Pose, se3};
+use denavit_model::se3;
 use std::fmt::Write as _;
 
 /// Runs the command.
@@ -31,6 +38,9 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
             return Err(Failure::Argument("--given is for what effects follow; give --effects, too".into()));
         }
         None => chain.fk(&q),
+        #[cfg(not(feature = "calibrate"))]
+        Some(_) => return Err(Failure::not_built("calibrate")),
+        #[cfg(feature = "calibrate")]
         Some(file) => {
             let statics = loaded.statics(chain, arguments.robot.selection().reading);
             with_effects(file, &statics, chain, &arguments.given, &q)?
@@ -80,6 +90,7 @@ fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
 const MOST_RADIANS: f64 = 4.0 * std::f64::consts::PI;
 
 /// Where the tip is with the effects of a file.
+#[cfg(feature = "calibrate")]
 fn with_effects(
     file: &str,
     statics: &Statics,

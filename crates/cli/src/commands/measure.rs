@@ -68,7 +68,7 @@ fn nothing() -> DataError {
 fn refused(arguments: &MeasureArguments) -> Result<(), Failure> {
     let file = &arguments.file;
     let workbook = file.to_lowercase().ends_with(".xlsx");
-    if denavit_bag::is_bag(file) || workbook {
+    if crate::bags::is_bag(file) || workbook {
         let what = if workbook { "a workbook" } else { "a bag" };
         return Err(Failure::Argument(format!(
             "{file}: {what} is no text that grows row by row; write the rows as CSV while you measure, or calibrate with \
