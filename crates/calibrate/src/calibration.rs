@@ -6,6 +6,7 @@ pub mod diagnosis;
 pub mod drawing_differences;
 pub mod monitor;
 pub mod open;
+pub mod placed_anew;
 pub mod prediction;
 pub mod rows;
 mod stages;
@@ -14,10 +15,12 @@ mod tips;
 pub use self::stages::StageResiduals;
 
 use self::diagnosis::Diagnosis;
+use self::diagnosis::explained::{Explained, explained};
+use self::placed_anew::PlacedAnew;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{
-    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, FieldEntry, Held, Identified, Origin, Rival, SCHEMA,
-    Samples, Unexplained, Unidentifiable,
+    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, FieldEntry, Held, Identified, Origin, ReadAs, Rival,
+    SCHEMA, Samples, Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::calibration::rows::Rows;
@@ -39,7 +42,7 @@ use crate::identify::residual_statistics::{Residual, TestError, bound_later};
 use crate::identify::solve::{Fit, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::arm::Arm;
-use crate::observation::measurements::{Measurements, Scene};
+use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::infer::model::Kernel;
@@ -135,7 +138,9 @@ pub enum CalibrateError {
         iterations: usize,
     },
     /// A share that holds out nothing or everything.
-    #[error("‹hold-out› {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows")]
+    #[error(
+        "‹hold-out› {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows of postures of their own"
+    )]
     HoldOutShare(f64),
     /// The test file does not fit the fit.
     #[error(transparent)]
@@ -257,12 +262,21 @@ pub fn calibrate_and_tell(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Calibration, CalibrateError> {
     let mut begin = |stage| if progress(stage).is_break() { Err(CalibrateError::Stopped) } else { Ok(()) };
-    let (data, test, stale) = fresh(data, test);
-    let (train, test) = rows_of(data, test, statics, options)?;
+    let Fresh { data, test, stale, copies, test_copies } = fresh(data, test)?;
+    let (mut train, mut test) = rows_of(data, test, statics, options)?;
     begin(Progress::Geometry)?;
     within_proportion(chain)?;
-    let identification = identify(chain, &train, &options.identify);
-    diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
+    let mut identification = identify(chain, &train, &options.identify);
+    let corrected = diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
+    if let Some(corrected) = &corrected {
+        train = corrected.applied(chain, train);
+        test = test.map(|test| corrected.applied(chain, test));
+        identification = identify(chain, &train, &options.identify);
+    }
+    let of_spread = explained(&identification.geometric, &train);
+    if corrected.is_some() {
+        diagnosis::explains_something(chain, &train, &of_spread)?;
+    }
     let geometric = &identification.geometric;
     if !geometric.settled() {
         return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations: geometric.iterations });
@@ -282,7 +296,8 @@ pub fn calibrate_and_tell(
     begin(Progress::Judgement)?;
     let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
     let of_geometry = identification.stages(carried.is_some());
-    let mut stages = Stages::new(&train, test.as_ref());
+    let placed_anew = test.as_ref().and_then(|test| PlacedAnew::find(&identification.geometric, &train, test));
+    let mut stages = Stages::new(&train, test.as_ref(), placed_anew.as_ref());
     stages.add_all(&of_geometry, &beyond)?;
     let last = stages.adopt(&beyond);
     let Stages { done: stages, mut held_out, .. } = stages;
@@ -311,11 +326,16 @@ pub fn calibrate_and_tell(
         tips: tips::entries(chain, (&train, left), test.as_ref().map(|test| (test, &held_out[..]))),
         measurement: train.scene.measured(),
         columns: Vec::new(),
+        read_as: corrected.as_ref().map(ReadAs::of),
+        placed_anew: placed_anew.clone(),
+        poorly_explained: of_spread.into_iter().filter(Explained::poorly).collect(),
         samples: Samples {
             train: train.len(),
             test: test.as_ref().map_or(0, |test| test.locate.iter().filter(|locate| !**locate).count()),
             rejected: rejected(&train, weights),
             stale,
+            copies,
+            test_copies,
             test_outliers: test.as_ref().map_or_else(Vec::new, |test| far_off(test, &held_out)),
         },
         redundancy,
@@ -443,7 +463,6 @@ fn rows_of(
     tips::check(&train, statics, options)?;
     enough(&train)?;
     if let Some(test) = &test {
-        not_the_same(&train, test)?;
         if options.trace.is_some() {
             recorded_too(&train, test, |name| has_a_meaning(&train, name))?;
         }
@@ -499,12 +518,6 @@ fn held(parameters: &[Identified], name: &str) -> Held {
     }
 }
 
-/// Refuses to judge by the rows that were fitted.
-fn not_the_same(train: &Measurements, test: &Measurements) -> Result<(), TestError> {
-    let same = train.scene == test.scene && train.readings == test.readings && train.observed == test.observed;
-    if same { Err(TestError::SameRows { file: test.source.clone(), fitted: train.source.clone() }) } else { Ok(()) }
-}
-
 /// Whether a column's name says what it is: what effects follow first.
 fn has_a_meaning(data: &Measurements, name: &str) -> bool {
     let of_joint = name.rsplit_once('.').is_some_and(|(joint, _)| data.joints.iter().any(|known| known == joint));
@@ -544,21 +557,31 @@ fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option
         return Err(CalibrateError::HoldOutShare(hold_out.share));
     }
     let mut random = ChaCha8Rng::seed_from_u64(hold_out.seed);
-    let mut order: Vec<(f64, usize)> = (0..data.len()).map(|row| (random.random::<f64>(), row)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let count = (0..data.len()).take_while(|&k| (k as f64) + 0.5 <= held).count();
-    let mut test: Vec<usize> = order[..count].iter().map(|(_, row)| *row).collect();
-    let mut train: Vec<usize> = order[count..].iter().map(|(_, row)| *row).collect();
-    if train.is_empty() {
+    let drawn: Vec<f64> = (0..data.len()).map(|_| random.random::<f64>()).collect();
+    // Rows of one posture go together: a fit that has seen the posture is not tested by it.
+    let first = data.first_of_posture();
+    let mut size = vec![0usize; data.len()];
+    first.iter().for_each(|&posture| size[posture] += 1);
+    let mut order: Vec<usize> = (0..data.len()).filter(|&row| first[row] == row).collect();
+    order.sort_by(|a, b| drawn[*a].total_cmp(&drawn[*b]));
+    let mut is_test = vec![false; data.len()];
+    let mut count = 0;
+    for &posture in &order {
+        if count as f64 + 0.5 * size[posture] as f64 > held {
+            continue;
+        }
+        count += size[posture];
+        is_test[posture] = true;
+    }
+    let (test, train): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|&row| is_test[first[row]]);
+    if train.is_empty() || test.is_empty() {
         return Err(CalibrateError::HoldOutShare(hold_out.share));
     }
-    test.sort_unstable();
-    train.sort_unstable();
     Ok((data.subset(&train), Some(data.subset(&test))))
 }
 
 fn enough(data: &Measurements) -> Result<(), CalibrateError> {
-    let needed = needed_to_place(&data.scene);
+    let needed = diagnosis::needed_to_place(&data.scene);
     let (postures, values) = different(data);
     if values <= needed {
         let (file, rows) = (data.source.clone(), data.len());
@@ -567,23 +590,43 @@ fn enough(data: &Measurements) -> Result<(), CalibrateError> {
     Ok(())
 }
 
-/// Numbers to find before any geometry: where instruments, points and targets are.
-fn needed_to_place(scene: &Scene) -> usize {
-    let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
-    let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
-    let planes = (0..scene.setups.len()).filter(|&setup| scene.has_plane(setup)).count();
-    6 * instruments + 3 * (planes + scene.points.len() + scene.targets.len() + turns)
+/// Both files without rows that say nothing of their own, and the lines of those.
+struct Fresh {
+    data: Measurements,
+    test: Option<Measurements>,
+    /// Whose reading came late.
+    stale: Vec<usize>,
+    /// Exact copies of other rows.
+    copies: Vec<usize>,
+    /// Test rows that are copies of other test rows, or of fitted ones.
+    test_copies: Vec<usize>,
 }
 
-/// Both files without rows whose reading came late, and the lines of those.
-fn fresh(data: Measurements, test: Option<Measurements>) -> (Measurements, Option<Measurements>, Vec<usize>) {
-    let (data, mut stale) = without_stale_rows(data);
-    let test = test.map(|test| {
+/// Leaves out exact copies and rows whose reading came late.
+///
+/// # Errors
+/// The test holds nothing but fitted rows.
+fn fresh(data: Measurements, test: Option<Measurements>) -> Result<Fresh, TestError> {
+    let without = |data: Measurements, copies: &[usize]| if copies.is_empty() { data } else { data.without(copies) };
+    let lines = |data: &Measurements, copies: &[usize]| copies.iter().map(|&row| data.lines[row]).collect::<Vec<_>>();
+    let (mut test_copies, mut left) = (Vec::new(), None);
+    if let Some(test) = test {
+        let found = test.copies(Some(&data));
+        if found.len() == test.len() {
+            return Err(TestError::SameRows { file: test.source, fitted: data.source });
+        }
+        test_copies = lines(&test, &found);
+        left = Some(without(test, &found));
+    }
+    let found = data.copies(None);
+    let copies = lines(&data, &found);
+    let (data, mut stale) = without_stale_rows(without(data, &found));
+    let test = left.map(|test| {
         let (test, more) = without_stale_rows(test);
         stale.extend(more);
         test
     });
-    (data, test, stale)
+    Ok(Fresh { data, test, stale, copies, test_copies })
 }
 
 /// Whether a row has the measured values of the row before, digit for digit, although a joint moved.

@@ -2,7 +2,10 @@
 
 use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::adoption::Adopted;
+use crate::calibration::diagnosis::Corrected;
+use crate::calibration::diagnosis::explained::Explained;
 use crate::calibration::drawing_differences::DrawingDifference;
+use crate::calibration::placed_anew::PlacedAnew;
 use crate::calibration::rows::{Placements, Rows};
 use crate::identify::carried::CarriedPart;
 use crate::identify::lack_of_fit::LackOfFit;
@@ -39,6 +42,15 @@ pub struct CalibrationReport {
     pub measurement: String,
     /// What every column of the data was taken for; empty where the rows came from no file.
     pub columns: Vec<ColumnUse>,
+    /// What was supposed of the rows because they fit no robot as they are written; left out where they do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub read_as: Option<ReadAs>,
+    /// What was placed anew before the test rows were measured; left out where everything stands as it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub placed_anew: Option<PlacedAnew>,
+    /// Sorts of values of whose variation the fitted geometry leaves more than a fifth; left out where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub poorly_explained: Vec<Explained>,
     /// Rows used.
     pub samples: Samples,
     /// Numbers measured beside numbers found.
@@ -165,6 +177,39 @@ pub struct Continued {
     pub effects: Vec<CarriedPart>,
 }
 
+/// What was supposed of the rows, and how they are to be written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReadAs {
+    /// What was supposed, as the end of a sentence that begins with "if".
+    pub supposed: Vec<String>,
+    /// What to write instead.
+    pub correction: Vec<String>,
+    /// The joints whose readings were changed.
+    pub joints: Vec<String>,
+    /// Misfit of one component as written and as supposed, m.
+    pub misfit_m: [f64; 2],
+    /// The same of orientations, rad; 0 where none are measured.
+    pub misfit_rad: [f64; 2],
+    /// All of it in words.
+    #[serde(skip)]
+    pub said: String,
+}
+
+impl ReadAs {
+    pub(super) fn of(corrected: &Corrected) -> Self {
+        let mistakes = &corrected.mistakes;
+        let joints = mistakes.iter().flat_map(|mistake| mistake.joints());
+        Self {
+            supposed: mistakes.iter().map(ToString::to_string).collect(),
+            correction: mistakes.iter().map(|mistake| mistake.mend()).collect(),
+            joints: joints.map(str::to_owned).collect(),
+            misfit_m: [corrected.before[0], corrected.after[0]],
+            misfit_rad: [corrected.before[1], corrected.after[1]],
+            said: corrected.said(),
+        }
+    }
+}
+
 /// Rows used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Samples {
@@ -177,6 +222,12 @@ pub struct Samples {
     /// Rows that repeat the measured values of the row before although a joint moved; left out of everything.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stale: Vec<usize>,
+    /// Rows that are exact copies of earlier ones, by their lines: each is counted once.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub copies: Vec<usize>,
+    /// Test rows that are exact copies of others or of fitted rows, by their lines: left out of the test.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub test_copies: Vec<usize>,
     /// Held-out rows that are off by far more than the others, and are counted all the same: their lines in their file.
     pub test_outliers: Vec<usize>,
 }

@@ -1,29 +1,50 @@
 //! Data that do not belong to the robot, or not as they are written: which likely mistake would explain them.
 //!
 //! ```text
-//! geometric fit leaves too much ─► every likely mistake undone, nominal fit ─► the best, geometric fit ─► named
-//!                                  └─► rows that fit together without the others ─► named          or refused
+//! the robot as drawn, or its fitted geometry, leaves too much
+//!    ─► every likely mistake undone, nominal fit ─► the best, and pairs with them ─► geometric fit ─► certain
+//!            certain and harmless: go on with it, and say so first;  certain: named, refused
+//!    ─► rows that fit together without the others ─► named, refused;  nothing explains it: refused
 //! ```
-//! A mistake is named when undoing it makes the misfit of the fitted geometry at least [`ORDER`] times smaller. Real data
-//! that are right never are: what a robot's geometry leaves is not a tenth of itself under another reading of the columns.
+//! A mistake is certain when undoing it makes what the robot *as drawn* misses at least [`NOMINAL_ORDER`] times smaller and small
+//! beside the robot, or what the fitted geometry misses at least [`ORDER`] times smaller. The first does not depend on the number of
+//! rows: few rows leave the fitted geometry so much freedom that it hides the mistake, but the robot as drawn has none. Real data that
+//! are right are never taken for mistaken: another reading of the columns does not make a robot so much more like its drawing.
 
+mod conventions;
+pub mod explained;
 mod mistakes;
 mod mixed;
+mod zeros;
 
 pub use mistakes::{Mistake, QuaternionSlip};
+
+use self::explained::{Explained, explained};
 
 use crate::identify::initial_guess::nominal_fit;
 use crate::identify::solve::{Fit, FitOptions};
 use crate::identify::{Identification, IdentifyOptions, identify};
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::NoEffects;
 use denavit_model::Chain;
 use thiserror::Error;
 
 /// The geometric fit must become so many times better for a mistake to be named.
 pub const ORDER: f64 = 10.0;
+/// Or the nominal fit so many times, and leave no more than this share of the robot's size (or rad).
+pub const NOMINAL_ORDER: f64 = 8.0;
+const LIKE_THE_DRAWING: f64 = 0.02;
 /// And the nominal one so many times, to be looked at.
 const PROMISING: f64 = 2.0;
+/// The robot as drawn may leave this share of its size (or rad) before mistakes are tried, whatever its fitted geometry leaves.
+const NOMINAL_SUSPICIOUS: f64 = 0.01;
+/// Numbers beyond those that place the robot which it takes to call a mistake certain.
+const CERTAIN_FROM: usize = 12;
+/// Of mistakes that fit equally well the simplest is taken; one that fits worse by no more than this leaves it uncertain.
+const ALIKE: f64 = 1.02;
+const RIVAL: f64 = 2.0;
+/// Mistakes that a second one is looked for beside.
+const BEAM: usize = 6;
 /// Below this share of the robot's size (or rad) a misfit is an effect or a rough robot, and no mistake is tried.
 const SUSPICIOUS: f64 = 2e-3;
 /// Below this share not even rows of two individuals of one robot are looked for: they differ by less than links are made to.
@@ -44,17 +65,18 @@ const CONFIRMED: usize = 3;
 pub enum Diagnosis {
     /// A mistake that explains the misfit.
     #[error(
-        "{file}: {} What was measured would be met {} instead of {} if {mistake}; {}",
+        "{file}: {} What was measured would be met {} instead of {} if {}; {}",
         "these data do not fit this robot as they are written.",
         in_words(*after),
         in_words(*before),
-        mistake.mend()
+        supposed(mistakes),
+        mended(mistakes)
     )]
     Mistaken {
         /// The file.
         file: String,
-        /// Which.
-        mistake: Mistake,
+        /// Which: one, or several together.
+        mistakes: Vec<Mistake>,
         /// Misfit as written: m and rad per component.
         before: [f64; 2],
         /// Misfit with the mistake undone.
@@ -78,11 +100,30 @@ pub enum Diagnosis {
         /// Misfit of the others.
         after: [f64; 2],
     },
+    /// The fitted robot explains nothing of what was measured.
+    #[error(
+        "{file}: the fitted robot explains nothing: the measured {of} varies by {} rms, and {} are left of it; do the values belong to \
+         these readings, row by row, is this the robot that was measured, and are all units right (‹units›)?",
+        length(*spread, unit),
+        length(*left, unit)
+    )]
+    ExplainsNothing {
+        /// The file.
+        file: String,
+        /// `position`, `orientation` …
+        of: &'static str,
+        /// `m` or `rad`.
+        unit: &'static str,
+        /// Spread of what was measured.
+        spread: f64,
+        /// What is left.
+        left: f64,
+    },
     /// No geometry, and no likely mistake.
     #[error(
         "{file}: the robot as drawn misses what was measured by {nominal:.3} m{}, wherever the instrument stands (its size is \
-         {size:.3} m), and no change of its geometry within tolerances mends that, nor another sense, order or unit of a \
-         column; is this the robot that was measured, are the joints in the right columns, the readings in rad (else ‹units› \
+         {size:.3} m), and no change of its geometry within tolerances explains that, nor another sense, zero, order or unit of \
+         a column; is this the robot that was measured, are the joints in the right columns, the readings in rad (else ‹units› \
          deg), the lengths in m (else ‹units› mm), and ‹base› and ‹tip› right?",
         turned(*orientation)
     )]
@@ -96,6 +137,20 @@ pub enum Diagnosis {
         /// m.
         size: f64,
     },
+}
+
+/// The mistakes of a sentence that begins with "if".
+fn supposed(mistakes: &[Mistake]) -> String {
+    mistakes.iter().map(Mistake::to_string).collect::<Vec<_>>().join(" and ")
+}
+
+/// What to do about all of them.
+fn mended(mistakes: &[Mistake]) -> String {
+    mistakes.iter().map(Mistake::mend).collect::<Vec<_>>().join("; ")
+}
+
+fn length(value: f64, unit: &str) -> String {
+    format!("{:.3} {}", value * 1e3, if unit == "m" { "mm" } else { "mrad" })
 }
 
 fn in_words([position, orientation]: [f64; 2]) -> String {
@@ -171,7 +226,46 @@ fn nominal_misfit(chain: &Chain, data: &Measurements) -> [f64; 2] {
     misfit(&nominal_fit(chain, data, &vec![1.0; data.observations()], &options), data)
 }
 
-/// Whether the data can belong to the robot: what the geometric fit leaves is small, or no mistake explains it.
+/// Rows that were read otherwise than they are written, because nothing else fits: what was supposed, and how certain it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Corrected {
+    /// What was undone.
+    pub mistakes: Vec<Mistake>,
+    /// Misfit as written: m and rad per component.
+    pub before: [f64; 2],
+    /// Misfit with the mistakes undone.
+    pub after: [f64; 2],
+}
+
+impl Corrected {
+    /// These rows with the mistakes undone; as they are where one of them cannot be made in them.
+    pub fn applied(&self, chain: &Chain, data: Measurements) -> Measurements {
+        self.mistakes
+            .iter()
+            .fold(data, |data, mistake| mistake.undone(chain, &data).map_or(data, |(_, altered)| altered))
+    }
+
+    /// In words: what was supposed and what to write.
+    pub fn said(&self) -> String {
+        format!(
+            "read as if {}: met {} instead of {}; {}",
+            supposed(&self.mistakes),
+            in_words(self.after),
+            in_words(self.before),
+            mended(&self.mistakes)
+        )
+    }
+}
+
+/// Mistakes undone together, and what the robot as drawn then misses on a few rows.
+#[derive(Debug, Clone)]
+struct Tried {
+    score: f64,
+    mistakes: Vec<Mistake>,
+}
+
+/// Whether the data can belong to the robot: what is left is small, or no mistake explains it. Where a mistake is certain and
+/// harmless, what it is: the rows are to be read without it.
 ///
 /// # Errors
 /// The mistake that explains the misfit, or that nothing does.
@@ -181,16 +275,35 @@ pub fn judge(
     found: &Identification,
     options: &IdentifyOptions,
     other_chains: &[Chain],
-) -> Result<(), Diagnosis> {
+) -> Result<Option<Corrected>, Diagnosis> {
     let as_written = misfit(&found.geometric, data);
     let left = size_of(as_written, chain);
+    let of_spread = explained(&found.geometric, data);
+    let poorly = of_spread.iter().any(Explained::poorly);
+    let drawn = size_of(misfit(&found.nominal, data), chain);
     // Written so that what is not a number is looked into.
-    if left < UNLIKE_ONE_ROBOT {
-        return Ok(());
+    if left < UNLIKE_ONE_ROBOT && drawn < NOMINAL_SUSPICIOUS {
+        return Ok(None);
     }
     let options = &options.plain(chain);
-    if left >= SUSPICIOUS {
-        mistaken(chain, data, (as_written, left), options, other_chains)?;
+    if left.is_nan()
+        || left >= SUSPICIOUS
+        || drawn.is_nan()
+        || drawn >= NOMINAL_SUSPICIOUS
+        || poorly && left >= UNLIKE_ONE_ROBOT
+    {
+        let bad = left.is_nan() || left >= 0.5 * BEYOND_GEOMETRY || drawn >= 5.0 * NOMINAL_SUSPICIOUS || poorly;
+        let supposed = mistaken(chain, data, (as_written, left), options, other_chains, bad);
+        if let Some((corrected, certain)) = supposed {
+            if certain && corrected.mistakes.iter().all(Mistake::harmless) {
+                return Ok(Some(corrected));
+            }
+            let Corrected { mistakes, before, after } = corrected;
+            return Err(Diagnosis::Mistaken { file: data.source.clone(), mistakes, before, after });
+        }
+    }
+    if left < UNLIKE_ONE_ROBOT {
+        return Ok(None);
     }
     let mixed = |strangers: Vec<usize>, after| {
         let strangers = strangers.into_iter().map(|row| data.lines[row]).collect();
@@ -200,41 +313,175 @@ pub fn judge(
         return mixed(strangers, after);
     }
     if left < BEYOND_GEOMETRY {
-        return Ok(());
+        return explains_something(chain, data, &of_spread).map(|()| None);
     }
     if let Some((strangers, after)) = mixed::strangers(chain, data, options, left) {
         return mixed(strangers, after);
     }
+    explains_something(chain, data, &of_spread)?;
     let [nominal, orientation] = misfit(&found.nominal, data);
     Err(Diagnosis::Refused { file: data.source.clone(), nominal, orientation, size: chain.size() })
 }
 
-/// Looks for a mistake in how the data are written that explains what is left.
+/// Refuses data of which the fit explains nothing, however little is left.
+///
+/// # Errors
+/// Some sort of value varies, is expected to, and most of it is left.
+pub fn explains_something(chain: &Chain, data: &Measurements, of_spread: &[Explained]) -> Result<(), Diagnosis> {
+    let size = |part: &Explained| if part.unit == "m" { chain.size() } else { 1.0 };
+    match of_spread.iter().find(|part| part.nothing(size(part))) {
+        None => Ok(()),
+        Some(Explained { of, unit, spread, left, .. }) => {
+            let file = data.source.clone();
+            Err(Diagnosis::ExplainsNothing { file, of, unit, spread: *spread, left: *left })
+        }
+    }
+}
+
+/// Looks for a mistake in how the data are written that explains what is left, and for two together where these are `bad`; whether
+/// nothing else explains it nearly as well.
 fn mistaken(
     chain: &Chain,
     data: &Measurements,
     (as_written, left): ([f64; 2], f64),
     options: &IdentifyOptions,
     other_chains: &[Chain],
-) -> Result<(), Diagnosis> {
-    let few = spread(data, ROWS_TO_TRY);
-    let many = spread(data, ROWS_TO_CONFIRM);
+    bad: bool,
+) -> Option<(Corrected, bool)> {
+    let (few, many) = (spread(data, ROWS_TO_TRY), spread(data, ROWS_TO_CONFIRM));
+    let search = Search { chain, data, few: &few, many: &many, as_written, left, options };
     let before = size_of(nominal_misfit(chain, &few), chain);
-    let mut promising: Vec<(f64, Mistake)> = Vec::new();
-    for mistake in mistakes::likely(chain, data, other_chains) {
-        let Some((other, altered)) = undone(&mistake, chain, data, &few, ROWS_TO_TRY) else { continue };
-        let score = size_of(nominal_misfit(&other, &altered), &other);
-        if score * PROMISING < before {
-            promising.push((score, mistake));
-        }
+    let try_all = |first: &[Mistake], mistakes: Vec<Mistake>| -> Vec<Tried> {
+        let with = |mistake| first.iter().cloned().chain(std::iter::once(mistake)).collect::<Vec<_>>();
+        let tried = mistakes.into_iter().filter_map(|mistake| search.tried(with(mistake)));
+        tried.filter(|tried| tried.score * PROMISING < before).collect()
+    };
+    let mut simple = mistakes::likely(chain, data, other_chains);
+    simple.extend(zeros_of(chain, data, &few, false));
+    simple.extend(angles_of(chain, &few));
+    let singles: Vec<Tried> = simple.iter().filter_map(|mistake| search.tried(vec![mistake.clone()])).collect();
+    let promising = singles.iter().filter(|tried| tried.score * PROMISING < before).cloned().collect();
+    if let Some(found) = search.confirmed(promising, before) {
+        return Some(found);
     }
-    promising.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, mistake) in promising.into_iter().take(CONFIRMED) {
-        let Some((other, altered)) = undone(&mistake, chain, data, &many, ROWS_TO_CONFIRM) else { continue };
-        let after = misfit(&identify(&other, &altered, &options.plain(&other)).geometric, &altered);
-        if size_of(after, &other) * ORDER < left {
-            return Err(Diagnosis::Mistaken { file: data.source.clone(), mistake, before: as_written, after });
-        }
+    if !bad {
+        return None;
     }
-    Ok(())
+    let mut pairs = try_all(&[], zeros_of(chain, data, &few, true));
+    let mut beam = singles;
+    beam.sort_by(|a, b| a.score.total_cmp(&b.score));
+    for first in beam.into_iter().take(BEAM) {
+        let [mistake] = &first.mistakes[..] else { continue };
+        let Some((_, altered)) = mistake.undone(chain, &few) else { continue };
+        if matches!(mistake, Mistake::OtherChain(_) | Mistake::OutOfStep(_)) {
+            continue;
+        }
+        let mut more = zeros_of(chain, &altered, &altered, false);
+        more.extend(angles_of(chain, &altered));
+        let second = |other: &&Mistake| match other {
+            Mistake::Sense(joints) => joints.len() == 1,
+            Mistake::Coupled { .. } | Mistake::Swapped(..) | Mistake::Quaternion(_) => true,
+            _ => false,
+        };
+        more.extend(simple.iter().filter(second).cloned());
+        let apart = |other: &Mistake| {
+            std::mem::discriminant(other) != std::mem::discriminant(mistake)
+                && !other.joints().iter().any(|joint| mistake.joints().contains(joint))
+                || matches!(other, Mistake::Zero(_))
+        };
+        pairs.extend(try_all(&first.mistakes, more.into_iter().filter(apart).collect()));
+    }
+    search.confirmed(pairs, before)
+}
+
+/// Zeros as mistakes.
+fn zeros_of(chain: &Chain, data: &Measurements, few: &Measurements, pairs: bool) -> Vec<Mistake> {
+    let found = zeros::likely(chain, few, pairs).into_iter();
+    let named =
+        |zeros: zeros::Zeros| zeros.into_iter().map(|(joint, zero)| (data.joints[joint].clone(), zero)).collect();
+    found.map(|zeros| Mistake::Zero(named(zeros))).collect()
+}
+
+/// Conventions of angles as mistakes.
+fn angles_of(chain: &Chain, few: &Measurements) -> Vec<Mistake> {
+    let found = conventions::likely(chain, few).into_iter();
+    found.map(|(convention, inverse, factor)| Mistake::Angles { convention, inverse, factor }).collect()
+}
+
+/// What mistakes are tried on.
+struct Search<'a> {
+    chain: &'a Chain,
+    data: &'a Measurements,
+    few: &'a Measurements,
+    many: &'a Measurements,
+    as_written: [f64; 2],
+    left: f64,
+    options: &'a IdentifyOptions,
+}
+
+impl Search<'_> {
+    /// Some rows with all these mistakes undone, one after the other.
+    fn undone(&self, mistakes: &[Mistake], some: &Measurements, most: usize) -> Option<(Chain, Measurements)> {
+        if let [mistake] = mistakes {
+            return undone(mistake, self.chain, self.data, some, most);
+        }
+        let start = Some((self.chain.clone(), some.clone()));
+        mistakes.iter().fold(start, |state, mistake| {
+            let (chain, data) = state?;
+            mistake.undone(&chain, &data)
+        })
+    }
+
+    fn tried(&self, mistakes: Vec<Mistake>) -> Option<Tried> {
+        let (chain, altered) = self.undone(&mistakes, self.few, ROWS_TO_TRY)?;
+        let score = size_of(nominal_misfit(&chain, &altered), &chain);
+        score.is_finite().then_some(Tried { score, mistakes })
+    }
+
+    /// The first of the best that is certain beside what is written, and whether it is beside the others, too. `before`: what the robot
+    /// as drawn misses on the few rows as written.
+    fn confirmed(&self, mut promising: Vec<Tried>, before: f64) -> Option<(Corrected, bool)> {
+        promising.sort_by(|a, b| a.score.total_cmp(&b.score));
+        // The simplest of those that are alike comes first in the list of mistakes; the sort is stable.
+        let best = promising.first().map_or(0.0, |tried| tried.score);
+        for tried in promising.iter().take(CONFIRMED) {
+            let Some((chain, altered)) = self.undone(&tried.mistakes, self.many, ROWS_TO_CONFIRM) else { continue };
+            let found = identify(&chain, &altered, &self.options.plain(&chain)).geometric;
+            let after = misfit(&found, &altered);
+            let size = size_of(after, &chain);
+            let by_geometry = size * ORDER < self.left;
+            let spare = altered.values() > needed_to_place(&altered.scene) + CERTAIN_FROM;
+            let by_drawing = tried.score * NOMINAL_ORDER < before
+                && tried.score < LIKE_THE_DRAWING
+                && spare
+                && size < f64::max(2.0 * self.left, SUSPICIOUS);
+            if by_geometry || by_drawing {
+                let rival = promising.iter().any(|other| {
+                    other.mistakes != tried.mistakes
+                        && other.score < RIVAL * tried.score
+                        && other.score > ALIKE * best
+                        && !alike(&other.mistakes, &tried.mistakes)
+                });
+                let (mistakes, before) = (tried.mistakes.clone(), self.as_written);
+                return Some((Corrected { mistakes, before, after }, !rival));
+            }
+        }
+        None
+    }
+}
+
+/// Whether two suppositions speak of the same joints.
+fn alike(one: &[Mistake], other: &[Mistake]) -> bool {
+    let joints = |mistakes: &[Mistake]| -> Vec<String> {
+        mistakes.iter().flat_map(Mistake::joints).map(str::to_owned).collect()
+    };
+    joints(one) == joints(other)
+}
+
+/// Numbers to find before any geometry: where instruments, points and targets are.
+pub(super) fn needed_to_place(scene: &Scene) -> usize {
+    let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
+    let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
+    let planes = (0..scene.setups.len()).filter(|&setup| scene.has_plane(setup)).count();
+    6 * instruments + 3 * (planes + scene.points.len() + scene.targets.len() + turns)
 }

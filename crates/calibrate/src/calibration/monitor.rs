@@ -10,8 +10,8 @@
 mod suspects;
 
 use self::suspects::explanations;
-use super::diagnosis::{self, Diagnosis};
-use super::{needed_to_place, repeats_the_row_before};
+use super::diagnosis::{self, Corrected, Diagnosis, needed_to_place};
+use super::repeats_the_row_before;
 use crate::apply::plan::next::{Outlook, outlook, within_limits};
 use crate::apply::plan::{PlanError, PlanOptions};
 use crate::identify::initial_guess::nominal_fit;
@@ -279,13 +279,12 @@ impl Monitor {
         }
         let kept: Vec<usize> = (0..data.len()).filter(|row| !self.out.contains(row)).collect();
         let kept = data.subset(&kept).pruned();
-        diagnosis::judge(
-            &self.chain,
-            &kept,
-            &identify(&self.chain, &kept, &self.options.identify),
-            &self.options.identify,
-            &[],
-        )
+        let found = identify(&self.chain, &kept, &self.options.identify);
+        // Rows that are judged as they come are not read anew: whoever measures corrects the column and goes on.
+        diagnosis::judge(&self.chain, &kept, &found, &self.options.identify, &[])?.map_or(Ok(()), |corrected| {
+            let Corrected { mistakes, before, after } = corrected;
+            Err(Diagnosis::Mistaken { file: kept.source.clone(), mistakes, before, after })
+        })
     }
 
     fn outlook(&self, fit: &Fit<NoEffects>, data: &Measurements) -> (Option<Known>, Option<Vec<(String, f64)>>) {

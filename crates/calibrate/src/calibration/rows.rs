@@ -99,7 +99,7 @@ impl Rows {
 
     fn left_by<E: Effects>(
         fit: &Fit<E>,
-        Calibration { train, test, .. }: &Calibration,
+        Calibration { train, test, report, .. }: &Calibration,
         model: impl Fn(E) -> Option<EffectModel>,
     ) -> Self {
         let rejected = fit.weights.iter().enumerate().filter(|(_, weight)| **weight == 0.0);
@@ -112,7 +112,12 @@ impl Rows {
         };
         let judged = test.as_ref().map(|test| Left {
             data: test.clone(),
-            arm: placed(fit, train, test).expect("the held-out rows were placed when the stage was judged"),
+            arm: {
+                let mut arm =
+                    placed(fit, train, test).expect("the held-out rows were placed when the stage was judged");
+                report.placed_anew.iter().for_each(|anew| anew.apply(&mut arm));
+                arm
+            },
             effects: model(bound_later(&fit.effects, train, test).expect("effects were bound when it was judged")),
             rejected: Vec::new(),
             held_out: true,

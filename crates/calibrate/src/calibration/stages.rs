@@ -3,6 +3,7 @@
 use crate::calibration::Calibration;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::Stage;
+use crate::calibration::placed_anew::PlacedAnew;
 use crate::effects::curve_modes::CurveModes;
 use crate::effects::model::EffectModel;
 use crate::identify::Identification;
@@ -103,6 +104,7 @@ impl Identification {
 pub(super) struct Stages<'a> {
     train: &'a Measurements,
     test: Option<&'a Measurements>,
+    placed_anew: Option<&'a PlacedAnew>,
     /// Each stage as the report has it.
     pub done: Vec<Stage>,
     /// Of each stage the residuals of the held-out rows.
@@ -111,8 +113,8 @@ pub(super) struct Stages<'a> {
 
 impl<'a> Stages<'a> {
     /// None yet.
-    pub fn new(train: &'a Measurements, test: Option<&'a Measurements>) -> Self {
-        Self { train, test, done: Vec::new(), held_out: Vec::new() }
+    pub fn new(train: &'a Measurements, test: Option<&'a Measurements>, placed_anew: Option<&'a PlacedAnew>) -> Self {
+        Self { train, test, placed_anew, done: Vec::new(), held_out: Vec::new() }
     }
 
     fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
@@ -123,7 +125,8 @@ impl<'a> Stages<'a> {
         let mut held_out = Vec::new();
         let mut test_errors: Option<Errors> = None;
         if let Some(test) = self.test {
-            let arm = placed(fit, self.train, test)?;
+            let mut arm = placed(fit, self.train, test)?;
+            self.placed_anew.iter().for_each(|anew| anew.apply(&mut arm));
             let effects = bound_later(&fit.effects, self.train, test)?;
             held_out = residuals(&arm, &effects, test);
             test_lengths = lengths_found(&arm, &effects, test);

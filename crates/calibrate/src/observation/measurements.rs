@@ -1,6 +1,7 @@
 //! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
 
 pub mod columns;
+mod copies;
 pub mod covariates;
 mod header;
 mod images;
@@ -29,6 +30,7 @@ pub use units::{Units, UnitsError};
 pub use write::write;
 
 use denavit_model::nalgebra::Vector3;
+use import::WrittenAngles;
 use std::ops::Range;
 
 /// A text column.
@@ -61,6 +63,8 @@ pub struct Measurements {
     pub covariates: Covariates,
     /// Text columns.
     pub labels: Vec<Label>,
+    /// The angles of an orientation as the file writes them, where it writes angles; row by row.
+    pub angles: Option<WrittenAngles>,
     /// Rows that only say where a target sits on the tip, by row index; not counted in errors.
     pub locate: Vec<bool>,
     /// The line of each row in its file, counted from 1.
@@ -83,6 +87,7 @@ impl Measurements {
             observed: Observations::default(),
             covariates: Covariates::none(),
             labels: Vec::new(),
+            angles: None,
             locate: Vec::new(),
             lines: Vec::new(),
         }
@@ -231,6 +236,10 @@ impl Measurements {
                     values: rows.iter().map(|&row| column.values[row].clone()).collect(),
                 })
                 .collect(),
+            angles: self.angles.as_ref().map(|angles| WrittenAngles {
+                numbers: rows.iter().map(|&row| angles.numbers[row]).collect(),
+                ..angles.clone()
+            }),
             locate: rows.iter().map(|&row| self.locate[row]).collect(),
             lines: rows.iter().map(|&row| self.lines[row]).collect(),
         }

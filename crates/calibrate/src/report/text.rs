@@ -182,7 +182,7 @@ fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
 /// The whole calibration for a terminal.
 pub fn calibration(result: &Calibration) -> String {
     let report = &result.report;
-    let mut text = String::new();
+    let mut text = trust::supposed(report);
     let samples = &report.samples;
     let _ = writeln!(
         text,

@@ -80,6 +80,30 @@ pub(super) fn continued(report: &CalibrationReport) -> String {
     text
 }
 
+/// What was supposed of the data, before anything else is said: it is to be confirmed or corrected by whoever measured.
+pub(super) fn supposed(report: &CalibrationReport) -> String {
+    let mut text = String::new();
+    if let Some(read_as) = &report.read_as {
+        let _ = writeln!(text, "ATTENTION: these data do not fit this robot as they are written; {}", read_as.said);
+    }
+    if let Some(anew) = &report.placed_anew {
+        let _ = writeln!(text, "ATTENTION: {}", anew.said());
+    }
+    for part in &report.poorly_explained {
+        let unit = if part.unit == "m" { "mm" } else { "mrad" };
+        let _ = writeln!(
+            text,
+            "ATTENTION: of the measured {}, which varies by {:.3} {unit} rms, {:.3} {unit} are left ({:.0} % of its variance is \
+             explained); is this the robot that was measured, do values and readings belong together, are all units right?",
+            part.of,
+            part.spread * 1e3,
+            part.left * 1e3,
+            100.0 * part.share().max(0.0)
+        );
+    }
+    text
+}
+
 /// Lines of rows that were left out, or that look as if they should be.
 pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
     let mut text = String::new();
@@ -94,6 +118,22 @@ pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
             text,
             "left out: the same measured values as in the row before, although joints moved, lines: {}",
             listed(&samples.stale)
+        );
+    }
+    if !samples.copies.is_empty() {
+        let _ = writeln!(
+            text,
+            "{} rows are exact copies of earlier ones and counted once, lines: {}",
+            samples.copies.len(),
+            listed(&samples.copies)
+        );
+    }
+    if !samples.test_copies.is_empty() {
+        let _ = writeln!(
+            text,
+            "{} test rows are exact copies of others or of fitted rows and left out of the test, lines: {}",
+            samples.test_copies.len(),
+            listed(&samples.test_copies)
         );
     }
     if !samples.rejected.is_empty() {

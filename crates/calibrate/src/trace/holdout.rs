@@ -16,7 +16,16 @@ pub enum Folds {
 }
 
 /// Sum of squared errors on held-out rows, in units of the noise, of the model with these extra columns.
-pub fn held_out(linear: &Linear, parts: &[&DMatrix<f64>], residual: &DVector<f64>, folds: Folds) -> f64 {
+///
+/// # Shape and units
+/// `stands`: for each row of the data the first that took its posture; what repeats a posture is held out with it.
+pub fn held_out(
+    linear: &Linear,
+    parts: &[&DMatrix<f64>],
+    residual: &DVector<f64>,
+    folds: Folds,
+    stands: &[usize],
+) -> f64 {
     let values = linear.values();
     let count: usize = parts.iter().map(|part| part.ncols()).sum();
     let mut all = DMatrix::zeros(residual.len(), count + 1);
@@ -31,9 +40,10 @@ pub fn held_out(linear: &Linear, parts: &[&DMatrix<f64>], residual: &DVector<f64
         all.column_mut(k).unscale_mut(*scale);
     }
     let rows = linear.rows.iter().max().map_or(1, |last| last + 1);
+    let numbers = numbered(stands);
     let fold_of = |index: usize| match folds {
-        Folds::Stretches => linear.rows[index] * FOLDS / rows,
-        Folds::Interleaved => linear.rows[index] % FOLDS,
+        Folds::Stretches => stands[linear.rows[index]] * FOLDS / rows,
+        Folds::Interleaved => numbers[linear.rows[index]] % FOLDS,
     };
     let pick = |fold: usize| -> DMatrix<f64> {
         let held: Vec<usize> = (0..values).filter(|&index| fold_of(index) == fold).collect();
@@ -58,4 +68,29 @@ pub fn held_out(linear: &Linear, parts: &[&DMatrix<f64>], residual: &DVector<f64
         sum += left.norm_squared();
     }
     sum
+}
+
+/// Postures counted in the order in which they were taken first: the number of each row's.
+fn numbered(stands: &[usize]) -> Vec<usize> {
+    let mut numbers = vec![0; stands.len()];
+    let mut next = 0;
+    for (row, &stand) in stands.iter().enumerate() {
+        if stand == row {
+            numbers[row] = next;
+            next += 1;
+        } else {
+            numbers[row] = numbers[stand];
+        }
+    }
+    numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbered;
+
+    #[test]
+    fn a_posture_that_is_taken_again_has_its_number_again() {
+        assert_eq!(numbered(&[0, 0, 2, 0, 4, 2]), [0, 0, 1, 0, 2, 1]);
+    }
 }

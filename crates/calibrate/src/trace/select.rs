@@ -417,10 +417,11 @@ impl<'a> Tracer<'a> {
         // A stretch of a file that moves one joint after the other holds all that there is of one: then every fifth row.
         let folds = if follows_run { &[Folds::Interleaved][..] } else { &[Folds::Stretches, Folds::Interleaved] };
         let columns = scorer.columns(&scored.candidate.term);
+        let stands = self.data.first_of_posture();
         folds.iter().any(|&folds| {
             let (without, with) = both(
-                || held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds),
-                || held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds),
+                || held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds, &stands),
+                || held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds, &stands),
             );
             with < without
         })

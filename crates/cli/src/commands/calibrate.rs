@@ -6,6 +6,7 @@ use crate::measured::{self, MeasuredRobot, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::{self, Loaded};
+use denavit_calibrate::calibration::placed_anew::PlacedAnew;
 use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::observation::measurements::Units;
@@ -57,6 +58,9 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         ControlFlow::Continue(())
     })?;
     drop(spinner);
+    let said = result.report.read_as.as_ref().map(|read_as| read_as.said.clone());
+    let said = said.into_iter().chain(result.report.placed_anew.as_ref().map(PlacedAnew::said));
+    measured::mention(&said.collect::<Vec<_>>());
     result.report.columns = columns;
     result.report.origin = origin;
     result.report.origin.files.extend(prior_read(&asked)?);

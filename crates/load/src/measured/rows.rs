@@ -78,6 +78,13 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         }
         parts.push(if asked.data.len() > 1 { data.of_setup(&setup) } else { data });
     }
+    let of_files = parts.len();
+    let recorded = |part: &Measurements| -> Vec<String> {
+        let numbers = part.covariates.iter().map(|column| column.name.clone());
+        numbers.chain(part.labels.iter().map(|label| label.name.clone())).collect()
+    };
+    let columns_of: Vec<(String, Vec<String>)> =
+        parts.iter().map(|part| (part.source.clone(), recorded(part))).collect();
     let mut of_sockets = Vec::new();
     for (label, file) in &asked.sockets {
         let mut input = Hashing::of(file);
@@ -87,7 +94,19 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     let Some(mut data) = Measurements::joined(parts) else {
         return Err(MeasuredError::Option("there is nothing to fit; name a file by ‹data› or ‹socket›".into()));
     };
+    let mut left_out_of_files = Vec::new();
+    if of_files > 1 {
+        let kept = recorded(&data);
+        for (file, columns) in &columns_of {
+            let left_out: Vec<&str> = columns.iter().filter(|name| !kept.contains(name)).map(String::as_str).collect();
+            if !left_out.is_empty() {
+                let columns = left_out.join(", ");
+                left_out_of_files.push(format!("{file}: left out, for not every file has them: {columns}"));
+            }
+        }
+    }
     let mut test = asked.test.as_ref().map(|file| Ok::<_, MeasuredError>(read(file)?.0)).transpose()?;
+    notes.extend(left_out_of_files);
     // In the order in which the files are listed: to fit, in sockets, to judge by.
     hashed.splice(asked.data.len()..asked.data.len(), of_sockets);
     let origin = origin(asked, hashed);

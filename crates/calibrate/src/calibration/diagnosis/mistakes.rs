@@ -1,7 +1,9 @@
 //! What people get wrong when they write a measurement file, and how each is undone.
 
+use super::conventions::{self, Meant};
 use crate::observation::kinds::{ObservationKind, POSE, POSITION};
 use crate::observation::measurements::Measurements;
+use crate::observation::measurements::import::AngleConvention;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use denavit_model::{Chain, Quantity};
 use std::f64::consts::PI;
@@ -45,6 +47,24 @@ pub enum Mistake {
         /// Plus.
         plus: bool,
     },
+    /// Joints that count from another zero: each with what is added to its reading to have the angle of the drawing, rad.
+    Zero(Vec<(String, f64)>),
+    /// All lengths, or all angles, or both are in another unit: what they are multiplied by.
+    Units {
+        /// Of lengths.
+        lengths: f64,
+        /// Of angles.
+        angles: f64,
+    },
+    /// The angles of the orientation are written in another convention.
+    Angles {
+        /// Which.
+        convention: AngleConvention,
+        /// Whether they say how the target sees the instrument.
+        inverse: bool,
+        /// What they are multiplied by to be in rad as they were read.
+        factor: f64,
+    },
     /// The quaternion is written otherwise.
     Quaternion(QuaternionSlip),
     /// The readings stand so many rows below (negative: above) the values that belong to them.
@@ -71,6 +91,26 @@ impl fmt::Display for Mistake {
             Self::Coupled { of, by, plus } => {
                 let sign = if *plus { "plus" } else { "minus" };
                 write!(f, "\"{of}\" were counted from the ground: it reads its own angle {sign} that of \"{by}\"")
+            }
+            Self::Zero(zeros) => {
+                let of = |(joint, zero): &(String, f64)| format!("\"{joint}\" counted from {}", in_degrees(*zero));
+                write!(f, "{}", zeros.iter().map(of).collect::<Vec<_>>().join(" and "))
+            }
+            Self::Units { lengths, angles } => {
+                let said = [
+                    angle_unit(*angles).map(|unit| format!("all angles were in {unit}")),
+                    length_unit(*lengths).map(|unit| format!("all lengths were in {unit}")),
+                ];
+                f.write_str(&said.into_iter().flatten().collect::<Vec<_>>().join(" and "))
+            }
+            Self::Angles { convention, inverse, factor } => {
+                let what = match convention {
+                    AngleConvention::RotationVector => "a rotation vector".to_owned(),
+                    AngleConvention::Euler(order) => format!("the angles of {order}"),
+                };
+                let unit = angle_unit(*factor).map_or_else(String::new, |unit| format!(", in {unit}"));
+                let inverse = if *inverse { ", and the inverse: the instrument as the target sees it" } else { "" };
+                write!(f, "the orientation were written as {what}{unit}{inverse}")
             }
             Self::Quaternion(QuaternionSlip::ScalarFirst) => write!(f, "the quaternion were written w first"),
             Self::Quaternion(QuaternionSlip::Inverse) => {
@@ -102,10 +142,49 @@ impl Mistake {
                 let sign = if *plus { "-" } else { "+" };
                 format!("write {of} {sign} {by} into column \"{of}\"")
             }
+            Self::Zero(zeros) => {
+                let of = |(joint, zero): &(String, f64)| {
+                    let sign = if *zero < 0.0 { '-' } else { '+' };
+                    format!("write {joint} {sign} {} into column \"{joint}\"", in_degrees(zero.abs()))
+                };
+                zeros.iter().map(of).collect::<Vec<_>>().join(", ")
+            }
+            Self::Units { .. } => "say so: ‹units›, or units in the map".into(),
+            Self::Angles { convention, inverse, factor } => {
+                let option = match convention {
+                    AngleConvention::RotationVector => {
+                        "say ‹rotation-vector› (in a map: rotation_vector = [three columns])".to_owned()
+                    }
+                    AngleConvention::Euler(order) => {
+                        format!("say ‹euler› {order} (in a map: euler = {{ order = \"{order}\", columns = [three] }})")
+                    }
+                };
+                let unit = angle_unit(*factor).map_or_else(String::new, |unit| format!(", name the unit: rx ({unit})"));
+                let inverse =
+                    if *inverse { ", and write the target's orientation in the instrument's frame" } else { "" };
+                format!("{option}{unit}{inverse}")
+            }
             Self::Quaternion(QuaternionSlip::ScalarFirst) => "order the header row's names as the numbers are".into(),
             Self::Quaternion(_) => "write the target's orientation in the instrument's frame, as qx, qy, qz, qw".into(),
             Self::OutOfStep(_) => "pair readings and values row by row".into(),
             Self::OtherChain(chain) => format!("say ‹base› {} ‹tip› {}", chain.base(), chain.tip()),
+        }
+    }
+
+    /// Whether rows can be used with the mistake undone: which joint reads what is then known for certain, and nothing else changes.
+    pub fn harmless(&self) -> bool {
+        matches!(self, Self::Coupled { .. } | Self::Zero(_))
+    }
+
+    /// The joints whose readings it changes.
+    pub fn joints(&self) -> Vec<&str> {
+        match self {
+            Self::Zero(zeros) => zeros.iter().map(|(joint, _)| joint.as_str()).collect(),
+            Self::Sense(joints) => joints.iter().map(String::as_str).collect(),
+            Self::Swapped(a, b) => vec![a, b],
+            Self::Coupled { of, .. } => vec![of],
+            Self::AngleUnit(joint, _) | Self::Millimetres(joint) => vec![joint],
+            _ => Vec::new(),
         }
     }
 
@@ -143,6 +222,29 @@ impl Mistake {
                 let (of, by, sign) = (at(of)?, at(by)?, if *plus { 1.0 } else { -1.0 });
                 each_row(&mut altered, n, |row| row[of] -= sign * row[by]);
             }
+            Self::Zero(zeros) => {
+                let of = |(joint, zero): &(String, f64)| Some((at(joint)?, *zero));
+                let zeros = zeros.iter().map(of).collect::<Option<Vec<_>>>()?;
+                each_row(&mut altered, n, |row| zeros.iter().for_each(|(k, zero)| row[*k] += zero));
+            }
+            Self::Units { lengths, angles } => {
+                let factors: Vec<f64> = chain
+                    .coordinates()
+                    .iter()
+                    .map(|coordinate| if coordinate.quantity == Quantity::Length { *lengths } else { *angles })
+                    .collect();
+                each_row(&mut altered, n, |row| {
+                    row.iter_mut().zip(&factors).for_each(|(cell, factor)| *cell *= factor)
+                });
+                for observation in 0..altered.observations() {
+                    let count = altered.series_of(observation).kind.lengths();
+                    altered.observed.values_mut(observation).iter_mut().take(count).for_each(|value| *value *= lengths);
+                }
+                if let Some(written) = &data.angles {
+                    turned(&mut altered, (written.read_as, false, *angles))?;
+                }
+            }
+            Self::Angles { convention, inverse, factor } => turned(&mut altered, (*convention, *inverse, *factor))?,
             Self::Quaternion(slip) => {
                 for observation in 0..altered.observations() {
                     if altered.series_of(observation).kind != POSE {
@@ -193,6 +295,41 @@ impl QuaternionSlip {
     }
 }
 
+/// Takes the orientations anew from the angles as they are written.
+fn turned(data: &mut Measurements, meant: Meant) -> Option<()> {
+    let written = data.angles.clone()?;
+    for row in 0..data.len() {
+        let rotation = conventions::rotation(meant, written.by_axis, written.numbers[row]);
+        for observation in data.of_row(row) {
+            if data.series_of(observation).kind == POSE {
+                data.observed.values_mut(observation)[3..12].copy_from_slice(rotation.matrix().as_slice());
+            }
+        }
+    }
+    Some(())
+}
+
+/// An angle as people write it: `90°`, `-37.21°`.
+fn in_degrees(angle: f64) -> String {
+    let degrees = (angle.to_degrees() * 100.0).round() / 100.0;
+    format!("{degrees}°")
+}
+
+/// The unit in which angles are that were read as another one.
+fn angle_unit(factor: f64) -> Option<&'static str> {
+    (factor != 1.0).then_some(if factor > 1.0 { "rad" } else { "deg" })
+}
+
+/// The unit in which lengths are that were read as another one.
+fn length_unit(factor: f64) -> Option<&'static str> {
+    let known = LENGTH_FACTORS.iter().find(|(known, _)| *known == factor);
+    known.map(|(_, unit)| *unit)
+}
+
+/// What lengths are multiplied by that are in this unit and were read as mm, m or in.
+const LENGTH_FACTORS: [(f64, &str); 6] =
+    [(1e3, "m"), (1e-3, "mm"), (25.4, "in"), (0.0254, "in"), (1.0 / 25.4, "mm"), (1.0 / 0.0254, "m")];
+
 /// Whether the first three values of an observation are a place.
 fn places(kind: ObservationKind) -> bool {
     kind == POSE || kind == POSITION
@@ -229,6 +366,11 @@ pub(super) fn likely(chain: &Chain, data: &Measurements, other_chains: &[Chain])
     if data.scene.series.iter().any(|series| series.kind == POSE) {
         use QuaternionSlip::{Inverse, ScalarFirst, ScalarFirstInverse};
         all.extend([ScalarFirst, Inverse, ScalarFirstInverse].map(Mistake::Quaternion));
+    }
+    let factors = || std::iter::once(1.0).chain(LENGTH_FACTORS.map(|(factor, _)| factor));
+    for angles in [1.0, 180.0 / PI, PI / 180.0] {
+        let other = factors().filter(|lengths| *lengths != 1.0 || angles != 1.0);
+        all.extend(other.map(|lengths| Mistake::Units { lengths, angles }));
     }
     all.extend(STEPS.map(Mistake::OutOfStep));
     all.extend(pairs.iter().map(|&(a, b)| Mistake::Sense(vec![name(a), name(b)])));

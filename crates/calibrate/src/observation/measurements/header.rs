@@ -5,6 +5,10 @@ use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use crate::observation::board::Sight;
 use crate::observation::kinds::{KINDS, ObservationKind, PIXEL};
 use denavit_model::{Coordinate, Quantity, Tips};
+use std::collections::HashSet;
+
+/// The corners of a large board and all that is recorded beside them are a few thousand columns.
+pub(super) const MOST_COLUMNS: usize = 10_000;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,11 +132,15 @@ pub(super) fn naming(names: &[String]) -> Result<Vec<MeasurementError>, Vec<Meas
             }
         }
     }
+    if names.len() > MOST_COLUMNS {
+        return Err(vec![MeasurementError::TooManyColumns { found: names.len(), most: MOST_COLUMNS }]);
+    }
     let mut problems = Vec::new();
+    let mut known: HashSet<&str> = HashSet::with_capacity(names.len());
     for (index, name) in names.iter().enumerate() {
         if name.is_empty() {
             problems.push(MeasurementError::NamelessColumn(index + 1));
-        } else if names[..index].contains(name) {
+        } else if !known.insert(name) {
             problems.push(MeasurementError::DuplicateColumn(name.clone()));
         }
     }

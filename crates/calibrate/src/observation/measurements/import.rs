@@ -14,7 +14,7 @@ mod outline;
 mod programs;
 mod sheet;
 
-pub use euler::{EulerError, EulerOrder};
+pub use euler::{AngleConvention, EulerError, EulerOrder, WrittenAngles};
 pub use map::{Map, MapError, quaternion_order};
 pub use outline::{FileColumn, outline};
 pub use programs::{JointList, ProgramError, joints};
@@ -39,6 +39,17 @@ pub enum ImportProblem {
     /// A workbook that cannot be read.
     #[error("this Excel workbook cannot be read: {0}; save it anew as .xlsx, or as CSV")]
     Workbook(String),
+    /// More columns than any measurement has.
+    #[error(
+        "the line has {found} columns, and no more than {most} are read; is the file written with rows and columns exchanged, or are the \
+         columns separated by something else?"
+    )]
+    Columns {
+        /// How many.
+        found: usize,
+        /// The limit.
+        most: usize,
+    },
     /// A column that is not there.
     #[error("there is no column \"{column}\" (for {wanted}); the file has {known}")]
     NoColumn {
@@ -131,6 +142,8 @@ pub(super) struct Imported {
     pub taken: Vec<String>,
     /// Names of the contract and the columns that they were read from.
     pub sources: Vec<(String, String)>,
+    /// Angles of an orientation as they are written, row by row.
+    pub angles: Option<WrittenAngles>,
 }
 
 /// What a column of the contract counts.
@@ -139,6 +152,9 @@ enum Counts {
     Length,
     Angle,
     Time,
+    /// °C
+    Temperature,
+    Mass,
     Plain,
 }
 
@@ -153,27 +169,34 @@ struct Output {
 /// Three or four columns of an orientation.
 enum Orientation {
     None,
-    Euler(EulerOrder, [Output; 3]),
+    /// The columns in the order of the turns, and the place in that order of each in the file's order.
+    Euler(EulerOrder, [Output; 3], [usize; 3]),
     Vector([Output; 3]),
     Quaternion([Output; 4]),
 }
 
 /// m per unit.
-const LENGTHS: [(&str, f64); 11] = [
+const LENGTHS: [(&str, f64); 17] = [
     ("m", 1.0),
     ("meters", 1.0),
     ("metres", 1.0),
+    ("dm", 0.1),
+    ("cm", 0.01),
     ("mm", 1e-3),
     ("millimeters", 1e-3),
     ("millimetres", 1e-3),
     ("um", 1e-6),
     ("µm", 1e-6),
+    ("μm", 1e-6),
     ("in", 0.0254),
     ("inch", 0.0254),
     ("inches", 0.0254),
+    ("mil", 2.54e-5),
+    ("ft", 0.3048),
+    ("km", 1e3),
 ];
 /// rad per unit.
-const ANGLES: [(&str, f64); 7] = [
+const ANGLES: [(&str, f64); 11] = [
     ("rad", 1.0),
     ("radians", 1.0),
     ("mrad", 1e-3),
@@ -181,10 +204,18 @@ const ANGLES: [(&str, f64); 7] = [
     ("°", PI / 180.0),
     ("degree", PI / 180.0),
     ("degrees", PI / 180.0),
+    ("arcmin", PI / 10_800.0),
+    ("arcsec", PI / 648_000.0),
+    ("grad", PI / 200.0),
+    ("rev", 2.0 * PI),
 ];
 /// s per unit.
 const TIMES: [(&str, f64); 6] =
     [("s", 1.0), ("sec", 1.0), ("seconds", 1.0), ("ms", 1e-3), ("min", 60.0), ("h", 3600.0)];
+/// °C per unit: what counts from another zero is refused.
+const TEMPERATURES: [(&str, f64); 4] = [("°c", 1.0), ("c", 1.0), ("degc", 1.0), ("celsius", 1.0)];
+/// kg per unit.
+const MASSES: [(&str, f64); 3] = [("kg", 1.0), ("g", 1e-3), ("lb", 0.453_592_37)];
 
 /// Names that say nothing of their own but stand for three angles, with the axis of each.
 const ANGLE_COLUMNS: [([&str; 3], Option<[usize; 3]>); 7] = [
@@ -212,7 +243,7 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
     let asked = ImportOptions { sight: None, ..options.clone() } != ImportOptions::default();
     let untouched = || {
         let (text, _) = grid::decoded(bytes);
-        Imported { text, converted: false, taken: Vec::new(), sources: Vec::new() }
+        Imported { text, converted: false, taken: Vec::new(), sources: Vec::new(), angles: None }
     };
     let cells = match grid::read(bytes, &|name| names_a_joint(name, chain)) {
         Ok(cells) => cells,
@@ -237,7 +268,7 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
         return Ok(untouched());
     }
     let orientation = work.orientation(options)?;
-    work.written(outputs, &orientation, options.joints.as_ref())
+    work.written(outputs, &orientation, options.joints.as_ref(), options.map.is_none())
 }
 
 /// A map to start from.
@@ -318,6 +349,11 @@ impl Work<'_> {
         let target = place.strip_prefix(['x', 'y', 'z']).is_some_and(|rest| rest.chars().all(|c| c.is_ascii_digit()));
         match name {
             "time" => Counts::Time,
+            "temperature" => Counts::Temperature,
+            "payload" => Counts::Mass,
+            _ if name.strip_suffix(".temperature").is_some_and(|joint| coordinates.iter().any(|c| c.name == joint)) => {
+                Counts::Temperature
+            }
             "distance" | "std" | "distance.std" => Counts::Length,
             "roll" | "pitch" | "yaw" => Counts::Angle,
             _ if target => Counts::Length,
@@ -328,14 +364,18 @@ impl Work<'_> {
     /// What a number of a column is multiplied by to be in m, rad, s.
     fn factor(&self, column: &str, unit: Option<&str>, counts: Counts) -> Result<f64, Fault> {
         let (quantity, words, known, default) = match counts {
-            Counts::Length => ("lengths", &LENGTHS[..], "m, mm, um, in", self.units.length),
-            Counts::Angle => ("angles", &ANGLES[..], "rad, mrad, deg", self.units.angle),
+            Counts::Length => ("lengths", &LENGTHS[..], "m, dm, cm, mm, um, in, mil, ft", self.units.length),
+            Counts::Angle => ("angles", &ANGLES[..], "rad, mrad, deg, arcmin, arcsec, grad, rev", self.units.angle),
             Counts::Time => ("times", &TIMES[..], "s, ms, min, h", 1.0),
+            Counts::Temperature => ("temperatures", &TEMPERATURES[..], "°C", 1.0),
+            Counts::Mass => ("masses", &MASSES[..], "kg, g, lb", 1.0),
             Counts::Plain => return Ok(1.0),
         };
         let Some(unit) = unit else { return Ok(default) };
         let word = unit.to_lowercase();
-        words.iter().find(|(known, _)| *known == word).map(|(_, factor)| *factor).ok_or_else(|| {
+        // A velocity by its quantity: deg/s.
+        let word = if column.to_lowercase().contains("velocity") { word.trim_end_matches("/s") } else { &word };
+        words.iter().find(|(known, _)| known == &word).map(|(_, factor)| *factor).ok_or_else(|| {
             let (column, unit) = (column.into(), unit.into());
             self.in_header(ImportProblem::Unit { column, unit, quantity, known })
         })
@@ -442,7 +482,7 @@ impl Work<'_> {
     fn orientation(&self, options: &ImportOptions) -> Result<Orientation, Fault> {
         if let Some(map) = &options.map {
             if let Some((order, columns)) = &map.euler {
-                return Ok(Orientation::Euler(*order, self.three(columns, Counts::Angle)?));
+                return Ok(Orientation::Euler(*order, self.three(columns, Counts::Angle)?, [0, 1, 2]));
             }
             if let Some(columns) = &map.rotation_vector {
                 return Ok(Orientation::Vector(self.three(columns, Counts::Angle)?));
@@ -486,15 +526,12 @@ impl Work<'_> {
         };
         let Some(order) = options.euler else { return Ok(Orientation::Vector(self.three(&columns, Counts::Angle)?)) };
         // Columns that name their axis go where the order has that axis.
-        let places = axes.and_then(|axes| {
-            let [a, b, c] = axes.map(|axis| order.place_of(axis));
-            Some([a?, b?, c?])
-        });
+        let places = axes.map_or([0, 1, 2], |_| order.places());
         let mut sorted = columns.clone();
-        for (column, place) in columns.iter().zip(places.unwrap_or([0, 1, 2])) {
+        for (column, place) in columns.iter().zip(places) {
             sorted[place].clone_from(column);
         }
-        Ok(Orientation::Euler(order, self.three(&sorted, Counts::Angle)?))
+        Ok(Orientation::Euler(order, self.three(&sorted, Counts::Angle)?, places))
     }
 
     fn value(&self, output: &Output, line: usize, cells: &[String]) -> Result<Option<f64>, Fault> {
@@ -530,7 +567,7 @@ impl Work<'_> {
         };
         let rotation = match orientation {
             Orientation::None => return Ok(None),
-            Orientation::Euler(order, angles) => order.rotation(three(angles)?),
+            Orientation::Euler(order, angles, _) => order.rotation(three(angles)?),
             Orientation::Vector(vector) => Rotation3::from_scaled_axis(Vector3::from(three(vector)?)),
             Orientation::Quaternion([x, y, z, w]) => {
                 let value = |output: &Output| self.required(output, line, cells);
@@ -546,6 +583,20 @@ impl Work<'_> {
         Ok(Some([q.i, q.j, q.k, q.w]))
     }
 
+    /// Three numbers of an orientation in the file's order, rad; not numbers where it has none.
+    fn as_written(&self, orientation: &Orientation, line: usize, cells: &[String]) -> Result<[f64; 3], Fault> {
+        let (columns, places) = match orientation {
+            Orientation::Euler(_, columns, places) => (columns, *places),
+            Orientation::Vector(columns) => (columns, [0, 1, 2]),
+            Orientation::None | Orientation::Quaternion(_) => return Ok([f64::NAN; 3]),
+        };
+        let mut numbers = [f64::NAN; 3];
+        for (number, place) in numbers.iter_mut().zip(places) {
+            *number = self.required(&columns[place], line, cells)?;
+        }
+        Ok(numbers)
+    }
+
     fn said(&mut self, outputs: &[Output], orientation: &Orientation) {
         for output in outputs {
             let factors: Vec<String> =
@@ -556,6 +607,8 @@ impl Work<'_> {
                 Counts::Length => format!(", × {} m", factors[0]),
                 Counts::Angle => format!(", × {} rad", factors[0]),
                 Counts::Time => format!(", × {} s", factors[0]),
+                Counts::Temperature => format!(", × {} °C", factors[0]),
+                Counts::Mass => format!(", × {} kg", factors[0]),
             };
             if output.source != output.name || !unit.is_empty() {
                 self.taken.push(format!("\"{}\" taken for {}{unit}", output.source, output.name));
@@ -565,7 +618,7 @@ impl Work<'_> {
             |outputs: &[Output]| outputs.iter().map(|output| output.source.as_str()).collect::<Vec<_>>().join(", ");
         match orientation {
             Orientation::None => {}
-            Orientation::Euler(order, columns) => {
+            Orientation::Euler(order, columns, _) => {
                 let letters = format!("{order}");
                 self.taken.push(format!("\"{}\" taken for the angles of {letters}, in this order", names(columns)));
             }
@@ -584,10 +637,11 @@ impl Work<'_> {
         mut outputs: Vec<Output>,
         orientation: &Orientation,
         joints: Option<&JointList>,
+        by_axis: bool,
     ) -> Result<Imported, Fault> {
         let turning: Vec<usize> = match orientation {
             Orientation::None => Vec::new(),
-            Orientation::Euler(_, columns) | Orientation::Vector(columns) => {
+            Orientation::Euler(_, columns, _) | Orientation::Vector(columns) => {
                 columns.iter().map(|c| c.parts[0].0).collect()
             }
             Orientation::Quaternion(columns) => columns.iter().map(|c| c.parts[0].0).collect(),
@@ -619,6 +673,12 @@ impl Work<'_> {
         if !matches!(orientation, Orientation::None) {
             header.extend(["qx", "qy", "qz", "qw"].map(String::from));
         }
+        let read_as = match orientation {
+            Orientation::Euler(order, ..) => Some(AngleConvention::Euler(*order)),
+            Orientation::Vector(_) => Some(AngleConvention::RotationVector),
+            Orientation::None | Orientation::Quaternion(_) => None,
+        };
+        let mut angles = read_as.map(|read_as| WrittenAngles { read_as, by_axis, numbers: Vec::new() });
         let first = self.grid.rows.first().map_or(1, |row| row.0);
         lines.push((self.grid.header_line.clamp(1, first.saturating_sub(1).max(1)), header));
         for (row, (line, cells)) in self.grid.rows.iter().enumerate() {
@@ -651,10 +711,13 @@ impl Work<'_> {
             if let Some(quaternion) = self.quaternion(orientation, *line, cells)? {
                 written.extend(quaternion.iter().map(f64::to_string));
             }
+            if let Some(angles) = &mut angles {
+                angles.numbers.push(self.as_written(orientation, *line, cells)?);
+            }
             lines.push((*line, written));
         }
         let sources = outputs.into_iter().map(|output| (output.name, output.source)).collect();
-        Ok(Imported { text: placed(&lines), converted: true, taken: self.taken, sources })
+        Ok(Imported { text: placed(&lines), converted: true, taken: self.taken, sources, angles })
     }
 }
 

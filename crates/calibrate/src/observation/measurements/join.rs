@@ -20,6 +20,13 @@ impl Measurements {
         let mut all = parts.next()?;
         for part in parts {
             all.source = format!("{}, {}", all.source, part.source);
+            all.angles = match (all.angles.take(), part.angles.as_ref()) {
+                (Some(mut own), Some(other)) if (own.read_as, own.by_axis) == (other.read_as, other.by_axis) => {
+                    own.numbers.extend_from_slice(&other.numbers);
+                    Some(own)
+                }
+                _ => None,
+            };
             let series: Vec<usize> =
                 part.scene.series.iter().map(|series| all.scene.adopt(&part.scene, series)).collect();
             for row in 0..part.len() {

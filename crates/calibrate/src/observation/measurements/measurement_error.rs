@@ -134,7 +134,9 @@ pub enum MeasurementError {
         joints: String,
     },
     /// A standard deviation that is none.
-    #[error("column \"{column}\": {value} is no standard deviation; write a positive number")]
+    #[error(
+        "column \"{column}\": {value} is no standard deviation; write a positive number in the file's unit of length"
+    )]
     NotADeviation {
         /// The column.
         column: String,
@@ -205,6 +207,25 @@ pub enum MeasurementError {
         text: String,
         /// What to do.
         mend: &'static str,
+    },
+    /// A number that no robot and no instrument has.
+    #[error("column \"{column}\": {text} is larger than anything that is measured; correct the cell or remove the row")]
+    TooLarge {
+        /// The column.
+        column: String,
+        /// The cell.
+        text: String,
+    },
+    /// More columns than any measurement has.
+    #[error(
+        "the header names {found} columns, and no more than {most} are read; is the file written with rows and columns exchanged, or \
+         is its first line no header?"
+    )]
+    TooManyColumns {
+        /// How many.
+        found: usize,
+        /// The limit.
+        most: usize,
     },
     /// An empty cell where a number must be.
     #[error("column \"{column}\" is empty; every row needs this value: fill it in or remove the row")]

@@ -5,6 +5,9 @@ use super::Measurements;
 /// Readings nearer than this are one posture, rad or m: far below what a controller repeats.
 const SAME_POSTURE: f64 = 1e-6;
 
+/// Readings nearer than this are one posture measured again, rad or m: what encoders show of a pose that is held or taken again.
+const TAKEN_AGAIN: f64 = 5e-4;
+
 /// Indices of rows, those of one posture together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Postures {
@@ -56,5 +59,54 @@ impl Measurements {
         let last = |at: &usize| rows.get(at + 1).is_none_or(|next| order(rows[*at], *next, 0).is_some());
         let ends = (0..rows.len()).filter(last).map(|at| at + 1).collect();
         Postures { rows, ends }
+    }
+
+    /// For each row the first row that took the same posture: readings that agree to half a milliradian and half a millimetre.
+    ///
+    /// Rows of one posture share what the model misses there, so they are never split between rows that are fitted and rows that judge.
+    pub fn first_of_posture(&self) -> Vec<usize> {
+        let joints = self.joints.len();
+        let mut first: Vec<usize> = (0..self.len()).collect();
+        let range = |joint: &usize| {
+            let values = (0..self.len()).map(|row| self.reading(row)[*joint]);
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            high - low
+        };
+        // Along the joint that moves most few rows are neighbours.
+        let Some(along) = (0..joints).max_by(|a, b| range(a).total_cmp(&range(b))) else { return first };
+        let at = |row: usize| self.reading(row)[along];
+        let mut order = first.clone();
+        order.sort_by(|a, b| at(*a).total_cmp(&at(*b)).then(a.cmp(b)));
+        let mut leaders: Vec<usize> = Vec::new();
+        let mut led_by = vec![0; self.len()];
+        for &row in &order {
+            let near = |leader: &usize| {
+                self.tip_of(*leader) == self.tip_of(row)
+                    && self.reading(*leader).iter().zip(self.reading(row)).all(|(a, b)| (a - b).abs() <= TAKEN_AGAIN)
+            };
+            let within = leaders.iter().rev().take_while(|leader| at(row) - at(**leader) <= TAKEN_AGAIN);
+            led_by[row] = within.copied().find(near).unwrap_or(row);
+            if led_by[row] == row {
+                leaders.push(row);
+            }
+        }
+        // The leader is the lowest along that joint; the first is the one that was taken first.
+        for row in (0..self.len()).rev() {
+            first[led_by[row]] = row;
+        }
+        led_by.into_iter().map(|leader| first[leader]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::observation::measurements::{Units, read};
+    use denavit_model::examples;
+
+    #[test]
+    fn rows_of_one_posture_are_known_by_the_first_of_them() {
+        let text = "joint_1,joint_2,x,y,z\n1.0001,2,0,0,0\n1,2,0,0,1\n1,2.1,0,0,0\n0.9999,2,0,0,2\n1,2.1001,0,0,3\n1.01,2,0,0,0\n";
+        let data = read("d.csv", text.as_bytes(), &examples::planar_arm(), Units::default()).unwrap().data;
+        assert_eq!(data.first_of_posture(), [0, 0, 2, 0, 2, 5]);
     }
 }

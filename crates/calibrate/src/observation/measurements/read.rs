@@ -23,6 +23,13 @@ use std::sync::Arc;
 const MOST_PROBLEMS: usize = 10;
 /// So much of a file shows what form it has; one that is larger, and in the contract's form, is read row by row.
 const HEAD: u64 = 1 << 18;
+/// No number of a joint or of an instrument is written larger than this: a thousand kilometres in micrometres. Squares of larger
+/// ones leave the range of numbers.
+const LARGEST_WRITTEN: f64 = 1e12;
+/// No recorded number is larger: the time since 1970 in nanoseconds has 19 digits.
+const LARGEST_RECORDED: f64 = 1e20;
+/// No instrument is surer than this, m.
+const LEAST_DEVIATION: f64 = 1e-12;
 
 /// A measurement file's content and what a user must know of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,9 +137,10 @@ pub fn read_export(
         return read_contract(source, head.chain(input), chain, units, options);
     }
     let whole = head.chain(input);
-    let Imported { text, converted, taken, sources } = in_our_form(source, whole, chain, units, options)?;
+    let Imported { text, converted, taken, sources, angles } = in_our_form(source, whole, chain, units, options)?;
     let units = if converted { Units::default() } else { units };
     let mut loaded = read_contract(source, text.as_bytes(), chain, units, options)?;
+    loaded.data.angles = angles.filter(|angles| angles.numbers.len() == loaded.data.len());
     loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
     for column in &mut loaded.columns {
         if let Some((_, own)) = sources.iter().find(|(name, _)| *name == column.column) {
@@ -356,6 +364,8 @@ struct OtherColumn {
     texts: Vec<String>,
     /// The first cell that is not a number: row index, line, text.
     first_text: Option<(usize, u64, String)>,
+    /// The first number that is larger than any that is recorded: line, text.
+    beyond: Option<(u64, String)>,
     must_be_numeric: bool,
 }
 
@@ -399,6 +409,7 @@ impl<'a> Table<'a> {
                 numbers: Vec::new(),
                 texts: Vec::new(),
                 first_text: tells_apart(name).then(|| (0, 0, String::new())),
+                beyond: None,
                 must_be_numeric: KNOWN_COVARIATES.contains(&name.as_str())
                     || name.rsplit_once('.').is_some_and(|(joint, _)| coordinates.iter().any(|c| c.name == joint)),
             })
@@ -479,7 +490,7 @@ impl<'a> Table<'a> {
                 Role::Joint(index) => reading[index] = value,
                 Role::Value(group, column) => cells[group][column] = Some(value),
                 Role::Spread(of) => {
-                    if value <= 0.0 && !cell.is_empty() {
+                    if value < LEAST_DEVIATION && !cell.is_empty() {
                         problems.add(line, MeasurementError::NotADeviation { column: name.clone(), value });
                     }
                     match of {
@@ -720,6 +731,9 @@ impl OtherColumn {
         if self.first_text.is_none() {
             match cell.parse::<f64>() {
                 Ok(value) if value.is_finite() => {
+                    if value.abs() > LARGEST_RECORDED {
+                        self.beyond.get_or_insert_with(|| (line, cell.into()));
+                    }
                     self.numbers.push(value * self.factor);
                     return;
                 }
@@ -735,6 +749,10 @@ impl OtherColumn {
 
     fn finish(self, data: &mut Measurements, problems: &mut Problems<'_>) {
         let Some((row, line, text)) = self.first_text else {
+            if let Some((line, text)) = self.beyond {
+                problems.add(line, MeasurementError::TooLarge { column: self.name, text });
+                return;
+            }
             let side = |value: &f64| *value == 0.0 || value.abs() == 1.0;
             let odd = self.name.ends_with(".approach").then(|| self.numbers.iter().position(|value| !side(value)));
             if let Some(row) = odd.flatten() {
@@ -761,7 +779,8 @@ pub(super) fn number(column: &str, cell: &str) -> Result<f64, MeasurementError> 
         return Err(MeasurementError::Empty { column: column.into() });
     }
     match cell.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) if value.abs() <= LARGEST_WRITTEN => Ok(value),
+        Ok(value) if value.is_finite() => Err(MeasurementError::TooLarge { column: column.into(), text: cell.into() }),
         Ok(_) => Err(MeasurementError::NotFinite {
             column: column.into(),
             text: cell.into(),

@@ -489,7 +489,11 @@ impl Round {
             rows: &linear.rows,
             weights: &linear.weights,
         };
-        let parts = by_part(&columns, &state.waves, &state.readings, parts, &in_stretches(data.len(), parts));
+        // What repeats a posture is of the part of the first row that took it.
+        let stands = if parts > 1 { data.first_of_posture() } else { Vec::new() };
+        let stretches = in_stretches(data.len(), parts);
+        let part_of = |row: usize| stretches(stands[row]);
+        let parts = by_part(&columns, &state.waves, &state.readings, parts, &part_of);
         let gram = Gram::weighted(&parts, &vec![1.0; parts.len()]);
         let waves = state.waves.clone();
         let log_units = log_units(&linear, &fit.noise);

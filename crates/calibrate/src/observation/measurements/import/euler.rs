@@ -61,6 +61,62 @@ impl EulerOrder {
     }
 }
 
+/// What three numbers of an orientation mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AngleConvention {
+    /// Angles of three turns.
+    Euler(EulerOrder),
+    /// Axis times angle.
+    RotationVector,
+}
+
+/// Three numbers of an orientation per row as the file writes them, kept so that another convention can be tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrittenAngles {
+    /// The convention that they were read in.
+    pub read_as: AngleConvention,
+    /// Whether a name of a column says which axis it is about, so that an order of turns takes it by its axis and not by its place.
+    pub by_axis: bool,
+    /// rad, in the file's order; not finite where a row has none.
+    pub numbers: Vec<[f64; 3]>,
+}
+
+impl AngleConvention {
+    /// Every one: the rotation vector, and all 24 orders.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let axes = || (0..3usize).flat_map(|a| (0..3).flat_map(move |b| (0..3).map(move |c| [a, b, c])));
+        let orders = [true, false].into_iter().flat_map(move |intrinsic| {
+            axes().filter(|[a, b, c]| a != b && b != c).map(move |axes| Self::Euler(EulerOrder { axes, intrinsic }))
+        });
+        std::iter::once(Self::RotationVector).chain(orders)
+    }
+
+    /// The rotation of three numbers, rad, in the file's order.
+    pub fn rotation(self, numbers: [f64; 3], by_axis: bool) -> Rotation3<f64> {
+        match self {
+            Self::RotationVector => Rotation3::from_scaled_axis(Vector3::from(numbers)),
+            Self::Euler(order) => {
+                let places = if by_axis { order.places() } else { [0, 1, 2] };
+                let mut sorted = numbers;
+                for (number, place) in numbers.iter().zip(places) {
+                    sorted[place] = *number;
+                }
+                order.rotation(sorted)
+            }
+        }
+    }
+}
+
+impl EulerOrder {
+    /// Where in the order the turns about x, y, z are; as they stand where an axis is turned about twice.
+    pub(super) fn places(self) -> [usize; 3] {
+        match [0, 1, 2].map(|axis| self.place_of(axis)) {
+            [Some(x), Some(y), Some(z)] => [x, y, z],
+            _ => [0, 1, 2],
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! Bytes of a text file or a spreadsheet as rows of cells under a header, with the line of each.
 
+use super::super::header::MOST_COLUMNS;
 use super::{Fault, ImportProblem, sheet};
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
@@ -51,6 +52,8 @@ const UNITS: [&str; 22] = [
     "",
     "1",
 ];
+/// So much is shown of a line that is not read.
+const LETTERS_SHOWN: usize = 60;
 /// A file starts with no more lines of other things than this.
 const MOST_LINES_ABOVE: usize = 200;
 
@@ -163,8 +166,10 @@ fn laid_out(mut lines: Vec<(usize, Vec<String>)>, is_joint: &dyn Fn(&str) -> boo
     if let Some(header) = named {
         let mut rows = lines.split_off(header + 1);
         let Some((header_line, names)) = lines.pop() else { return Err(no_rows()) };
+        few_enough(header_line, names.len())?;
         let mut grid =
             Grid { plain: header == 0, header_line, units: vec![None; names.len()], names, ..Grid::default() };
+        grid.not_read(&lines);
         if rows.first().is_some_and(|(_, cells)| is_units(cells)) {
             let (line, cells) = rows.remove(0);
             grid.take_units(line, &cells);
@@ -180,6 +185,7 @@ fn laid_out(mut lines: Vec<(usize, Vec<String>)>, is_joint: &dyn Fn(&str) -> boo
     let first = lines.iter().take(MOST_LINES_ABOVE).position(|(_, cells)| is_data(cells)).ok_or_else(no_rows)?;
     let rows = lines.split_off(first);
     let width = rows.first().map_or(0, |(_, cells)| cells.len());
+    few_enough(rows.first().map_or(0, |(line, _)| *line), width)?;
     let mut above = lines;
     let mut grid = Grid { plain: first == 1, units: vec![None; width], rows, ..Grid::default() };
     let units =
@@ -199,7 +205,9 @@ fn laid_out(mut lines: Vec<(usize, Vec<String>)>, is_joint: &dyn Fn(&str) -> boo
         grid.header_line = line;
         grid.names = names;
         grid.names.resize(width.max(grid.names.len()), String::new());
-        grid.names_from_above(&above);
+        let used = grid.names_from_above(&above);
+        above.retain(|(line, _)| !used.contains(line));
+        grid.not_read(&above);
     } else {
         grid.plain = false;
         grid.names = (1..=width).map(|k| format!("column {k}")).collect();
@@ -210,6 +218,11 @@ fn laid_out(mut lines: Vec<(usize, Vec<String>)>, is_joint: &dyn Fn(&str) -> boo
         grid.take_units(line, &cells);
     }
     Ok(grid)
+}
+
+fn few_enough(line: usize, columns: usize) -> Result<(), Fault> {
+    let problem = ImportProblem::Columns { found: columns, most: MOST_COLUMNS };
+    if columns > MOST_COLUMNS { Err(Fault { line, problem }) } else { Ok(()) }
 }
 
 fn no_rows() -> Fault {
@@ -235,12 +248,14 @@ impl Grid {
     }
 
     /// Where names repeat (X, Y, Z for each body), those of the lines above go before them: Motive, Vicon.
-    fn names_from_above(&mut self, above: &[(usize, Vec<String>)]) {
+    /// Returns the lines that were used.
+    fn names_from_above(&mut self, above: &[(usize, Vec<String>)]) -> Vec<usize> {
+        let mut used = Vec::new();
         let repeats =
             |names: &[String]| (0..names.len()).any(|k| !names[k].is_empty() && names[..k].contains(&names[k]));
         for (line, cells) in above.iter().rev() {
             if !repeats(&self.names) {
-                return;
+                return used;
             }
             let filled = cells.iter().filter(|cell| !cell.is_empty()).count();
             let identifiers =
@@ -260,7 +275,23 @@ impl Grid {
             }
             self.plain = false;
             self.notes.push(format!("names of line {line} stand before those of line {}", self.header_line));
+            used.push(*line);
         }
+        used
+    }
+
+    /// Says which lines above the header are not read.
+    fn not_read(&mut self, above: &[(usize, Vec<String>)]) {
+        let Some((first, cells)) = above.first() else { return };
+        let text = cells.iter().filter(|cell| !cell.is_empty()).map(String::as_str).collect::<Vec<_>>().join(" ");
+        let cut: String = text.chars().take(LETTERS_SHOWN).collect();
+        let more = if cut.len() < text.len() { " …" } else { "" };
+        let lines = match above {
+            [_] => format!("line {first}"),
+            [.., (last, _)] => format!("lines {first} to {last}"),
+            [] => return,
+        };
+        self.notes.push(format!("{lines} above the header not read: \"{cut}{more}\""));
     }
 
     /// Index of a column by its exact name, else by its name without case, else by its place: `column 7`.
