@@ -6,6 +6,7 @@ mod ik;
 mod json;
 mod large;
 mod library;
+mod measured_data;
 mod numbers;
 #[cfg(unix)]
 mod outputs;

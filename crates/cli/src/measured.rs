@@ -156,10 +156,10 @@ pub fn mention(notes: &[String]) {
 }
 
 /// Reads a list of poses.
-pub fn pose_list(file: &str, chain: &Chain, written: &str) -> Result<Poses, Failure> {
+pub fn pose_list(file: &str, chain: &Chain, written: &str, import: &ImportArguments) -> Result<Poses, Failure> {
     let units = units(written)?;
     let (name, bytes) = source::read_bytes(file)?;
-    Ok(poses::read(&name, &bytes[..], chain, units)?)
+    Ok(poses::read_export(&name, &bytes[..], chain, units, &import_options(import)?)?)
 }
 
 /// Reads joint values.

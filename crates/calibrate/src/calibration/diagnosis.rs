@@ -27,6 +27,7 @@ use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::NoEffects;
 use denavit_model::Chain;
+use denavit_model::nalgebra::Vector3;
 use thiserror::Error;
 
 /// The geometric fit must become so many times better for a mistake to be named.
@@ -43,6 +44,8 @@ const CERTAIN_FROM: usize = 12;
 /// Of mistakes that fit equally well the simplest is taken; one that fits worse by no more than this leaves it uncertain.
 const ALIKE: f64 = 1.02;
 const RIVAL: f64 = 2.0;
+/// Positions must spread over this share of the robot's size before two zeros are looked for.
+const VARIED: f64 = 0.1;
 /// Mistakes that a second one is looked for beside.
 const BEAM: usize = 6;
 /// Below this share of the robot's size (or rad) a misfit is an effect or a rough robot, and no mistake is tried.
@@ -367,7 +370,9 @@ fn mistaken(
     if !bad {
         return None;
     }
-    let mut pairs = try_all(&[], zeros_of(chain, data, &few, true));
+    // Where little moves, two zeros imitate many another robot.
+    let varied = spread_of_positions(data) > VARIED * chain.size();
+    let mut pairs = if varied { try_all(&[], zeros_of(chain, data, &few, true)) } else { Vec::new() };
     let mut beam = singles;
     beam.sort_by(|a, b| a.score.total_cmp(&b.score));
     for first in beam.into_iter().take(BEAM) {
@@ -392,6 +397,15 @@ fn mistaken(
         pairs.extend(try_all(&first.mistakes, more.into_iter().filter(apart).collect()));
     }
     search.confirmed(pairs, before)
+}
+
+/// Spread of the measured positions about their mean, m; infinite where other things are measured.
+fn spread_of_positions(data: &Measurements) -> f64 {
+    let all = (0..data.observations()).filter_map(|at| data.series_of(at).kind.position(data.observed.values(at)));
+    let places: Vec<Vector3<f64>> = all.collect();
+    let mean = places.iter().sum::<Vector3<f64>>() / places.len().max(1) as f64;
+    let squares: f64 = places.iter().map(|place| (place - mean).norm_squared()).sum();
+    if places.is_empty() { f64::INFINITY } else { (squares / places.len() as f64).sqrt() }
 }
 
 /// Zeros as mistakes.

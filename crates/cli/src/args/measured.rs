@@ -458,7 +458,7 @@ pub struct SimulateArguments {
 
 const COMPENSATE_EXAMPLES: &str = "\
 ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and \
-qx,qy,qz,qw or roll,pitch,yaw; or joint values, which stand for the pose that the nominal robot has there; with both, the \
+qx,qy,qz,qw or roll,pitch,yaw, or other angles as --euler and --rotation-vector say; or joint values, which stand for the pose that the nominal robot has there; with both, the \
 joint values are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of \
 approach are those of the row order unless given. The commands keep their poses' order. Rows that are out of reach or \
 outside of the limits are named, and the exit code is then 1. Fewer than six joints cannot correct every direction: place \
@@ -466,7 +466,8 @@ goes first, and --allowed-miss says what direction may be off.
 
 Examples:
   denavit compensate as_it_is.urdf --from arm.urdf --poses poses.csv -o commands.csv
-  denavit compensate as_it_is.urdf --effects effects.json --poses poses.csv --json";
+  denavit compensate as_it_is.urdf --effects effects.json --poses poses.csv --json
+  denavit compensate as_it_is.urdf --poses ur.csv --rotation-vector       columns x,y,z,rx,ry,rz of a UR";
 
 /// Arguments of `denavit compensate`.
 #[derive(Debug, Args)]
@@ -481,6 +482,9 @@ pub struct CompensateArguments {
     /// Units of the poses and of the commands: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
+    /// What the columns of the poses are.
+    #[command(flatten)]
+    pub import: ImportArguments,
     /// The robot as drawn, that the controller believes in [default: the one kept in the file of effects, else ROBOT]
     #[arg(long, value_name = "ROBOT")]
     pub from: Option<String>,

@@ -21,7 +21,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
         arguments.effects.as_deref(),
     ])?;
     let read = [Some(arguments.poses.as_str()), arguments.from.as_deref(), arguments.effects.as_deref()];
-    let inputs = arguments.robot.files().chain(read.into_iter().flatten());
+    let inputs = arguments.robot.files().chain(read.into_iter().flatten()).chain(arguments.import.files());
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
     let units = measured::units(&arguments.units)?;
     let (robot, from) = match &arguments.from {
@@ -41,7 +41,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
         measured::millimetres_and_milliradians("--allowed-miss", &arguments.allowed_miss, 0.001)?;
     let allowed = Allowed { position, orientation };
     let given = measured::given(&arguments.given)?;
-    let poses = measured::pose_list(&arguments.poses, calibrated, &arguments.units)?;
+    let poses = measured::pose_list(&arguments.poses, calibrated, &arguments.units, &arguments.import)?;
     if let Some(file) = &arguments.effects {
         let known = |name: &str| {
             recorded::told_by_order(name)

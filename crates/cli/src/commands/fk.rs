@@ -48,6 +48,7 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     };
     let rpy = se3::rpy_from_rotation(&pose.rotation);
     let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+    let quaternion_vector = quaternion.scaled_axis();
     let [x, y, z, w] = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
     output::remark(&noted.notes);
     let json = || Ok(denavit_load::json::fk(&noted, &q, &pose));
@@ -60,6 +61,8 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
         let _ = writeln!(text, "x y z            {}  {}", list(&xyz), units.length_word());
         let _ = writeln!(text, "roll pitch yaw   {}  {}", list(&rpy), units.angle_word());
         let _ = writeln!(text, "quaternion xyzw  {}", list(&quaternion));
+        let vector: Vec<String> = quaternion_vector.iter().map(|value| units.angle(*value)).collect();
+        let _ = writeln!(text, "rotation vector  {}  {}", list(&vector), units.angle_word());
         Ok(text)
     };
     delivery.deliver(text, json)?;
@@ -79,7 +82,11 @@ fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
         output::mention(format!("--q is outside of the limits of {}", outside.join(", ")));
     }
     let angles = || coordinates().filter(|(coordinate, _)| coordinate.quantity == Quantity::Angle);
-    let far = angles().any(|(_, value)| value.abs() > MOST_RADIANS);
+    let beyond = |coordinate: &Coordinate, value: f64| {
+        let (lower, upper) = coordinate.range();
+        coordinate.limits.range.is_some() && value.abs() > FAR_OUTSIDE * lower.abs().max(upper.abs())
+    };
+    let far = angles().any(|(coordinate, value)| value.abs() > MOST_RADIANS || beyond(coordinate, *value));
     let fits = angles().all(|(coordinate, value)| inside(coordinate, value.to_radians()));
     if far && fits && !degrees {
         output::mention("--q is read in radians, and looks like degrees; for degrees add --degrees");
@@ -88,6 +95,9 @@ fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
 
 /// More than two turns from zero, rad: nobody who thinks in radians writes such an angle.
 const MOST_RADIANS: f64 = 4.0 * std::f64::consts::PI;
+
+/// A value that is so many times the farther limit is not meant in radians.
+const FAR_OUTSIDE: f64 = 1.5;
 
 /// Where the tip is with the effects of a file.
 #[cfg(feature = "calibrate")]
@@ -104,10 +114,13 @@ fn with_effects(
     Ok(model.fk(chain, &Conditions { reading: q, recorded: recorded.row(0), tip: 0 }))
 }
 
-/// Joint values from `0.1,0.2` or `name=0.1,other=0.2` of a named option, rad and m.
+/// Joint values from `0.1,0.2`, `[0.1, 0.2]` or `name=0.1,other=0.2` of a named option, rad and m.
 pub fn joint_values(chain: &Chain, option: &str, written: &str, degrees: bool) -> Result<Vec<f64>, Failure> {
     let coordinates = chain.coordinates();
-    let words: Vec<&str> = written.split([',', ' ']).map(str::trim).filter(|word| !word.is_empty()).collect();
+    let list = written.trim();
+    let bare = |open, close| list.strip_prefix(open).and_then(|list| list.strip_suffix(close));
+    let list = bare('[', ']').or_else(|| bare('(', ')')).unwrap_or(list);
+    let words: Vec<&str> = list.split([',', ' ']).map(str::trim).filter(|word| !word.is_empty()).collect();
     let wrong = |message: String| Failure::Argument(format!("{option}: {message}"));
     let names = || coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
     let by_name = words.iter().any(|word| word.contains('='));

@@ -3,6 +3,7 @@
 use super::Measurements;
 use super::header::{Header, Role};
 use super::near_miss::{KNOWN_COVARIATES, OF_JOINTS};
+use denavit_model::{Inventory, Place};
 use serde::Serialize;
 
 /// A column and what it was taken for.
@@ -56,6 +57,27 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
         },
     };
     header.names.iter().zip(&header.roles).map(of).collect()
+}
+
+/// What became of the cells: of joints and of what was measured they are understood, others are carried as numbers or labels, and
+/// rows in which nothing was measured are reported.
+pub(super) fn inventory(header: &Header, data: &Measurements) -> Inventory {
+    let mut inventory = Inventory::default();
+    let place = |line: usize, element: &str| Place { file: data.source.clone(), line, element: element.into() };
+    for (name, role) in header.names.iter().zip(&header.roles) {
+        let has_meaning = KNOWN_COVARIATES.contains(&name.as_str())
+            || name.rsplit_once('.').is_some_and(|(joint, _)| data.joints.iter().any(|known| known == joint));
+        if *role != Role::Other || has_meaning {
+            inventory.understood += data.len();
+            continue;
+        }
+        let as_what = if data.covariate(name).is_some() { "recorded number" } else { "label" };
+        inventory.carry(place(1, as_what), format!("column \"{name}\""));
+    }
+    for row in (0..data.len()).filter(|&row| data.of_row(row).is_empty()) {
+        inventory.report(place(data.lines[row], "row"), "nothing was measured in it");
+    }
+    inventory
 }
 
 /// The same in a few lines, neighbours of one use together.

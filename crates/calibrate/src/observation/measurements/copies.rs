@@ -3,7 +3,6 @@
 
 use super::Measurements;
 use super::scene::label_of;
-use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Rows with fewer measured numbers may agree to the last digit by chance.
@@ -29,34 +28,37 @@ impl Measurements {
     /// Rows with one or two measured numbers agree by chance; they are copies where every other column agrees as well, and where
     /// either one of these numbers its rows or no posture shows two different values.
     pub fn copies(&self, before: Option<&Self>) -> Vec<usize> {
-        let mut known: HashMap<u64, Vec<(bool, usize)>> = HashMap::with_capacity(self.len());
         let by_chance = !self.repeats_tell();
         let hashed = |data: &Self, row: usize| {
             let mut hasher = DefaultHasher::new();
             data.said(row).hash(&mut hasher);
             hasher.finish()
         };
-        if let Some(before) = before {
-            for row in 0..before.len() {
-                known.entry(hashed(before, row)).or_default().push((true, row));
-            }
-        }
+        // Of rows of one hash those of `before` come first, then these in order.
+        let earlier =
+            before.into_iter().flat_map(|data| (0..data.len()).map(move |row| (hashed(data, row), false, row)));
+        let own = (0..self.len()).map(|row| (hashed(self, row), true, row));
+        let mut rows: Vec<(u64, bool, usize)> = earlier.chain(own).collect();
+        rows.sort_unstable();
         let mut copies = Vec::new();
-        for row in 0..self.len() {
-            let own = known.entry(hashed(self, row)).or_default();
-            let same = |(earlier, other): &(bool, usize)| {
-                let data = if *earlier { before.unwrap_or(self) } else { self };
-                self.said(row) == data.said(*other)
-                    && (self.numbers_in(row) >= NUMBERS_THAT_TELL
-                        || !by_chance
-                        || self.recorded_alike(row, data, *other))
-            };
-            if self.of_row(row).is_empty() || !own.iter().any(same) {
-                own.push((false, row));
-            } else {
-                copies.push(row);
+        for alike in rows.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
+            let mut kept: Vec<(&Self, usize)> = Vec::new();
+            for &(_, own, row) in alike {
+                let data = if own { self } else { before.unwrap_or(self) };
+                let same = |(other, at): &(&Self, usize)| {
+                    data.said(row) == other.said(*at)
+                        && (data.numbers_in(row) >= NUMBERS_THAT_TELL
+                            || !by_chance
+                            || data.recorded_alike(row, other, *at))
+                };
+                if own && !self.of_row(row).is_empty() && kept.iter().any(same) {
+                    copies.push(row);
+                } else {
+                    kept.push((data, row));
+                }
             }
         }
+        copies.sort_unstable();
         copies
     }
 
@@ -131,45 +133,4 @@ impl Measurements {
 /// What stands behind the last stroke: the label without the setup's name.
 fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::observation::measurements::{Units, read};
-    use denavit_model::examples;
-
-    fn rows(text: &str) -> Measurements {
-        read("d.csv", text.as_bytes(), &examples::planar_arm(), Units::default()).unwrap().data
-    }
-
-    #[test]
-    fn rows_that_say_the_same_are_copies_whatever_else_is_recorded() {
-        let data = rows(
-            "joint_1,joint_2,x,y,z,time,payload\n0.1,0.2,1,0.5,0,1,2\n0.3,0.2,1,0.6,0,2,2\n0.1,0.2,1,0.5,0,3,2\n\
-             0.1,0.2,1,0.5,0,4,3\n0.1,0.2,1,0.5001,0,5,2\n",
-        );
-        assert_eq!(data.copies(None), [2]);
-        assert_eq!(data.copies(Some(&data)), [0, 1, 2, 3, 4]);
-        assert_eq!(data.without(&[2]).lines, [2, 3, 5, 6]);
-    }
-
-    #[test]
-    fn a_file_given_twice_has_two_setups_and_one_set_of_rows() {
-        let one = || rows("joint_1,joint_2,x1,y1,z1,x2,y2,z2\n0.1,0.2,1,0.5,0,1,1,1\n0.3,0.2,1,0.6,0,,,\n");
-        let both = Measurements::joined(vec![one().of_setup("a"), one().of_setup("a 2")]).unwrap();
-        assert_eq!(both.copies(None), [2, 3]);
-        let left = both.without(&[2, 3]);
-        assert_eq!((left.scene.setups.len(), left.scene.targets.len(), left.len()), (1, 2, 2));
-    }
-
-    #[test]
-    fn one_number_agrees_by_chance() {
-        let chance = "joint_1,joint_2,distance\n0.1,0.2,1.5\n0.1,0.2,1.5\n0.1,0.2,1.6\n";
-        assert_eq!(rows(chance).copies(None), Vec::<usize>::new());
-        let pasted = "joint_1,joint_2,distance\n0.1,0.2,1.5\n0.4,0.2,1.6\n0.1,0.2,1.5\n0.4,0.2,1.6\n";
-        assert_eq!(rows(pasted).copies(None), [2, 3]);
-        let numbered = "joint_1,joint_2,distance,shot\n0.1,0.2,1.5,1\n0.1,0.2,1.5,2\n0.1,0.2,1.6,3\n0.1,0.2,1.6,3\n";
-        assert_eq!(rows(numbered).copies(None), [3]);
-    }
 }

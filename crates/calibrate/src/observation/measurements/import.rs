@@ -144,6 +144,8 @@ pub(super) struct Imported {
     pub sources: Vec<(String, String)>,
     /// Angles of an orientation as they are written, row by row.
     pub angles: Option<WrittenAngles>,
+    /// Line and name of what is not read: lines above the header, columns that a map does not name.
+    pub ignored: Vec<(usize, String)>,
 }
 
 /// What a column of the contract counts.
@@ -243,7 +245,7 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
     let asked = ImportOptions { sight: None, ..options.clone() } != ImportOptions::default();
     let untouched = || {
         let (text, _) = grid::decoded(bytes);
-        Imported { text, converted: false, taken: Vec::new(), sources: Vec::new(), angles: None }
+        Imported { text, converted: false, taken: Vec::new(), sources: Vec::new(), angles: None, ignored: Vec::new() }
     };
     let cells = match grid::read(bytes, &|name| names_a_joint(name, chain)) {
         Ok(cells) => cells,
@@ -255,7 +257,7 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
     if !asked && !cells.is_sheet && !named && cells.separator == Some(',') {
         return Ok(untouched());
     }
-    let mut work = Work { grid: &cells, chain, units, taken: cells.notes.clone() };
+    let mut work = Work { grid: &cells, chain, units, taken: cells.notes.clone(), ignored: cells.ignored.clone() };
     if let Some(units) = options.map.as_ref().and_then(|map| map.units) {
         work.units = units;
     }
@@ -315,6 +317,7 @@ struct Work<'a> {
     chain: &'a Chain,
     units: Units,
     taken: Vec<String>,
+    ignored: Vec<(usize, String)>,
 }
 
 /// A name as it compares: small letters, no unit in brackets, underscores for blanks and hyphens.
@@ -433,6 +436,8 @@ impl Work<'_> {
             (0..self.grid.names.len()).filter(|k| !used.contains(k)).map(|k| self.grid.names[k].as_str()).collect();
         if !left.is_empty() {
             self.taken.push(format!("left out, for the map does not name them: {}", left.join(", ")));
+            let line = self.grid.header_line;
+            self.ignored.extend(left.iter().map(|name| (line, format!("column \"{name}\""))));
         }
         Ok(outputs)
     }
@@ -717,7 +722,14 @@ impl Work<'_> {
             lines.push((*line, written));
         }
         let sources = outputs.into_iter().map(|output| (output.name, output.source)).collect();
-        Ok(Imported { text: placed(&lines), converted: true, taken: self.taken, sources, angles })
+        Ok(Imported {
+            text: placed(&lines),
+            converted: true,
+            taken: self.taken,
+            sources,
+            angles,
+            ignored: self.ignored,
+        })
     }
 }
 

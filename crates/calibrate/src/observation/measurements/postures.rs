@@ -97,16 +97,3 @@ impl Measurements {
         led_by.into_iter().map(|leader| first[leader]).collect()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::observation::measurements::{Units, read};
-    use denavit_model::examples;
-
-    #[test]
-    fn rows_of_one_posture_are_known_by_the_first_of_them() {
-        let text = "joint_1,joint_2,x,y,z\n1.0001,2,0,0,0\n1,2,0,0,1\n1,2.1,0,0,0\n0.9999,2,0,0,2\n1,2.1001,0,0,3\n1.01,2,0,0,0\n";
-        let data = read("d.csv", text.as_bytes(), &examples::planar_arm(), Units::default()).unwrap().data;
-        assert_eq!(data.first_of_posture(), [0, 0, 2, 0, 2, 5]);
-    }
-}

@@ -11,7 +11,7 @@ use super::plausible;
 use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene, Target, target_on};
 use denavit_model::nalgebra::{Matrix3, Vector3};
-use denavit_model::{Chain, Quantity, Tips};
+use denavit_model::{Chain, Inventory, Place, Quantity, Tips};
 use encoding_rs::WINDOWS_1252;
 use std::cell::Cell;
 use std::fmt;
@@ -40,6 +40,8 @@ pub struct Loaded {
     pub notes: Vec<DataNote>,
     /// What every column was taken for, in the file's order.
     pub columns: Vec<ColumnUse>,
+    /// What became of every cell: understood, carried as a recorded number or a label, or not read, which a note says.
+    pub inventory: Inventory,
 }
 
 /// A finding that is no failure but must not be silent.
@@ -74,6 +76,11 @@ pub enum DataNote {
         /// The largest deviation from 1.
         by: f64,
     },
+    /// Rows in which nothing was measured.
+    NothingMeasured {
+        /// Their lines.
+        lines: Vec<usize>,
+    },
     /// A target that no row sees: left out.
     NeverSeen {
         /// The target.
@@ -98,6 +105,11 @@ impl fmt::Display for DataNote {
                 write!(f, "joint \"{joint}\" is outside of its limits in {rows} rows")
             }
             Self::Normalised { by } => write!(f, "quaternions were brought to length 1, by up to {by:.1e}"),
+            Self::NothingMeasured { lines } => {
+                let shown: Vec<String> = lines.iter().take(MOST_PROBLEMS).map(usize::to_string).collect();
+                let more = if lines.len() > MOST_PROBLEMS { ", …" } else { "" };
+                write!(f, "in {} rows nothing was measured, lines {}{more}", lines.len(), shown.join(", "))
+            }
             Self::NeverSeen { target } => write!(f, "target {target} is seen in no row; it is left out"),
         }
     }
@@ -137,11 +149,15 @@ pub fn read_export(
         return read_contract(source, head.chain(input), chain, units, options);
     }
     let whole = head.chain(input);
-    let Imported { text, converted, taken, sources, angles } = in_our_form(source, whole, chain, units, options)?;
+    let Imported { text, converted, taken, sources, angles, ignored } =
+        in_our_form(source, whole, chain, units, options)?;
     let units = if converted { Units::default() } else { units };
     let mut loaded = read_contract(source, text.as_bytes(), chain, units, options)?;
     loaded.data.angles = angles.filter(|angles| angles.numbers.len() == loaded.data.len());
     loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
+    for (line, what) in ignored {
+        loaded.inventory.report(Place { file: source.into(), line, element: "not read".into() }, what);
+    }
     for column in &mut loaded.columns {
         if let Some((_, own)) = sources.iter().find(|(name, _)| *name == column.column) {
             column.column.clone_from(own);
@@ -714,7 +730,12 @@ impl<'a> Table<'a> {
         notes.extend(plausible::notes(&self.data, chain));
         self.data.shrink();
         let columns = columns::used(self.header, &self.data);
-        Ok(Loaded { data: self.data, notes, columns })
+        let inventory = columns::inventory(self.header, &self.data);
+        let lines = || (0..self.data.len()).filter(|&row| self.data.of_row(row).is_empty());
+        if lines().next().is_some() {
+            notes.push(DataNote::NothingMeasured { lines: lines().map(|row| self.data.lines[row]).collect() });
+        }
+        Ok(Loaded { data: self.data, notes, columns, inventory })
     }
 }
 

@@ -17,6 +17,8 @@ pub(super) struct Grid {
     pub rows: Vec<(usize, Vec<String>)>,
     /// What was found out on the way.
     pub notes: Vec<String>,
+    /// Line and text of what stands above the header and is not read.
+    pub ignored: Vec<(usize, String)>,
     /// Whether numbers are written with a comma.
     pub decimal_comma: bool,
     /// Whether the file is text as our own contract has it: UTF-8, commas, points.
@@ -292,6 +294,7 @@ impl Grid {
             [] => return,
         };
         self.notes.push(format!("{lines} above the header not read: \"{cut}{more}\""));
+        self.ignored.extend(above.iter().map(|(line, cells)| (*line, cells.join(" "))));
     }
 
     /// Index of a column by its exact name, else by its name without case, else by its place: `column 7`.

@@ -31,7 +31,7 @@ pub struct FileColumn {
 /// A file without rows, or a workbook that cannot be read; the message does not name the file.
 pub fn outline(bytes: &[u8], chain: &Chain) -> Result<Vec<FileColumn>, ImportProblem> {
     let cells = grid::read(bytes, &|name| names_a_joint(name, chain)).map_err(|fault| fault.problem)?;
-    let work = Work { grid: &cells, chain, units: Units::default(), taken: Vec::new() };
+    let work = Work { grid: &cells, chain, units: Units::default(), taken: Vec::new(), ignored: Vec::new() };
     let (joints, places) = (map::joint_columns(&cells, chain), map::place_columns(&cells));
     let said: Vec<Option<String>> = cells.names.iter().map(|name| work.meaning(name)).collect();
     let guess = |name: &String| {
