@@ -55,10 +55,37 @@ impl Explained {
 /// Sums of one series in one channel.
 #[derive(Default)]
 struct Series {
-    measured: Vec<Vector3<f64>>,
-    predicted: Vec<Vector3<f64>>,
+    measured: Places,
+    predicted: Places,
     turned: [Vec<UnitQuaternion<f64>>; 2],
 }
+
+/// Places counted from the first of them: of a million rows none is kept.
+#[derive(Default)]
+struct Places {
+    first: Option<Vector3<f64>>,
+    sum: Vector3<f64>,
+    squares: f64,
+    count: f64,
+}
+
+impl Places {
+    fn push(&mut self, place: Vector3<f64>) {
+        let from_first = place - *self.first.get_or_insert(place);
+        self.sum += from_first;
+        self.squares += from_first.norm_squared();
+        self.count += 1.0;
+    }
+
+    /// Sum of squares about the mean, and degrees of freedom.
+    fn about_the_mean(&self) -> (f64, f64) {
+        let of_mean = self.sum.norm_squared() / self.count.max(1.0);
+        ((self.squares - of_mean).max(0.0), (self.count - 1.0).max(0.0))
+    }
+}
+
+/// So many orientations of a series say how much they vary.
+const ORIENTATIONS: usize = 10_000;
 
 /// Spread and rest of every sort of value that is measured as a number.
 pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
@@ -82,9 +109,13 @@ pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
             }
             _ => continue,
         };
+        // A gauge reads how far the robot is from its drawing, and no motion that the drawing explains.
+        if of.kind.unknowns().plane {
+            continue;
+        }
         own.measured.push(measured);
         own.predicted.push(measured - residual.place);
-        if let Some(orientation) = of.kind.orientation(values) {
+        if let Some(orientation) = of.kind.orientation(values).filter(|_| own.turned[0].len() < ORIENTATIONS) {
             let here =
                 UnitQuaternion::from_rotation_matrix(&(fit.arm.instruments[of.setup].rotation.inverse() * orientation));
             let drawn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_scaled_axis(-residual.turn)) * here;
@@ -111,9 +142,9 @@ pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
             let (sum, count) = of.iter().map(|own| pick(own)).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
             (count > 0.0).then(|| (sum / count).sqrt())
         };
-        let measured = spread(&|own| of_places(&own.measured), &places)
+        let measured = spread(&|own| own.measured.about_the_mean(), &places)
             .or_else(|| spread(&|own| of_turns(&own.turned[0]), &turns))?;
-        let predicted = spread(&|own| of_places(&own.predicted), &places)
+        let predicted = spread(&|own| own.predicted.about_the_mean(), &places)
             .or_else(|| spread(&|own| of_turns(&own.turned[1]), &turns))?;
         let left = fit.noise.levels[channel] * (part.height as f64).sqrt();
         Some(Explained { of: part.word, unit: part.unit, spread: measured, left, predicted })
@@ -122,11 +153,6 @@ pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
 }
 
 /// Sum of squares about the mean, and degrees of freedom.
-fn of_places(places: &[Vector3<f64>]) -> (f64, f64) {
-    let mean = places.iter().sum::<Vector3<f64>>() / places.len().max(1) as f64;
-    (places.iter().map(|place| (place - mean).norm_squared()).sum(), places.len().saturating_sub(1) as f64)
-}
-
 fn of_turns(turns: &[UnitQuaternion<f64>]) -> (f64, f64) {
     let Some(first) = turns.first() else { return (0.0, 0.0) };
     // The mean on the side of the first.

@@ -2,9 +2,9 @@
 
 use super::super::units::{Units, UnitsError};
 use super::euler::EulerOrder;
-use super::grid::Grid;
+use super::grid::{Grid, number};
 use super::plain;
-use denavit_model::Chain;
+use denavit_model::{Chain, Quantity};
 use std::fmt::Write as _;
 use thiserror::Error;
 use toml::{Table, Value};
@@ -121,11 +121,13 @@ fn names(value: &Value) -> Option<Vec<String>> {
 pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
     // A text of JSON is a text of TOML.
     let quoted = |text: &str| serde_json::Value::from(text).to_string();
-    let mut text = format!(
-        "# Which column of {file} is what; see docs/measurements.md.\nunits = \"mm,deg\"   # of columns that name none\n"
-    );
     let joints = chain.coordinates();
     let guessed = joint_columns(grid, chain);
+    let units = likely_units(grid, chain, &guessed);
+    let mut text = format!(
+        "# Which column of {file} is what; see docs/measurements.md.\n\
+         units = \"{units}\"   # of columns that name none; guessed from the size of the numbers: check\n"
+    );
     let listed: Vec<String> = guessed.iter().map(|name| quoted(name.map_or("?", String::as_str))).collect();
     let order: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
     let _ = writeln!(text, "joints = [{}]   # {}", listed.join(", "), order.join(", "));
@@ -140,6 +142,28 @@ pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
         let _ = writeln!(text, "#   {} = {first}", quoted(name));
     }
     text
+}
+
+/// No joint reads more radians than this in a file of measurements, and none of degrees less.
+const MOST_RADIANS: f64 = 7.0;
+/// No robot that is measured reaches so many metres.
+const MOST_METRES: f64 = 20.0;
+
+/// The units that the numbers are likely in, by their size; mm and deg where nothing says it.
+fn likely_units(grid: &Grid, chain: &Chain, joints: &[Option<&String>]) -> Units {
+    let largest = |name: &String| {
+        let column = grid.column(name)?;
+        let cells = grid.rows.iter().filter_map(|(_, row)| number(row.get(column)?, grid.decimal_comma));
+        cells.map(f64::abs).max_by(f64::total_cmp)
+    };
+    let of_angles = joints.iter().zip(chain.coordinates()).filter(|(_, c)| c.quantity == Quantity::Angle);
+    let angle = of_angles.filter_map(|(name, _)| largest((*name)?)).max_by(f64::total_cmp);
+    let length = place_columns(grid).into_iter().filter_map(|name| largest(name?)).max_by(f64::total_cmp);
+    let degrees: Units = Units { length: 1e-3, angle: std::f64::consts::PI / 180.0 };
+    Units {
+        length: if length.is_some_and(|length| length <= MOST_METRES) { 1.0 } else { degrees.length },
+        angle: if angle.is_some_and(|angle| angle <= MOST_RADIANS) { 1.0 } else { degrees.angle },
+    }
 }
 
 fn small(text: &str) -> String {
