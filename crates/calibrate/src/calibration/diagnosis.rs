@@ -234,6 +234,8 @@ fn nominal_misfit(chain: &Chain, data: &Measurements) -> [f64; 2] {
 pub struct Corrected {
     /// What was undone.
     pub mistakes: Vec<Mistake>,
+    /// What would explain these rows as well, in words.
+    pub alternatives: Vec<String>,
     /// Misfit as written: m and rad per component.
     pub before: [f64; 2],
     /// Misfit with the mistakes undone.
@@ -250,8 +252,13 @@ impl Corrected {
 
     /// In words: what was supposed and what to write.
     pub fn said(&self) -> String {
+        let or = if self.alternatives.is_empty() {
+            String::new()
+        } else {
+            format!(" (these rows are explained as well if {})", self.alternatives.join(", or if "))
+        };
         format!(
-            "read as if {}: met {} instead of {}; {}",
+            "read as if {}: met {} instead of {}; {}{or}",
             supposed(&self.mistakes),
             in_words(self.after),
             in_words(self.before),
@@ -263,8 +270,17 @@ impl Corrected {
 /// Mistakes undone together, and what the robot as drawn then misses on a few rows.
 #[derive(Debug, Clone)]
 struct Tried {
+    /// In the unit of length of the rows as written: lengths that are made shorter are missed by less, which explains nothing.
     score: f64,
+    /// In true units.
+    missed: f64,
     mistakes: Vec<Mistake>,
+}
+
+/// What all lengths are multiplied by.
+fn scale_of(mistakes: &[Mistake]) -> f64 {
+    let factor = |mistake: &Mistake| if let Mistake::Units { lengths, .. } = mistake { *lengths } else { 1.0 };
+    mistakes.iter().map(factor).product()
 }
 
 /// Whether the data can belong to the robot: what is left is small, or no mistake explains it. Where a mistake is certain and
@@ -301,7 +317,7 @@ pub fn judge(
             if certain && corrected.mistakes.iter().all(Mistake::harmless) {
                 return Ok(Some(corrected));
             }
-            let Corrected { mistakes, before, after } = corrected;
+            let Corrected { mistakes, before, after, .. } = corrected;
             return Err(Diagnosis::Mistaken { file: data.source.clone(), mistakes, before, after });
         }
     }
@@ -448,25 +464,29 @@ impl Search<'_> {
 
     fn tried(&self, mistakes: Vec<Mistake>) -> Option<Tried> {
         let (chain, altered) = self.undone(&mistakes, self.few, ROWS_TO_TRY)?;
-        let score = size_of(nominal_misfit(&chain, &altered), &chain);
-        score.is_finite().then_some(Tried { score, mistakes })
+        let missed = size_of(nominal_misfit(&chain, &altered), &chain);
+        let score = missed / scale_of(&mistakes);
+        score.is_finite().then_some(Tried { score, missed, mistakes })
     }
 
     /// The first of the best that is certain beside what is written, and whether it is beside the others, too. `before`: what the robot
     /// as drawn misses on the few rows as written.
     fn confirmed(&self, mut promising: Vec<Tried>, before: f64) -> Option<(Corrected, bool)> {
         promising.sort_by(|a, b| a.score.total_cmp(&b.score));
-        // The simplest of those that are alike comes first in the list of mistakes; the sort is stable.
         let best = promising.first().map_or(0.0, |tried| tried.score);
+        // Of those that are alike what can be gone on with comes first; the sort is stable.
+        let alike_with_best = |tried: &Tried| tried.score <= ALIKE * best;
+        let harmless = |tried: &Tried| tried.mistakes.iter().all(Mistake::harmless);
+        promising.sort_by_key(|tried| if alike_with_best(tried) { u8::from(!harmless(tried)) } else { 2 });
         for tried in promising.iter().take(CONFIRMED) {
             let Some((chain, altered)) = self.undone(&tried.mistakes, self.many, ROWS_TO_CONFIRM) else { continue };
             let found = identify(&chain, &altered, &self.options.plain(&chain)).geometric;
             let after = misfit(&found, &altered);
             let size = size_of(after, &chain);
-            let by_geometry = size * ORDER < self.left;
+            let by_geometry = size / scale_of(&tried.mistakes) * ORDER < self.left && size < BEYOND_GEOMETRY;
             let spare = altered.values() > needed_to_place(&altered.scene) + CERTAIN_FROM;
             let by_drawing = tried.score * NOMINAL_ORDER < before
-                && tried.score < LIKE_THE_DRAWING
+                && tried.missed < LIKE_THE_DRAWING
                 && spare
                 && size < f64::max(2.0 * self.left, SUSPICIOUS);
             if by_geometry || by_drawing {
@@ -477,7 +497,13 @@ impl Search<'_> {
                         && !alike(&other.mistakes, &tried.mistakes)
                 });
                 let (mistakes, before) = (tried.mistakes.clone(), self.as_written);
-                return Some((Corrected { mistakes, before, after }, !rival));
+                let same = promising.iter().filter(|other| {
+                    other.mistakes != tried.mistakes
+                        && alike_with_best(other)
+                        && !alike(&other.mistakes, &tried.mistakes)
+                });
+                let alternatives = same.map(|other| supposed(&other.mistakes)).collect();
+                return Some((Corrected { mistakes, alternatives, before, after }, !rival));
             }
         }
         None

@@ -282,7 +282,7 @@ impl Monitor {
         let found = identify(&self.chain, &kept, &self.options.identify);
         // Rows that are judged as they come are not read anew: whoever measures corrects the column and goes on.
         diagnosis::judge(&self.chain, &kept, &found, &self.options.identify, &[])?.map_or(Ok(()), |corrected| {
-            let Corrected { mistakes, before, after } = corrected;
+            let Corrected { mistakes, before, after, .. } = corrected;
             Err(Diagnosis::Mistaken { file: kept.source.clone(), mistakes, before, after })
         })
     }

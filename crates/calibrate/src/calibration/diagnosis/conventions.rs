@@ -12,6 +12,8 @@ use denavit_model::Chain;
 use denavit_model::nalgebra::{Rotation3, UnitQuaternion};
 use std::f64::consts::PI;
 
+/// Turns are the same to this, rad.
+const ROUNDING: f64 = 1e-9;
 /// Conventions that are handed on.
 const BEST: usize = 4;
 /// The file's angles may be in the other unit.
@@ -44,7 +46,8 @@ pub(super) fn likely(chain: &Chain, data: &Measurements) -> Vec<Meant> {
             }
         }
     }
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // One rotation has two names, XYZ and zyx; rounding does not choose between them.
+    scored.sort_by(|a, b| (a.0 / ROUNDING).round().total_cmp(&(b.0 / ROUNDING).round()));
     scored
         .into_iter()
         .map(|(_, meant)| meant)

@@ -85,7 +85,7 @@ impl AngleConvention {
     /// Every one: the rotation vector, and all 24 orders.
     pub fn all() -> impl Iterator<Item = Self> {
         let axes = || (0..3usize).flat_map(|a| (0..3).flat_map(move |b| (0..3).map(move |c| [a, b, c])));
-        let orders = [true, false].into_iter().flat_map(move |intrinsic| {
+        let orders = [false, true].into_iter().flat_map(move |intrinsic| {
             axes().filter(|[a, b, c]| a != b && b != c).map(move |axes| Self::Euler(EulerOrder { axes, intrinsic }))
         });
         std::iter::once(Self::RotationVector).chain(orders)
