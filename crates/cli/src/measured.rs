@@ -156,10 +156,11 @@ pub fn mention(notes: &[String]) {
 }
 
 /// Reads a list of poses.
-pub fn pose_list(file: &str, chain: &Chain, written: &str, import: &ImportArguments) -> Result<Poses, Failure> {
+pub fn pose_list(file: &str, chain: &Chain, written: &str, import: Option<&ImportArguments>) -> Result<Poses, Failure> {
     let units = units(written)?;
     let (name, bytes) = source::read_bytes(file)?;
-    Ok(poses::read_export(&name, &bytes[..], chain, units, &import_options(import)?)?)
+    let options = import.map(import_options).transpose()?.unwrap_or_default();
+    Ok(poses::read_export(&name, &bytes[..], chain, units, &options)?)
 }
 
 /// Reads joint values.

@@ -41,7 +41,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
         measured::millimetres_and_milliradians("--allowed-miss", &arguments.allowed_miss, 0.001)?;
     let allowed = Allowed { position, orientation };
     let given = measured::given(&arguments.given)?;
-    let poses = measured::pose_list(&arguments.poses, calibrated, &arguments.units, &arguments.import)?;
+    let poses = measured::pose_list(&arguments.poses, calibrated, &arguments.units, Some(&arguments.import))?;
     if let Some(file) = &arguments.effects {
         let known = |name: &str| {
             recorded::told_by_order(name)

@@ -79,7 +79,7 @@ fn wanted(arguments: &IkArguments, chain: &Chain) -> Result<Vec<(usize, Pose)>, 
         let place = [x, y, z].map(|length| length * units.length);
         return Ok(vec![(1, se3::pose(rotation, place.into()))]);
     };
-    let list = measured::pose_list(file, chain, &arguments.units)?;
+    let list = measured::pose_list(file, chain, &arguments.units, None)?;
     let poses = match list.poses.is_empty() {
         true => list.joints.iter().map(|joints| chain.fk(joints)).collect(),
         false => list.poses,
