@@ -1,6 +1,7 @@
 //! What real use broke once, a sentence each: files lost, options read as files, numbers that mean nothing.
 
 mod commands;
+mod fleet_nights;
 mod git;
 mod ik;
 mod json;
@@ -10,6 +11,7 @@ mod measured_data;
 mod numbers;
 #[cfg(unix)]
 mod outputs;
+mod priors;
 mod program;
 mod sources;
 mod tips;

@@ -12,8 +12,11 @@ const STEPS: [f64; 2] = [5e-3, 5e-2];
 /// Speeds are means over this long, s.
 const WINDOW: f64 = 0.1;
 
-/// Longer recordings have a stamp that is wrong, s: a fortnight.
-const LONGEST: f64 = 1.2e6;
+/// Longer without a message is a pause, s, and so many times the usual time between messages.
+const PAUSE: f64 = 60.0;
+const PERIODS_OF_A_PAUSE: f64 = 20.0;
+/// No more steps than this are compared: a longer recording is compared in longer steps.
+const MOST_STEPS: f64 = 1e7;
 
 /// What the two clocks say of each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,21 +28,28 @@ pub(crate) struct Clocks {
 }
 
 /// Compares the clocks; `None` where one of the two never moves or they were not recorded at the same time.
+///
+/// Speeds are compared where both send: a pause takes no time and no memory.
 pub(crate) fn clocks(joints: &Track, target: &Track) -> Option<Clocks> {
     let rough = ahead_of_recorder(target) - ahead_of_recorder(joints);
     let in_joints_time: Vec<f64> = target.stamps.iter().map(|stamp| stamp - rough).collect();
-    let start = joints.stamps.first()?.max(*in_joints_time.first()?);
-    let end = joints.stamps.last()?.min(*in_joints_time.last()?);
-    let step = period(&joints.stamps).max(period(&in_joints_time)).clamp(STEPS[0], STEPS[1]);
-    if !(4.0 * MOST_SHIFT..LONGEST).contains(&(end - start)) {
-        return None;
-    }
-    let [count, window, lags] = [end - start, WINDOW, MOST_SHIFT].map(|length| steps(length, step));
+    let periods = [period(&joints.stamps), period(&in_joints_time)];
+    let both = common(&stretches(&joints.stamps, periods[0]), &stretches(&in_joints_time, periods[1]));
+    let long: Vec<[f64; 2]> = both.into_iter().filter(|[from, to]| to - from >= 4.0 * MOST_SHIFT).collect();
+    let total: f64 = long.iter().map(|[from, to]| to - from).sum();
+    let step = periods[0].max(periods[1]).clamp(STEPS[0], STEPS[1]).max(total / MOST_STEPS);
+    let [window, lags] = [WINDOW, MOST_SHIFT].map(|length| steps(length, step));
     let width = joints.values.first()?.len();
-    let a = speeds(&joints.stamps, &joints.values, width, [start, step], count, window);
-    let b = speeds(&in_joints_time, &target.values, 3, [start, step], count, window);
-    let of = |at: usize| correlation(&a[lags.saturating_sub(at)..], &b[at.saturating_sub(lags)..]);
-    let found: Vec<f64> = (0..=2 * lags).map(of).collect();
+    let mut sums = vec![Sums::default(); 2 * lags + 1];
+    for [start, end] in long {
+        let count = steps(end - start, step);
+        let a = speeds(&joints.stamps, &joints.values, width, [start, step], count, window);
+        let b = speeds(&in_joints_time, &target.values, 3, [start, step], count, window);
+        for (at, sums) in sums.iter_mut().enumerate() {
+            sums.add(&a[lags.saturating_sub(at).min(count)..], &b[at.saturating_sub(lags).min(count)..]);
+        }
+    }
+    let found: Vec<f64> = sums.iter().map(Sums::correlation).collect();
     let best = (0..found.len()).filter(|&at| found[at].is_finite()).max_by(|&p, &q| found[p].total_cmp(&found[q]))?;
     // The top of the parabola through three values.
     let around = |at: usize| found.get(at).copied().filter(|value| value.is_finite());
@@ -51,6 +61,32 @@ pub(crate) fn clocks(joints: &Track, target: &Track) -> Option<Clocks> {
     };
     let shift = (best as f64 - lags as f64 + between) * step;
     Some(Clocks { ahead: rough + shift, correlation: found[best] })
+}
+
+/// Where messages come without a pause: from, to, s.
+fn stretches(stamps: &[f64], period: f64) -> Vec<[f64; 2]> {
+    let pause = PAUSE.max(PERIODS_OF_A_PAUSE * period);
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for &stamp in stamps {
+        match found.last_mut() {
+            Some([_, to]) if stamp - *to <= pause => *to = stamp,
+            _ => found.push([stamp, stamp]),
+        }
+    }
+    found
+}
+
+/// What two lists of stretches, each in order, have in common.
+fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let (mut i, mut k, mut found) = (0, 0, Vec::new());
+    while i < a.len() && k < b.len() {
+        let (from, to) = (a[i][0].max(b[k][0]), a[i][1].min(b[k][1]));
+        if to > from {
+            found.push([from, to]);
+        }
+        if a[i][1] < b[k][1] { i += 1 } else { k += 1 }
+    }
+    found
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some millions at most, none below 0")]
@@ -86,7 +122,9 @@ fn speeds(
     window: usize,
 ) -> Vec<f64> {
     let mut at = 0;
-    let mut on_grid = Vec::with_capacity(count + window);
+    // The last `window` places are kept.
+    let mut places = vec![0.0; window * width];
+    let mut speeds = Vec::with_capacity(count);
     for k in 0..count + window {
         let time = start + (k as f64 - 0.5 * window as f64) * step;
         while at + 2 < stamps.len() && stamps[at + 1] <= time {
@@ -95,29 +133,58 @@ fn speeds(
         let next = (at + 1).min(stamps.len() - 1);
         let apart = stamps[next] - stamps[at];
         let share = if apart > 0.0 { ((time - stamps[at]) / apart).clamp(0.0, 1.0) } else { 0.0 };
-        let value = |column: usize| values[at][column] * (1.0 - share) + values[next][column] * share;
-        on_grid.push((0..width).map(value).collect::<Vec<f64>>());
+        let first = (k % window) * width;
+        let mut square = 0.0;
+        for (column, place) in places[first..first + width].iter_mut().enumerate() {
+            let value = values[at][column] * (1.0 - share) + values[next][column] * share;
+            square += (value - *place).powi(2);
+            *place = value;
+        }
+        if k >= window {
+            speeds.push(square.sqrt().sqrt());
+        }
     }
-    let speed = |k: usize| {
-        let square: f64 =
-            on_grid[k + window].iter().zip(&on_grid[k]).map(|(after, before)| (after - before).powi(2)).sum();
-        square.sqrt().sqrt()
-    };
-    (0..count).map(speed).collect()
+    speeds
 }
 
-/// Of two rows of numbers, as far as both go.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let both = a.len().min(b.len());
-    let (a, b, count) = (&a[..both], &b[..both], both as f64);
-    let (mean_a, mean_b) = (a.iter().sum::<f64>() / count, b.iter().sum::<f64>() / count);
-    let (mut both, mut own_a, mut own_b) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        both += (x - mean_a) * (y - mean_b);
-        own_a += (x - mean_a).powi(2);
-        own_b += (y - mean_b).powi(2);
+/// Of pairs of numbers, for their correlation.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    mean: [f64; 2],
+    /// Of squares and of products, about the means.
+    squares: [f64; 2],
+    products: f64,
+}
+
+impl Sums {
+    /// Two rows of numbers, as far as both go (Chan, Golub, LeVeque 1983).
+    fn add(&mut self, a: &[f64], b: &[f64]) {
+        let both = a.len().min(b.len());
+        if both == 0 {
+            return;
+        }
+        let (a, b, own) = (&a[..both], &b[..both], both as f64);
+        let mean = [a.iter().sum::<f64>() / own, b.iter().sum::<f64>() / own];
+        let count = self.count + own;
+        let off = [mean[0] - self.mean[0], mean[1] - self.mean[1]];
+        let share = self.count * own / count;
+        for (x, y) in a.iter().zip(b) {
+            self.products += (x - mean[0]) * (y - mean[1]);
+            self.squares[0] += (x - mean[0]).powi(2);
+            self.squares[1] += (y - mean[1]).powi(2);
+        }
+        self.products += share * off[0] * off[1];
+        for k in 0..2 {
+            self.squares[k] += share * off[k].powi(2);
+            self.mean[k] += off[k] * own / count;
+        }
+        self.count = count;
     }
-    both / (own_a * own_b).sqrt()
+
+    fn correlation(&self) -> f64 {
+        self.products / (self.squares[0] * self.squares[1]).sqrt()
+    }
 }
 
 #[cfg(test)]
@@ -153,6 +220,19 @@ mod tests {
             let found = clocks(&joints, &target).unwrap();
             assert!((found.ahead - ahead).abs() < 3e-3 && found.correlation > 0.9, "{ahead}: {found:?}");
         }
+        // A pause of a month in the middle is neither sampled nor mistaken for a standstill of the clocks.
+        let (mut joints, mut target) = tracks(0.4, moves);
+        for track in [&mut joints, &mut target] {
+            let half = track.stamps.len() / 2;
+            for k in half..track.stamps.len() {
+                track.stamps[k] += 2.6e6;
+                track.logged[k] += 2.6e6;
+            }
+        }
+        let begun = std::time::Instant::now();
+        let found = clocks(&joints, &target).unwrap();
+        assert!((found.ahead - 0.4).abs() < 3e-3 && found.correlation > 0.9, "{found:?}");
+        assert!(begun.elapsed().as_secs() < 20);
         // What never moves tells no time.
         let (joints, target) = tracks(0.0, |_| 0.0);
         assert_eq!(clocks(&joints, &target), None);

@@ -103,6 +103,21 @@ pub enum BagError {
         /// The topics.
         found: String,
     },
+    /// A clock that was set while the bag was recorded.
+    #[error(
+        "{file}: the clock of {topic} jumps by {seconds} s at its message {number}, so its readings cannot be put in order; record \
+         again after the clocks were synchronised, or keep one side of the jump (ros2 bag convert)"
+    )]
+    ClockJumps {
+        /// The file.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// How far, s.
+        seconds: String,
+        /// Counted from 1 among those of the topic.
+        number: usize,
+    },
     /// Joints and target that have nothing to do with each other.
     #[error(
         "{file}: {target} does not move when the joints of {joints} do (correlation {correlation}); is it the target on this \

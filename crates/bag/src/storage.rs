@@ -1,7 +1,10 @@
 //! The messages of a bag, whichever file they are kept in.
 
 use crate::error::BagError;
+use mcap::io::MessageReader;
+use mcap::sans_io::linear_reader::LinearReaderOptions;
 use rusqlite::{Connection, OpenFlags};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A message as it was recorded.
@@ -20,6 +23,9 @@ const SQLITE: &str = "db3";
 const PACKED: &str = "zstd";
 /// How zstd's frames begin (RFC 8878, 3.1.1); a message in CDR begins with 0.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+
+/// No message is larger, bytes; a broken length would ask for all memory.
+const LARGEST_RECORD: usize = 1 << 28;
 
 /// Whether a name is that of a bag: a file of `ros2 bag record`, or a folder that holds such files.
 pub fn is_bag(name: &str) -> bool {
@@ -62,7 +68,7 @@ pub fn files(name: &str) -> Result<Vec<PathBuf>, BagError> {
     if files.is_empty() { Err(BagError::NoBag { folder: name.into() }) } else { Ok(files) }
 }
 
-/// Gives every message of a bag to `each`, in the order of the recording's files.
+/// Gives every message of a bag to `each`, in the order of the recording's files. In memory are one chunk of MCAP or one message.
 ///
 /// # Errors
 /// Files that cannot be opened or are no bag; what `each` finds.
@@ -72,7 +78,7 @@ pub(crate) fn messages(name: &str, each: &mut dyn FnMut(Recorded<'_>) -> Result<
     for file in files {
         let shown = file.display().to_string();
         match extension(&file) {
-            Some(MCAP) => of_mcap(&shown, &std::fs::read(&file).map_err(cannot_open)?, each)?,
+            Some(MCAP) => of_mcap(&shown, std::fs::File::open(&file).map_err(cannot_open)?, each)?,
             Some(_) => {
                 // SQLite would make a file that is not there.
                 std::fs::File::open(&file).map_err(cannot_open)?;
@@ -86,11 +92,13 @@ pub(crate) fn messages(name: &str, each: &mut dyn FnMut(Recorded<'_>) -> Result<
 
 fn of_mcap(
     file: &str,
-    bytes: &[u8],
+    source: std::fs::File,
     each: &mut dyn FnMut(Recorded<'_>) -> Result<(), BagError>,
 ) -> Result<(), BagError> {
     let broken = |error: mcap::McapError| BagError::Broken { file: file.into(), what: error.to_string() };
-    for message in mcap::MessageStream::new(bytes).map_err(broken)? {
+    let options =
+        LinearReaderOptions::default().with_validate_chunk_crcs(true).with_record_length_limit(LARGEST_RECORD);
+    for message in MessageReader::new_with_options(std::io::BufReader::new(source), options) {
         let message = message.map_err(broken)?;
         let Some(schema) = &message.channel.schema else { continue };
         not_packed(file, &message.data)?;
@@ -111,21 +119,30 @@ fn of_sqlite(
 ) -> Result<(), BagError> {
     let broken = |error: rusqlite::Error| BagError::Broken { file: file.into(), what: error.to_string() };
     let opened = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY).map_err(broken)?;
-    let mut query = opened
-        .prepare(
-            "SELECT topics.name, topics.type, messages.timestamp, messages.data FROM messages JOIN topics \
-             ON topics.id = messages.topic_id ORDER BY messages.timestamp, messages.id",
-        )
-        .map_err(broken)?;
+    let mut topics: HashMap<i64, (String, String)> = HashMap::new();
+    let mut query = opened.prepare("SELECT id, name, type FROM topics").map_err(broken)?;
     let mut rows = query.query([]).map_err(broken)?;
     while let Some(row) = rows.next().map_err(broken)? {
         let text = |column: usize| row.get::<_, String>(column).map_err(broken);
-        let (topic, kind) = (text(0)?, text(1)?);
-        let logged = seconds(i128::from(row.get::<_, i64>(2).map_err(broken)?));
-        let blob = row.get_ref(3).map_err(broken)?;
+        topics.insert(row.get(0).map_err(broken)?, (text(1)?, text(2)?));
+    }
+    // No join: SQLite would sort the messages themselves where it begins with the topics.
+    let mut query =
+        opened.prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id").map_err(broken)?;
+    let mut rows = query.query([]).map_err(broken)?;
+    while let Some(row) = rows.next().map_err(broken)? {
+        let id = row.get::<_, i64>(0).map_err(broken)?;
+        let Some((topic, kind)) = topics.get(&id) else {
+            return Err(BagError::Broken {
+                file: file.into(),
+                what: format!("a message of topic {id}, which is not listed"),
+            });
+        };
+        let logged = seconds(i128::from(row.get::<_, i64>(1).map_err(broken)?));
+        let blob = row.get_ref(2).map_err(broken)?;
         let bytes = blob.as_blob().map_err(|error| broken(error.into()))?;
         not_packed(file, bytes)?;
-        each(Recorded { topic: &topic, kind: &kind, logged, bytes })?;
+        each(Recorded { topic, kind, logged, bytes })?;
     }
     Ok(())
 }

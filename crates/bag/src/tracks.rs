@@ -1,6 +1,7 @@
 //! What the topics of a bag say: the joints' readings and the places of a target, each by its own clock and the recorder's.
 
 use crate::Asked;
+use crate::clock::median;
 use crate::error::BagError;
 use crate::messages::{JointState, Places, joint_state, placed, places, plain};
 use crate::storage::messages;
@@ -26,7 +27,35 @@ impl Track {
         self.values.push(values);
     }
 
+    /// The first message after which the sender's clock differs from the recorder's by another time than before, and by how much, s.
+    ///
+    /// Late messages differ, too, but not those around them.
+    fn jump(&self) -> Option<(usize, f64)> {
+        let ahead: Vec<f64> = self.stamps.iter().zip(&self.logged).map(|(stamp, logged)| stamp - logged).collect();
+        (1..ahead.len()).filter(|&at| (ahead[at] - ahead[at - 1]).abs() > JUMP).find_map(|at| {
+            let before = median(ahead[at.saturating_sub(AROUND_A_JUMP)..at].to_vec());
+            let after = median(ahead[at..ahead.len().min(at + AROUND_A_JUMP)].to_vec());
+            ((after - before).abs() > JUMP).then_some((at, after - before))
+        })
+    }
+
     /// In the order of the sender's clock: networks overtake.
+    ///
+    /// # Errors
+    /// The clock was set meanwhile, so that its times have no order.
+    fn ordered(self, file: &str) -> Result<Self, BagError> {
+        match self.jump() {
+            None => Ok(self.sorted()),
+            Some((at, seconds)) => Err(BagError::ClockJumps {
+                file: file.into(),
+                topic: self.name,
+                seconds: format!("{seconds:+.1}"),
+                number: at + 1,
+            }),
+        }
+    }
+
+    /// In the order of the stamps.
     fn sorted(self) -> Self {
         let mut order: Vec<usize> = (0..self.stamps.len()).collect();
         order.sort_by(|&a, &b| self.stamps[a].total_cmp(&self.stamps[b]));
@@ -38,6 +67,11 @@ impl Track {
         }
     }
 }
+
+/// A clock that steps by more than this was set, s: networks and drift do less.
+const JUMP: f64 = 2.0;
+/// Messages on either side of a jump that must agree on it.
+const AROUND_A_JUMP: usize = 20;
 
 const JOINT_TOPIC: &str = "‹joint-topic›";
 const TARGET_TOPIC: &str = "‹target-topic›";
@@ -68,7 +102,7 @@ pub(crate) fn tracks(bag: &str, asked: &Asked) -> Result<(Track, Track), BagErro
             || BagError::Message { file: bag.into(), topic: message.topic.into(), number: *number, kind: kind.clone() };
         if kind == "sensor_msgs/JointState" {
             let state = joint_state(message.bytes).ok_or_else(wrong)?;
-            found.take_joints(message.topic, message.logged, &state, &asked.joints);
+            found.take_joints(message.topic, message.logged, &state, asked);
         } else if let Some(places) = places(&kind) {
             let all = placed(places, message.bytes).ok_or_else(wrong)?;
             for one in all {
@@ -77,28 +111,34 @@ pub(crate) fn tracks(bag: &str, asked: &Asked) -> Result<(Track, Track), BagErro
                     _ => message.topic.into(),
                 };
                 let values = one.place.iter().chain(one.turn.iter().flatten()).copied().collect();
+                let wanted = asked.target_topic.as_ref().is_none_or(|topic| *topic == name);
                 let track = found.targets.entry(name.clone()).or_insert_with(|| Track { name, ..Track::default() });
-                track.push(one.stamp, message.logged, values);
+                // Of others only the names are needed.
+                if wanted {
+                    track.push(one.stamp, message.logged, values);
+                }
             }
         }
         Ok(())
     })?;
     let joints = found.joints_of(bag, asked)?;
     let target = found.target_of(bag, asked)?;
-    Ok((joints.sorted(), target.sorted()))
+    Ok((joints.ordered(bag)?, target.ordered(bag)?))
 }
 
 impl Found {
-    fn take_joints(&mut self, topic: &str, logged: f64, state: &JointState, wanted: &[String]) {
+    fn take_joints(&mut self, topic: &str, logged: f64, state: &JointState, asked: &Asked) {
         let value = |joint: &String| {
             let at = state.names.iter().position(|name| name == joint)?;
             state.positions.get(at).copied()
         };
-        match wanted.iter().map(value).collect::<Option<Vec<f64>>>() {
+        match asked.joints.iter().map(value).collect::<Option<Vec<f64>>>() {
             Some(values) => {
                 let name = topic.to_owned();
                 let track = self.joints.entry(topic.into()).or_insert_with(|| Track { name, ..Track::default() });
-                track.push(state.stamp, logged, values);
+                if asked.joint_topic.as_ref().is_none_or(|wanted| wanted == topic) {
+                    track.push(state.stamp, logged, values);
+                }
             }
             None => _ = self.others.entry(topic.into()).or_insert_with(|| state.names.clone()),
         }
@@ -140,7 +180,34 @@ fn chosen(
         Some(topic) => {
             tracks.remove(topic).ok_or_else(|| BagError::NoTopic { file, option, topic: topic.into(), what, found })
         }
-        None if tracks.len() > 1 => Err(BagError::Several { file, what, found, option }),
-        None => Ok(tracks.pop_first().map(|(_, track)| track).unwrap_or_default()),
+        None => match tracks.pop_first() {
+            Some((_, track)) if tracks.is_empty() => Ok(track),
+            _ => Err(BagError::Several { file, what, found, option }),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hundred messages a second apart, by a clock that is `ahead(k)` ahead of the recorder's.
+    fn track(ahead: impl Fn(u32) -> f64) -> Track {
+        let mut track = Track { name: "/tracker".into(), ..Track::default() };
+        (0..100).for_each(|k| track.push(1e9 + f64::from(k) + ahead(k), 1e9 + f64::from(k), vec![0.0]));
+        track
+    }
+
+    #[test]
+    fn a_clock_that_was_set_is_an_error_and_late_messages_are_none() {
+        for jump in [-5.0, 3.0, 86_400.0] {
+            let error = track(|k| if k < 40 { 0.3 } else { 0.3 + jump }).ordered("run.mcap").unwrap_err().to_string();
+            assert!(
+                error.contains(&format!("the clock of /tracker jumps by {jump:+.1} s at its message 41")),
+                "{error}"
+            );
+        }
+        let late = track(|k| if k % 17 == 3 { -4.0 } else { 7.25 }).ordered("run.mcap").unwrap();
+        assert!(late.stamps.is_sorted() && late.stamps.len() == 100);
     }
 }

@@ -39,7 +39,7 @@ use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
 use crate::identify::residual_statistics::{Residual, TestError, bound_later};
-use crate::identify::solve::{Fit, outside};
+use crate::identify::solve::{Fit, Unfinished, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
@@ -126,16 +126,18 @@ pub enum CalibrateError {
     /// A robot larger than anything that is measured.
     #[error(transparent)]
     OutOfProportion(#[from] OutOfProportion),
-    /// The geometric fit came to no end.
+    /// The geometric fit did not converge.
     #[error(
-        "{file}: the fit of the geometry did not settle in {iterations} steps, so there is no result; are there too few \
-         poses, poses that are nearly alike, or rows of two robots? `denavit identify ‹data› {file}` says what they can tell"
+        "{file}: the fit of the geometry did not converge in {iterations} steps, so there is no result: {}",
+        why_unfinished(unfinished.as_ref(), file)
     )]
     NotSettled {
         /// The file.
         file: String,
         /// Steps taken.
         iterations: usize,
+        /// What is left to gain, and of which parameters.
+        unfinished: Option<Unfinished>,
     },
     /// A share that holds out nothing or everything.
     #[error(
@@ -162,6 +164,23 @@ pub enum CalibrateError {
     /// Whoever was told what it is at said to stop.
     #[error("stopped before it was done")]
     Stopped,
+}
+
+/// Which parameters still change, and what to do.
+fn why_unfinished(unfinished: Option<&Unfinished>, file: &str) -> String {
+    let say = format!("`denavit identify ‹data› {file}` says what the rows determine");
+    match unfinished {
+        Some(Unfinished { promise, parameters }) if promise.is_finite() && !parameters.is_empty() => format!(
+            "{} still {} (the next step is expected to lower chi-squared by {promise:.0}); the rows hardly determine {}: add poses \
+             in which all joints move further and the tool is turned in other directions; {say}",
+            parameters.join(", "),
+            if parameters.len() == 1 { "changes" } else { "change" },
+            if parameters.len() == 1 { "it" } else { "them" },
+        ),
+        _ => format!(
+            "the equations of the fit have no solution; remove rows with extreme values, and check the units of all columns; {say}"
+        ),
+    }
 }
 
 fn in_postures(rows: usize, postures: usize) -> String {
@@ -279,7 +298,8 @@ pub fn calibrate_and_tell(
     }
     let geometric = &identification.geometric;
     if !geometric.settled() {
-        return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations: geometric.iterations });
+        let (iterations, unfinished) = (geometric.iterations, geometric.unfinished.clone());
+        return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations, unfinished });
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);

@@ -24,7 +24,7 @@ pub mod trace;
 
 pub use denavit_export::kinematics_yaml;
 pub use identify::residual::ResidualModel;
-pub use identify::solve::{Fit, FitOptions, Noise};
+pub use identify::solve::{Fit, FitOptions, Noise, Unfinished};
 pub use identify::{Identification, IdentifyOptions, identify};
 pub use observation::arm::{Arm, Perturbation, Perturbed, Row, RowState};
 pub use observation::kinds::ObservationKind;

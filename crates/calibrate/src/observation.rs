@@ -11,3 +11,4 @@ pub mod lens;
 pub mod measurements;
 pub mod parameters;
 pub mod prior;
+pub(crate) mod symmetric;

@@ -127,3 +127,27 @@ fn tiago_is_told_little_by_34_poses() {
     let result = geometry(&chain, data, None, Some(0.2));
     println!("{}", text::parameters(&result.identification.geometric));
 }
+
+/// A Motoman's right arm from the D-H table that its owners' code has.
+fn motoman() -> Option<Chain> {
+    let path = measured("motoman_dual/motoman_right.csv")?;
+    let text = std::fs::read_to_string(&path).unwrap();
+    let source = denavit_export::sources::read("motoman_right.csv", &text, denavit_export::sources::Stated::default());
+    let Ok(denavit_export::sources::Source::Table { table, .. }) = source else { panic!("no table") };
+    Some(table.chain().unwrap())
+}
+
+#[test]
+fn a_fit_over_short_joint_ranges_ends() {
+    // Half a radian of each joint, a precise tracker, the target 3 m away: a curved valley half a metre long.
+    let Some(chain) = motoman() else { return };
+    for name in ["motoman_dual/right_march2019.csv", "../wild/no-result/not_settled_30rows.csv"] {
+        let Some(data) = load(name, &chain) else { return };
+        let result = geometry(&chain, data, None, None);
+        let fit = &result.identification.geometric;
+        println!("{name}: {} steps, {} Jacobians", fit.iterations, fit.jacobians);
+        assert!(fit.converged && fit.unfinished.is_none() && fit.iterations <= 30 && fit.jacobians <= 60);
+        let rms = |stage: usize| result.report.stages[stage].train.of("position").unwrap().rms;
+        assert!(rms(1) < 0.4 * rms(0) && rms(1) < 0.1e-3, "{} {}", rms(0), rms(1));
+    }
+}

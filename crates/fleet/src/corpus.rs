@@ -52,7 +52,7 @@ pub struct Near {
 /// Looks at files; `tell` hears of each as it is read.
 ///
 /// # Errors
-/// None for a single file: what cannot be read is said of the file.
+/// A file that was read before cannot be read again. What cannot be read at all is said of the file.
 pub fn corpus(names: &[String], options: &CorpusOptions, tell: &(dyn Fn(&str) + Sync)) -> Result<Corpus, FleetError> {
     let files = in_parallel(names, options.threads, |name| {
         let file = files::look(name, options.same);
@@ -60,7 +60,7 @@ pub fn corpus(names: &[String], options: &CorpusOptions, tell: &(dyn Fn(&str) + 
         file
     });
     let mechanisms = clusters::mechanisms(&files);
-    let near = clusters::near(&files, &mechanisms, options);
+    let near = clusters::near(&files, &mechanisms, options)?;
     Ok(Corpus { files, mechanisms, near })
 }
 

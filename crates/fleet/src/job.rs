@@ -9,14 +9,14 @@ use crate::manifest::Entry;
 use crate::run::{MERGED_AT, Outcome, RunReport, replaced};
 use crate::siblings::Priors;
 use crate::store::table::Rows;
-use crate::store::{Held, Slot};
+use crate::store::{Held, Runs};
 use crate::tasks;
 use denavit_calibrate::identify::stop::Stop;
 use denavit_calibrate::identify::threads::dealt;
 use serde::{Deserialize, Serialize};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
-/// An entry that is not in the store yet. As JSON it goes to another process.
+/// An entry that did not succeed yet. As JSON it goes to another process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The key of the run.
@@ -61,7 +61,7 @@ pub struct Ledger {
     held: Held,
     entries: Vec<Entry>,
     keys: HashSet<String>,
-    finished: HashMap<String, Slot>,
+    runs: Runs,
     kept: HashSet<String>,
     /// Go on from their siblings: they are not dealt out yet.
     later: Vec<Entry>,
@@ -75,10 +75,10 @@ impl Ledger {
     /// # Errors
     /// A file of the store cannot be read.
     pub fn open(entries: Vec<Entry>, held: Held) -> Result<(Self, Vec<Job>), FleetError> {
-        let finished = held.store.finished()?;
+        let runs = held.store.runs()?;
         let report = RunReport::of(&held.store, entries.len());
         let (later, first): (Vec<Entry>, Vec<Entry>) = entries.iter().cloned().partition(Entry::learns);
-        let mut ledger = Self { held, entries, keys: HashSet::new(), finished, kept: HashSet::new(), later, report };
+        let mut ledger = Self { held, entries, keys: HashSet::new(), runs, kept: HashSet::new(), later, report };
         let jobs = ledger.undone(first);
         Ok((ledger, jobs))
     }
@@ -89,7 +89,7 @@ impl Ledger {
         let of_entries = dealt(entries.iter(), threads(), || (), |(), entry| key(entry, &robots));
         let mut jobs = Vec::new();
         for (entry, key) in entries.into_iter().zip(of_entries) {
-            if self.keys.insert(key.clone()) && !self.finished.contains_key(&key) {
+            if self.keys.insert(key.clone()) && !self.runs.done.contains_key(&key) {
                 jobs.push(Job { key, entry });
             } else {
                 self.report.count(&entry, &Outcome::Known);
@@ -119,7 +119,7 @@ impl Ledger {
 
     /// Whether the result of a job that was dealt out did not come.
     fn is_missing(&self) -> bool {
-        self.keys.iter().any(|key| !self.kept.contains(key) && !self.finished.contains_key(key))
+        self.keys.iter().any(|key| !self.kept.contains(key) && !self.runs.done.contains_key(key))
     }
 
     /// Writes what a job found. The same job a second time changes nothing.
@@ -133,7 +133,7 @@ impl Ledger {
         self.held.store.add(&job.key, &found.tables)?;
         self.report.count(&job.entry, &found.error.clone().map_or(Outcome::Done, Outcome::Failed));
         if self.kept.len().is_multiple_of(MERGED_AT) {
-            self.held.store.merge(&HashSet::new())?;
+            self.held.store.merge(&HashSet::new(), &self.runs)?;
         }
         Ok(())
     }
@@ -144,9 +144,9 @@ impl Ledger {
     /// The store cannot be written; what was kept before stays in it.
     pub fn close(self) -> Result<RunReport, FleetError> {
         let unfinished = self.is_missing() || !self.later.is_empty();
-        let Self { held, entries, keys, finished, report, .. } = self;
-        let gone = if unfinished { HashSet::new() } else { replaced(&entries, &finished, &keys) };
-        held.store.merge(&gone)?;
+        let Self { held, entries, keys, runs, report, .. } = self;
+        let gone = if unfinished { HashSet::new() } else { replaced(&entries, &runs, &keys) };
+        held.store.merge(&gone, &runs)?;
         Ok(report.in_order(gone.len()))
     }
 }

@@ -5,9 +5,9 @@ use crate::error::FleetError;
 use crate::statistics::population::{Measured, Outlier, Population, off_siblings};
 use crate::statistics::trend::{self, Crossing, Point, Shape};
 use crate::statistics::vigil::{Night, Nights, Said, Watch, watch};
-use crate::store::Store;
 use crate::store::schema::{PARAMETERS, RUNS};
 use crate::store::table::Cell;
+use crate::store::{Failure, Store};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 
@@ -44,6 +44,8 @@ pub struct Fleet {
     pub last: Vec<Vec<Option<(f64, f64)>>>,
     /// Key of the last night of each robot.
     pub last_keys: Vec<String>,
+    /// Runs that failed and have not succeeded since, of every task, by robot and night.
+    pub failed: Vec<Failure>,
 }
 
 impl Fleet {
@@ -77,9 +79,9 @@ impl Fleet {
                 let number = *index.entry(number).or_insert(next);
                 if let Some(value) = row[value].real() {
                     put(&mut values[at], number, value);
-                    if is_last(at) {
-                        let std = row[std].real().unwrap_or(f64::NAN);
-                        put(&mut sure[night.robot], number, (std, row[held].real().unwrap_or(0.0)));
+                    // Of a number without its spread nothing is learned.
+                    if let (true, Some(std), Some(held)) = (is_last(at), row[std].real(), row[held].real()) {
+                        put(&mut sure[night.robot], number, (std, held));
                     }
                 }
             }
@@ -102,6 +104,7 @@ impl Fleet {
             nights: serials.iter().map(|_| Nights::default()).collect(),
             last: sure.iter().map(|sure| in_order(sure, &order)).collect(),
             last_keys: Vec::new(),
+            failed: store.runs()?.still_failed().into_iter().cloned().collect(),
             serials,
             numbers: index.into_keys().collect(),
         };

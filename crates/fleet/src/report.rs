@@ -8,8 +8,8 @@ use crate::nights::Fleet;
 use crate::statistics::median;
 use crate::statistics::trend::Shape;
 use crate::statistics::vigil::{Said, Watch};
-use crate::store::Store;
 use crate::store::schema::EFFECTS;
+use crate::store::{Failure, Store};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Value, context};
 use serde::Serialize;
@@ -47,6 +47,17 @@ struct RobotShown<'a> {
     week_mm: String,
     date: String,
     spark: String,
+}
+
+/// A run that failed.
+#[derive(Debug, Serialize)]
+struct FailedShown<'a> {
+    serial: &'a str,
+    /// Where the robot has one.
+    page: Option<String>,
+    date: String,
+    task: &'a str,
+    error: &'a str,
 }
 
 #[derive(Debug, Serialize)]
@@ -156,6 +167,7 @@ impl<'a> Report<'a> {
         Ok(self.environment.get_template("fleet.html")?.render(context! {
             night => fleet.tonight().map(|day| day.to_string()), count => fleet.serials.len(), watched => self.said.watched,
             waiting => self.said.waiting, expected => format!("{:.1e}", self.said.expected_false), alarms,
+            failed => Value::from(Serde(&self.failed(|_| true))),
             worst => Value::from(Serde(&worst)), changed => Value::from(Serde(&changed)),
             places => Value::from(Serde(&places)), effects, trend => self.trend(), robots => Value::from(Serde(robots.iter().map(|robot| &robot.0).collect::<Vec<_>>())),
         })?)
@@ -198,11 +210,24 @@ impl<'a> Report<'a> {
             format!("{} has changed by {} since {}", number.name(), shown(alarm.change, &number.unit), Day(alarm.since))
         });
         let events = fleet.nights[robot].nights.iter().filter(|night| night.event);
+        let failed = self.failed(|of| of == serial);
         let text = self.environment.get_template("robot.html")?.render(context! {
-            serial, alarm, numbers => Value::from(Serde(&numbers)), nights => fleet.nights[robot].nights.len(), effects => Value::from(Serde(self.effects.get(&robot))),
+            serial, alarm, failed => Value::from(Serde(&failed)), numbers => Value::from(Serde(&numbers)), nights => fleet.nights[robot].nights.len(), effects => Value::from(Serde(self.effects.get(&robot))),
             events => events.map(|night| Day(night.day).to_string()).collect::<Vec<_>>(),
         })?;
         Ok((file_name(serial), text))
+    }
+
+    /// Runs that failed and have not succeeded since, of some robots.
+    fn failed(&self, of: impl Fn(&str) -> bool) -> Vec<FailedShown<'_>> {
+        let shown = |failure: &'a Failure| FailedShown {
+            serial: &failure.slot.serial,
+            page: self.fleet.serials.contains(&failure.slot.serial).then(|| file_name(&failure.slot.serial)),
+            date: failure.slot.date.map_or_else(String::new, |day| day.to_string()),
+            task: &failure.slot.task,
+            error: &failure.error,
+        };
+        self.fleet.failed.iter().filter(|failure| of(&failure.slot.serial)).map(shown).collect()
     }
 
     fn robot_shown(&self, robot: usize) -> Option<(RobotShown<'_>, f64, f64)> {

@@ -1,14 +1,14 @@
-//! Every entry of a manifest on every core: finished work is not done again, and a bad robot is a row.
+//! Every entry of a manifest on every core: work that succeeded is not done again, and a bad robot is a row.
 
 use crate::error::FleetError;
 use crate::job::{Computed, Job};
 use crate::key::{Robots, key};
 use crate::manifest::Entry;
 use crate::siblings::Priors;
-use crate::store::{Held, Slot, Store};
+use crate::store::{Held, Runs, Slot, Store};
 use denavit_calibrate::identify::stop::Stop;
 use serde::Serialize;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -37,7 +37,7 @@ pub struct RunReport {
     pub entries: usize,
     /// Computed now.
     pub done: usize,
-    /// Found in the store.
+    /// Found in the store, where they succeeded.
     pub known: usize,
     /// Rows with an error among those computed now.
     pub failed: usize,
@@ -113,10 +113,10 @@ pub fn run(
     tell: &(dyn Fn(&Entry, &Outcome) -> ControlFlow<()> + Sync),
 ) -> Result<RunReport, FleetError> {
     let store = &held.store;
-    let finished = store.finished()?;
+    let runs = store.runs()?;
     let work = Work {
         store,
-        finished: &finished,
+        runs: &runs,
         robots: Robots::default(),
         broken_off: AtomicBool::new(false),
         stop: &options.stop,
@@ -137,8 +137,8 @@ pub fn run(
     }
     let broken_off = work.broken_off.load(Ordering::Relaxed);
     let (report, keys) = work.report.into_inner().expect("counting does not panic");
-    let gone = if broken_off { HashSet::new() } else { replaced(entries, &finished, &keys) };
-    store.merge(&gone)?;
+    let gone = if broken_off { HashSet::new() } else { replaced(entries, &runs, &keys) };
+    store.merge(&gone, &runs)?;
     Ok(report.in_order(gone.len()))
 }
 
@@ -150,17 +150,17 @@ pub(crate) fn slot(entry: &Entry) -> Slot {
 /// Keys of the store whose robot, night and task stand in the manifest with other inputs or options.
 pub(crate) fn replaced<'a>(
     entries: impl IntoIterator<Item = &'a Entry>,
-    finished: &HashMap<String, Slot>,
+    runs: &Runs,
     keys: &HashSet<String>,
 ) -> HashSet<String> {
     let slots: HashSet<Slot> = entries.into_iter().map(slot).collect();
-    let old = finished.iter().filter(|(key, slot)| !keys.contains(*key) && slots.contains(*slot));
+    let old = runs.slots().filter(|(key, slot)| !keys.contains(*key) && slots.contains(*slot));
     old.map(|(key, _)| key.clone()).collect()
 }
 
 struct Work<'a> {
     store: &'a Store,
-    finished: &'a HashMap<String, Slot>,
+    runs: &'a Runs,
     robots: Robots,
     broken_off: AtomicBool,
     stop: &'a Stop,
@@ -188,7 +188,7 @@ impl Work<'_> {
             let Some(&entry) = entries.get(next.fetch_add(1, Ordering::Relaxed)) else { return Ok(()) };
             let key = key(entry, &self.robots);
             let fresh = self.report.lock().expect("counting does not panic").1.insert(key.clone());
-            let known = !fresh || self.finished.contains_key(&key);
+            let known = !fresh || self.runs.done.contains_key(&key);
             let outcome = if known { Ok(Some(Outcome::Known)) } else { self.compute(entry, key) };
             let outcome = outcome.inspect_err(|_| self.broken_off.store(true, Ordering::Relaxed))?;
             let Some(outcome) = outcome else {
@@ -201,7 +201,9 @@ impl Work<'_> {
             }
             if !known && (self.unmerged.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(MERGED_AT) {
                 let _one = self.merging.lock().expect("merging does not panic");
-                self.store.merge(&HashSet::new()).inspect_err(|_| self.broken_off.store(true, Ordering::Relaxed))?;
+                self.store
+                    .merge(&HashSet::new(), self.runs)
+                    .inspect_err(|_| self.broken_off.store(true, Ordering::Relaxed))?;
             }
         }
         Ok(())

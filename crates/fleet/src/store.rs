@@ -42,6 +42,41 @@ pub struct Held {
     _lock: File,
 }
 
+/// The runs of a store, by key.
+#[derive(Debug, Clone, Default)]
+pub struct Runs {
+    /// Those that succeeded: they are not done again.
+    pub done: HashMap<String, Slot>,
+    /// Rows of those that failed, whether or not they succeeded later. The next run does them again.
+    pub failed: HashMap<String, Failure>,
+}
+
+/// A run that failed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// What it is of.
+    pub slot: Slot,
+    /// Why.
+    pub error: String,
+}
+
+impl Runs {
+    /// Runs that failed and have not succeeded since, by robot, night and task.
+    pub fn still_failed(&self) -> Vec<&Failure> {
+        let open = self.failed.iter().filter(|(key, _)| !self.done.contains_key(*key));
+        let mut open: Vec<&Failure> = open.map(|(_, failure)| failure).collect();
+        let order = |failure: &Failure| (failure.slot.serial.clone(), failure.slot.date, failure.slot.task.clone());
+        open.sort_by_cached_key(|failure| order(failure));
+        open
+    }
+
+    /// What every run is of, by key.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = (&String, &Slot)> {
+        let failed = self.failed.iter().filter(|(key, _)| !self.done.contains_key(*key));
+        self.done.iter().chain(failed.map(|(key, failure)| (key, &failure.slot)))
+    }
+}
+
 /// What a run is of: a robot, a night, a task.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Slot {
@@ -93,25 +128,31 @@ impl Store {
         &self.folder
     }
 
-    /// The finished runs: key, and what each is of.
+    /// The runs of the store: what each is of, and whether it succeeded.
     ///
     /// # Errors
     /// A file cannot be read.
-    pub fn finished(&self) -> Result<HashMap<String, Slot>, FleetError> {
-        let mut finished = HashMap::new();
-        let [key, serial, date, task] = ["key", "serial", "date", "task"].map(|name| RUNS.index(name));
-        self.each_group(&RUNS, &["key", "serial", "date", "task"], &mut |rows| {
+    pub fn runs(&self) -> Result<Runs, FleetError> {
+        let mut runs = Runs::default();
+        let wanted = ["key", "serial", "date", "task", "ok", "error"];
+        let [key, serial, date, task, ok, error] = wanted.map(|name| RUNS.index(name));
+        self.each_group(&RUNS, &wanted, &mut |rows| {
             for row in rows {
+                let key = row[key].text();
                 let slot = Slot {
                     serial: row[serial].text().to_owned(),
                     date: row[date].day().map(Day),
                     task: row[task].text().to_owned(),
                 };
-                finished.insert(row[key].text().to_owned(), slot);
+                if row[ok].is_true() {
+                    runs.done.insert(key.to_owned(), slot);
+                } else {
+                    runs.failed.insert(key.to_owned(), Failure { slot, error: row[error].text().to_owned() });
+                }
             }
             Ok(())
         })?;
-        Ok(finished)
+        Ok(runs)
     }
 
     /// Reads a table, some thousand rows at a time, so that memory does not grow with the store; `wanted`: as of

@@ -1,6 +1,8 @@
 //! Where a robot is not what its drawing says: a link of another length, not a link made within its tolerance.
 
 use crate::identify::solve::Fit;
+use crate::observation::prior::covariance_of;
+use crate::observation::symmetric;
 use denavit_model::nalgebra::DVector;
 use serde::Serialize;
 
@@ -30,17 +32,18 @@ pub struct DrawingDifference {
 /// base is free in the prior, so a common motion of all axes counts for nothing.
 pub fn drawing_differences<E>(fit: &Fit<E>) -> Vec<DrawingDifference> {
     let count = fit.layout.joints.len();
-    let factor = fit.layout.prior.of_drawing.clone().cholesky().and_then(|precision| precision.inverse().cholesky());
-    let Some(lower) = factor.map(|factor| factor.l()) else { return Vec::new() };
+    let own_parameters = &fit.layout.parameters[fit.layout.joints.clone()];
+    let lower = symmetric::lower(&covariance_of(&fit.layout.prior.of_drawing, own_parameters), 0.0);
     let moved = DVector::from_vec(fit.layout.difference(&fit.arm, &fit.arm)[fit.layout.joints.clone()].to_vec());
-    let Some(own) = lower.solve_lower_triangular(&moved) else { return Vec::new() };
+    let solved = "the diagonal of a factor is not 0";
+    let own = lower.solve_lower_triangular(&moved).expect(solved);
     let covariance = fit.covariance.view((0, 0), (count, count));
-    let spread =
-        lower.solve_lower_triangular(&covariance).and_then(|half| lower.solve_lower_triangular(&half.transpose()));
+    let half = lower.solve_lower_triangular(&covariance).expect(solved);
+    let spread = lower.solve_lower_triangular(&half.transpose()).expect(solved);
     let joints = fit.arm.nominal.joints();
     let mut found: Vec<DrawingDifference> = Vec::new();
     for index in 0..count {
-        let sure = spread.as_ref().map_or(0.0, |spread| spread[(index, index)].max(0.0).sqrt());
+        let sure = spread[(index, index)].max(0.0).sqrt();
         if own[index].abs() < MANY_TOLERANCES || own[index].abs() < SURE * sure {
             continue;
         }

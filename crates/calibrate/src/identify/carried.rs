@@ -176,7 +176,9 @@ impl Judge<'_> {
             parameters_used: varying.parameters_used,
             values: varying.values,
             iterations: varying.iterations,
+            jacobians: varying.jacobians,
             converged: varying.converged,
+            unfinished: varying.unfinished,
         };
         (fit, unsure)
     }
@@ -381,7 +383,9 @@ impl Carried {
             parameters_used: fit.parameters_used.clone(),
             values: fit.values.clone(),
             iterations: fit.iterations,
+            jacobians: fit.jacobians,
             converged: fit.converged,
+            unfinished: fit.unfinished.clone(),
         }
     }
 

@@ -233,7 +233,7 @@ fn analyse(triangle: &DMatrix<f64>, conditions: &DMatrix<f64>) -> Analysis {
         all = stacked(&all, &DMatrix::zeros(columns - all.nrows(), columns));
     }
     let svd = all.svd(false, true);
-    let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns));
+    let v_t = svd.v_t.expect("these singular vectors were asked for");
     let unidentifiable: Vec<usize> =
         (0..columns).filter(|&k| svd.singular_values[k] <= 1e3 * RANK_TOLERANCE * largest).collect();
     let directions = DMatrix::from_fn(columns, unidentifiable.len(), |row, k| v_t[(unidentifiable[k], row)]);

@@ -312,7 +312,7 @@ fn rigid_fit(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Pose> {
 
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation3<f64> {
     let svd = matrix.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };
+    let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
     let sign = (u * v_t).determinant().signum();
     let mut turned = u;
     let last = svd.singular_values.imin();

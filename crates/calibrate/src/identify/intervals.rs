@@ -4,7 +4,7 @@
 
 use crate::identify::solve::{Fit, missing_degrees};
 use crate::observation::gauge;
-use denavit_model::nalgebra::{DMatrix, DVector};
+use denavit_model::nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Residuals below this share of the robot's size (and rad) are as good as none: a micrometre on a metre.
@@ -62,9 +62,7 @@ impl<E> Fit<E> {
     /// Variances of the joints' parameters by the prior alone, the common frame held.
     fn prior_spread(&self) -> Vec<f64> {
         let count = self.layout.joints.len();
-        let Some(covariance) = self.layout.prior.precision.clone().cholesky().map(|factor| factor.inverse()) else {
-            return vec![0.0; count];
-        };
+        let covariance = self.layout.prior.covariance(&self.layout.parameters[self.layout.joints.clone()]);
         let mut conditions = gauge::conditions(&self.layout, &self.arm).rows(0, count).into_owned();
         // Each condition brought to size 1. Along a SCARA's parallel axes one says nothing, and is left out.
         let size = DVector::from_fn(conditions.ncols(), |k, _| {
@@ -75,8 +73,7 @@ impl<E> Fit<E> {
         }
         let along = &covariance * &conditions;
         let inverse = (conditions.transpose() * &along).pseudo_inverse(SAYS_NOTHING);
-        let held =
-            inverse.map_or_else(|_| DMatrix::zeros(count, count), |inverse| &along * inverse * along.transpose());
+        let held = &along * inverse.expect("the threshold is not negative") * along.transpose();
         (0..count).map(|k| covariance[(k, k)] - held[(k, k)]).collect()
     }
 }

@@ -27,6 +27,7 @@ use crate::identify::solve::Fit;
 use crate::identify::threads::each_alone;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
+use crate::observation::symmetric;
 use denavit_model::nalgebra::{DMatrix, Vector3};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -350,7 +351,8 @@ impl<'a> Study<'a> {
         let inside: Vec<usize> =
             (0..self.tied.count).filter(|&k| (k == number || self.best.numbers[k] > 0.0) && self.has(k)).collect();
         let own = information.select_rows(&inside).select_columns(&inside);
-        let inverse = own.try_inverse().unwrap_or_else(|| DMatrix::zeros(inside.len(), inside.len()));
+        // A direction that has no information is not known at all.
+        let inverse = own.clone().try_inverse().unwrap_or_else(|| symmetric::inverse(&own, 0.0));
         (inside, inverse)
     }
 

@@ -28,6 +28,12 @@ pub const SCHEMA: &str = "denavit.prior/1";
 pub const CALIBRATION_SCHEMA: &str = "denavit.calibration/2";
 /// Axes drawn this far apart, m and rad, are two drawings.
 const SAME_DRAWING: f64 = 1e-6;
+/// Changes and standard deviations are smaller, in their units.
+const LARGEST: f64 = 1e6;
+/// Share of its tolerance below which a standard deviation is mostly rounding.
+const KNOWN_EXACTLY: f64 = 1e-6;
+/// Correlations rounded to six digits leave eigenvalues this far below 0, for each parameter.
+const ROUNDED_CORRELATIONS: f64 = 1e-6;
 
 /// What a fit knows of the axes beside the parameters' values and standard deviations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -185,6 +191,7 @@ impl Earlier {
         let effects = earlier.posterior.as_ref().and_then(|posterior| posterior.effects.as_ref());
         let effects = effects.map(|effects| effects.read(file, chain, earlier.parameters.len())).transpose();
         earlier.effects = effects.map_err(EarlierError::Effects)?.map(Arc::new);
+        earlier.check_correlations(file, chain)?;
         Ok(earlier)
     }
 
@@ -254,12 +261,47 @@ impl Earlier {
             if parameter.unit != known.unit {
                 return Err(number(name, &format!("its unit is \"{}\", not \"{}\"", parameter.unit, known.unit)));
             }
-            if !known.change.is_finite() || !known.std.is_finite() || known.std < 0.0 {
-                return Err(number(name, "its change and std must be finite, std not below 0"));
+            if !(known.change.abs() < LARGEST && (0.0..LARGEST).contains(&known.std)) {
+                return Err(number(name, "its change and std must be below 1e6, std not below 0"));
             }
             if row.len() != index || row.iter().any(|value| !(-1.0..=1.0).contains(value)) {
                 return Err(number(name, &format!("it needs {index} correlations between -1 and 1")));
             }
+        }
+        Ok(())
+    }
+
+    /// That there are numbers with these correlations: no direction has a negative variance.
+    ///
+    /// Parameters that are known far better than their tolerance count less: their correlations are mostly rounding.
+    fn check_correlations(&self, file: &str, chain: &Chain) -> Result<(), EarlierError> {
+        let own = every_parameter(chain);
+        let tolerance = |name: &str| own.iter().find(|own| own.name == name).and_then(|own| own.tolerance);
+        let weight = |known: &KnownParameter| {
+            let tolerance = tolerance(&known.parameter).unwrap_or(1.0);
+            if known.std > 0.0 { known.std / (known.std + KNOWN_EXACTLY * tolerance) } else { 0.0 }
+        };
+        let mut weights: Vec<f64> = self.parameters.iter().map(weight).collect();
+        let mut rows: Vec<&[f64]> = Vec::new();
+        rows.extend(self.posterior.iter().flat_map(|posterior| &posterior.correlations).map(Vec::as_slice));
+        if let Some(effects) = &self.effects {
+            weights.extend(effects.std.iter().map(|std| if *std > 0.0 { 1.0 } else { 0.0 }));
+            rows.extend(effects.correlations.iter().map(Vec::as_slice));
+        }
+        let count = rows.len();
+        let cell = |i: usize, k: usize| match i.cmp(&k) {
+            std::cmp::Ordering::Equal => 1.0,
+            std::cmp::Ordering::Greater => rows[i][k],
+            std::cmp::Ordering::Less => rows[k][i],
+        };
+        let matrix = DMatrix::from_fn(count, count, |i, k| cell(i, k) * weights[i] * weights[k]);
+        let least = if count == 0 { 0.0 } else { matrix.symmetric_eigenvalues().min() };
+        if least < -ROUNDED_CORRELATIONS * count as f64 {
+            let why = format!(
+                "no numbers can be correlated like this: their matrix has the eigenvalue {least:.3}, and none may be below 0"
+            );
+            let parameter = "posterior.correlations".into();
+            return Err(EarlierError::Number { file: file.into(), parameter, why });
         }
         Ok(())
     }
@@ -278,15 +320,14 @@ impl Earlier {
         let (own, by_parameter) = effects.covariance(coefficients, &std);
         // Counted in full, for what is known of the axes is one covariance with it; it holds the common frame's motions, too.
         let expecting = expecting(layout.with_effects(Vec::new()), Some(&self.counted(1.0)));
-        let (all, expected) = (expecting.prior.precision.cholesky()?.inverse(), expecting.prior.mean);
         let joints = &layout.parameters[layout.joints.clone()];
+        let (all, expected) = (expecting.prior.covariance(joints), expecting.prior.mean);
         let place = |known: &KnownParameter| joints.iter().position(|parameter| parameter.name == known.parameter);
         let kept: Vec<(usize, usize)> =
             self.parameters.iter().enumerate().filter_map(|(then, known)| Some((then, place(known)?))).collect();
         let (then, now): (Vec<usize>, Vec<usize>) = kept.into_iter().unzip();
         let known = (expected.select_rows(&now), all.select_rows(&now).select_columns(&now));
-        let prior =
-            EffectsPrior::new(first, DVector::from_vec(mean), &own, &by_parameter.select_columns(&then), known)?;
+        let prior = EffectsPrior::new(first, DVector::from_vec(mean), &own, &by_parameter.select_columns(&then), known);
         Some(prior.spread_over(&now, joints.len()))
     }
 

@@ -10,8 +10,10 @@ use crate::observation::gauge;
 use crate::observation::kinds::Part;
 use crate::observation::measurements::{Measurements, Scene, Series};
 use crate::observation::parameters::{Effects, Known, Layout};
+use crate::observation::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// Standard deviation of one measured component, by noise channel of the scene: m and rad.
@@ -52,7 +54,7 @@ pub struct FitOptions {
     pub robust: bool,
     /// Stop after this many steps.
     pub most_iterations: usize,
-    /// χ² that the last step may promise: what is left after it is far less.
+    /// Predicted decrease of χ² below which no further step is taken.
     pub least_promise: f64,
 }
 
@@ -85,12 +87,43 @@ pub struct Fit<E> {
     pub values: Vec<f64>,
     /// Steps taken.
     pub iterations: usize,
-    /// Whether the last step was too small to matter.
+    /// Normal equations that were formed: one for each step that was tried, one for each placement of frames and targets anew, one for
+    /// each change of the weights.
+    pub jacobians: usize,
+    /// Whether what is left to gain is too small to matter.
     pub converged: bool,
+    /// What is left to gain, where the fit did not converge.
+    pub unfinished: Option<Unfinished>,
 }
 
-/// Damping that is always there, relative to the scaled diagonal: holds what the data do not see at all, biases nothing.
+/// Why a fit did not converge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unfinished {
+    /// Decrease of χ² that the undamped step at the last state predicts; not finite where the normal equations are not.
+    pub promise: f64,
+    /// Names of the parameters that this step moves most, each in its tolerance (frames and targets: in m and rad); at most four, the
+    /// one that moves most first.
+    pub parameters: Vec<String>,
+}
+
+/// Always added to the diagonal, which is scaled to 1: holds what the data do not see at all, biases nothing.
 const LEAST_DAMPING: f64 = 1e-12;
+/// Damping of the first step, in units of the prior's precision: far less than the prior itself.
+const FIRST_DAMPING: f64 = 1e-3;
+/// Damping after a step that fails is at least this.
+const LEAST_AFTER_FAILURE: f64 = 1e-3;
+/// Damping after a step that fails, relative to that before; its inverse after one that does what was predicted.
+const DAMPING_RATIO: f64 = 10.0;
+/// Steps tried from one state: the damping of the last is 1e9 times the prior's precision.
+const MOST_TRIALS: usize = 12;
+/// Share of the predicted decrease from which on the prediction is good: the damping falls.
+const PREDICTED_WELL: f64 = 0.5;
+/// Share of the predicted decrease below which the prediction is bad: the damping grows though the step is taken.
+const PREDICTED_BADLY: f64 = 0.1;
+/// Share of the predicted decrease from which on frames and targets need no placement anew: the problem is nearly linear there.
+const NEARLY_LINEAR: f64 = 0.9;
+/// A number of an effect counts as large where it moves what is measured by this, root mean square, m or rad: a tolerance of geometry.
+const LARGE_EFFECT: f64 = 1e-3;
 /// Weight of the gauge's conditions relative to the scaled diagonal.
 const GAUGE_WEIGHT: f64 = 10.0;
 /// Share of the nominal robot's residual that the first step takes for noise. Where prior and data disagree two noise
@@ -102,8 +135,12 @@ const ROUNDING: f64 = 1e-14;
 const PROMISE_NEAR_END: f64 = 1e3;
 /// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
 const PROMISE_FOR_REJECTION: f64 = 1.0;
-/// χ² that the last step may promise where nothing else is asked: a hundredth of a standard deviation, squared.
-const PROMISE_AT_END: f64 = 1e-4;
+/// Predicted decrease of χ² at the end where nothing else is asked: a thirtieth of a standard deviation, squared.
+const PROMISE_AT_END: f64 = 1e-3;
+/// A fit has converged where the undamped step predicts a smaller decrease of χ²: no parameter moves by its standard deviation.
+const PROMISE_OF_A_RESULT: f64 = 1.0;
+/// Parameters that the report of a fit that did not converge names.
+const NAMED_WHEN_UNFINISHED: usize = 4;
 /// Steps are alike if the square of the cosine between them is this much; they follow each other as powers of a share if that is between these.
 const ALIKE: f64 = 0.9;
 const SHARE: std::ops::Range<f64> = 0.1..0.9;
@@ -133,15 +170,21 @@ impl<E> Fit<E> {
             parameters_used: self.parameters_used.clone(),
             values: self.values.clone(),
             iterations: self.iterations,
+            jacobians: self.jacobians,
             converged: self.converged,
+            unfinished: self.unfinished.clone(),
         }
     }
 }
 
+/// Normal equations of numbers y, each parameter being its scale times its y.
 struct System {
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
     scale: DVector<f64>,
+    /// Precision of each y by which a step is damped: 1 for each axis parameter in its tolerance, 1 for frames and targets in m and rad.
+    /// The diagonal of the normal equations in its place would hardly damp weak, curved directions.
+    damped: DVector<f64>,
     gauge: Option<DMatrix<f64>>,
 }
 
@@ -171,7 +214,8 @@ pub fn fit<E: Effects>(
     weights: &[f64],
     options: &FitOptions,
 ) -> Fit<E> {
-    Solver { data, layout, reference: arm.clone(), options: *options }.run(arm, effects, weights)
+    let jacobians = Cell::new(0);
+    Solver { data, layout, reference: arm.clone(), options: *options, jacobians }.run(arm, effects, weights)
 }
 
 struct Solver<'a> {
@@ -179,6 +223,17 @@ struct Solver<'a> {
     layout: &'a Layout,
     reference: Arm,
     options: FitOptions,
+    jacobians: Cell<usize>,
+}
+
+/// A step that was tried.
+struct Step<E> {
+    /// Where it leads; `None` where no step lowers the objective.
+    next: Option<State<E>>,
+    /// Decrease of χ² that was predicted.
+    promise: f64,
+    /// The same of the step without damping.
+    undamped: f64,
 }
 
 impl Solver<'_> {
@@ -190,12 +245,13 @@ impl Solver<'_> {
         let mut noise = self.noise_of(&state.sums.squares, &weights, &used, robust);
         // The nominal robot's residual is not noise: trust the data more than that in the first step.
         noise.levels.iter_mut().for_each(|level| *level *= TRUST_AT_START);
-        let (mut damping, mut iterations, mut rounds, mut converged) = (LEAST_DAMPING, 0, 0, false);
+        let (mut damping, mut iterations, mut rounds, mut exact) = (FIRST_DAMPING, 0, 0, false);
         let mut last = None;
         while iterations < self.options.most_iterations {
             iterations += 1;
             let system = self.system(&state, &noise);
-            let (next, promise) = self.step(&state, &system, &noise, &weights, (&mut damping, &mut last));
+            let Step { next, promise, undamped } =
+                self.step(&state, &system, &noise, &weights, (&mut damping, &mut last));
             let stuck = next.is_none();
             if let Some(next) = next {
                 state = next;
@@ -204,6 +260,7 @@ impl Solver<'_> {
                 noise = self.noise_of(&state.sums.squares, &weights, &used, true);
                 if stuck || promise < PROMISE_FOR_REJECTION || noise == self.rounding() || iterations > 12 {
                     robust = false;
+                    damping = FIRST_DAMPING;
                     weights = self.kept(&state.sums.squares, given, &noise);
                     state = self.evaluate(state.arm, state.effects, &weights);
                     used = self.parameters_used(&state, &noise);
@@ -222,31 +279,38 @@ impl Solver<'_> {
             let steady = settled.near(&noise);
             noise = settled;
             let rounding = noise == self.rounding();
-            if (stuck || promise < self.options.least_promise || rounding) && steady {
+            let least = self.options.least_promise;
+            let ended = undamped < PROMISE_OF_A_RESULT && (stuck || promise < least);
+            if (ended || stuck || rounding) && steady {
                 let kept = if self.options.robust && rounds < 4 {
                     self.kept(&state.sums.squares, given, &noise)
                 } else {
                     weights.clone()
                 };
                 if kept == weights {
-                    converged = true;
+                    exact = rounding;
                     break;
                 }
                 rounds += 1;
                 weights = kept;
                 state = self.evaluate(state.arm, state.effects, &weights);
             }
+            if stuck || promise < least {
+                // The damping is what made the step short.
+                damping = FIRST_DAMPING;
+            }
         }
-        self.finish(state, weights, iterations, converged)
+        self.finish(state, weights, iterations, exact)
     }
 
-    fn finish<E: Effects>(&self, state: State<E>, weights: Vec<f64>, iterations: usize, converged: bool) -> Fit<E> {
+    fn finish<E: Effects>(&self, state: State<E>, weights: Vec<f64>, iterations: usize, exact: bool) -> Fit<E> {
         let mut noise = self.noise_of(&state.sums.squares, &weights, &self.unused(), false);
         let mut used = self.unused();
         for _ in 0..4 {
             used = self.parameters_used(&state, &noise);
             noise = self.noise_of(&state.sums.squares, &weights, &used, false);
         }
+        let unfinished = if exact { None } else { self.unfinished(&state, &noise) };
         let covariance = self.covariance(&state, &noise);
         Fit {
             values: state.sums.channels.iter().map(|channel| channel.count).collect(),
@@ -259,8 +323,29 @@ impl Solver<'_> {
             covariance,
             parameters_used: used,
             iterations,
-            converged,
+            jacobians: self.jacobians.get(),
+            converged: unfinished.is_none(),
+            unfinished,
         }
+    }
+
+    /// What is left to gain at a state; `None` where that is less than matters.
+    fn unfinished<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<Unfinished> {
+        let system = self.system(state, noise);
+        let Some(full) = system.solve(0.0) else {
+            return Some(Unfinished { promise: f64::NAN, parameters: Vec::new() });
+        };
+        let promise = system.decrease(&full);
+        // Not a number is no result, either.
+        if promise < PROMISE_OF_A_RESULT {
+            return None;
+        }
+        // In tolerances: y² times the precision by which it is damped.
+        let size = |&k: &usize| full[k] * full[k] * system.damped[k];
+        let mut order: Vec<usize> = (0..full.len()).collect();
+        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let named = order.iter().take(NAMED_WHEN_UNFINISHED).filter(|k| size(k) > 0.01 * size(&order[0]));
+        Some(Unfinished { promise, parameters: named.map(|&k| self.layout.parameters[k].name.clone()).collect() })
     }
 
     fn scene(&self) -> &Scene {
@@ -276,6 +361,7 @@ impl Solver<'_> {
     }
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
+        self.jacobians.set(self.jacobians.get() + 1);
         let sums = ResidualModel { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
         let known: f64 = self.known(&arm, &effects).iter().map(|known| known.residual.powi(2)).sum();
         let prior = self.layout.prior_cost(&arm, &self.reference) + known;
@@ -324,12 +410,27 @@ impl Solver<'_> {
             }
         }
         gradient.component_mul_assign(&scale);
+        let damped = DVector::from_fn(n, |i, _| (scale[i] * self.precision(i, state)).powi(2));
         let gauge = (!self.layout.joints.is_empty())
             .then(|| gauge::in_scaled(gauge::conditions(self.layout, &self.reference), scale.as_slice()));
-        System { matrix, gradient, scale, gauge }
+        System { matrix, gradient, scale, damped, gauge }
     }
 
-    /// A step that lowers the objective, and the χ² that it promised; `None` when there is none.
+    /// Inverse of what is a large change of a parameter: its tolerance; 1 m or 1 rad of frames and targets; of an effect's number what
+    /// moves the measured values by [`LARGE_EFFECT`].
+    fn precision<E>(&self, index: usize, state: &State<E>) -> f64 {
+        if self.layout.effects.contains(&index) {
+            let n = self.layout.len();
+            let mut moved = (0.0, 0.0);
+            for channel in &state.sums.channels {
+                moved = (moved.0 + channel.matrix[index * n + index], moved.1 + channel.count);
+            }
+            return if moved.1 > 0.0 { (moved.0 / moved.1).sqrt() / LARGE_EFFECT } else { 1.0 };
+        }
+        self.layout.parameters[index].tolerance.map_or(1.0, f64::recip)
+    }
+
+    /// A step that lowers the objective.
     fn step<E: Effects>(
         &self,
         state: &State<E>,
@@ -337,20 +438,21 @@ impl Solver<'_> {
         noise: &Noise,
         weights: &[f64],
         (damping, last): (&mut f64, &mut Last),
-    ) -> (Option<State<E>>, f64) {
+    ) -> Step<E> {
         let before = self.objective(state, weights, noise);
         let least = self.options.least_promise;
-        let mut promise = 0.0;
+        let undamped = system.solve(0.0).map_or(f64::INFINITY, |full| system.decrease(&full));
+        let mut promise = undamped;
         let mut lasting = last.take();
-        for _ in 0..12 {
+        if undamped < least {
+            return Step { next: None, promise, undamped };
+        }
+        for _ in 0..MOST_TRIALS {
             let Some(scaled) = system.solve(*damping) else {
-                *damping = (*damping * 10.0).max(1e-10);
+                *damping = (*damping * DAMPING_RATIO).max(LEAST_AFTER_FAILURE);
                 continue;
             };
-            promise = scaled.dot(&(&system.matrix * &scaled));
-            if promise < least {
-                return (None, promise);
-            }
+            promise = system.decrease(&scaled);
             let mut step: Vec<f64> = scaled.iter().zip(system.scale.iter()).map(|(y, s)| y * s).collect();
             let share = lasting.take().and_then(|last| share_of(&step, &last, &system.scale));
             if let Some(share) = share {
@@ -360,12 +462,25 @@ impl Solver<'_> {
             }
             let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
-            let next = self.evaluate(arm, effects, weights);
-            let after = self.objective(&next, weights, noise);
+            let mut next = self.evaluate(arm, effects, weights);
+            let mut after = self.objective(&next, weights, noise);
+            // What is no number counts as failed.
+            let as_predicted = before - after >= NEARLY_LINEAR * promise;
+            if !as_predicted && let Some(placed) = self.placed_anew(&next, noise, weights) {
+                let found = self.objective(&placed, weights, noise);
+                if found < after || after.is_nan() {
+                    (next, after) = (placed, found);
+                }
+            }
             if after <= before + 1e-9 * promise.min(1.0) {
-                *damping = (*damping * 0.1).max(LEAST_DAMPING);
+                let gained = (before - after) / promise;
+                if gained > PREDICTED_WELL {
+                    *damping /= DAMPING_RATIO;
+                } else if gained < PREDICTED_BADLY {
+                    *damping *= DAMPING_RATIO.sqrt();
+                }
                 *last = Some(step).filter(|_| share.is_none());
-                return (Some(next), promise);
+                return Step { next: Some(next), promise, undamped };
             }
             if share.is_some() {
                 continue;
@@ -373,9 +488,33 @@ impl Solver<'_> {
             if promise < least.max(1e-9 * before) {
                 break;
             }
-            *damping = (*damping * 10.0).max(1e-6);
+            *damping = (*damping * DAMPING_RATIO).max(LEAST_AFTER_FAILURE);
         }
-        (None, promise)
+        Step { next: None, promise, undamped }
+    }
+
+    /// The state with frames and targets moved to where they fit best for the axes and effects that it has, to first order; `None` where
+    /// nothing else is free or nothing is gained.
+    fn placed_anew<E: Effects>(&self, state: &State<E>, noise: &Noise, weights: &[f64]) -> Option<State<E>> {
+        let n = self.layout.len();
+        let first = self.layout.effects.end;
+        if first == 0 || first == n {
+            return None;
+        }
+        let system = self.system(state, noise);
+        let placing = n - first;
+        let mut matrix = system.matrix.view((first, first), (placing, placing)).into_owned();
+        (0..placing).for_each(|k| matrix[(k, k)] += LEAST_DAMPING);
+        let scaled = matrix.cholesky()?.solve(&system.gradient.rows(first, placing));
+        let mut step = vec![0.0; n];
+        for (k, y) in scaled.iter().enumerate() {
+            step[first + k] = y * system.scale[first + k];
+        }
+        if step.iter().any(|cell| !cell.is_finite()) {
+            return None;
+        }
+        let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
+        Some(self.evaluate(arm, state.effects.clone(), weights))
     }
 
     /// The least noise that there can be.
@@ -445,7 +584,7 @@ impl Solver<'_> {
     fn parameters_used<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Vec<f64> {
         let system = self.system(state, noise);
         let mut used = self.unused();
-        let Some(inverse) = system.inverse() else { return used };
+        let inverse = system.inverse();
         let n = self.layout.len();
         for (k, (channel, sigma)) in state.sums.channels.iter().zip(&noise.levels).enumerate() {
             for i in 0..n {
@@ -462,13 +601,12 @@ impl Solver<'_> {
     fn covariance<E: Effects>(&self, state: &State<E>, noise: &Noise) -> DMatrix<f64> {
         let system = self.system(state, noise);
         let n = self.layout.len();
-        let mut covariance = system.inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
+        let mut covariance = system.inverse();
         if let Some(conditions) = &system.gauge {
             // The limit of ever heavier conditions: they hold exactly.
             let along = &covariance * conditions;
-            if let Some(inverse) = (conditions.transpose() * &along).try_inverse() {
-                covariance -= &along * inverse * along.transpose();
-            }
+            let inverse = symmetric::inverse(&(conditions.transpose() * &along), 0.0);
+            covariance -= &along * inverse * along.transpose();
         }
         for i in 0..n {
             for k in 0..n {
@@ -486,9 +624,14 @@ impl System {
             matrix.gemm(GAUGE_WEIGHT, conditions, &conditions.transpose(), 1.0);
         }
         for i in 0..matrix.nrows() {
-            matrix[(i, i)] += damping;
+            matrix[(i, i)] += LEAST_DAMPING + damping * self.damped[i];
         }
         matrix
+    }
+
+    /// Decrease of χ² that the equations predict for a step.
+    fn decrease(&self, scaled: &DVector<f64>) -> f64 {
+        2.0 * scaled.dot(&self.gradient) - scaled.dot(&(&self.matrix * scaled))
     }
 
     /// The scaled step.
@@ -497,11 +640,15 @@ impl System {
         step.iter().all(|x| x.is_finite()).then_some(step)
     }
 
-    fn inverse(&self) -> Option<DMatrix<f64>> {
-        let matrix = self.damped(LEAST_DAMPING);
+    /// The covariance of the y. Directions that rounding leaves without a positive precision get the variance of the least damping: the
+    /// data say nothing of them. Not a number where the equations hold such.
+    fn inverse(&self) -> DMatrix<f64> {
+        let matrix = self.damped(0.0);
         let size = matrix.nrows();
-        let roots = Triangle::factor(matrix.as_slice().to_vec(), size)?.inverse_columns();
-        Some(DMatrix::from_vec(size, size, gram_of(&roots, size)))
+        match Triangle::factor(matrix.as_slice().to_vec(), size) {
+            Some(factor) => DMatrix::from_vec(size, size, gram_of(&factor.inverse_columns(), size)),
+            None => symmetric::inverse(&matrix, LEAST_DAMPING),
+        }
     }
 }
 

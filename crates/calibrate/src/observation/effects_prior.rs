@@ -8,6 +8,7 @@
 //! The joints' own prior says the rest, so both together are the earlier posterior of axes and coefficients.
 
 use crate::observation::parameters::Known;
+use crate::observation::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// Nobody knows a coefficient better than to this share of its standard deviation, all others given: R stays invertible.
@@ -33,15 +34,19 @@ impl EffectsPrior {
     ///
     /// # Shape and units
     /// `own`: covariance of the coefficients; `cross`: theirs with the joints' parameters, a row for each coefficient;
-    /// `joints`: what is expected of the joints' parameters, and their covariance, which has an inverse. `None` where it has none.
+    /// `joints`: what is expected of the joints' parameters, and their covariance.
     pub fn new(
         first: usize,
         mean: DVector<f64>,
         own: &DMatrix<f64>,
         cross: &DMatrix<f64>,
         (expected, joints): (DVector<f64>, DMatrix<f64>),
-    ) -> Option<Self> {
-        let along = joints.cholesky()?.solve(&cross.transpose()).transpose();
+    ) -> Self {
+        let size: Vec<f64> = (0..joints.nrows()).map(|k| joints[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+        let scaled = DMatrix::from_fn(size.len(), size.len(), |i, k| joints[(i, k)] / (size[i] * size[k]));
+        let inverse = symmetric::inverse(&scaled, BEST_KNOWN * BEST_KNOWN);
+        let inverse = DMatrix::from_fn(size.len(), size.len(), |i, k| inverse[(i, k)] / (size[i] * size[k]));
+        let along = cross * inverse;
         let rest = own - &along * cross.transpose();
         let count = mean.len();
         let spread: Vec<f64> = (0..count).map(|k| own[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
@@ -51,7 +56,7 @@ impl EffectsPrior {
         let kept = eigen.eigenvalues.map(|value| value.max(BEST_KNOWN * BEST_KNOWN));
         scaled = &eigen.eigenvectors * DMatrix::from_diagonal(&kept.map(|value| value.sqrt().recip()));
         let whitening = DMatrix::from_fn(count, count, |i, k| scaled[(k, i)] / spread[k]);
-        Some(Self { first, expected, mean, along, whitening })
+        Self { first, expected, mean, along, whitening }
     }
 
     /// The same where the joints' parameters that it was made with are these of so many.
@@ -111,8 +116,7 @@ mod tests {
         let cross = whole.view((2, 0), (1, 2)).into_owned();
         let own = whole.view((2, 2), (1, 1)).into_owned();
         let prior =
-            EffectsPrior::new(0, DVector::from_element(1, 0.3), &own, &cross, (DVector::zeros(2), joints.clone()))
-                .unwrap();
+            EffectsPrior::new(0, DVector::from_element(1, 0.3), &own, &cross, (DVector::zeros(2), joints.clone()));
         let mut precision = prior.precision();
         let mut block = precision.view_mut((0, 0), (2, 2));
         block += joints.clone().try_inverse().unwrap();

@@ -145,7 +145,10 @@ fn missing(
     }
     let difference = DVector::from_vec(layout.difference(arm, reference));
     let matrix = conditions.transpose() * common_motions(layout, arm) * held;
-    let solution = matrix.svd(true, true).solve(&(conditions.transpose() * difference), 1e-13).ok()?;
+    let solution = matrix
+        .svd(true, true)
+        .solve(&(conditions.transpose() * difference), 1e-13)
+        .expect("both sets of singular vectors were asked for");
     let twists = -(held * solution);
     (twists.iter().any(|x| *x != 0.0) && twists.iter().all(|x| x.is_finite())).then_some(twists)
 }

@@ -19,6 +19,7 @@
 use crate::observation::arm::AxisBasis;
 use crate::observation::frames::Frames;
 use crate::observation::parameters::{Parameter, ParameterKind, Tolerances};
+use crate::observation::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use denavit_model::{Chain, Quantity};
 
@@ -117,7 +118,7 @@ impl Prior {
         for i in 0..known.len() {
             covariance[(i, i)] += BEST_KNOWN.powi(2);
         }
-        let Some(inverse) = block(known, known).cholesky().map(|factor| factor.inverse()) else { return self };
+        let inverse = symmetric::inverse(&block(known, known), BEST_KNOWN.powi(2));
         let along = block(&others, known) * inverse;
         let rest = block(&others, &others) - &along * block(known, &others);
         let cross = &along * &covariance;
@@ -146,8 +147,13 @@ impl Prior {
         let full = precise(&all, parameters);
         let precision = &full * before.weight + &self.of_drawing * (1.0 - before.weight);
         let pull = &full * mean * before.weight;
-        let mean = precision.clone().cholesky().map_or_else(|| DVector::zeros(count), |factor| factor.solve(&pull));
+        let mean = covariance_of(&precision, parameters) * pull;
         Self { mean, precision, ..self }
+    }
+
+    /// Covariance of the parameters, in their units.
+    pub fn covariance(&self, parameters: &[Parameter]) -> DMatrix<f64> {
+        covariance_of(&self.precision, parameters)
     }
 
     /// Whether the drawing alone says what is expected.
@@ -179,14 +185,22 @@ fn moved_by(
 fn precise(covariance: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
     let count = parameters.len();
     let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
-    let mut precision =
-        covariance.clone().cholesky().map_or_else(|| DMatrix::identity(count, count), |factor| factor.inverse());
+    let mut precision = symmetric::inverse(covariance, BEST_KNOWN.powi(2));
     for i in 0..count {
         for k in 0..count {
             precision[(i, k)] /= unit(i) * unit(k);
         }
     }
     precision
+}
+
+/// Inverse of a precision in units of 1 over the parameters' units.
+pub(crate) fn covariance_of(precision: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
+    let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
+    let count = parameters.len();
+    let scaled = DMatrix::from_fn(count, count, |i, k| precision[(i, k)] * unit(i) * unit(k));
+    let inverse = symmetric::inverse(&scaled, 0.0);
+    DMatrix::from_fn(count, count, |i, k| inverse[(i, k)] * unit(i) * unit(k))
 }
 
 /// Directions of the joints' parameters, in tolerances, that no common motion of a frame's axes moves along: orthonormal columns.

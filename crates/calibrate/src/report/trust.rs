@@ -187,7 +187,7 @@ pub(super) fn not_adopted(report: &CalibrationReport) -> String {
                 stage.name
             );
         } else if !stage.converged {
-            let _ = writeln!(text, "\"{}\" did not settle: its errors are of no use", stage.name);
+            let _ = writeln!(text, "\"{}\" did not converge: do not use its errors", stage.name);
         }
     }
     text

@@ -11,6 +11,7 @@ use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects;
+use crate::observation::symmetric;
 use crate::trace::projector::Projector;
 use crate::trace::search::postures;
 use denavit_model::nalgebra::allocator::Allocator;
@@ -72,8 +73,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     let stretches = stretches(&problem, fit);
     let values = stretches.iter().map(|stretch| stretch.residual.len()).sum();
     // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · perturbation.
-    let prior =
-        layout.prior.precision.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |factor| factor.l().transpose());
+    let prior = symmetric::lower(&layout.prior.precision, 0.0).transpose();
     let priors = prior.nrows();
     // The common frame is held as in a fit: to first order an effect does not move along with its axis, so what in truth
     // changes no measured value would stand in for it.

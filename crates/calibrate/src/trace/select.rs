@@ -550,7 +550,8 @@ impl<'a> Tracer<'a> {
     /// Several effects at one place where a single candidate does as well.
     fn merged(&self, state: &State, scorer: &CandidateScorer<'_>) -> Option<State> {
         for first in 0..state.chosen.len() {
-            let joint = state.chosen[first].term.carrier.joint()?;
+            // An effect of no joint is merged with none; the others may be.
+            let Some(joint) = state.chosen[first].term.carrier.joint() else { continue };
             let same: Vec<usize> = (0..state.chosen.len())
                 .filter(|&other| state.chosen[other].term.carrier.joint() == Some(joint))
                 .collect();

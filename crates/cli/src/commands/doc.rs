@@ -154,7 +154,13 @@ fn document(
         }
         for listing in listed.iter().filter(|listing| others_of(listing)) {
             let (base, tip) = (Some(listing.base.clone()), OneTip { tip: Some(listing.tip.clone()) });
-            others.extend(part(&RobotArguments { base, tip, ..robot.clone() }, &loaded).ok());
+            match part(&RobotArguments { base, tip, ..robot.clone() }, &loaded) {
+                Ok(other) => others.push(other),
+                Err(error) => crate::output::mention(format!(
+                    "{name}: the chain {} → {} is not on the page: {error}",
+                    listing.base, listing.tip
+                )),
+            }
         }
     }
     let fingerprint = fingerprint(&loaded.subject(name), denavit_compare::fingerprint::DEFAULT_TOLERANCE).to_string();

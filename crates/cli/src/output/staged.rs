@@ -107,36 +107,74 @@ impl Staged {
     }
 }
 
+/// What was at a target before it was replaced.
+enum Before {
+    /// No file.
+    Nothing,
+    /// This one, under a second name.
+    File(TempPath),
+}
+
 /// Renames every file to its target; where one fails, those before it get back what they were.
 pub fn commit(files: Vec<Staged>) -> Result<(), Failure> {
     let mut pending = pending();
+    // Everything that can be taken back is at hand before the first file changes. One file needs nothing: its renaming is done or not.
     let several = files.len() > 1;
-    let mut done: Vec<(PathBuf, Option<TempPath>)> = Vec::new();
-    for Staged { file, target, shown } in files {
-        let old = if several { kept(&target) } else { None };
+    let mut staged = Vec::new();
+    for file in files {
+        let before =
+            if several { Some(before(&file.target).map_err(|error| failed(&file.shown, &error))?) } else { None };
+        staged.push((file, before));
+    }
+    let mut done: Vec<(PathBuf, Before)> = Vec::new();
+    for (Staged { file, target, shown }, before) in staged {
         if let Err(error) = file.persist(&target) {
-            for (target, old) in done {
-                // What cannot be taken back stays; the message names the file that failed.
-                let _ = match old {
-                    Some(old) => std::fs::rename(&old, target),
-                    None => std::fs::remove_file(target),
-                };
-            }
-            return Err(failed(&shown, &error.error));
+            let left = done.into_iter().rev().filter_map(taken_back).collect::<Vec<_>>();
+            let reason = std::iter::once(error.error.to_string()).chain(left).collect::<Vec<_>>().join("; ");
+            return Err(Failure::Write { file: shown.display().to_string(), reason });
         }
-        done.push((target, old));
+        done.extend(before.map(|before| (target, before)));
     }
     pending.clear();
     Ok(())
 }
 
-/// A second name for the file that is about to be replaced; `None` where there is none, or no second name can be given.
-fn kept(target: &Path) -> Option<TempPath> {
-    let folder = target.parent()?;
-    let name = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder).ok()?.into_temp_path();
-    std::fs::remove_file(&name).ok()?;
-    std::fs::hard_link(target, &name).ok()?;
-    Some(name)
+/// Gives a target back what it was; what to say where that fails.
+fn taken_back((target, before): (PathBuf, Before)) -> Option<String> {
+    match before {
+        Before::Nothing => {
+            let error = std::fs::remove_file(&target).err()?;
+            Some(format!("{} is new and could not be removed: {error}", target.display()))
+        }
+        Before::File(old) => {
+            let error = std::fs::rename(&old, &target).err()?;
+            let kept = match old.keep() {
+                Ok(path) => format!("it is kept as {}", path.display()),
+                Err(error) => format!("it could not be kept, either: {}", error.error),
+            };
+            Some(format!("{} could not get back what it was: {error}; {kept}", target.display()))
+        }
+    }
+}
+
+/// What is at a target now: a second name for it, or a copy where the file system knows no second names.
+fn before(target: &Path) -> io::Result<Before> {
+    match std::fs::symlink_metadata(target) {
+        Ok(_) => {}
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Before::Nothing),
+        Err(error) => return Err(error),
+    }
+    let folder = target.parent().unwrap_or(Path::new("."));
+    let second = tempfile::Builder::new().prefix(".denavit-").make_in(folder, |name| std::fs::hard_link(target, name));
+    let second = match second {
+        Ok(linked) => linked.into_temp_path(),
+        Err(_) => {
+            let copy = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder)?.into_temp_path();
+            std::fs::copy(target, &copy)?;
+            copy
+        }
+    };
+    Ok(Before::File(second))
 }
 
 #[cfg(test)]
@@ -150,10 +188,26 @@ mod tests {
         let at = |name: &str| folder.path().join(name);
         fs::write(at("old"), "old").expect("a file");
         let stage = |name: &str| Staged::full(&at(name), &at(name), b"new").expect("a temporary file");
-        let files = vec![stage("old"), stage("fresh"), stage("blocked")];
-        fs::create_dir_all(at("blocked/by a folder")).expect("a folder");
+        let files = vec![stage("old"), stage("fresh"), stage("lost")];
+        fs::remove_file(files[2].file.path()).expect("the temporary file");
         assert!(commit(files).is_err());
         assert_eq!(fs::read_to_string(at("old")).expect("the old file"), "old");
+        let names: Vec<_> =
+            fs::read_dir(folder.path()).expect("a folder").flatten().map(|entry| entry.file_name()).collect();
+        assert_eq!(names.len(), 1, "{names:?}");
+    }
+
+    #[test]
+    fn a_target_of_which_nothing_can_be_kept_stops_the_run_before_any_file_changes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("first"), "old").expect("a file");
+        let stage = |name: &str| Staged::full(&at(name), &at(name), b"new").expect("a temporary file");
+        let files = vec![stage("first"), stage("second")];
+        // Neither a second name nor a copy can be had of a folder.
+        fs::create_dir(at("second")).expect("a folder");
+        assert!(commit(files).is_err());
+        assert_eq!(fs::read_to_string(at("first")).expect("the old file"), "old");
         let names: Vec<_> =
             fs::read_dir(folder.path()).expect("a folder").flatten().map(|entry| entry.file_name()).collect();
         assert_eq!(names.len(), 2, "{names:?}");

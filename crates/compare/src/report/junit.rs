@@ -11,8 +11,10 @@ pub struct Case {
     pub class: String,
     /// Its own name.
     pub name: String,
-    /// Why it failed; none: it passed.
+    /// Why it failed; none: it passed, or was skipped.
     pub failure: Option<CaseFailure>,
+    /// Why it was not tested; a case that failed was.
+    pub skipped: Option<String>,
 }
 
 /// Why a test case failed.
@@ -27,12 +29,21 @@ pub struct CaseFailure {
 /// The file of a suite of test cases.
 pub fn suite(name: &str, cases: &[Case]) -> String {
     let failed = cases.iter().filter(|case| case.failure.is_some()).count();
-    let head = format!("name=\"{}\" tests=\"{}\" failures=\"{failed}\"", escaped(name), cases.len());
+    let skipped = cases.iter().filter(|case| case.failure.is_none() && case.skipped.is_some()).count();
+    let mut head = format!("name=\"{}\" tests=\"{}\" failures=\"{failed}\"", escaped(name), cases.len());
+    if skipped > 0 {
+        let _ = write!(head, " skipped=\"{skipped}\"");
+    }
     let mut out = format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {head}>\n  <testsuite {head}>\n");
-    for Case { class, name, failure } in cases {
+    for Case { class, name, failure, skipped } in cases {
         let _ = write!(out, "    <testcase classname=\"{}\" name=\"{}\"", escaped(class), escaped(name));
         let Some(CaseFailure { message, text }) = failure else {
-            out.push_str("/>\n");
+            match skipped {
+                None => out.push_str("/>\n"),
+                Some(why) => {
+                    let _ = writeln!(out, ">\n      <skipped message=\"{}\"/>\n    </testcase>", escaped(why));
+                }
+            }
             continue;
         };
         let (message, text) = (escaped(message), escaped(text));
@@ -51,6 +62,7 @@ pub(super) fn render(report: &Report) -> String {
                 class: "denavit.check".into(),
                 name: file.clone(),
                 failure: failure(entries.iter().filter(|entry| entry.file == *file)),
+                skipped: None,
             };
             files.iter().map(case).collect()
         }
@@ -82,10 +94,10 @@ fn of_comparison(comparison: &Comparison, mut entries: Vec<Entry>) -> Vec<Case> 
     let mut cases: Vec<Case> = Vec::new();
     for name in names {
         let failure = failure(entries.iter().filter(|entry| entry.subject == *name));
-        cases.push(Case { class: class.clone(), name: name.clone(), failure });
+        cases.push(Case { class: class.clone(), name: name.clone(), failure, skipped: None });
     }
     if comparison.verdict == Verdict::Same {
-        cases.push(Case { class, name: format!("same robot as {}", comparison.a.file), failure: None });
+        cases.push(Case { class, name: format!("same robot as {}", comparison.a.file), failure: None, skipped: None });
     }
     cases
 }

@@ -1,6 +1,7 @@
 //! Files that are one mechanism, and mechanisms that are nearly one.
 
 use super::{CorpusFile, CorpusOptions, Near, in_parallel};
+use crate::error::FleetError;
 use denavit_compare::{Options, Scope, Verdict, compare};
 use std::collections::{BTreeMap, HashMap};
 
@@ -59,9 +60,13 @@ pub(super) fn mechanisms(files: &[CorpusFile]) -> Vec<Vec<usize>> {
 /// Mechanisms whose axes and tips differ by no more than the tolerance.
 ///
 /// Compared are mechanisms with as many joints, the same kinds in their longest chain, and a size that allows it.
-pub(super) fn near(files: &[CorpusFile], mechanisms: &[Vec<usize>], options: &CorpusOptions) -> Vec<Near> {
+pub(super) fn near(
+    files: &[CorpusFile],
+    mechanisms: &[Vec<usize>],
+    options: &CorpusOptions,
+) -> Result<Vec<Near>, FleetError> {
     if options.near <= 0.0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let of = |mechanism: usize| &files[mechanisms[mechanism][0]];
     let mut groups: BTreeMap<(usize, &str), Vec<usize>> = BTreeMap::new();
@@ -80,6 +85,7 @@ pub(super) fn near(files: &[CorpusFile], mechanisms: &[Vec<usize>], options: &Co
     }
     let apart = in_parallel(&pairs, options.threads, |(a, b)| apart(&of(*a).file, &of(*b).file, options.near));
     let mut joined = Joined::of(mechanisms.len());
+    let apart = apart.into_iter().collect::<Result<Vec<_>, FleetError>>()?;
     let near: Vec<(usize, usize, f64)> =
         pairs.iter().zip(apart).filter_map(|(&(a, b), apart)| Some((a, b, apart?))).collect();
     for (a, b, _) in &near {
@@ -88,12 +94,15 @@ pub(super) fn near(files: &[CorpusFile], mechanisms: &[Vec<usize>], options: &Co
     let sets = joined.sets(0..mechanisms.len()).into_iter().filter(|set| set.len() > 1);
     let widest =
         |set: &[usize]| near.iter().filter(|(a, _, _)| set.contains(a)).map(|(_, _, apart)| *apart).fold(0.0, f64::max);
-    sets.map(|set| Near { tips_apart_m: widest(&set), mechanisms: set }).collect()
+    Ok(sets.map(|set| Near { tips_apart_m: widest(&set), mechanisms: set }).collect())
 }
 
 /// How far the tips of two robots are apart at most, where they are the same within a tolerance.
-fn apart(a: &str, b: &str, tolerance: f64) -> Option<f64> {
-    let load = |name: &str| denavit_load::load(name, &denavit_load::Options::default()).ok();
+///
+/// # Errors
+/// A file that was a robot before cannot be read any more.
+fn apart(a: &str, b: &str, tolerance: f64) -> Result<Option<f64>, FleetError> {
+    let load = |name: &str| denavit_load::load(name, &denavit_load::Options::default());
     let (one, other) = (load(a)?.robot, load(b)?.robot);
     let options = Options {
         tolerance_m: tolerance,
@@ -103,7 +112,7 @@ fn apart(a: &str, b: &str, tolerance: f64) -> Option<f64> {
         samples: SAMPLES,
         ..Options::default()
     };
-    let found = compare(&one.subject(a), &other.subject(b), &options).ok()?;
+    let Ok(found) = compare(&one.subject(a), &other.subject(b), &options) else { return Ok(None) };
     let tips = found.tips.iter().map(|tip| tip.sampled_m).fold(0.0, f64::max);
-    (found.verdict == Verdict::Same).then_some(tips)
+    Ok((found.verdict == Verdict::Same).then_some(tips))
 }

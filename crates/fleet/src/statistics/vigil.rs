@@ -82,8 +82,10 @@ pub struct Alarm {
 pub struct Said {
     /// Robots that were measured and have a reference.
     pub watched: usize,
-    /// Robots without enough nights.
+    /// Robots that were measured, but without enough nights for a reference.
     pub waiting: usize,
+    /// Robots that were tested tonight, in order; those that were measured and are not among them were not tested.
+    pub tested: Vec<usize>,
     /// Marked tonight, by robot: not alarms yet.
     pub marked: Vec<usize>,
     /// Alarms, the surest first.
@@ -185,6 +187,7 @@ pub fn watch_of(robots: &[Nights], scatters: &Scatters, tonight: i32, how: &Watc
     }
     let watched: BTreeSet<usize> = by_day.get(&tonight).into_iter().flatten().map(|(robot, _)| *robot).collect();
     said.watched = watched.len();
+    said.tested = watched.into_iter().collect();
     for (robot, marks) in marks {
         let Some((_, now)) = marks.last().filter(|(day, _)| *day == tonight) else { continue };
         let alike = |test: &Test| test.number == now.number && (test.change > 0.0) == (now.change > 0.0);

@@ -2,7 +2,7 @@
 
 use super::schema::{RUNS, TABLES, TableKind};
 use super::table::{Groups, Rows};
-use super::{HIDDEN, Store, key_of};
+use super::{HIDDEN, Runs, Store, key_of};
 use crate::error::FleetError;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -22,18 +22,22 @@ struct Plan {
 }
 
 impl Store {
-    /// Merges the small files of finished runs, those in `gone` left out.
+    /// Merges the small files of finished runs, those in `gone` left out. Rows of runs that had failed (`before`) and were done again
+    /// are replaced.
     ///
     /// Runs that are being written meanwhile keep their files: only keys that have their row in `runs` are merged. Merged
     /// files are written anew only where a run in `gone` stands in them, each by itself, so that memory does not grow with the store.
     ///
     /// # Errors
     /// The system refuses; the store is then as before.
-    pub(crate) fn merge(&self, gone: &HashSet<String>) -> Result<(), FleetError> {
+    pub(crate) fn merge(&self, gone: &HashSet<String>, before: &Runs) -> Result<(), FleetError> {
         let keys: HashSet<String> = self.files(&RUNS)?.iter().filter_map(|path| key_of(path)).collect();
         if keys.is_empty() && gone.is_empty() {
             return Ok(());
         }
+        // In merged files stand the failures that the small files replace.
+        let again = keys.iter().filter(|key| before.failed.contains_key(*key));
+        let old: HashSet<String> = gone.iter().chain(again).cloned().collect();
         let mut plan = Plan::default();
         for table in TABLES {
             let (small, merged): (Vec<_>, Vec<_>) =
@@ -42,13 +46,15 @@ impl Store {
             // In the order of their names, so that the rows stand in that of their keys.
             self.rewrite(table, &small.into_iter().filter(ended).collect::<Vec<_>>(), gone, &mut plan)?;
             for path in merged {
-                if holds(&path, table, gone)? {
-                    self.rewrite(table, &[path], gone, &mut plan)?;
+                if holds(&path, table, &old)? {
+                    self.rewrite(table, &[path], &old, &mut plan)?;
                 }
             }
         }
         // A file that keeps its name is replaced by the renaming.
         plan.remove.retain(|path| !plan.rename.iter().any(|(_, name)| name == path));
+        // What is about to take the place of others is on the disk, by its name, before the plan says so.
+        self.sync_tables()?;
         self.write_plan(&plan)?;
         self.carry_out(&plan)
     }
@@ -111,11 +117,11 @@ impl Store {
         file.as_file().sync_all().map_err(refused(file.path()))?;
         let target = self.folder.join(JOURNAL);
         file.persist(&target).map_err(|error| refused(&target)(error.error))?;
-        Ok(())
+        sync_folder(&self.folder)
     }
 
     /// Every step may have been done already. The small files go first: a reader may for a moment miss rows, but sees none
-    /// twice.
+    /// twice. The plan goes when the names of all files are on the disk.
     fn carry_out(&self, plan: &Plan) -> Result<(), FleetError> {
         for path in plan.remove.iter().map(|path| self.folder.join(path)) {
             match std::fs::remove_file(&path) {
@@ -127,17 +133,37 @@ impl Store {
         }
         for (hidden, name) in &plan.rename {
             let (hidden, name) = (self.folder.join(hidden), self.folder.join(name));
-            if hidden.exists() {
-                std::fs::rename(&hidden, &name).map_err(FleetError::store(&name))?;
+            match std::fs::rename(&hidden, &name) {
+                Ok(()) => {}
+                // Done already, if its result is there.
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                    std::fs::symlink_metadata(&name).map_err(FleetError::store(&name))?;
+                }
+                Err(error) => return Err(FleetError::store(&name)(error)),
             }
         }
+        self.sync_tables()?;
         let journal = self.folder.join(JOURNAL);
-        std::fs::remove_file(&journal).map_err(FleetError::store(&journal))
+        std::fs::remove_file(&journal).map_err(FleetError::store(&journal))?;
+        sync_folder(&self.folder)
+    }
+
+    fn sync_tables(&self) -> Result<(), FleetError> {
+        TABLES.iter().map(|table| self.folder.join(table.name)).try_for_each(|folder| sync_folder(&folder))
     }
 
     fn below(&self, path: &Path) -> PathBuf {
         path.strip_prefix(&self.folder).unwrap_or(path).to_owned()
     }
+}
+
+/// Writes the names of a folder's files to the disk. Systems other than Unix open no folders; they keep names in order by themselves.
+fn sync_folder(folder: &Path) -> Result<(), FleetError> {
+    if cfg!(unix) {
+        let opened = std::fs::File::open(folder).map_err(FleetError::store(folder))?;
+        opened.sync_all().map_err(FleetError::store(folder))?;
+    }
+    Ok(())
 }
 
 /// Whether a file holds rows of runs that go.

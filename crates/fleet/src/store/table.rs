@@ -199,7 +199,7 @@ impl Rows {
         let columns: Vec<_> = table.columns().collect();
         for group in 0..reader.num_row_groups() {
             let group = reader.get_row_group(group).map_err(|error| not_ours(error.to_string()))?;
-            let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+            let count = usize::try_from(group.metadata().num_rows()).map_err(|error| not_ours(error.to_string()))?;
             let mut rows = vec![vec![Cell::Empty; columns.len()]; count];
             for (index, column) in columns.iter().enumerate() {
                 if !wanted.is_empty() && !wanted.contains(&column.name) {

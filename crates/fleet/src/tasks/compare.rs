@@ -27,7 +27,7 @@ pub(super) fn diff(entry: &Entry) -> Result<Found, TaskError> {
     for joint in &compared.joints {
         for change in &joint.changes {
             let sentence = format!("{}: {}", joint.joint, change.what);
-            let named = serde_json::to_value(&change.what).unwrap_or_default();
+            let named = serde_json::to_value(&change.what).expect("names are texts and numbers are numbers");
             let code = named["change"].as_str().unwrap_or_default();
             found.notes.push(note("difference", code, level(change.counts), &joint.joint, sentence));
         }

@@ -67,6 +67,6 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
         truth["tips"] = arm.sits_on.iter().map(|tip| json!(arm.tips[*tip].name)).collect();
     }
     truth["gross_errors"] = run.outliers.iter().map(|row| json!(row + 1)).collect();
-    truth["effects"] = serde_json::from_str(&effects.to_json()).unwrap_or(Value::Null);
+    truth["effects"] = serde_json::from_str(&effects.to_json()).expect("what was just written as JSON is JSON");
     serde_json::to_string_pretty(&truth).expect("names are texts and numbers are numbers") + "\n"
 }

@@ -180,7 +180,7 @@ fn searched(
             moved[k] += DIFFERENCE;
             jacobian.set_column(k, &((residual(&moved)? - &now) / DIFFERENCE));
         }
-        let step = jacobian.svd(true, true).solve(&now, 1e-9).ok()?;
+        let step = jacobian.svd(true, true).solve(&now, 1e-9).expect("both sets of singular vectors were asked for");
         let next: Vec<f64> = by.iter().zip(step.iter()).map(|(by, step)| by - step).collect();
         let then = residual(&next)?;
         if then.norm_squared() >= now.norm_squared() {

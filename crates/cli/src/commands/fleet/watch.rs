@@ -22,6 +22,35 @@ struct WatchAnswer {
     false_alarms_expected: f64,
     false_discovery_rate: f64,
     alarms: Vec<AlarmEntry>,
+    failed: Vec<FailedRun>,
+}
+
+/// A run that failed and has not succeeded since.
+#[derive(Serialize)]
+struct FailedRun {
+    serial: String,
+    date: Option<String>,
+    task: String,
+    error: String,
+}
+
+impl FailedRun {
+    fn of(fleet: &Fleet, counts: impl Fn(&str) -> bool) -> Vec<Self> {
+        let failed = fleet.failed.iter().filter(|failure| counts(&failure.slot.serial));
+        let of = |failure: &denavit_fleet::store::Failure| Self {
+            serial: failure.slot.serial.clone(),
+            date: failure.slot.date.map(|day| day.to_string()),
+            task: failure.slot.task.clone(),
+            error: failure.error.clone(),
+        };
+        failed.map(of).collect()
+    }
+
+    /// `2026-01-02 calibrate: why`.
+    fn line(&self) -> String {
+        let date = self.date.as_ref().map_or_else(String::new, |date| format!("{date} "));
+        format!("{date}{}: {}", self.task, self.error.lines().next().unwrap_or("no reason is stored"))
+    }
 }
 
 #[derive(Serialize)]
@@ -47,7 +76,7 @@ pub fn watch(arguments: &FleetWatchArguments) -> Result<Status, Failure> {
     let answer = answer(&fleet, &said, &how);
     let mut texts = Vec::new();
     if let Some(slot) = junit {
-        texts.push((slot, junit_text(&fleet, &answer)));
+        texts.push((slot, junit_text(&fleet, &said, &answer)));
     }
     if let Some(slot) = markdown {
         texts.push((slot, markdown_text(&answer)));
@@ -55,7 +84,7 @@ pub fn watch(arguments: &FleetWatchArguments) -> Result<Status, Failure> {
     files.write(&texts)?;
     let json = || Ok(super::super::stamped("denavit.fleet.watch/1", &answer));
     delivery.deliver(|| Ok(text(&answer)), json)?;
-    Ok(if answer.alarms.is_empty() { Status::Same } else { Status::Different })
+    Ok(if answer.alarms.is_empty() && answer.failed.is_empty() { Status::Same } else { Status::Different })
 }
 
 fn answer(fleet: &Fleet, said: &Said, how: &Watch) -> WatchAnswer {
@@ -67,6 +96,7 @@ fn answer(fleet: &Fleet, said: &Said, how: &Watch) -> WatchAnswer {
         false_alarms_expected: said.expected_false,
         false_discovery_rate: how.rate,
         alarms: said.alarms.iter().map(|alarm| alarm_entry(fleet, alarm)).collect(),
+        failed: FailedRun::of(fleet, |_| true),
     }
 }
 
@@ -99,6 +129,9 @@ fn text(answer: &WatchAnswer) -> String {
     for alarm in &answer.alarms {
         let _ = writeln!(text, "ALARM {}", alarm.message);
     }
+    for failed in &answer.failed {
+        let _ = writeln!(text, "FAILED {} {}", failed.serial, failed.line());
+    }
     let fresh =
         answer.marked.iter().filter(|serial| !answer.alarms.iter().any(|alarm| alarm.serial == **serial)).count();
     let _ = writeln!(text, "{} alarms; {fresh} robots marked tonight that must come again first", answer.alarms.len());
@@ -113,7 +146,7 @@ fn text(answer: &WatchAnswer) -> String {
 fn markdown_text(answer: &WatchAnswer) -> String {
     let mut text = format!("## Fleet, night of {}\n\n", answer.night.as_deref().unwrap_or("none"));
     if answer.alarms.is_empty() {
-        let _ = writeln!(text, "No alarm: {} robots as they were.", answer.watched);
+        let _ = writeln!(text, "No alarm among the {} robots that were tested.", answer.watched);
     } else {
         text.push_str("| robot | parameter | change | σ | since |\n|---|---|---|---|---|\n");
         for alarm in &answer.alarms {
@@ -122,22 +155,39 @@ fn markdown_text(answer: &WatchAnswer) -> String {
             let _ = writeln!(text, "| {serial} | {parameter} | {change} | {:+.1} | {} |", alarm.sigmas, alarm.since);
         }
     }
+    if answer.waiting > 0 {
+        let _ = writeln!(text, "\nNot tested: {} robots, which wait for a reference.", answer.waiting);
+    }
+    if !answer.failed.is_empty() {
+        text.push_str("\nFailed, to be done again by the next run:\n\n| robot | run |\n|---|---|\n");
+        for failed in &answer.failed {
+            let (serial, line) = (failed.serial.replace('|', "\\|"), failed.line().replace('|', "\\|"));
+            let _ = writeln!(text, "| {serial} | {line} |");
+        }
+    }
     let _ = write!(text, "\nExpected of a healthy fleet: {:.1e} false alarms a night.\n", answer.false_alarms_expected);
     text
 }
 
-fn junit_text(fleet: &Fleet, answer: &WatchAnswer) -> String {
+/// A case for each robot that was measured tonight, and one for each run that failed.
+fn junit_text(fleet: &Fleet, said: &Said, answer: &WatchAnswer) -> String {
     let tonight = fleet.tonight().map(|day| day.0);
-    let there = fleet.serials.iter().zip(&fleet.nights);
-    let there = there.filter(|(_, nights)| nights.nights.last().map(|night| night.day) == tonight);
-    let cases: Vec<Case> = there
-        .map(|(serial, _)| {
-            let said: Vec<&str> =
+    let there = fleet.serials.iter().zip(&fleet.nights).enumerate();
+    let there = there.filter(|(_, (_, nights))| nights.nights.last().map(|night| night.day) == tonight);
+    let mut cases: Vec<Case> = there
+        .map(|(robot, (serial, _))| {
+            let alarms: Vec<&str> =
                 answer.alarms.iter().filter(|alarm| alarm.serial == *serial).map(|alarm| &alarm.message[..]).collect();
-            let failure = said.first().map(|&first| CaseFailure { message: first.into(), text: said.join("\n") });
-            Case { class: "denavit.fleet".into(), name: serial.clone(), failure }
+            let failure = alarms.first().map(|&first| CaseFailure { message: first.into(), text: alarms.join("\n") });
+            let skipped = (!said.tested.contains(&robot))
+                .then(|| "not tested: this robot, or the whole fleet, has too few nights for a reference".to_owned());
+            Case { class: "denavit.fleet".into(), name: serial.clone(), failure, skipped }
         })
         .collect();
+    cases.extend(answer.failed.iter().map(|failed| {
+        let failure = Some(CaseFailure { message: failed.line(), text: failed.error.clone() });
+        Case { class: "denavit.fleet.failed".into(), name: failed.serial.clone(), failure, skipped: None }
+    }));
     junit::suite("denavit fleet watch", &cases)
 }
 
@@ -151,6 +201,8 @@ struct RobotHistory {
     serial: String,
     nights: usize,
     changes: Vec<ChangeEntry>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    failed: Vec<FailedRun>,
 }
 
 #[derive(Serialize)]
@@ -189,6 +241,7 @@ pub fn history(arguments: &FleetHistoryArguments) -> Result<Status, Failure> {
             serial: fleet.serials[robot].clone(),
             nights: fleet.nights[robot].nights.len(),
             changes: changes.iter().map(|history| change_entry(&fleet, history)).collect(),
+            failed: FailedRun::of(&fleet, |serial| serial == fleet.serials[robot]),
         }
     });
     let answer = HistoryAnswer { robots: robots.collect() };
@@ -258,13 +311,16 @@ fn history_text(answer: &HistoryAnswer) -> String {
     let mut text = String::new();
     let mut steady = 0;
     for robot in &answer.robots {
-        if robot.changes.is_empty() && answer.robots.len() > 1 {
+        if robot.changes.is_empty() && robot.failed.is_empty() && answer.robots.len() > 1 {
             steady += 1;
             continue;
         }
         let _ = writeln!(text, "{}, {} nights", robot.serial, robot.nights);
         for change in &robot.changes {
             let _ = writeln!(text, "  {}", change.message);
+        }
+        for failed in &robot.failed {
+            let _ = writeln!(text, "  failed: {}", failed.line());
         }
         if robot.changes.is_empty() {
             let _ = writeln!(text, "  every parameter is where it was");

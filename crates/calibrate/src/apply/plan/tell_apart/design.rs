@@ -227,7 +227,7 @@ impl<'a> Design<'a> {
         let toward = DMatrix::from_fn(values.len(), wanted, |i, k| {
             self.now.toward[(values.start + i) * wanted + k] * self.offered.metres[split + k]
         });
-        factor.l().solve_lower_triangular(&toward).map_or(0.0, |explained| explained.norm_squared())
+        factor.l().solve_lower_triangular(&toward).expect("the diagonal of a factor is not 0").norm_squared()
     }
 
     /// The candidate not yet chosen for which this is largest.

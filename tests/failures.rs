@@ -1,0 +1,146 @@
+//! A failure of a computation or of the system is an error or a state with a name, never a neutral value.
+//!
+//! Every statement that takes the place of such a failure (`unwrap_or`, `ok()`, `let Ok(…) = … else`, …) is listed here with its reason.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Crates that compute and that read and write files.
+const CRATES: [&str; 5] = ["calibrate", "fleet", "bag", "load", "cli"];
+
+/// What fails as a computation or by the system.
+const FAILS: [&str; 24] = [
+    "cholesky(",
+    "try_inverse(",
+    "pseudo_inverse(",
+    ".inverse(",
+    "solve(",
+    "solve_lower_triangular(",
+    "symmetric_eigen(",
+    "svd(",
+    "Triangle::factor(",
+    "fs::",
+    "File::",
+    "metadata(",
+    "canonicalize(",
+    "canonical(",
+    "read_dir(",
+    "read_to_string(",
+    "read_text(",
+    "read_bytes(",
+    "load(",
+    ".chain(Some",
+    "compare(",
+    "render)",
+    "convert::table(",
+    ".table(",
+];
+
+/// What takes its place.
+const NEUTRAL: [&str; 7] =
+    [".ok()", ".unwrap_or(", ".unwrap_or_default(", ".unwrap_or_else(", ".map_or(", ".map_or_else(", ".is_ok_and("];
+
+/// Reviewed: file below `crates`, a part of the statement, why it may.
+const REVIEWED: &[(&str, &str, &str)] = &[
+    (
+        "calibrate/src/calibration/monitor.rs",
+        "map_or(f64::INFINITY",
+        "a covariance without an inverse makes the row stand out, which is reported",
+    ),
+    (
+        "calibrate/src/identify/noise.rs",
+        "symmetric::inverse(&own, 0.0)",
+        "a singular information is inverted by its eigenvalues: its direction is not known",
+    ),
+    (
+        "calibrate/src/identify/solve.rs",
+        "map_or(f64::INFINITY, |full|",
+        "equations without a solution never count as converged",
+    ),
+    ("calibrate/src/report/rows.rs", "convert::table(chain", "a chain without a table has none in the report"),
+    ("calibrate/src/report/rows.rs", "render)(&sheet).ok()", "a chain without a table has none in the report"),
+    ("fleet/src/corpus/clusters.rs", "let Ok(found) = compare(", "robots that cannot be compared are not near"),
+    (
+        "fleet/src/key.rs",
+        "let Ok((file, text))",
+        "the hash is then that of the error's text; the task reports the error",
+    ),
+    (
+        "load/src/checked.rs",
+        "files::canonical(robot).ok()?",
+        "standard input and git revisions have no folder; a file that cannot be opened fails when it is read",
+    ),
+    ("load/src/measured/content.rs", "path.metadata().is_ok_and(", "whether to show a size; opening the file reports"),
+    ("cli/src/commands/export.rs", "let Ok(table)", "the remark compares two tables: a robot without one needs none"),
+    ("cli/src/commands/export.rs", "let Ok(in_file)", "the remark compares two tables: a robot without one needs none"),
+    (
+        "cli/src/output/destination.rs",
+        "metadata(path).ok()",
+        "what is no regular file has no identity; opening it reports",
+    ),
+    (
+        "cli/src/output/destination.rs",
+        "canonicalize().ok()",
+        "what is no regular file has no identity; opening it reports",
+    ),
+    ("cli/src/output/staged.rs", "/proc/self/status", "systems without it have the usual mask"),
+];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The statements of a file, tests and comments left out, blanks made one.
+fn statements(text: &str) -> Vec<String> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or(text);
+    let lines = code.lines().map(|line| line.trim()).filter(|line| !line.starts_with("//"));
+    let code = lines.collect::<Vec<_>>().join(" ");
+    code.split([';', '{', '}']).map(|part| part.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+}
+
+fn hides_a_failure(statement: &str) -> bool {
+    let Some(first) = FAILS.iter().filter_map(|word| statement.find(word)).min() else { return false };
+    statement.contains("let Ok(") || NEUTRAL.iter().any(|word| statement[first..].contains(word))
+}
+
+#[test]
+fn no_failure_becomes_a_neutral_value() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let root = if root.is_dir() { root } else { Path::new(env!("CARGO_MANIFEST_DIR")).join("../../crates") };
+    let mut used = BTreeMap::new();
+    let mut hidden = Vec::new();
+    for name in CRATES {
+        let mut files = Vec::new();
+        sources(&root.join(name).join("src"), &mut files);
+        for path in files {
+            let file = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+            for statement in statements(&std::fs::read_to_string(&path).unwrap()) {
+                if !hides_a_failure(&statement) {
+                    continue;
+                }
+                match REVIEWED.iter().position(|(of, part, _)| *of == file && statement.contains(part)) {
+                    Some(at) => *used.entry(at).or_insert(0) += 1,
+                    None => hidden.push(format!("{file}: {statement}")),
+                }
+            }
+        }
+    }
+    assert!(hidden.is_empty(), "make it an error or a state, or say here why not:\n{}", hidden.join("\n"));
+    let stale: Vec<_> = (0..REVIEWED.len()).filter(|at| !used.contains_key(at)).map(|at| REVIEWED[at]).collect();
+    assert!(stale.is_empty(), "these are gone from the sources, take them out: {stale:?}");
+}
+
+#[test]
+fn the_search_sees_what_it_is_for() {
+    assert!(hides_a_failure("let a = matrix.cholesky().map_or(0.0, |factor| factor.determinant())"));
+    assert!(hides_a_failure("if let Ok(text) = std::fs::read_to_string(path)"));
+    assert!(!hides_a_failure("let first = list.first().unwrap_or(&other)"));
+    assert!(!hides_a_failure("let file = File::open(path).map_err(refused)?"));
+}
