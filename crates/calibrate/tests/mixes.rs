@@ -215,6 +215,22 @@ fn a_ball_in_sockets_calibrates_four_pandas_on_placements_that_no_fit_has_seen()
 }
 
 #[test]
+fn sockets_without_a_known_distance_say_that_only_tolerances_hold_the_size() {
+    let robot = include_str!("../../../robots/franka/panda.urdf");
+    let robot = denavit_model::urdf::read("panda.urdf", robot).unwrap();
+    let chain = robot.chain(None, Some("panda_link8"), denavit_model::Reading::default()).unwrap().value;
+    let Some(mut data) = sockets(&chain, "panda_4") else { return };
+    let says = |data: &Measurements| {
+        let options = CalibrateOptions::geometry(&chain);
+        let found = calibrate(&chain, &Statics::of_chain(&chain), data.clone(), None, &options).unwrap();
+        denavit_calibrate::report::text::calibration(&found).contains("size: nothing that was measured has a length")
+    };
+    assert!(says(&data));
+    data.scene.know_length(["*/0", "*/1"], 0.05, 5e-5);
+    assert!(!says(&data));
+}
+
+#[test]
 fn sockets_and_a_known_distance_tell_the_whole_robot() {
     let chain = examples::puma_like();
     let part = |seed: u64, label: &str| {

@@ -243,7 +243,7 @@ def test_two_runs_do_not_write_one_store(plant, tmp_path):
 
 
 def test_the_page_shows_the_tables_of_the_store(uninterrupted):
-    page = (built.WORKSPACE / "docs/fleet.md").read_text()
+    page = (built.WORKSPACE / "docs/fleet-store.md").read_text()
     for table in TABLES:
         described = duckdb.sql(f"describe select * from '{uninterrupted}/{table}/*.parquet'").fetchall() if rows(
             uninterrupted, table) else []

@@ -15,6 +15,7 @@ use crate::observation::gauge;
 use crate::observation::kinds::{ObservationKind, Seen};
 use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use crate::observation::symmetric;
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -122,7 +123,8 @@ pub enum PlanError {
 }
 
 /// Observability indices of a set of poses, from the singular values s1 ≥ … ≥ sL > 0 of the identification Jacobian in
-/// units of the tolerances, the common frame left out.
+/// units of the tolerances, the common frame left out. Where an earlier calibration is known, what it says counts as rows, too: the
+/// squares of the singular values are then the eigenvalues of Jᵀ J + noise² P.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Observability {
     /// (s1 ··· sL)^(1/L) / √poses (Borm, Menq 1991).
@@ -154,6 +156,8 @@ pub struct Plan {
     pub usable: usize,
     /// Exchanges made.
     pub exchanges: usize,
+    /// Whether the indices count what an earlier calibration says, too.
+    pub with_prior: bool,
 }
 
 /// Sets of random poses that a plan is compared with.
@@ -193,6 +197,7 @@ pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
         at_random: design.at_random(options.count, options.seed),
         usable: design.candidates.len(),
         exchanges,
+        with_prior: options.earlier.is_some(),
     })
 }
 
@@ -243,6 +248,8 @@ struct Design {
     /// All of them, one below the other.
     stacked: DMatrix<f64>,
     before: DMatrix<f64>,
+    /// Rows over the noise that stand for an earlier calibration; none without.
+    known: DMatrix<f64>,
     noise: f64,
 }
 
@@ -279,7 +286,14 @@ impl Design {
         for (index, own) in rows.iter().enumerate() {
             stacked.rows_mut(index * height, height).copy_from(own);
         }
-        Self { candidates, rows, stacked, before, noise: options.noise }
+        let joints = layout.joints.clone();
+        let mut known = DMatrix::zeros(if options.earlier.is_some() { joints.len() } else { 0 }, n);
+        if options.earlier.is_some() {
+            let precision = &layout.prior.precision;
+            let scaled = DMatrix::from_fn(joints.len(), joints.len(), |i, k| precision[(i, k)] * unit[i] * unit[k]);
+            known.columns_mut(joints.start, joints.len()).copy_from(&symmetric::lower(&scaled, 0.0).transpose());
+        }
+        Self { candidates, rows, stacked, before, known, noise: options.noise }
     }
 
     /// ln det growth when rows are added to a design with this inverse.
@@ -380,7 +394,9 @@ impl Design {
 
     fn observability(&self, chosen: &[usize]) -> Observability {
         let (height, columns) = (self.rows[0].nrows(), self.rows[0].ncols());
-        let mut matrix = DMatrix::zeros(height * chosen.len(), columns);
+        let measured = height * chosen.len();
+        let mut matrix = DMatrix::zeros(measured + self.known.nrows(), columns);
+        matrix.rows_mut(measured, self.known.nrows()).copy_from(&(&self.known * self.noise));
         for (k, &index) in chosen.iter().enumerate() {
             matrix.rows_mut(k * height, height).copy_from(&(&self.rows[index] * self.noise));
         }

@@ -143,12 +143,12 @@ impl Judge<'_> {
         let chain = &self.start.nominal;
         let layout = Layout::new(chain, &self.data.scene, &options.freedom, &options.tolerances, model.parameters());
         let mut layout = expecting(layout, Some(&counted));
-        layout.effects_prior = self.earlier.of_effects(&layout, &numbers, model.numbers(), 0);
+        layout.effects_prior = counted.of_effects(&layout, &numbers, model.numbers(), 0);
         fit(self.data, &layout, self.start, &model, self.weights, &FitOptions { robust, ..options.fit })
     }
 
     /// A fit with its curves as they came to vary, and how they are unsure after it.
-    fn settled(&self, kept: &[bool], varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
+    fn settled(&self, kept: &[bool], weight: f64, varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
         let model = varying.effects.settled();
         let coefficients = model.numbers();
         let end = varying.layout.effects.start + coefficients.len();
@@ -164,7 +164,7 @@ impl Judge<'_> {
         let places = &self.able.model(kept).1[..coefficients.len()];
         // What was expected of the coefficients, whatever the curves are.
         let before = self.able.model(kept).0.numbers()[..coefficients.len()].to_vec();
-        layout.effects_prior = self.earlier.of_effects(&layout, places, before, 0);
+        layout.effects_prior = self.earlier.counted(weight).of_effects(&layout, places, before, 0);
         let fit = Fit {
             arm: varying.arm,
             effects: model,
@@ -257,7 +257,7 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     }
     let ones = vec![1.0; data.observations()];
     let judge = Judge { data, weights: &ones, ..judge };
-    let (updated, updated_modes) = judge.settled(&kept, judge.fitted(&kept, weight, options.fit.robust));
+    let (updated, updated_modes) = judge.settled(&kept, weight, judge.fitted(&kept, weight, options.fit.robust));
     let first_field = known.model.effects.len() - known.fields;
     let gains_of = |wanted: &[bool]| {
         let of = |part: &usize| wanted[*part];

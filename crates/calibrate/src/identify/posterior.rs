@@ -308,6 +308,11 @@ impl Earlier {
 
     /// What an earlier fit expects of some coefficients of its effects, given the axes: `first` is the first of them among the numbers
     /// of all effects. `None` where it knows no effects.
+    ///
+    /// The axes may have been knocked since, the effects not: with C the earlier covariance of axes and coefficients and C_w that of the
+    /// axes as they are counted now (weight w), the axes are η = η_then + k, k ~ N(0, C_w - C_ηη), so that
+    /// c | η ~ N(m + A (η - μ), C_cc - A C_ηc), A = C_cη C_w⁻¹. The less is known of the axes, the less they say of the coefficients,
+    /// which keep their own m and C_cc.
     pub(crate) fn of_effects(
         &self,
         layout: &Layout,
@@ -318,10 +323,11 @@ impl Earlier {
         let effects = self.effects.as_ref().filter(|_| !coefficients.is_empty())?;
         let std: Vec<f64> = self.parameters.iter().map(|parameter| parameter.std).collect();
         let (own, by_parameter) = effects.covariance(coefficients, &std);
-        // Counted in full, for what is known of the axes is one covariance with it; it holds the common frame's motions, too.
-        let expecting = expecting(layout.with_effects(Vec::new()), Some(&self.counted(1.0)));
+        // Both hold the common frame's motions, too.
+        let axes = layout.with_effects(Vec::new());
         let joints = &layout.parameters[layout.joints.clone()];
-        let (all, expected) = (expecting.prior.covariance(joints), expecting.prior.mean);
+        let expected = expecting(axes.clone(), Some(&self.counted(1.0))).prior.mean;
+        let all = expecting(axes, Some(self)).prior.covariance(joints);
         let place = |known: &KnownParameter| joints.iter().position(|parameter| parameter.name == known.parameter);
         let kept: Vec<(usize, usize)> =
             self.parameters.iter().enumerate().filter_map(|(then, known)| Some((then, place(known)?))).collect();

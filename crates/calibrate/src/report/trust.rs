@@ -5,6 +5,7 @@ use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, FileUse};
 use crate::identify::carried::{CarriedPart, PartState};
 use crate::identify::lack_of_fit::LackOfFit;
+use crate::observation::measurements::Scene;
 use std::fmt::Write;
 
 /// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
@@ -30,6 +31,13 @@ pub(super) fn redundancy(result: &Calibration) -> String {
              to either side"
         );
     }
+    if size_is_unseen(&result.train.scene) {
+        let _ = writeln!(
+            text,
+            "  size: nothing that was measured has a length, so the size of the robot is that of its drawing, held by the \
+             tolerances alone; measure how far two of the points are apart and add it: ‹distance› LABEL,LABEL=50mm"
+        );
+    }
     if !counted.enough_for_effects {
         let _ = writeln!(
             text,
@@ -39,6 +47,11 @@ pub(super) fn redundancy(result: &Calibration) -> String {
         );
     }
     text
+}
+
+/// Whether a robot twice as large would explain the rows as well: they say only that points stay where they are.
+fn size_is_unseen(scene: &Scene) -> bool {
+    scene.lengths.is_empty() && scene.series.iter().all(|series| series.kind.numbers() == 0)
 }
 
 /// How much an earlier calibration counts.

@@ -1,4 +1,4 @@
-//! The tables of a store: columns, units and what they mean; `docs/fleet.md` is made of this list.
+//! The tables of a store: columns, units and what they mean; `docs/fleet-store.md` is made of this list.
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +108,7 @@ pub const RUNS: TableKind = TableKind {
         ),
         column("fingerprint", Text, "", "of the robot as drawn"),
         column("rows_fitted", Count, "", "rows of measurements fitted"),
-        column("rows_held_out", Count, "", "rows kept for judging"),
+        column("rows_held_out", Count, "", "rows held out"),
         column("nominal_rms", Real, "m", "error of the drawing on the rows held out, else on those fitted"),
         column("geometric_rms", Real, "m", "the same with the geometry fitted"),
         column("rms", Real, "m", "the same at the stage adopted"),
@@ -186,7 +186,7 @@ pub const EFFECTS: TableKind = TableKind {
         column("unit", Text, "", "of value and std"),
         column("probability", Real, "1", "posterior probability that this kind acts here"),
         column("found_again", Real, "1", "share of resampled runs that find it"),
-        column("named", Flag, "", "false: it stays in the model, but another may act in its stead"),
+        column("named", Flag, "", "false: it stays in the model, but another cause may explain the same"),
     ],
 };
 

@@ -29,7 +29,7 @@ impl Plan {
 
     /// The same as JSON.
     pub fn to_json(&self, chain: &Chain, kind: ObservationKind) -> String {
-        let value = json!({
+        let mut value = json!({
             "schema": SCHEMA,
             "robot": chain.name(),
             "base": chain.base(),
@@ -41,17 +41,21 @@ impl Plan {
             "observability": self.observability,
             "at_random": self.at_random,
         });
+        if self.with_prior {
+            value["with_prior"] = json!(true);
+        }
         serde_json::to_string_pretty(&value).expect("names are texts and numbers are numbers") + "\n"
     }
 
     /// What was chosen, and how observable it makes the parameters.
     pub fn to_text(&self) -> String {
         let mut text = format!(
-            "{} of {} candidates chosen, {} exchanges; {} parameters observable\n",
+            "{} of {} candidates chosen, {} exchanges; {} parameters observable{}\n",
             self.poses.len(),
             self.usable,
             self.exchanges,
-            self.observability.rank
+            self.observability.rank,
+            if self.with_prior { ", what the prior says of them counted as rows" } else { "" }
         );
         let (own, other) = (&self.observability, &self.at_random);
         let _ = writeln!(text, "index  chosen     at random");
