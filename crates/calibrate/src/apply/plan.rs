@@ -15,6 +15,7 @@ use crate::observation::gauge;
 use crate::observation::kinds::{ObservationKind, Seen};
 use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use crate::observation::prior::free_of_common_motions;
 use crate::observation::symmetric;
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
@@ -291,7 +292,10 @@ impl Design {
         if options.earlier.is_some() {
             let precision = &layout.prior.precision;
             let scaled = DMatrix::from_fn(joints.len(), joints.len(), |i, k| precision[(i, k)] * unit[i] * unit[k]);
-            known.columns_mut(joints.start, joints.len()).copy_from(&symmetric::lower(&scaled, 0.0).transpose());
+            // A common motion of all axes is no parameter: the prior holds it hardly, and the indices leave it out.
+            let free = free_of_common_motions(&layout.parameters[joints.clone()], &layout.bases, &layout.frames);
+            let rows = symmetric::lower(&scaled, 0.0).transpose() * &free * free.transpose();
+            known.columns_mut(joints.start, joints.len()).copy_from(&rows);
         }
         Self { candidates, rows, stacked, before, known, noise: options.noise }
     }
