@@ -2,13 +2,16 @@
 
 import { copy, h } from "./dom";
 import { Engine, type Opened, type RobotText } from "./engine";
-import type { Dropped } from "./files";
+import type { Dropped, Packages } from "./files";
+import { found, looked } from "./meshes";
 import { placed, type TableFile } from "./table";
 import { View } from "./view";
 
 export interface Robot extends RobotText {
     opened: Opened;
     meshes: Dropped;
+    /** Packages among what was dropped. */
+    packages: Packages;
     /** As it was dropped, for the findings and their fixes. */
     written: string;
 }
@@ -45,7 +48,7 @@ export class App {
     /** Ends when all that was dropped so far has been taken in. */
     taken: Promise<unknown> = Promise.resolve();
     /** Set by the page: takes a robot in and shows it. */
-    open: (robot: RobotText, meshes: Dropped) => Promise<void> = async () => {};
+    open: (robot: RobotText, meshes: Dropped, packages?: Packages) => Promise<void> = async () => {};
     changed: () => void = () => {};
     /** Set by the page: makes the sliders show the joint values. */
     refill: () => void = () => {};
@@ -104,8 +107,23 @@ export function question(robot: Robot): RobotText {
     return { file, text, files: {}, names, exact, ...(base ? { base } : {}), ...(tip ? { tip } : {}) };
 }
 
+/** The question with every mesh that is drawn under the name by which the rules look for it. */
+export function withMeshes(robot: Robot): RobotText {
+    const asked = question(robot);
+    const from = `/${robot.file}`;
+    const uris = robot.opened.scene.links.flatMap((link) => [...link.visuals, ...link.collisions]).flatMap(({ geometry }) => (geometry && "mesh" in geometry ? [geometry.mesh] : []));
+    const drawn = [...new Set(uris)].filter((uri) => found(uri, robot.meshes, from, robot.packages) !== undefined);
+    return { ...asked, names: [...asked.names, ...drawn.map((uri) => looked(uri, from))] };
+}
+
+const listed = new WeakMap<Opened, ChainListing[]>();
+
 export function chains(robot: Robot): ChainListing[] {
-    return (JSON.parse(robot.opened.chains) as { chains: ChainListing[] }).chains;
+    const known = listed.get(robot.opened);
+    if (known) return known;
+    const all = (JSON.parse(robot.opened.chains) as { chains: ChainListing[] }).chains;
+    listed.set(robot.opened, all);
+    return all;
 }
 
 /** The chain that is chosen. */

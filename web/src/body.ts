@@ -1,10 +1,13 @@
 // A robot in the 3-D view: its links with their shapes, and joints that move them.
 
 import { Box3, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DoubleSide, Group, Matrix4, Mesh, MeshStandardMaterial, Object3D, Sphere, SphereGeometry, Vector3 } from "three";
-import { COLOURS, rod, segment } from "./drawn";
-import type { Scene, Shape } from "./engine";
-import type { Dropped } from "./files";
+import { COLOURS, rod, segment, triad } from "./drawn";
+import type { Scene, SceneJoint, Shape } from "./engine";
+import type { Dropped, Packages } from "./files";
 import { found, parsed } from "./meshes";
+
+/** What can be shown of a robot: its visual shapes, and what is drawn on demand. */
+export type Layer = "visual" | "collision" | "inertia" | "mass" | "axes" | "frames";
 
 export class Body {
     readonly group = new Group();
@@ -12,39 +15,35 @@ export class Body {
     readonly size: number;
     /** Meshes that are not among the dropped files, or cannot be read. */
     readonly missing: string[] = [];
+    private readonly shapes: Object3D[] = [];
+    private readonly layers = new Map<Layer, Object3D[]>();
+    /** Side by side in the group, each at its place in the root's frame: a tree of 4000 joints would be walked by recursion. */
     private readonly links: Group[];
-    private readonly joints: Group[];
+    /** Joints from the root outwards. */
+    private readonly outwards: number[];
 
     /** `other`: the second robot of a comparison, in a colour of its own and see-through. */
-    constructor(readonly scene: Scene, private readonly meshes: Dropped, private readonly from: string, private readonly other: boolean) {
-        this.links = scene.links.map((link) => {
+    constructor(readonly scene: Scene, private readonly meshes: Dropped, private readonly from: string, private readonly packages: Packages, private readonly other: boolean) {
+        this.outwards = outwards(scene);
+        const reached = new Set([scene.root, ...this.outwards.map((at) => scene.joints[at]?.child)]);
+        this.links = scene.links.map((link, at) => {
             const made = new Group();
             made.userData["link"] = link.name;
-            return made;
-        });
-        this.joints = scene.joints.map((joint) => {
-            const made = new Group();
-            made.userData["joint"] = joint.name;
             made.matrixAutoUpdate = false;
-            made.matrix.fromArray(joint.origin);
-            const [parent, child] = [this.links[joint.parent], this.links[joint.child]];
-            if (parent && child) {
-                parent.add(made);
-                made.add(child);
-            }
+            if (reached.has(at)) this.group.add(made);
             return made;
         });
-        const root = this.links[scene.root];
-        if (root) this.group.add(root);
-        this.group.updateMatrixWorld(true);
+        this.place(() => null);
         const points = this.places();
-        const reach = Math.max(0, ...points.map((point) => point.distanceTo(points[scene.root] ?? new Vector3())));
+        const root = points[scene.root] ?? new Vector3();
+        const reach = points.reduce((most, point) => Math.max(most, point.distanceTo(root)), 0);
         const seenLinks = new Set<number>();
         for (const [index, link] of scene.links.entries()) {
             const seen = link.visuals.length > 0 ? link.visuals : link.collisions;
             for (const shape of seen) {
                 const made = this.shape(shape);
                 if (made) {
+                    this.shapes.push(made);
                     this.links[index]?.add(made);
                     seenLinks.add(index);
                 }
@@ -64,7 +63,6 @@ export class Body {
         for (const place of this.places()) box.expandByPoint(place);
         for (const link of this.links) {
             for (const part of link.children) {
-                if (part.userData["joint"] !== undefined) continue;
                 const own = new Box3().setFromObject(part);
                 if (!own.isEmpty() && own.getSize(new Vector3()).length() < this.size * 6) box.union(own);
             }
@@ -84,9 +82,7 @@ export class Body {
 
     /** Moves the joints; `value` gives the value of a driving joint, rad or m. */
     move(value: (joint: number) => number): void {
-        for (const [at, joint] of this.scene.joints.entries()) {
-            const group = this.joints[at];
-            if (!group) continue;
+        this.place((joint) => {
             const q = joint.driver === null ? joint.offset : joint.scale * value(joint.driver) + joint.offset;
             const axis = new Vector3(...joint.axis);
             const motion = new Matrix4();
@@ -95,10 +91,76 @@ export class Body {
                 motion.makeRotationAxis(axis, q);
                 if (joint.pitch !== null) motion.setPosition(axis.clone().multiplyScalar(q * joint.pitch));
             }
-            group.matrix.fromArray(joint.origin).multiply(motion);
-            group.matrixWorldNeedsUpdate = true;
+            return motion;
+        });
+    }
+
+    /** Places every link; `motion` is what a joint adds to its origin. */
+    private place(motion: (joint: SceneJoint) => Matrix4 | null): void {
+        for (const at of this.outwards) {
+            const joint = this.scene.joints[at];
+            const [parent, child] = [this.links[joint?.parent ?? -1], this.links[joint?.child ?? -1]];
+            if (!joint || !parent || !child) continue;
+            child.matrix.multiplyMatrices(parent.matrix, new Matrix4().fromArray(joint.origin));
+            const moved = motion(joint);
+            if (moved) child.matrix.multiply(moved);
         }
         this.group.updateMatrixWorld(true);
+    }
+
+    /** Shows or hides what is drawn on demand beside the shapes; made when it is first asked for. */
+    layer(name: Layer, shown: boolean): void {
+        if (name === "visual") {
+            for (const part of this.shapes) part.visible = shown;
+            return;
+        }
+        let parts = this.layers.get(name);
+        if (!parts) {
+            if (!shown) return;
+            parts = this.scene.links.flatMap((_, at) => this.drawn(name, at).map((part) => {
+                this.links[at]?.add(part);
+                return part;
+            }));
+            this.layers.set(name, parts);
+            this.group.updateMatrixWorld(true);
+        }
+        for (const part of parts) part.visible = shown;
+    }
+
+    /** What a layer draws in a link's frame. */
+    private drawn(name: Exclude<Layer, "visual">, at: number): Object3D[] {
+        const link = this.scene.links[at];
+        if (!link) return [];
+        const { size } = this;
+        if (name === "collision") {
+            return link.collisions.flatMap((shape) => {
+                const made = this.shape({ ...shape, colour: [0.9, 0.35, 0.1, 0.45] });
+                return made ? [made] : [];
+            });
+        }
+        if (name === "frames") return [triad(new Matrix4(), size * 0.07, 1)];
+        if (name === "axes") {
+            return this.scene.joints.filter((joint) => joint.child === at && joint.kind !== "fixed" && joint.kind !== "floating").map((joint) => {
+                const axis = new Vector3(...joint.axis).multiplyScalar(size * 0.14);
+                const made = rod(axis.clone().multiplyScalar(-0.4), axis, size * 0.006, joint.kind === "prismatic" ? COLOURS.a : COLOURS.z);
+                (made.material as MeshStandardMaterial).depthTest = false;
+                made.renderOrder = 2;
+                return made;
+            });
+        }
+        const matter = link.inertial;
+        if (!matter || !(matter.mass > 0)) return [];
+        const holder = new Group();
+        holder.matrixAutoUpdate = false;
+        holder.matrix.fromArray(matter.centre);
+        const form = name === "mass" ? new SphereGeometry(size * 0.014, 24, 12) : matter.box && new BoxGeometry(...matter.box.map((edge) => Math.max(edge, size * 1e-4)) as [number, number, number]);
+        if (!form) return [];
+        const opacity = name === "mass" ? 1 : 0.35;
+        const mesh = new Mesh(form, new MeshStandardMaterial({ color: name === "mass" ? COLOURS.alpha : COLOURS.y, roughness: 0.8, transparent: opacity < 1, opacity, depthTest: name !== "mass" }));
+        mesh.userData["opacity"] = opacity;
+        mesh.renderOrder = name === "mass" ? 2 : 0;
+        holder.add(mesh);
+        return [holder];
     }
 
     /** Makes the shapes see-through, so that what lies inside is seen. */
@@ -118,7 +180,7 @@ export class Body {
         const { size } = this;
         const bare = (link: number) => !seenLinks.has(link) && (seenLinks.size === 0 || this.missing.length > 0);
         const colour = this.other ? COLOURS.other : 0x7b8794;
-        for (const [index, joint] of this.scene.joints.entries()) {
+        for (const joint of this.scene.joints) {
             const parent = this.links[joint.parent];
             const to = new Vector3().setFromMatrixPosition(new Matrix4().fromArray(joint.origin));
             if (to.length() > size * 1e-4) {
@@ -127,7 +189,7 @@ export class Body {
             }
             if (bare(joint.child) && joint.kind !== "fixed") {
                 const axis = new Vector3(...joint.axis).multiplyScalar(size * 0.045);
-                this.joints[index]?.add(rod(axis.clone().negate(), axis, size * 0.026, this.other ? COLOURS.other : 0x5b7fa6));
+                this.links[joint.child]?.add(rod(axis.clone().negate(), axis, size * 0.026, this.other ? COLOURS.other : 0x5b7fa6));
             }
         }
     }
@@ -163,7 +225,7 @@ export class Body {
     }
 
     private mesh(uri: string, made: (form: BufferGeometry) => Mesh): Object3D | undefined {
-        const name = found(uri, this.meshes, this.from);
+        const name = found(uri, this.meshes, this.from, this.packages);
         const bytes = name === undefined ? undefined : this.meshes.get(name);
         let object: Object3D | undefined;
         try {
@@ -174,4 +236,23 @@ export class Body {
         if (!object && !this.missing.includes(uri)) this.missing.push(uri);
         return object;
     }
+}
+
+/** The joints of a tree, each after the one that carries it. */
+function outwards(scene: Scene): number[] {
+    const at = new Map<number, number[]>();
+    for (const [index, joint] of scene.joints.entries()) at.set(joint.parent, [...(at.get(joint.parent) ?? []), index]);
+    const order: number[] = [];
+    const open = [scene.root];
+    const seen = new Set(open);
+    for (let link = open.pop(); link !== undefined; link = open.pop()) {
+        for (const index of at.get(link) ?? []) {
+            const child = scene.joints[index]?.child;
+            if (child === undefined || seen.has(child)) continue;
+            seen.add(child);
+            order.push(index);
+            open.push(child);
+        }
+    }
+    return order;
 }

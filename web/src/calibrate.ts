@@ -91,8 +91,11 @@ export class Calibrate implements Panel {
         this.out.replaceChildren(h("p", { role: "status", id: "progress" }, h("progress", { "aria-label": "at work" }), " ", words));
         const asked = { source: question(robot), data: this.data, test: this.test ?? null, units: this.units, map: this.columns.map, effects: this.search, hold_out: null };
         const before = performance.now();
+        const { for: key } = this;
         try {
-            this.result = await this.engine.ask("calibrate", asked, (said) => { words.textContent = said; });
+            const result = await this.engine.ask("calibrate", asked, (said) => { words.textContent = said; });
+            if (key !== this.for) return;
+            this.result = result;
             this.fill(this.result, (performance.now() - before) / 1000);
         } catch (error) {
             const why = error instanceof Error ? error.message : String(error);

@@ -26,6 +26,7 @@ export class Compare implements Panel {
             return;
         }
         this.element.replaceChildren(h("p", { role: "status" }, "comparing …"));
+        this.found = undefined;
         await this.app.trying(async () => {
             const answer = await this.app.engine.ask("diff", { a: question(robot), b: question(other) });
             this.found = JSON.parse(answer.text) as Difference;
@@ -41,7 +42,8 @@ export class Compare implements Panel {
                     h("button", { click: () => save("diff.json", answer.text, "application/json") }, "Download JSON")),
                 h("p", { id: "apart", class: "tip" }),
                 h("pre", { id: "words", class: "words", "data-json": answer.text }, answer.words));
-            this.app.view.show(1, other.opened.scene, other.meshes, `/${other.file}`);
+            this.app.view.show(1, other.opened.scene, other.meshes, `/${other.file}`, other.packages);
+            this.app.view.fit();
             this.app.move();
             this.moved();
         });
@@ -60,7 +62,7 @@ export class Compare implements Panel {
         [this.app.robot, this.app.other] = [other, robot];
         this.app.table = undefined;
         view.show(1, null);
-        view.show(0, other.opened.scene, other.meshes, `/${other.file}`);
+        view.show(0, other.opened.scene, other.meshes, `/${other.file}`, other.packages);
         this.app.changed();
     }
 

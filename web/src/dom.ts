@@ -27,7 +27,7 @@ export function select(label: string, choices: [value: string, words: string][],
     return h("label", { class: "choice" }, label ? h("span", {}, label) : null, element);
 }
 
-export function save(name: string, text: string, kind = "text/plain"): void {
+export function save(name: string, text: string | Blob, kind = "text/plain"): void {
     const address = URL.createObjectURL(new Blob([text], { type: kind }));
     h("a", { href: address, download: name }).click();
     setTimeout(() => URL.revokeObjectURL(address), 10_000);

@@ -25,6 +25,13 @@ export interface Shape {
     colour: [number, number, number, number] | null;
 }
 
+/** What a link weighs: kg, where (principal axes, column by column), and the edges of the solid box of its inertia, m. */
+export interface Matter {
+    mass: number;
+    centre: number[];
+    box: [number, number, number] | null;
+}
+
 export interface SceneJoint {
     name: string;
     kind: string;
@@ -43,7 +50,7 @@ export interface SceneJoint {
 
 export interface Scene {
     root: number;
-    links: { name: string; visuals: Shape[]; collisions: Shape[] }[];
+    links: { name: string; visuals: Shape[]; collisions: Shape[]; inertial?: Matter | null }[];
     joints: SceneJoint[];
 }
 

@@ -96,14 +96,70 @@ function joined(pieces: Uint8Array[]): Uint8Array {
     return all;
 }
 
-/** Everything that was dropped, folders walked through and archives unpacked. */
-export async function fromDrop(transfer: DataTransfer): Promise<Dropped> {
-    const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
+/** Whether the page is in a frame that may not reach what is around it, as in a notebook. */
+export const sandboxed = self.origin === "null" && location.protocol !== "file:";
+
+/** Whether one folder was let go, and nothing else. */
+export function isFolder(transfer: DataTransfer): boolean {
+    const entries = [...transfer.items].filter((item) => item.kind === "file").map((item) => item.webkitGetAsEntry?.());
+    return entries.length === 1 && entries[0]?.isDirectory === true;
+}
+
+/** A thing that was let go over the page, as far as it can be asked for. */
+interface Held {
+    file: File | null;
+    entry: FileSystemEntry | null;
+    folder: Promise<FileSystemDirectoryHandle | undefined> | undefined;
+}
+
+/** What a browser can do with a dropped item beyond the standard types. */
+type Asked = DataTransferItem & { getAsFileSystemHandle?(): Promise<FileSystemHandle | null> };
+
+/**
+ * Everything that was dropped, folders walked through and archives unpacked. To be called in the event's handler: items are gone
+ * afterwards, so each is asked for before anything is waited for.
+ *
+ * A page from disk, or in a sandboxed frame, has an origin of its own, where `FileSystemEntry.file` and `readEntries` fail
+ * ("A URI supplied to the API was malformed"). `getAsFile` works in both; `getAsFileSystemHandle` works on a page from disk, and in a
+ * sandboxed frame it ends the whole page (Chromium 156): there an unseen input for folders takes them, which the browser itself fills.
+ */
+export function fromDrop(transfer: DataTransfer): Promise<Dropped> {
+    const held = ([...transfer.items] as Asked[]).filter((item) => item.kind === "file").map((item): Held => {
+        const entry = item.webkitGetAsEntry?.() ?? null;
+        if (!entry?.isDirectory) return { file: item.getAsFile(), entry, folder: undefined };
+        const asked = sandboxed ? undefined : item.getAsFileSystemHandle?.();
+        const folder = asked?.then((handle) => (handle?.kind === "directory" ? (handle as FileSystemDirectoryHandle) : undefined), () => undefined);
+        return { file: null, entry, folder };
+    });
+    return held.length === 0 ? fromFiles([...transfer.files]) : all(held);
+}
+
+async function all(held: Held[]): Promise<Dropped> {
     const bounds = new Bounds();
     const out: Dropped = new Map();
-    if (entries.length === 0) return fromFiles([...transfer.files]);
-    for (const entry of entries) await walk(entry, out, bounds);
+    for (const { file, entry, folder } of held) {
+        const handle = await folder;
+        if (file) await take(file, file.name, out, bounds);
+        else if (handle) await through(handle, `/${handle.name}`, out, bounds);
+        else if (entry) await walk(entry, out, bounds).catch((error: unknown) => refused(entry.name, error));
+    }
     return out;
+}
+
+function refused(name: string, error: unknown): never {
+    if (!(error instanceof DOMException)) throw error;
+    throw new Error(`this browser does not let a page of this kind read the dropped folder "${name}"; ${sandboxed ? "drop one folder alone, " : ""}use Open folder, or drop a zip archive`);
+}
+
+/** Folders that hold nothing of a robot's. */
+const isHidden = (name: string) => name.startsWith(".git");
+
+async function through(folder: FileSystemDirectoryHandle, path: string, out: Dropped, bounds: Bounds): Promise<void> {
+    for await (const inner of folder.values()) {
+        if (isHidden(inner.name)) continue;
+        if (inner.kind === "directory") await through(inner as FileSystemDirectoryHandle, `${path}/${inner.name}`, out, bounds);
+        else await take(await (inner as FileSystemFileHandle).getFile(), `${path}/${inner.name}`, out, bounds);
+    }
 }
 
 /** Files of a file dialog; of a folder's the names hold the folder. */
@@ -123,7 +179,7 @@ async function walk(entry: FileSystemEntry, out: Dropped, bounds: Bounds): Promi
     for (;;) {
         const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
         if (some.length === 0) return;
-        for (const inner of some) if (!inner.name.startsWith(".git")) await walk(inner, out, bounds);
+        for (const inner of some) if (!isHidden(inner.name)) await walk(inner, out, bounds);
     }
 }
 
@@ -184,6 +240,22 @@ export interface Sorted {
     texts: Record<string, string>;
     /** Every name. */
     names: string[];
+    /** Folders of ROS packages, each with the name in its package.xml. */
+    packages: Packages;
+}
+
+/** Names of packages by their folders, such as /ws/src/arm. */
+export type Packages = Map<string, string>;
+
+/** The packages among dropped texts. */
+function packages(texts: Record<string, string>): Packages {
+    const found: Packages = new Map();
+    for (const [name, text] of Object.entries(texts)) {
+        if (!/\/package\.xml$/i.test(name)) continue;
+        const own = new DOMParser().parseFromString(text, "application/xml").querySelector("package > name")?.textContent?.trim();
+        if (own) found.set(name.slice(0, name.lastIndexOf("/")), own);
+    }
+    return found;
 }
 
 /** Which files are robots, which are measurements; where measurements are wanted, a list of anything is taken for some. */
@@ -213,7 +285,7 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
         return macros + (/\.urdf$/i.test(name) ? 0 : 10) + name.split("/").length + (/macro|inc|common|gazebo|ros2_control/i.test(name) ? 20 : 0);
     };
     robots.sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
-    return { robots, data, texts, names: [...dropped.keys()] };
+    return { robots, data, texts, names: [...dropped.keys()], packages: packages(texts) };
 }
 
 /** A header with a place, a distance or the like, and more rows than an arm has joints. */

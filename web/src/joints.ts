@@ -2,11 +2,19 @@
 
 import type { App, ChainListing } from "./app";
 import { chain, question } from "./app";
-import { h, number } from "./dom";
+import type { Layer } from "./body";
+import { h, number, save, stem } from "./dom";
+
+const LAYERS: [layer: Layer, words: string, title: string][] = [
+    ["visual", "shapes", "Visual shapes"], ["collision", "collision", "Collision shapes"],
+    ["inertia", "inertia", "For each link the solid box that has its mass and inertia"], ["mass", "centres of mass", "Centres of mass of the links"],
+    ["axes", "joint axes", "Axes of the moving joints"], ["frames", "link frames", "Frames of the links, as the URDF has them"],
+];
 
 export class Joints {
     readonly element = h("section", { class: "joints", "aria-label": "Joints" });
     private readonly tip = h("p", { id: "tip", class: "tip", "aria-live": "off" });
+    private readonly shown = new Map<Layer, boolean>();
     private asked = false;
     private again = false;
 
@@ -24,11 +32,31 @@ export class Joints {
             const turns = joint.kind !== "prismatic";
             const [lower, upper] = [joint.lower ?? (turns ? -Math.PI : -1), joint.upper ?? (turns ? Math.PI : 1)];
             const value = this.app.value(joint.name);
-            const shown = h("output", {});
+            const [unit, per] = turns ? ["°", 180 / Math.PI] : ["mm", 1000];
+            const typed = h("input", {
+                type: "text", inputmode: "decimal", class: "typed", "data-typed": joint.name, "aria-label": `${joint.name}, ${turns ? "degrees" : "mm"}`, autocomplete: "off",
+                focus: () => typed.select(),
+                change: () => {
+                    const wanted = Number(typed.value.replace(",", ".").replace(/\s*(°|deg|mm)\s*$/, "").trim() || Number.NaN);
+                    const [low, high] = [Number(input.min), Number(input.max)];
+                    const within = Number.isFinite(wanted) && wanted / per >= low - 1e-9 && wanted / per <= high + 1e-9;
+                    typed.classList.toggle("wrong", !within);
+                    if (!within) {
+                        this.app.say(`${joint.name} takes a number from ${number(low * per, 2)} to ${number(high * per, 2)} ${unit}`, true);
+                        return;
+                    }
+                    this.app.say("");
+                    this.app.q.set(joint.name, Math.min(high, Math.max(low, wanted / per)));
+                    input.value = String(this.app.value(joint.name));
+                    say(this.app.value(joint.name));
+                    this.update();
+                },
+            });
             const say = (q: number) => {
-                shown.textContent = turns ? `${number((q * 180) / Math.PI, 1)}°` : `${number(q * 1000, 1)} mm`;
+                typed.value = number(q * per, 2);
+                typed.classList.remove("wrong");
                 // The slider itself counts rad and m.
-                input.setAttribute("aria-valuetext", shown.textContent);
+                input.setAttribute("aria-valuetext", `${typed.value} ${unit}`);
             };
             const input = h("input", {
                 type: "range", min: Math.min(lower, upper), max: Math.max(lower, upper), step: "any", value, "data-joint": joint.name, "aria-label": joint.name,
@@ -39,18 +67,35 @@ export class Joints {
                 },
             });
             say(value);
-            return h("label", { class: "slider" }, h("span", { class: "name", title: joint.name }, joint.name), input, shown);
+            return h("div", { class: "slider" }, h("span", { class: "name", title: joint.name }, joint.name), input, h("span", { class: "value" }, typed, h("span", { class: "unit" }, unit)));
         };
         this.element.replaceChildren(
             h("div", { class: "row" }, this.tip, h("button", { id: "home", click: () => {
                 this.app.q.clear();
                 this.fill();
                 this.update();
-            } }, "All to 0"), h("button", { id: "fit", click: () => { this.app.view.fit(); this.app.view.draw(); } }, "Fit view")),
+            } }, "All to 0"), h("button", { id: "fit", click: () => { this.app.view.fit(); this.app.view.draw(); } }, "Fit view"),
+                h("button", { id: "picture", title: "The view as a PNG file", click: () => void this.picture() }, "Picture")),
+            h("div", { class: "row layers", role: "group", "aria-label": "Shown in the view" }, ...LAYERS.map(([name, words, title]) => {
+                const box = h("input", { type: "checkbox", "data-layer": name, change: () => {
+                    this.shown.set(name, box.checked);
+                    this.app.view.layer(name, box.checked);
+                } });
+                box.checked = this.shown.get(name) ?? name === "visual";
+                return h("label", { class: "check", title }, box, words);
+            })),
             h("div", { class: "sliders" }, ...mine.map(slider)),
             ...(rest.length === 0 ? [] : [h("details", {}, h("summary", {}, `Joints outside of this chain (${rest.length})`), h("div", { class: "sliders" }, ...rest.map(slider)))]),
         );
         this.update();
+    }
+
+    private async picture(): Promise<void> {
+        await this.app.trying(async () => {
+            const picture = await this.app.view.picture();
+            if (!picture) throw new Error("there is no picture: this browser shows no 3-D view");
+            save(`${stem(this.app.robot?.file ?? "")}.png`, picture, "image/png");
+        });
     }
 
     /** Moves the robot, and asks where its tip is. */

@@ -41,6 +41,22 @@ export class Labels {
         this.element.append(...made.map(({ element }) => element));
     }
 
+    /** Paints the names that are seen onto a picture of the view. */
+    paint(ink: CanvasRenderingContext2D, view: HTMLElement): void {
+        const from = view.getBoundingClientRect();
+        for (const { element, words } of [...this.layers.values()].flat()) {
+            if (element.hidden) continue;
+            const [box, style] = [element.getBoundingClientRect(), getComputedStyle(element)];
+            const [x, y] = [box.left - from.left, box.top - from.top];
+            ink.fillStyle = style.backgroundColor;
+            ink.fillRect(x, y, box.width, box.height);
+            ink.fillStyle = style.color;
+            ink.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
+            ink.textBaseline = "middle";
+            ink.fillText(words, x + Number.parseFloat(style.paddingLeft || "0"), y + box.height / 2);
+        }
+    }
+
     /** Puts every name where its point is seen and no other name is. */
     place(camera: Camera, width: number, height: number): void {
         const all = [...this.layers.values()].flat().sort((a, b) => Number(b.first ?? false) - Number(a.first ?? false));

@@ -24,7 +24,10 @@ export class Learn implements Panel {
         const { app } = this;
         const robot = app.robot;
         if (!robot) return;
-        await app.trying(async () => {
+        // Nothing of the robot before stays where this one's derivation fails.
+        this.steps = [];
+        this.element.replaceChildren(h("p", { role: "status" }, "deriving …"));
+        const answered = await app.trying(async () => {
             const poe = JSON.parse((await app.engine.ask("poe", question(robot))).text) as Poe;
             const answer = await app.engine.ask("table", { source: question(robot), convention: "distal", gauge: null, units: app.units, format: "json" });
             const table = JSON.parse(answer.text) as TableFile;
@@ -35,7 +38,9 @@ export class Learn implements Panel {
             app.refill();
             this.make(poe, table, answer.rows.map((row) => row.numbers), answer.columns);
             this.go(Math.min(this.at, this.steps.length - 1));
+            return true;
         });
+        if (!answered) this.element.replaceChildren(h("p", { class: "notice" }, "This chain has no derivation; the reason is above."));
     }
 
     hide(): void {

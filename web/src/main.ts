@@ -8,7 +8,7 @@ import { Calibrate } from "./calibrate";
 import { Compare } from "./compare";
 import { h } from "./dom";
 import type { RobotText } from "./engine";
-import { fromDrop, fromFiles, isMesh, sorted, type Dropped } from "./files";
+import { fromDrop, fromFiles, isFolder, isMesh, sandboxed, sorted, type Dropped, type Packages } from "./files";
 import { Joints } from "./joints";
 import { Learn } from "./learn";
 import { unpacked } from "./meshes";
@@ -25,7 +25,26 @@ const joints = new Joints(app, () => current.moved?.());
 const busy = h("p", { class: "busy", hidden: true, role: "status" }, "reading …");
 const files = h("input", { type: "file", multiple: true, id: "files", "aria-label": "Files of a robot", change: () => void chosen(files) });
 const folder = h("input", { type: "file", webkitdirectory: true, id: "folder", "aria-label": "Folder of a robot", change: () => void chosen(folder) });
+// In a notebook's frame no script may read a dropped folder: while something is dragged an unseen input for folders lies over the page,
+// and the browser itself puts the folder's files into it, where its events are left alone.
+const caught = h("input", { type: "file", webkitdirectory: true, class: "catcher", hidden: true, tabindex: -1, "aria-hidden": "true", change: () => void chosen(caught) });
+const dropping = (going: boolean) => {
+    document.body.classList.toggle("dropping", going);
+    caught.hidden = !(going && sandboxed);
+};
 const tabs = panels.map((panel) => h("button", { role: "tab", id: `tab-${panel.name}`, "aria-selected": "false", click: () => void turnTo(panel) }, panel.name));
+// Arrow keys go from tab to tab.
+const arrow = (event: Event) => {
+    const { key } = event as KeyboardEvent;
+    const at = panels.indexOf(current);
+    const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: panels.length - 1 }[key];
+    if (next === undefined) return;
+    event.preventDefault();
+    const to = (next + panels.length) % panels.length;
+    tabs[to]?.focus();
+    const panel = panels[to];
+    if (panel) void turnTo(panel);
+};
 const theme = h("button", { id: "theme", title: "Dark or light", "aria-label": "Dark or light", click: () => {
     const dark = getComputedStyle(document.documentElement).colorScheme === "dark";
     document.documentElement.dataset["theme"] = dark ? "light" : "dark";
@@ -34,7 +53,7 @@ const title = h("span", { class: "robot", id: "robot" });
 const link = h("button", { id: "link", click: () => void permalink(), title: "An address that holds what is shown" }, "Copy link");
 const header = h("header", {},
     h("b", { class: "brand" }, "denavit"), title,
-    h("nav", { role: "tablist", "aria-label": "What to do" }, ...tabs),
+    h("nav", { role: "tablist", "aria-label": "What to do", keydown: arrow }, ...tabs),
     h("span", { class: "row tools" },
         h("label", { class: "button" }, "Open files", files),
         h("label", { class: "button" }, "Open folder", folder), link, theme));
@@ -49,23 +68,23 @@ const start = h("section", { class: "start" },
 const left = h("div", { class: "left" }, app.view.element, joints.element);
 const right = h("div", { class: "right", role: "tabpanel" });
 const work = h("main", { class: "work", hidden: true }, left, right);
-document.getElementById("app")?.replaceChildren(header, app.said, busy, start, work);
+document.getElementById("app")?.replaceChildren(header, app.said, busy, start, work, caught);
 
 function source(file: string, text: string, texts: Record<string, string> = {}, names: string[] = []): RobotText {
     return { file, text, files: texts, names, exact: false };
 }
 
-async function opened(robot: RobotText, meshes: Dropped) {
+async function opened(robot: RobotText, meshes: Dropped, packages: Packages = new Map()) {
     const answer = await app.engine.ask("open", robot);
     // An expanded file stands for itself from now on; what it was made of need not travel with each question.
     const expanded = answer.urdf_file.endsWith("(expanded)");
-    return { ...robot, files: {}, text: expanded ? answer.urdf : robot.text, written: robot.text, meshes, opened: answer };
+    return { ...robot, files: {}, text: expanded ? answer.urdf : robot.text, written: robot.text, meshes, packages, opened: answer };
 }
 
-app.open = async (robot, meshes) => {
+app.open = async (robot, meshes, packages) => {
     busy.hidden = false;
     try {
-        const made = await opened(robot, meshes);
+        const made = await opened(robot, meshes, packages);
         app.robot = made;
         app.other = undefined;
         app.table = undefined;
@@ -74,7 +93,7 @@ app.open = async (robot, meshes) => {
         start.hidden = true;
         work.hidden = false;
         app.view.show(1, null);
-        app.view.show(0, made.opened.scene, meshes, `/${made.file}`);
+        app.view.show(0, made.opened.scene, meshes, `/${made.file}`, made.packages);
         const known = new Set(made.opened.scene.joints.map((joint) => joint.name));
         for (const name of [...app.q.keys()]) if (!known.has(name)) app.q.delete(name);
         for (const joint of made.opened.scene.joints) {
@@ -129,18 +148,18 @@ async function dropped(files: Promise<Dropped>): Promise<void> {
 /** What was dropped: a robot, two robots to compare, or measurements for the robot at hand. */
 async function take(dropped: Dropped): Promise<void> {
     if (dropped.size === 0) return;
-    const { robots, data, texts, names } = sorted(dropped, app.robot && current.name === "Calibrate" ? "measurements" : "robots");
+    const { robots, data, texts, names, packages } = sorted(dropped, app.robot && current.name === "Calibrate" ? "measurements" : "robots");
     const meshes: Dropped = new Map([...dropped].filter(([name]) => isMesh(name)));
     // Names in messages are as people know them; the files beside are known from the top.
     const of = (name: string) => source(name.slice(1), texts[name] ?? "", texts, names);
     const single = dropped.size <= 2 && meshes.size === 0;
     const [first, second] = robots;
     if (first !== undefined) {
-        if (current.name === "Compare" && app.robot && robots.length === 1) await compare(of(first), meshes);
+        if (current.name === "Compare" && app.robot && robots.length === 1) await compare(of(first), meshes, packages);
         else {
-            await app.open(of(first), meshes);
-            if (second !== undefined && single) await compare(of(second), meshes);
-            else if (robots.length > 1) offer(robots, of, meshes, first);
+            await app.open(of(first), meshes, packages);
+            if (second !== undefined && single) await compare(of(second), meshes, packages);
+            else if (robots.length > 1) offer(robots, of, meshes, packages, first);
         }
     }
     const table = data[0];
@@ -155,14 +174,18 @@ async function take(dropped: Dropped): Promise<void> {
 }
 
 /** Several robots in one folder: the likeliest is shown, the others can be chosen. */
-function offer(robots: string[], of: (name: string) => RobotText, meshes: Dropped, shown: string): void {
-    const pick = h("select", { id: "which", "aria-label": "Robot of the folder", change: () => void app.trying(() => app.open(of(pick.value), meshes)) },
+function offer(robots: string[], of: (name: string) => RobotText, meshes: Dropped, packages: Packages, shown: string): void {
+    const pick = h("select", { id: "which", "aria-label": "Robot of the folder", change: () => void app.trying(async () => {
+        const chosen = pick.value;
+        await app.open(of(chosen), meshes, packages);
+        offer(robots, of, meshes, packages, chosen);
+    }) },
         ...robots.map((name) => h("option", { value: name, selected: name === shown }, name.replace(/^\//, ""))));
     title.replaceChildren(pick);
 }
 
-async function compare(robot: RobotText, meshes: Dropped): Promise<void> {
-    app.other = await opened(robot, meshes);
+async function compare(robot: RobotText, meshes: Dropped, packages?: Packages): Promise<void> {
+    app.other = await opened(robot, meshes, packages);
     await turnTo(panels[1] as Panel);
 }
 
@@ -176,17 +199,19 @@ async function permalink(): Promise<void> {
 
 for (const event of ["dragenter", "dragover"] as const) {
     addEventListener(event, (drag) => {
-        drag.preventDefault();
-        document.body.classList.add("dropping");
+        dropping(true);
+        if (drag.target !== caught) drag.preventDefault();
     });
 }
 addEventListener("dragleave", (drag) => {
-    if (drag.relatedTarget === null) document.body.classList.remove("dropping");
+    if (drag.relatedTarget === null) dropping(false);
 });
 addEventListener("drop", (drop) => {
-    drop.preventDefault();
-    document.body.classList.remove("dropping");
     const transfer = drop.dataTransfer;
+    // Taken away once the browser has done with the drop.
+    setTimeout(() => dropping(false), 0);
+    if (transfer && drop.target === caught && isFolder(transfer)) return;
+    drop.preventDefault();
     if (transfer) void dropped(fromDrop(transfer));
 });
 

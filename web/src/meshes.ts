@@ -5,7 +5,7 @@ import { ColladaLoader } from "three/addons/loaders/ColladaLoader.js";
 import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
 import { STLLoader } from "three/addons/loaders/STLLoader.js";
 import { dispose } from "./drawn";
-import type { Dropped } from "./files";
+import type { Dropped, Packages } from "./files";
 
 /** Mesh files that stand in a page in base64, by what the robot calls them. */
 export function unpacked(packed: Record<string, string>): Dropped {
@@ -13,31 +13,90 @@ export function unpacked(packed: Record<string, string>): Dropped {
     return new Map(Object.entries(packed).map(([uri, text]) => [uri, decoded(text)]));
 }
 
-/** The dropped file that a mesh's URI means: beside the robot, or in a package by its folder's name. */
-export function found(uri: string, meshes: Dropped, from: string): string | undefined {
+/**
+ * The dropped file that a mesh's URI means; undefined where none does, or several do alike.
+ *
+ * A name from the robot's own file is looked for beside it. `package://NAME/PATH` is looked for in the package whose package.xml says
+ * NAME, and nowhere else where that package was dropped. Else it is the file whose path ends as the URI does for the most parts;
+ * files of packages with other names do not count.
+ */
+export function found(uri: string, meshes: Dropped, from: string, packages: Packages = new Map()): string | undefined {
     // What the command line brings has the robot's own name for it.
     if (meshes.has(uri)) return uri;
     const scheme = /^(package|model|file):\/\/(.*)$/.exec(uri);
-    const path = decodeURIComponent((scheme?.[2] ?? uri).replace(/%(?![0-9a-f]{2})/gi, "%25")).replaceAll("\\", "/");
+    const path = decoded(scheme?.[2] ?? uri).replaceAll("\\", "/");
     if (!scheme) {
-        const parts = from.split("/").slice(0, -1);
-        for (const part of path.split("/")) {
-            if (part === "..") parts.pop();
-            else if (part !== ".") parts.push(part);
-        }
-        const beside = parts.join("/");
+        const beside = resolved(from.slice(0, from.lastIndexOf("/")), path);
         if (meshes.has(beside)) return beside;
     }
-    const names = [...meshes.keys()];
-    const plain = path.replace(/^(\.\.?\/)+/, "").replace(/^\//, "");
-    // With the package's folder, or without it where the package itself was dropped.
-    const inside = plain.split("/").slice(1).join("/");
-    for (const wanted of scheme ? [plain, inside] : [plain]) {
-        const end = `/${wanted}`;
-        const hit = wanted && names.find((name) => name.endsWith(end));
-        if (hit) return hit;
+    const wanted = parts(path);
+    const [owner, ...inside] = wanted;
+    if (scheme && scheme[1] !== "file" && owner !== undefined) {
+        const own = [...packages].filter(([, name]) => name === owner).map(([folder]) => folder);
+        for (const folder of own) {
+            const name = resolved(folder, inside.join("/"));
+            if (meshes.has(name)) return name;
+        }
+        if (own.length > 0) return undefined;
     }
-    return undefined;
+    const foreign = (name: string) => {
+        const home = [...packages.keys()].filter((folder) => name.startsWith(`${folder}/`)).sort((a, b) => b.length - a.length)[0];
+        return scheme?.[1] === "package" && home !== undefined && packages.get(home) !== owner;
+    };
+    const near = [...meshes.keys()].filter((name) => !foreign(name)).map((name) => ({ name, shared: suffix(parts(name), wanted) }));
+    const most = Math.max(1, ...near.map(({ shared }) => shared));
+    const best = near.filter(({ shared }) => shared === most).map(({ name }) => name);
+    if (best.length <= 1 || best.every((name) => alike(meshes.get(name), meshes.get(best[0] ?? "")))) return best[0];
+    // Several files of one name: the one nearest to the robot's file, where one is.
+    const shares = (name: string) => prefix(parts(name), parts(from));
+    const closest = Math.max(...best.map(shares));
+    const nearest = best.filter((name) => shares(name) === closest);
+    return nearest.length === 1 ? nearest[0] : undefined;
+}
+
+/** Where the rules look for a mesh of this URI, from the top; what was found elsewhere is known to them by this name. */
+export function looked(uri: string, from: string): string {
+    const scheme = /^\w+:\/\/(.*)$/.exec(uri);
+    return scheme ? resolved("", decoded(scheme[1] ?? "")) : resolved(from.slice(0, from.lastIndexOf("/")), uri);
+}
+
+function decoded(text: string): string {
+    try {
+        return decodeURIComponent(text.replace(/%(?![0-9a-f]{2})/gi, "%25"));
+    } catch {
+        return text;
+    }
+}
+
+function parts(path: string): string[] {
+    return path.split("/").filter((part) => part !== "" && part !== "." && part !== "..");
+}
+
+function resolved(folder: string, path: string): string {
+    const out = parts(folder);
+    for (const part of path.split("/")) {
+        if (part === "..") out.pop();
+        else if (part !== "." && part !== "") out.push(part);
+    }
+    return `/${out.join("/")}`;
+}
+
+/** How many parts two paths share at their ends. */
+function suffix(a: string[], b: string[]): number {
+    let count = 0;
+    while (count < Math.min(a.length, b.length) && a.at(-1 - count) === b.at(-1 - count)) count++;
+    return count;
+}
+
+/** How many folders two paths share at their beginning. */
+function prefix(a: string[], b: string[]): number {
+    let count = 0;
+    while (count < Math.min(a.length, b.length) - 1 && a[count] === b[count]) count++;
+    return count;
+}
+
+function alike(a: Uint8Array | undefined, b: Uint8Array | undefined): boolean {
+    return a !== undefined && b !== undefined && a.length === b.length && a.every((byte, at) => byte === b[at]);
 }
 
 const PIXEL = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8/5+hHgAHggJ/PchI7wAAAABJRU5ErkJggg==";

@@ -1,7 +1,7 @@
 // See: the D-H table beside the picture, findings beside the XML, everything to copy and to download.
 
 import type { App, Panel, Robot } from "./app";
-import { chain, chains, question } from "./app";
+import { chain, chains, question, withMeshes } from "./app";
 import { h, save, select, stem } from "./dom";
 import type { TableAnswer } from "./engine";
 import type { TableFile } from "./table";
@@ -30,6 +30,7 @@ export class See implements Panel {
     private readonly tableBox = h("div", { class: "scroll" });
     private readonly formula = h("p", { class: "fine" });
     private readonly notes = h("ul", { class: "notes" });
+    private readonly noted = h("details", { class: "noted" }, h("summary", {}), this.notes);
     private readonly findings = h("div", {});
     private readonly tree = h("ul", { class: "tree" });
     private rows: HTMLTableRowElement[] = [];
@@ -42,9 +43,15 @@ export class See implements Panel {
     async show(): Promise<void> {
         const robot = this.app.robot;
         if (!robot) return;
+        // Nothing of the robot before stays under the name of this one.
+        this.rows = [];
+        this.tableBox.replaceChildren(h("p", { role: "status" }, "reading …"));
+        this.formula.replaceChildren();
+        this.findings.replaceChildren();
+        this.note(robot.opened.notes);
         const listing = chains(robot);
         const taken = chain(robot);
-        const chosen = String(listing.indexOf(taken));
+        const chosen = String(listing.findIndex((it) => it.base === taken.base && it.tip === taken.tip));
         const pick = select("Chain", listing.map((it, at) => [String(at), `${it.base} → ${it.tip}  (${it.coordinates.length})`]), chosen, (value) => {
             const picked = listing[Number(value)];
             if (picked) {
@@ -75,18 +82,32 @@ export class See implements Panel {
                 h("span", { class: "key a" }, "a"), " along x  ", h("span", { class: "key d" }, "d"), " along z  ",
                 h("span", { class: "key theta" }, "θ"), " about z  ", h("span", { class: "key alpha" }, "α"), " about x  · axes: ",
                 h("span", { class: "key x" }, "x"), " ", h("span", { class: "key y" }, "y"), " ", h("span", { class: "key z" }, "z")),
-            this.notes,
             h("h2", {}, "Findings"), this.findings,
+            this.noted,
             h("details", {}, h("summary", {}, `Links and joints (${robot.opened.scene.links.length})`), this.tree),
         );
         this.fillTree(robot);
-        await this.app.trying(() => this.fill());
+        await this.fill();
         await this.app.trying(() => this.check());
     }
 
     private set(change: () => void): void {
         change();
-        void this.app.trying(() => this.fill());
+        void this.fill();
+    }
+
+    /** What must be said of the robot, and of its meshes. */
+    private note(words: string[]): void {
+        const { missing } = this.app.view;
+        const of = missing.length > 0
+            ? [`${missing.length} ${missing.length === 1 ? "mesh is" : "meshes are"} not shown; drop the folder that holds ${missing.length === 1 ? "it" : "them"} with the robot (${missing.slice(0, 2).join(", ")}${missing.length > 2 ? ", …" : ""})`]
+            : [];
+        const all = [...of, ...words];
+        this.notes.replaceChildren(...all.map((text) => h("li", {}, text)));
+        (this.noted.firstChild as HTMLElement).textContent = `Notes (${all.length})`;
+        this.noted.hidden = all.length === 0;
+        // A part of the picture that is not there is seen without a click.
+        if (of.length > 0) this.noted.open = true;
     }
 
     private async table(format: string): Promise<TableAnswer> {
@@ -98,8 +119,22 @@ export class See implements Panel {
     private async fill(): Promise<void> {
         const turn = ++this.turn;
         this.app.table = undefined;
-        const answer = await this.table("json");
-        if (turn !== this.turn) return;
+        const { robot } = this.app;
+        let answer: TableAnswer;
+        try {
+            answer = await this.table("json");
+        } catch (error) {
+            if (turn !== this.turn || robot !== this.app.robot) return;
+            // Rows and frames are those of this robot, or none.
+            const why = error instanceof Error ? error.message : String(error);
+            this.rows = [];
+            this.formula.replaceChildren();
+            this.tableBox.replaceChildren(h("p", { class: "said wrong", id: "no-table" }, `This chain has no table: ${why}`));
+            this.app.view.frames([], "", null);
+            this.app.move();
+            return;
+        }
+        if (turn !== this.turn || robot !== this.app.robot) return;
         this.app.table = JSON.parse(answer.text) as TableFile;
         this.app.chosenRow = null;
         this.formula.textContent = `${answer.convention}: ${answer.formula}`;
@@ -111,10 +146,7 @@ export class See implements Panel {
             focus: () => this.choose(at), blur: () => this.choose(null),
         }, h("th", { scope: "row" }, row.label), h("td", { title: row.kind }, row.joint), ...row.numbers.map((text) => h("td", { class: "number" }, text)), h("td", { class: "fine" }, row.limits)));
         this.tableBox.replaceChildren(h("table", { id: "dh" }, h("thead", {}, head), h("tbody", {}, ...this.rows)));
-        this.notes.replaceChildren(...[...(this.app.robot?.opened.notes ?? []), ...answer.notes].map((words) => h("li", {}, words)));
-        if (this.app.view.missing.length > 0) {
-            this.notes.append(h("li", {}, `${this.app.view.missing.length} meshes are not shown; drop the folder that holds them with the robot (${this.app.view.missing.slice(0, 2).join(", ")}${this.app.view.missing.length > 2 ? ", …" : ""})`));
-        }
+        this.note([...(this.app.robot?.opened.notes ?? []), ...answer.notes]);
         this.app.move();
     }
 
@@ -154,7 +186,8 @@ export class See implements Panel {
     private async check(): Promise<void> {
         const robot = this.app.robot;
         if (!robot) return;
-        const answer = await this.app.engine.ask("check", question(robot));
+        const answer = await this.app.engine.ask("check", withMeshes(robot));
+        if (robot !== this.app.robot) return;
         const { findings } = JSON.parse(answer.text) as { findings: Finding[] };
         const lines = answer.urdf.split("\n");
         if (findings.length === 0) {
@@ -165,8 +198,8 @@ export class See implements Panel {
         const fixable = answer.is_source && robot.text === robot.written;
         const mend = (only: number | null) => async () => {
             await this.app.trying(async () => {
-                const { text, made } = await this.app.engine.ask("fix", { source: question(robot), only });
-                await this.app.open({ ...question(robot), text }, robot.meshes);
+                const { text, made } = await this.app.engine.ask("fix", { source: withMeshes(robot), only });
+                await this.app.open({ ...question(robot), text }, robot.meshes, robot.packages);
                 this.app.say(`${made} edits made in the copy on this page; download it to keep it`);
             });
         };
@@ -183,19 +216,31 @@ export class See implements Panel {
                 finding.fixable && fixable ? h("button", { "data-fix": at, click: () => void mend(at)() }, "Fix") : null);
         });
         this.findings.replaceChildren(
-            h("p", {}, `${findings.length} found${mendable ? `, ${mendable} can be mended at a click` : ""}.`,
+            h("p", {}, `${findings.length} found${mendable ? `, ${mendable} can be fixed at a click` : ""}.`,
                 ...(mendable && fixable ? [" ", h("button", { id: "fix-all", click: () => void mend(null)() }, "Fix all")] : []),
                 " ", h("button", { id: "download-urdf", click: () => save(`${stem(robot.file)}.urdf`, answer.urdf, "application/xml") }, "Download URDF")),
             ...items);
     }
 
+    /** Links and joints, one below the other; a line is indented where the tree branches. */
     private fillTree(robot: Robot): void {
         const { links, joints, root } = robot.opened.scene;
-        const branch = (link: number, depth: number): HTMLLIElement => {
-            const inner = depth > 200 ? [] : joints.filter((joint) => joint.parent === link);
-            return h("li", {}, links[link]?.name ?? "", inner.length === 0 ? null : h("ul", {}, ...inner.map((joint) =>
-                h("li", {}, h("span", { class: "joint" }, `${joint.name} · ${joint.kind}`), h("ul", {}, branch(joint.child, depth + 1))))));
-        };
-        this.tree.replaceChildren(branch(root, 0));
+        const carried = new Map<number, typeof joints>();
+        for (const joint of joints) carried.set(joint.parent, [...(carried.get(joint.parent) ?? []), joint]);
+        const lines: HTMLLIElement[] = [];
+        const line = (depth: number, ...words: (Node | string)[]) => lines.push(h("li", { style: `padding-left:${Math.min(depth, 24) * 14}px` }, ...words));
+        line(0, links[root]?.name ?? "");
+        const open = (carried.get(root) ?? []).map((joint) => ({ joint, depth: 1 })).reverse();
+        const seen = new Set([root]);
+        for (let next = open.pop(); next; next = open.pop()) {
+            const { joint, depth } = next;
+            if (seen.has(joint.child)) continue;
+            seen.add(joint.child);
+            line(depth, links[joint.child]?.name ?? "", " ", h("span", { class: "joint" }, `by ${joint.name} · ${joint.kind}`));
+            const inner = carried.get(joint.child) ?? [];
+            // A chain stays in its column, so that a long arm does not run out of the panel.
+            open.push(...inner.map((it) => ({ joint: it, depth: inner.length > 1 ? depth + 1 : depth })).reverse());
+        }
+        this.tree.replaceChildren(...lines);
     }
 }

@@ -5,11 +5,11 @@ import {
     Scene as ThreeScene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { Body } from "./body";
+import { Body, type Layer } from "./body";
 import { h } from "./dom";
 import { clear, dispose, drawnStep, rod, segment, triad } from "./drawn";
 import type { Scene } from "./engine";
-import type { Dropped } from "./files";
+import type { Dropped, Packages } from "./files";
 import { type Label, Labels } from "./labels";
 import type { PlacedRow } from "./table";
 
@@ -27,6 +27,7 @@ export class View {
     private readonly pointed = new Group();
     private readonly bodies: (Body | undefined)[] = [undefined, undefined];
     private readonly pointer = h("span", { class: "tag pointer", hidden: true });
+    private readonly layers = new Map<Layer, boolean>();
     private rowNames: string[] = [];
     private grid: GridHelper | undefined;
     private started = false;
@@ -60,9 +61,14 @@ export class View {
     }
 
     /** Shows a robot in place `index`: 0 as itself, 1 as the other one of a comparison; null takes it away. */
-    show(index: 0 | 1, scene: Scene | null, meshes: Dropped = new Map(), from = "/"): void {
+    show(index: 0 | 1, scene: Scene | null, meshes: Dropped = new Map(), from = "/", packages: Packages = new Map()): void {
         this.start();
-        if (index === 0) clear(this.pointed);
+        if (index === 0) {
+            // Frames and marks of the robot before are none of this one's.
+            clear(this.pointed);
+            this.frames([], "", null);
+            this.marks([], []);
+        }
         const old = this.bodies[index];
         if (old) {
             this.scene.remove(old.group);
@@ -70,8 +76,9 @@ export class View {
             this.bodies[index] = undefined;
         }
         if (scene) {
-            const body = new Body(scene, meshes, from, index === 1);
+            const body = new Body(scene, meshes, from, packages, index === 1);
             this.bodies[index] = body;
+            for (const [name, shown] of this.layers) body.layer(name, shown);
             this.scene.add(body.group);
             if (index === 0) this.fit();
         }
@@ -87,6 +94,40 @@ export class View {
     /** root_from_link of a link of a robot, by name. */
     pose(index: 0 | 1, link: string): Matrix4 | undefined {
         return this.bodies[index]?.pose(link);
+    }
+
+    /** Shows or hides a layer of the robots, and of those that follow. */
+    layer(name: Layer, shown: boolean): void {
+        this.layers.set(name, shown);
+        for (const body of this.bodies) body?.layer(name, shown);
+        this.draw();
+    }
+
+    /** The picture as it stands, PNG at twice the view's size at least; undefined where there is none. */
+    async picture(): Promise<Blob | undefined> {
+        const { renderer } = this;
+        if (!renderer) return undefined;
+        const { clientWidth: width, clientHeight: height } = this.element;
+        const before = renderer.getPixelRatio();
+        renderer.setPixelRatio(Math.max(2, before));
+        renderer.setSize(width, height, false);
+        renderer.render(this.scene, this.camera);
+        this.labels.place(this.camera, width, height);
+        const ratio = renderer.getPixelRatio();
+        const paper = document.createElement("canvas");
+        [paper.width, paper.height] = [Math.round(width * ratio), Math.round(height * ratio)];
+        const ink = paper.getContext("2d");
+        if (ink) {
+            ink.fillStyle = getComputedStyle(this.element).backgroundColor;
+            ink.fillRect(0, 0, paper.width, paper.height);
+            ink.drawImage(renderer.domElement, 0, 0, paper.width, paper.height);
+            ink.scale(ratio, ratio);
+            this.labels.paint(ink, this.element);
+        }
+        renderer.setPixelRatio(before);
+        renderer.setSize(width, height, false);
+        this.draw();
+        return new Promise((resolve) => paper.toBlob((blob) => resolve(blob ?? undefined), "image/png"));
     }
 
     /** Makes the robot's shapes see-through, so that what lies inside is seen. */

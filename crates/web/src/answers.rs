@@ -7,7 +7,10 @@ use denavit_compare::report::{self, Report};
 use denavit_compare::{Options as Comparing, compare};
 use denavit_export::{Sheet, formats, poe, shapes};
 use denavit_load::{CheckOptions, Loaded, Rules, TableOptions, json};
+use denavit_model::nalgebra::{Rotation3, Vector3};
 use denavit_model::notes::Noted;
+use denavit_model::robot::Inertial;
+use denavit_model::{Reading, se3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -77,6 +80,9 @@ fn open(source: &RobotText) -> Result<Value, String> {
     let (_, scales) = without_scales(opened.robot)?;
     let mut scene = shapes::scene(&tree, source.reading());
     scale(&mut scene, &scales);
+    for (link, shown) in tree.links.iter().zip(scene["links"].as_array_mut().into_iter().flatten()) {
+        shown["inertial"] = link.inertial.as_ref().map_or(Value::Null, |inertial| matter(inertial, source.reading()));
+    }
     Ok(json!({
         "robot": listing.robot,
         "chains": json::chains(&listing),
@@ -85,6 +91,31 @@ fn open(source: &RobotText) -> Result<Value, String> {
         "notes": opened.notes,
         "scene": scene,
     }))
+}
+
+/// What a link weighs, as a view draws it: `mass` kg, `centre` (its place with the principal axes of inertia, 16 numbers column
+/// by column), `box`: edges (m) of the solid box of that mass and that inertia, null where no body has such an inertia.
+///
+/// A box of mass m and edges a, b, c has I₁ = m (b² + c²) / 12 and so on, so that a² = 6 (I₂ + I₃ - I₁) / m.
+fn matter(inertial: &Inertial, reading: Reading) -> Value {
+    let eigen = inertial.tensor.symmetric_eigen();
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        let turned = -axes.column(2);
+        axes.set_column(2, &turned);
+    }
+    let moments = eigen.eigenvalues;
+    let total = moments.sum();
+    let square = |axis: usize| 6.0 * (total - 2.0 * moments[axis]) / inertial.mass;
+    let squares = [square(0), square(1), square(2)];
+    let solid = squares.iter().all(|square| square.is_finite() && *square >= 0.0) && total > 0.0;
+    let principal = se3::pose(Rotation3::from_matrix_unchecked(axes), Vector3::zeros());
+    let centre = inertial.origin.read(reading).pose() * principal;
+    json!({
+        "mass": inertial.mass,
+        "centre": centre.to_homogeneous().as_slice(),
+        "box": solid.then(|| squares.map(f64::sqrt)),
+    })
 }
 
 /// Gives the joints of a scene the scales that its URDF could not say, and to what follows them, too.

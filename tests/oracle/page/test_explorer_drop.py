@@ -1,0 +1,138 @@
+"""Files and folders that a hand drags onto the explorer: real drags of the browser, onto the page opened from disk, from a server
+and in a notebook's frame; and which dropped file a robot's mesh is."""
+
+import functools
+import html
+import http.server
+import threading
+
+import pytest
+from explorer_page import DESKTOP, PAGE, UR5E, browser, explorer, needs_page, zipped
+from playwright.sync_api import expect
+from test_explorer_view import robot_of, stl_binary
+
+pytestmark = needs_page
+
+
+def drag(page, *paths, at=(400, 400)):
+    """Drags files from outside of the browser onto the page and lets go."""
+    devtools = page.context.new_cdp_session(page)
+    data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
+    for kind in ("dragEnter", "dragOver", "drop"):
+        devtools.send("Input.dispatchDragEvent", {"type": kind, "x": at[0], "y": at[1], "data": data})
+    devtools.detach()
+
+
+def write(folder, files):
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return folder
+
+
+def package(name):
+    return f"<package format='3'><name>{name}</name></package>"
+
+
+@pytest.fixture
+def served():
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=PAGE.parent)
+    handler.log_message = lambda *_: None
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}/explorer.html"
+    server.shutdown()
+
+
+@pytest.fixture(params=["disk", "server", "notebook"])
+def opened(request, explorer, served, tmp_path):
+    """The page, and the frame in it that is the explorer."""
+    if request.param == "disk":
+        page = explorer()
+        return page, page.main_frame
+    if request.param == "server":
+        page = explorer(served)
+        return page, page.main_frame
+    # As denavit.View shows itself in a cell.
+    inner = html.escape(PAGE.read_text(encoding="utf-8"), quote=True)
+    notebook = tmp_path / "notebook.html"
+    frame = f'<iframe style="width:100%;height:800px" sandbox="allow-scripts allow-downloads" srcdoc="{inner}"></iframe>'
+    notebook.write_text(f"<!doctype html><meta charset=\"utf-8\"><title>notebook</title>{frame}", encoding="utf-8")
+    page = explorer(notebook.as_uri())
+    expect(page.frame_locator("iframe").locator("#example")).to_be_visible()
+    return page, page.frames[1]
+
+
+ARM = {
+    "ws/arm_checkout/package.xml": package("arm_description"),
+    "ws/arm_checkout/urdf/arm.urdf": robot_of(["package://arm_description/meshes/visual/base.stl", "package://arm_description/meshes/collision/base.stl"]),
+    "ws/arm_checkout/meshes/visual/base.stl": stl_binary(),
+    "ws/arm_checkout/meshes/collision/base.stl": b"\1" + stl_binary()[1:],
+    "ws/arm_checkout/.git/HEAD": "ref: refs/heads/main",
+}
+
+
+def test_a_dragged_file_opens(opened):
+    page, frame = opened
+    drag(page, UR5E)
+    expect(frame.locator("#dh tbody tr")).to_have_count(8)
+    expect(frame.locator(".said.wrong")).to_have_count(0)
+
+
+def test_a_dragged_folder_opens_with_its_meshes(opened, tmp_path):
+    page, frame = opened
+    drag(page, write(tmp_path, ARM) / "ws")
+    expect(frame.locator("#dh tbody tr").first).to_be_visible()
+    assert frame.evaluate("() => window.denavit.app.view.missing") == []
+    # What is drawn is not said to be missing, although the folder is called otherwise than its package.
+    expect(frame.locator("#download-urdf, #clean")).to_have_count(1)
+    said = frame.locator(".finding summary").all_inner_texts()
+    assert not any("is not there" in words or "base.stl" in words for words in said), said
+
+
+def test_files_and_folders_and_archives_are_dragged_together(explorer, tmp_path):
+    page = explorer()
+    write(tmp_path, {**ARM, "more.zip": zipped({"other/readme.md": "nothing of a robot's"})})
+    drag(page, tmp_path / "ws", tmp_path / "more.zip")
+    expect(page.locator("#dh tbody tr").first).to_be_visible()
+    assert page.evaluate("() => window.denavit.app.view.missing") == []
+
+
+def test_two_dragged_files_are_compared(explorer, tmp_path):
+    page = explorer()
+    other = tmp_path / "longer.urdf"
+    other.write_text(UR5E.read_text().replace("0.425", "0.435"))
+    drag(page, UR5E, other)
+    expect(page.locator("#verdict")).to_have_text("Different robots")
+
+
+@pytest.mark.parametrize(
+    ("files", "names", "missing"),
+    [
+        # In the package of that name, and not in the one that comes first.
+        ({"a/package.xml": package("other"), "a/meshes/base.stl": b"x", "b/package.xml": package("arm"), "b/meshes/base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], []),
+        # The package was dropped, and has no such file: another robot's mesh is not shown instead.
+        ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary(), "b/package.xml": package("arm")}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
+        ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
+        # No package.xml at all: the longest common end of the path.
+        ({"x/low/base.stl": b"broken", "x/high/base.stl": stl_binary()}, ["package://arm/meshes/high/base.stl"], []),
+        ({"base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], []),
+        ({"meshes/base.stl": stl_binary()}, ["file:///home/somebody/ws/arm/meshes/base.stl"], []),
+        # Two that are as near as each other: neither is chosen.
+        ({"x/base.stl": stl_binary(), "y/base.stl": b"\1" + stl_binary()[1:]}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
+    ],
+    ids=["by name", "not there", "of another", "longest end", "bare", "file", "two alike"],
+)  # fmt: skip
+def test_a_mesh_is_the_file_that_its_name_means(files, names, missing, explorer, tmp_path):
+    page = explorer()
+    drag(page, write(tmp_path, {f"top/{name}": content for name, content in {**files, "arm.urdf": robot_of(names)}.items()}) / "top")
+    expect(page.locator("#dh tbody tr").first).to_be_visible()
+    assert page.evaluate("() => window.denavit.app.view.missing") == missing
+
+
+@pytest.mark.parametrize("size", [DESKTOP], ids=["desktop"])
+def test_something_else_that_is_dragged_gets_one_sentence(size, explorer, tmp_path):
+    page = explorer(size=size)
+    (tmp_path / "photo.jpg").write_bytes(b"\xff\xd8\xff")
+    drag(page, tmp_path / "photo.jpg")
+    expect(page.locator(".said.wrong")).to_contain_text('no robot among "photo.jpg"')
