@@ -1,31 +1,145 @@
-//! The files that may be looked at: those of the disk, or those held in memory where there is no disk, as in a browser.
+//! The files that may be looked at: those of the disk, or others in their place, such as those in a browser's memory or of a
+//! revision in git.
 //!
-//! While files are [held](hold), the disk is not looked at by this thread. Held files have absolute names, such as
-//! `/arm_description/urdf/arm.xacro`; there are no links among them.
+//! While files are [held](with), this thread and the expansions that it starts see them in place of the whole disk, or
+//! in place of what the disk has below a folder.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::io::{Error, ErrorKind, Result};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
-type Held = BTreeMap<PathBuf, Vec<u8>>;
+/// Files in place of those of the disk.
+///
+/// They have absolute names, such as `/arm_description/urdf/arm.xacro`.
+#[derive(Debug, Default)]
+pub struct Held {
+    files: BTreeMap<PathBuf, Content>,
+    links: BTreeMap<PathBuf, Content>,
+    refused: BTreeMap<PathBuf, String>,
+    /// Where the disk is not seen; `None`: nowhere is it seen.
+    below: Option<PathBuf>,
+}
+
+enum Content {
+    Bytes(Vec<u8>),
+    Later(Box<dyn Fn() -> Result<Vec<u8>> + Send + Sync>),
+}
+
+impl fmt::Debug for Content {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bytes(bytes) => write!(f, "{} bytes", bytes.len()),
+            Self::Later(_) => f.write_str("to be read"),
+        }
+    }
+}
+
+impl Content {
+    fn bytes(&self) -> Result<Vec<u8>> {
+        match self {
+            Self::Bytes(bytes) => Ok(bytes.clone()),
+            Self::Later(read) => read(),
+        }
+    }
+}
+
+impl Held {
+    /// No files, in place of what the disk has below a folder; elsewhere the disk is seen.
+    pub fn below(folder: impl Into<PathBuf>) -> Self {
+        Self { below: Some(folder.into()), ..Self::default() }
+    }
+
+    /// Adds a file.
+    pub fn add(&mut self, name: &Path, bytes: Vec<u8>) {
+        self.files.insert(lexical(name), Content::Bytes(bytes));
+    }
+
+    /// Adds a file that is read when it is first looked into.
+    pub fn add_later(&mut self, name: &Path, read: impl Fn() -> Result<Vec<u8>> + Send + Sync + 'static) {
+        self.files.insert(lexical(name), Content::Later(Box::new(read)));
+    }
+
+    /// Adds a link; what is read is the name that it leads to.
+    pub fn add_link(&mut self, name: &Path, read: impl Fn() -> Result<Vec<u8>> + Send + Sync + 'static) {
+        self.links.insert(lexical(name), Content::Later(Box::new(read)));
+    }
+
+    /// Adds a folder whose files cannot be given, and why.
+    pub fn refuse(&mut self, folder: &Path, why: impl Into<String>) {
+        self.refused.insert(lexical(folder), why.into());
+    }
+
+    fn missing(&self, path: &Path) -> Error {
+        match path.ancestors().find_map(|above| self.refused.get(above)) {
+            Some(why) => Error::other(why.clone()),
+            None => Error::from(ErrorKind::NotFound),
+        }
+    }
+
+    fn holds_folder(&self, folder: &Path) -> bool {
+        let first = |names: &BTreeMap<PathBuf, Content>| {
+            let mut from_here =
+                names.range(folder.to_path_buf()..).map(|(name, _)| name).filter(|name| *name != folder);
+            from_here.next().is_some_and(|name| name.starts_with(folder))
+        };
+        first(&self.files) || first(&self.links)
+    }
+
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
+        self.files.get(path).ok_or_else(|| self.missing(path))?.bytes()
+    }
+
+    /// The name with the links in it followed; `None` where they lead in a circle, or cannot be read.
+    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+        const MOST_LINKS: usize = 40;
+        let mut path = path.to_path_buf();
+        for _ in 0..MOST_LINKS {
+            let Some(link) = path.ancestors().find(|above| self.links.contains_key(*above)) else { return Some(path) };
+            let target = String::from_utf8(self.links.get(link)?.bytes().ok()?).ok()?;
+            let rest = path.strip_prefix(link).ok()?;
+            path = lexical(&link.parent()?.join(target).join(rest));
+        }
+        None
+    }
+}
 
 thread_local! {
-    static HELD: RefCell<Option<Held>> = const { RefCell::new(None) };
+    static HELD: RefCell<Option<Arc<Held>>> = const { RefCell::new(None) };
 }
 
 /// Runs `work` with these files in place of the disk; relative names begin at `/`.
 pub fn with_held<T>(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>, work: impl FnOnce() -> T) -> T {
-    let files: Held = files.into_iter().map(|(name, bytes)| (lexical(&name), bytes)).collect();
-    let before = HELD.replace(Some(files));
-    let done = work();
-    HELD.set(before);
-    done
+    let mut held = Held::default();
+    for (name, bytes) in files {
+        held.add(&name, bytes);
+    }
+    with(Some(Arc::new(held)), work)
 }
 
-/// Whether files are held in place of the disk.
+/// Runs `work` with held files; with `None` on the disk.
+pub fn with<T>(held: Option<Arc<Held>>, work: impl FnOnce() -> T) -> T {
+    /// Puts back what was held before, also where `work` panics.
+    struct Before(Option<Arc<Held>>);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            HELD.set(self.0.take());
+        }
+    }
+    let _before = Before(HELD.replace(held));
+    work()
+}
+
+/// What this thread holds, for another thread.
+pub(crate) fn held() -> Option<Arc<Held>> {
+    HELD.with_borrow(Clone::clone)
+}
+
+/// Whether files are held in place of the whole disk.
 pub fn are_held() -> bool {
-    HELD.with_borrow(Option::is_some)
+    HELD.with_borrow(|held| held.as_ref().is_some_and(|held| held.below.is_none()))
 }
 
 /// The content of a file.
@@ -33,22 +147,23 @@ pub fn are_held() -> bool {
 /// # Errors
 /// There is no such file, or it cannot be read.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
-    in_memory(|files| files.get(&lexical(path)).cloned().ok_or_else(missing)).unwrap_or_else(|| std::fs::read(path))
+    look(path, Held::bytes, |path| std::fs::read(path))
 }
 
 /// Whether there is such a file.
 pub fn is_file(path: &Path) -> bool {
-    in_memory(|files| files.contains_key(&lexical(path))).unwrap_or_else(|| path.is_file())
+    look(path, |held, path| held.files.contains_key(path), Path::is_file)
 }
 
 /// Whether there is such a folder.
 pub fn is_folder(path: &Path) -> bool {
-    in_memory(|files| holds_folder(files, &lexical(path))).unwrap_or_else(|| path.is_dir())
+    look(path, Held::holds_folder, Path::is_dir)
 }
 
 /// Whether there is such a file or folder.
 pub fn exists(path: &Path) -> bool {
-    is_file(path) || is_folder(path) || (!are_held() && path.exists())
+    let is_held = |held: &Held, path: &Path| held.files.contains_key(path) || held.holds_folder(path);
+    look(path, is_held, Path::exists)
 }
 
 /// The absolute name of what is there, links resolved.
@@ -56,64 +171,82 @@ pub fn exists(path: &Path) -> bool {
 /// # Errors
 /// There is nothing.
 pub fn canonical(path: &Path) -> Result<PathBuf> {
-    let held = in_memory(|files| {
-        let path = lexical(path);
-        if files.contains_key(&path) || holds_folder(files, &path) { Ok(path) } else { Err(missing()) }
-    });
-    held.unwrap_or_else(|| path.canonicalize())
+    let name = |held: &Held, path: &Path| {
+        let is_there = held.files.contains_key(path) || held.holds_folder(path);
+        if is_there { Ok(path.to_path_buf()) } else { Err(held.missing(path)) }
+    };
+    look(path, name, Path::canonicalize)
 }
 
 /// The absolute form of a name; nothing need be there.
 ///
 /// # Errors
-/// The working directory cannot be told.
+/// The working directory is unknown.
 pub fn absolute(path: &Path) -> Result<PathBuf> {
-    in_memory(|_| Ok(lexical(path))).unwrap_or_else(|| std::path::absolute(path))
+    if are_held() { Ok(lexical(path)) } else { std::path::absolute(path) }
 }
 
 /// The number of bytes of a file; `None` for a folder.
 ///
 /// # Errors
 /// There is nothing.
-pub(crate) fn size(path: &Path) -> Result<Option<u64>> {
-    let held = in_memory(|files| {
-        let path = lexical(path);
-        match files.get(&path) {
-            Some(bytes) => Ok(Some(bytes.len() as u64)),
-            None if holds_folder(files, &path) => Ok(None),
-            None => Err(missing()),
-        }
-    });
-    held.unwrap_or_else(|| std::fs::metadata(path).map(|found| found.is_file().then_some(found.len())))
+pub fn size(path: &Path) -> Result<Option<u64>> {
+    let held = |held: &Held, path: &Path| match held.files.get(path) {
+        Some(content) => content.bytes().map(|bytes| Some(bytes.len() as u64)),
+        None if held.holds_folder(path) => Ok(None),
+        None => Err(held.missing(path)),
+    };
+    look(path, held, |path| std::fs::metadata(path).map(|found| found.is_file().then_some(found.len())))
 }
 
 /// The files and folders in a folder, in no order; none where there is no such folder.
 pub(crate) fn entries(folder: &Path) -> Vec<PathBuf> {
-    let held = in_memory(|files| {
-        let inside = lexical(folder);
-        let mut names: Vec<PathBuf> = files
-            .keys()
-            .filter_map(|file| Some(folder.join(file.strip_prefix(&inside).ok()?.components().next()?)))
-            .collect();
+    let held = |held: &Held, inside: &Path| {
+        let below = |names: &BTreeMap<PathBuf, Content>| -> Vec<PathBuf> {
+            let names = names.range(inside.to_path_buf()..).map(|(name, _)| name);
+            let names = names.take_while(|name| name.starts_with(inside));
+            names.filter_map(|name| Some(folder.join(name.strip_prefix(inside).ok()?.components().next()?))).collect()
+        };
+        let mut names = below(&held.files);
+        names.extend(below(&held.links));
+        names.sort();
         names.dedup();
         names
-    });
-    held.unwrap_or_else(|| {
+    };
+    look(folder, held, |folder| {
         std::fs::read_dir(folder)
             .map_or_else(|_| Vec::new(), |found| found.flatten().map(|entry| entry.path()).collect())
     })
 }
 
-fn in_memory<T>(look: impl FnOnce(&Held) -> T) -> Option<T> {
-    HELD.with_borrow(|files| files.as_ref().map(look))
+/// Looks among the held files where they stand in place of the disk, and on the disk elsewhere.
+fn look<T>(path: &Path, held: impl FnOnce(&Held, &Path) -> T, disk: impl FnOnce(&Path) -> T) -> T {
+    let Some(files) = self::held() else { return disk(path) };
+    let Some(root) = &files.below else {
+        let path = lexical(path);
+        let resolved = files.resolved(&path).unwrap_or(path);
+        return held(&files, &resolved);
+    };
+    let Some(inside) = inside(path, root) else { return disk(path) };
+    match files.resolved(&inside) {
+        Some(resolved) if resolved.starts_with(root) => held(&files, &resolved),
+        // A link may lead out of the folder.
+        Some(resolved) => disk(&resolved),
+        None => held(&files, &inside),
+    }
 }
 
-fn holds_folder(files: &Held, folder: &Path) -> bool {
-    files.range(folder.to_path_buf()..).next().is_some_and(|(file, _)| file.starts_with(folder))
-}
-
-fn missing() -> Error {
-    Error::from(ErrorKind::NotFound)
+/// The absolute name of `path` if it is below `root`, by its name or by the links of the disk that lead there.
+fn inside(path: &Path, root: &Path) -> Option<PathBuf> {
+    let path = lexical(&std::path::absolute(path).ok()?);
+    if path.starts_with(root) {
+        return Some(path);
+    }
+    let real = path.ancestors().find_map(|above| {
+        let real = above.canonicalize().ok()?;
+        Some(real.join(path.strip_prefix(above).ok()?))
+    })?;
+    real.starts_with(root).then_some(real)
 }
 
 /// The name from `/` on, without `.` and `..`; nothing is above `/`.
@@ -125,6 +258,8 @@ fn lexical(path: &Path) -> PathBuf {
             Component::ParentDir => {
                 out.pop();
             }
+            // A drive of Windows.
+            Component::Prefix(prefix) => out = Path::new(prefix.as_os_str()).join("/"),
             _ => {}
         }
     }
@@ -167,5 +302,25 @@ mod tests {
             assert!(PackagePath::default().packages().is_empty());
         });
         assert!(exists(Path::new(env!("CARGO_MANIFEST_DIR"))));
+    }
+
+    #[test]
+    fn below_a_folder_held_files_stand_in_place_of_the_disk_and_links_are_followed() {
+        let top = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+        let mut held = Held::below(&top);
+        held.add(&top.join("src/old.txt"), b"old".to_vec());
+        held.add_link(&top.join("link"), || Ok(b"src".to_vec()));
+        held.add_link(&top.join("circle"), || Ok(b"circle".to_vec()));
+        held.refuse(&top.join("part"), "part is a submodule");
+        with(Some(Arc::new(held)), || {
+            assert!(!are_held());
+            assert_eq!(read(&top.join("src/../link/old.txt")).unwrap(), b"old");
+            assert_eq!(canonical(&top.join("link/old.txt")).unwrap(), top.join("src/old.txt"));
+            assert!(is_folder(&top.join("link")) && !exists(&top.join("src/files.rs")) && !exists(&top.join("circle")));
+            assert_eq!(read(&top.join("part/a.txt")).unwrap_err().to_string(), "part is a submodule");
+            assert!(is_file(&top.join("../../Cargo.toml")), "elsewhere the disk is seen");
+            assert_eq!(entries(&top), ["circle", "link", "src"].map(|name| top.join(name)));
+        });
+        assert!(exists(&top.join("src/files.rs")));
     }
 }

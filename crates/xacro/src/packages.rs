@@ -1,7 +1,7 @@
 //! Where ROS packages are, and what `package://`, `model://` and `file://` mean.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -19,22 +19,38 @@ mod crawl;
 /// assert_eq!(environment.get("AMENT_PREFIX_PATH"), Some("/opt/ros/jazzy"));
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Environment(BTreeMap<String, String>);
+pub struct Environment {
+    values: BTreeMap<String, String>,
+    /// Variables that are set, but to no text.
+    unreadable: BTreeSet<String>,
+}
 
 impl Environment {
     /// The value of a variable.
     pub fn get(&self, name: &str) -> Option<&str> {
-        self.0.get(name).map(String::as_str)
+        self.values.get(name).map(String::as_str)
+    }
+
+    /// The same with variables that are set to what is no text in UTF-8: a document that uses one is refused.
+    #[must_use]
+    pub fn with_unreadable(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        self.unreadable.extend(names);
+        self
+    }
+
+    /// Whether a variable is set to what is no text in UTF-8.
+    pub fn is_unreadable(&self, name: &str) -> bool {
+        self.unreadable.contains(name)
     }
 
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str)
+        self.values.keys().map(String::as_str)
     }
 }
 
 impl FromIterator<(String, String)> for Environment {
     fn from_iter<T: IntoIterator<Item = (String, String)>>(variables: T) -> Self {
-        Self(variables.into_iter().collect())
+        Self { values: variables.into_iter().collect(), unreadable: BTreeSet::new() }
     }
 }
 
@@ -87,7 +103,8 @@ fn looked_text(looked: &[PathBuf], near: &[String]) -> String {
 ///
 /// First the folders given by hand, then those around a file ([`PackagePath::near`]), then `AMENT_PREFIX_PATH`, then
 /// `ROS_PACKAGE_PATH`, and for `model://` also `GAZEBO_MODEL_PATH` and `GZ_SIM_RESOURCE_PATH`. A package is a folder
-/// with a `package.xml` that gives the name, or a folder of that name right below a folder given by hand.
+/// with a `package.xml` that gives the name, or a folder of that name right below a folder given by hand. Where no
+/// `package.xml` gives the name, it is a package whose folder has that name, or a folder above the file that has.
 #[derive(Debug, Clone, Default)]
 pub struct PackagePath {
     given: Vec<Root>,
@@ -95,6 +112,8 @@ pub struct PackagePath {
     ament: Vec<Root>,
     ros: Vec<Root>,
     models: Vec<Root>,
+    /// The folders above the file, the nearest first, as far as they belong to it.
+    above: Vec<PathBuf>,
 }
 
 #[derive(Debug, Clone)]
@@ -132,6 +151,16 @@ impl Root {
         self.packages().iter().find(|(found, _)| found == name).map(|(_, folder)| folder.clone())
     }
 
+    /// A package by the name of its folder, whatever name its `package.xml` gives.
+    fn find_by_folder(&self, name: &str) -> Option<PathBuf> {
+        let direct = [self.folder.clone(), self.folder.join(name), self.folder.join("share").join(name)];
+        let direct = direct
+            .into_iter()
+            .find(|folder| folder.file_name().is_some_and(|own| own == name) && crawl::package_name(folder).is_some());
+        let found = || self.packages().iter().map(|(_, folder)| folder.clone());
+        direct.or_else(|| found().find(|folder| folder.file_name().is_some_and(|own| own == name)))
+    }
+
     fn packages(&self) -> &[(String, PathBuf)] {
         self.packages.get_or_init(|| crawl::packages(&self.folder, self.depth))
     }
@@ -142,6 +171,8 @@ const SOURCE_DEPTH: usize = 5;
 const INSTALLED_DEPTH: usize = 2;
 /// Siblings of a file's package, and packages of the repository next to it.
 const AROUND_DEPTH: usize = 2;
+/// Folders above a file that may be its package, by their name alone.
+const ABOVE_DEPTH: usize = 4;
 
 impl PackagePath {
     /// Search folders from `--package-path` values and the variables named above.
@@ -166,6 +197,7 @@ impl PackagePath {
             ament: listed("AMENT_PREFIX_PATH", INSTALLED_DEPTH, false),
             ros: listed("ROS_PACKAGE_PATH", SOURCE_DEPTH, false),
             models,
+            above: Vec::new(),
         }
     }
 
@@ -174,6 +206,8 @@ impl PackagePath {
     #[must_use]
     pub fn near(&self, file: &Path) -> Self {
         let mut path = self.clone();
+        let absolute = files::absolute(file).unwrap_or_else(|_| file.to_owned());
+        path.above = absolute.ancestors().skip(1).take(ABOVE_DEPTH).map(Path::to_path_buf).collect();
         let Some(package) = package_of(file) else { return path };
         path.around.push(Root::new(&package, 0, false));
         if let Some(parent) = package.parent() {
@@ -187,7 +221,7 @@ impl PackagePath {
     /// # Errors
     /// [`PackageError::NotFound`] with the folders that were looked at; [`PackageError::Name`] for what can be no name.
     pub fn find(&self, name: &str) -> Result<PathBuf, PackageError> {
-        self.find_in(name, &[])
+        self.find_in(name, &[], &[])
     }
 
     /// The file that a mesh's or texture's URI names. It need not exist.
@@ -205,7 +239,7 @@ impl PackagePath {
         };
         let in_package = |models: &[Root]| {
             let (name, path) = rest.split_once('/').unwrap_or((rest, ""));
-            let folder = self.find_in(name, models)?;
+            let folder = self.find_in(name, models, &self.above)?;
             let path = path.trim_start_matches('/');
             let written = folder.join(path);
             Ok(if files::exists(&written) || !path.contains('%') { written } else { folder.join(decoded(path)) })
@@ -237,7 +271,8 @@ impl PackagePath {
         self.given.iter().chain(&self.around).chain(&self.ament).chain(&self.ros)
     }
 
-    fn find_in(&self, name: &str, models: &[Root]) -> Result<PathBuf, PackageError> {
+    /// `above`: folders that are packages by their name alone. What they hold is shown, never read into a document.
+    fn find_in(&self, name: &str, models: &[Root], above: &[PathBuf]) -> Result<PathBuf, PackageError> {
         let is_name = !name.is_empty()
             && name.chars().all(|c| c.is_alphanumeric() || "_-.+".contains(c))
             && !name.starts_with('.');
@@ -246,6 +281,11 @@ impl PackagePath {
         }
         let roots = || self.roots().chain(models);
         if let Some(folder) = roots().find_map(|root| root.find(name)) {
+            return Ok(folder);
+        }
+        // Files are also written against the folder that a package is in, where its `package.xml` has another name.
+        let by_folder = || roots().find_map(|root| root.find_by_folder(name));
+        if let Some(folder) = by_folder().or_else(|| above.iter().find(|folder| folder.ends_with(name)).cloned()) {
             return Ok(folder);
         }
         let mut looked: Vec<PathBuf> = Vec::new();

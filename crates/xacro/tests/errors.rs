@@ -327,11 +327,6 @@ robot.xacro:2:2: property "a" has more than one of value, default and remove
  2 | <xacro:property name='a' value='1' default='2'/>
    |  ^^^^^^^^^^^^^^
 "#);
-    insta::assert_snapshot!(message("<xacro:property name='a' value='1' scope='local'/>"), @r#"
-robot.xacro:2:2: the scope "local" is not known; write "parent" or "global"
- 2 | <xacro:property name='a' value='1' scope='local'/>
-   |  ^^^^^^^^^^^^^^
-"#);
     insta::assert_snapshot!(message("<xacro:if value='maybe'/>"), @r#"
 robot.xacro:2:18: the condition "maybe" is neither true nor false; write true, false, an integer, or a comparison in ${…}
  2 | <xacro:if value='maybe'/>

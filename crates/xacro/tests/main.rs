@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, reason = "a test says what it measured or why it is skipped")]
 #![allow(clippy::format_push_string, reason = "documents are put together line by line")]
 
+mod account;
 mod errors;
 mod features;
 mod limits;

@@ -87,6 +87,19 @@ impl Expander<'_> {
         Ok(found.try_into().expect("one was pushed for each of N names"))
     }
 
+    /// Notes what stands in an element whose content means nothing.
+    pub fn note_content(&mut self, element: &Element) {
+        let words = element.children.iter().find_map(|child| match child {
+            Node::Element(child) => Some((child.spot(), format!("<{}>", child.name))),
+            Node::Text(text) if !text.value.trim().is_empty() => Some((text.spot.clone(), text_of(&text.value))),
+            Node::Cdata(text) => Some((element.spot(), text_of(text))),
+            _ => None,
+        });
+        if let Some((spot, what)) = words {
+            self.note(&spot, format!("{what} in <{}> is not understood: it is ignored", element.name));
+        }
+    }
+
     /// Whether a value means true, where only truth values and integers mean anything.
     pub fn truth(value: &Value, text: &str, spot: &Spot) -> Outcome<bool> {
         let Value::Text(words) = value else { return Ok(value.is_true()) };
@@ -119,6 +132,7 @@ impl Expander<'_> {
 
     fn declare_argument(&mut self, element: &Rc<Element>, sight: &Sight) -> Outcome<()> {
         let [name, default] = self.attributes(element, ["name", "default"], &[])?;
+        self.note_content(element);
         let name_text = name.value.to_string();
         let value = if let Some(value) = self.arguments.get(&name_text) {
             value.clone()
@@ -135,9 +149,17 @@ impl Expander<'_> {
 
     fn insert_block(&mut self, element: &Rc<Element>, sight: &Sight, output: &mut Output) -> Outcome<()> {
         let [name] = self.attributes(element, ["name"], &[])?;
+        self.note_content(element);
         let name_text = &name.value;
         let mut block = |stars: &str| self.name(&format!("{stars}{name_text}"), &element.spot(), &sight.symbols);
         if let Some(Value::Block(block)) = block("**")? {
+            if let Some(attribute) = block.attributes.first().filter(|_| &*block.name != "xacro:property") {
+                let message = format!(
+                    "the attribute \"{}\" of <{}> is ignored: of a block \"**{name_text}\" only what is in it is inserted",
+                    attribute.name, block.name
+                );
+                self.note(&element.spot(), message);
+            }
             let mut inner = Output::new(block.bare(), false);
             self.children(&block, sight, &mut inner)?;
             output.extend(inner.element.children);
@@ -189,6 +211,7 @@ impl Expander<'_> {
 
     fn added_attribute(&mut self, element: &Rc<Element>, sight: &Sight, output: &mut Output) -> Outcome<()> {
         let [name, value] = self.attributes(element, ["name", "value"], &[])?;
+        self.note_content(element);
         let spot = element.spot_of(name);
         let words = self.words(&name.value, &spot, &sight.symbols)?;
         check_name(&words, "attribute", &spot)?;
@@ -202,6 +225,16 @@ impl Expander<'_> {
             );
         }
         Ok(())
+    }
+}
+
+/// A text as messages show it, cut to a readable length.
+pub(super) fn text_of(words: &str) -> String {
+    const SHOWN: usize = 40;
+    let words = words.trim();
+    match words.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("the text \"{}…\"", &words[..end]),
+        None => format!("the text \"{words}\""),
     }
 }
 

@@ -161,7 +161,14 @@ impl Expander<'_> {
         let mut bytes = source.name.len();
         output.element.namespaces =
             source.namespaces.iter().filter(|(name, _)| &**name != "xmlns:xacro").cloned().collect();
-        for attribute in source.attributes.iter().filter(|attribute| !attribute.name.starts_with("xacro:")) {
+        for attribute in &source.attributes {
+            if attribute.name.starts_with("xacro:") {
+                if &*attribute.name != "xacro:targetNamespace" {
+                    let message = format!("<{}> knows no attribute \"{}\": it is ignored", source.name, attribute.name);
+                    self.note(&source.spot_of(attribute), message);
+                }
+                continue;
+            }
             let value = self.words(&attribute.value, &source.spot_of(attribute), &sight.symbols)?;
             bytes += attribute.name.len() + value.len();
             output.set_attribute(Rc::clone(&attribute.name), value, attribute.range.clone());

@@ -34,9 +34,7 @@ impl Expander<'_> {
                 Self::truth(&value, &optional.value, &spot)?
             }
         };
-        if element.elements().next().is_some() {
-            self.note(&element.spot(), "the children of <xacro:include> are ignored");
-        }
+        self.note_content(element);
         let name = self.words(&filename.value, &spot, &sight.symbols)?;
         let mut included = Vec::new();
         for path in self.included_files(&name, &spot)? {

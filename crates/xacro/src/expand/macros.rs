@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::directives::text_of;
 use super::expander::{Expander, Outcome, Sight};
 use super::output::Output;
 use super::values::literal;
@@ -9,7 +10,7 @@ use crate::error::{ErrorKind, Frame, XacroError, did_you_mean, near};
 use crate::expression::Value;
 use crate::place::Spot;
 use crate::scope::{Entry, Macro, Macros, Parameter, Scope};
-use crate::tree::Element;
+use crate::tree::{Element, Node};
 
 impl Expander<'_> {
     pub fn define_macro(&mut self, element: &Rc<Element>, sight: &Sight) -> Outcome<()> {
@@ -97,6 +98,14 @@ impl Expander<'_> {
             open.remove(at);
             let value = self.value(&attribute.value, &spot, &sight.symbols)?;
             scope.set(Rc::clone(&attribute.name), Entry::Ready(literal(value)));
+        }
+        for child in &element.children {
+            let (spot, words) = match child {
+                Node::Text(text) if !text.value.trim().is_empty() => (text.spot.clone(), text_of(&text.value)),
+                Node::Cdata(text) => (element.spot(), text_of(text)),
+                _ => continue,
+            };
+            self.note(&spot, format!("{words} in the call of macro \"{name}\" is not understood: it is ignored"));
         }
         let mut content = Output::new(element.bare(), true);
         self.children(element, sight, &mut content)?;

@@ -83,6 +83,13 @@ pub struct Note {
     pub message: String,
 }
 
+impl Note {
+    /// A note on the whole.
+    pub fn of(message: impl Into<String>) -> Self {
+        Self { place: None, message: message.into() }
+    }
+}
+
 impl std::fmt::Display for Note {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if let Some(place) = &self.place {
@@ -128,10 +135,12 @@ const STACK: usize = 256 << 20;
 /// ```
 pub fn expand(source: &Source, arguments: &[(String, String)], options: &Options) -> Result<Expanded, XacroError> {
     let work = || expander::run(source, arguments, options).map_err(|error| *error);
-    // No thread can be started in a browser's WebAssembly, and no thread would see files that this one holds.
-    if cfg!(target_family = "wasm") || crate::files::are_held() {
+    // No thread can be started in a browser's WebAssembly.
+    if cfg!(target_family = "wasm") {
         return work();
     }
+    let held = crate::files::held();
+    let work = move || crate::files::with(held, work);
     std::thread::scope(|scope| {
         let worker =
             std::thread::Builder::new()

@@ -39,7 +39,7 @@ impl Expander<'_> {
         }
         let kind = element.attribute("scope").map(|attribute| &*attribute.value);
         if default.is_some() {
-            if kind.is_some() {
+            if matches!(kind, Some("global" | "parent")) {
                 self.note(
                     &element.spot(),
                     format!("the default of property \"{name}\" is set in the local scope only"),
@@ -62,13 +62,18 @@ impl Expander<'_> {
                 };
                 caller
             }
-            Some(other) => {
-                return Err(Self::wrong(element, format!("the scope \"{other}\" is not known"))
-                    .help("write \"parent\" or \"global\""));
+            // The Python tool takes any other word so.
+            other => {
+                if let Some(other) = other.filter(|other| !["", "local"].contains(other)) {
+                    let message = format!(
+                        "the scope \"{other}\" is not known, and is taken as \"local\"; known are \"parent\", \"global\" and \"local\""
+                    );
+                    self.note(&element.spot(), message);
+                }
+                Rc::clone(scope)
             }
-            None => Rc::clone(scope),
         };
-        lazy &= kind.is_none();
+        lazy &= !matches!(kind, Some("global" | "parent"));
         if is_global(&name) {
             self.note(&element.spot(), format!("property \"{name}\" hides the built-in of that name"));
         }
@@ -76,6 +81,7 @@ impl Expander<'_> {
             target.set(format!("**{name}").into(), Entry::Ready(Value::Block(Rc::clone(element))));
             return Ok(());
         };
+        self.note_content(element);
         let spot = element.spot_of(text);
         let entry = if lazy {
             match literal(Value::Text(Rc::clone(&text.value))) {

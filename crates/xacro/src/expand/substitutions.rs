@@ -36,6 +36,12 @@ impl Expander<'_> {
 
     fn substitute(&mut self, inner: &str) -> Outcome<String> {
         match substitution(inner) {
+            Substitution::Environment(name) | Substitution::OptionalEnvironment { name, .. }
+                if self.options.environment.is_unreadable(name) =>
+            {
+                let message = format!("the environment variable \"{name}\" is not text in UTF-8");
+                Err(XacroError::new(ErrorKind::UndefinedVariable, message).help("set it to text, or unset it"))
+            }
             Substitution::Argument(name) => self.argument(name),
             Substitution::Find(name) => self.find(name),
             Substitution::Environment(name) => {
