@@ -1,10 +1,12 @@
 //! The rules that hold for a file: its configuration, and where its meshes are looked for.
 
 use crate::read::environment;
+use crate::revision::Home;
 use crate::{LoadError, read_text};
 use denavit_compare::Finding;
 use denavit_compare::lint::config::FILE_NAME;
 use denavit_compare::lint::{self, Config, ConfigError, Lookup};
+use denavit_model::{Inventory, Robot};
 use denavit_xacro::{PackageError, PackagePath, files};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -39,6 +41,7 @@ pub enum CheckError {
 pub struct Rules {
     config: Config,
     packages: PackagePath,
+    home: Home,
 }
 
 impl Rules {
@@ -47,7 +50,12 @@ impl Rules {
     /// # Errors
     /// The configuration cannot be read, or names a rule that does not exist.
     pub fn of(file: &str, options: &CheckOptions) -> Result<Self, CheckError> {
-        let robot = Path::new(file);
+        let home = Home::of(file).map_err(|reason| LoadError::Read { file: file.to_owned(), reason })?;
+        home.within(|| Self::at(&home, options))
+    }
+
+    fn at(home: &Home, options: &CheckOptions) -> Result<Self, CheckError> {
+        let robot = home.path.as_path();
         let mut folders = options.package_path.clone();
         let mut config = Config::default();
         if let Some(path) = options.config.clone().or_else(|| nearest_config(robot)) {
@@ -59,21 +67,32 @@ impl Rules {
         config.allow(&options.allow)?;
         config.deny(&options.deny)?;
         let environment = environment();
-        Ok(Self { config, packages: PackagePath::new(&folders, &environment).near(robot) })
+        let packages = PackagePath::new(&folders, &environment).near(robot);
+        Ok(Self { config, packages, home: home.clone() })
     }
 
     /// What the rules find in the text of `file`.
     pub fn check(&self, file: &str, text: &str) -> Vec<Finding> {
-        let lookup = |mesh: &str| match self.packages.resolve(mesh, Some(Path::new(file))) {
+        self.check_and_read(file, text).0
+    }
+
+    /// As [`Rules::check`], with the robot, whose inventory says what became of everything in the file; `None` where it is none.
+    pub fn check_and_read(&self, file: &str, text: &str) -> (Vec<Finding>, Option<Robot>) {
+        let lookup = |mesh: &str| match self.packages.resolve(mesh, Some(&self.home.path)) {
             Ok(path) if files::is_file(&path) => Lookup::Found,
-            Ok(path) => Lookup::NotFound(format!("there is no file {}", path.display())),
+            Ok(path) => Lookup::NotFound(self.home.shown_in(&format!("there is no file {}", path.display()))),
             Err(error @ PackageError::NotFound { .. }) => {
                 let package = mesh.split("://").nth(1).and_then(|path| path.split('/').next()).unwrap_or(mesh);
                 Lookup::NoPackage { package: package.to_owned(), why: error.to_string() }
             }
             Err(error) => Lookup::NotFound(error.to_string()),
         };
-        lint::check(file, text, &lookup, &self.config)
+        self.home.within(|| lint::check_and_read(file, text, &lookup, &self.config))
+    }
+
+    /// What the rules find in an SRDF that belongs to a robot, and what became of everything in it.
+    pub fn check_srdf(&self, file: &str, text: &str, robot: &Robot) -> (Vec<Finding>, Inventory) {
+        lint::srdf::check(file, text, robot, &self.config)
     }
 }
 

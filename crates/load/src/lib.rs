@@ -23,6 +23,7 @@ pub mod json;
 pub mod measured;
 mod meshes;
 mod read;
+mod revision;
 mod robot;
 mod table;
 mod urdf_text;
@@ -34,7 +35,7 @@ pub use meshes::{MeshFile, Meshes, meshes};
 pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};
 pub use robot::{Listing, Loaded, Selection};
 pub use table::{Made, NEARLY_PARALLEL, TableOptions};
-pub use urdf_text::{UrdfText, is_markup, urdf_text};
+pub use urdf_text::{UrdfText, is_markup, urdf_text, why_a_part};
 
 use denavit_export::sources::Stated;
 use std::path::PathBuf;

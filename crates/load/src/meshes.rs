@@ -2,10 +2,11 @@
 
 use crate::Options;
 use crate::read::environment;
+use crate::revision::Home;
 use denavit_model::Robot;
 use denavit_model::robot::Geometry;
 use denavit_xacro::{PackagePath, files};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What a viewer of meshes can show.
 const ENDINGS: [&str; 3] = ["stl", "dae", "obj"];
@@ -31,14 +32,23 @@ pub struct Meshes {
 /// The meshes of the robot that was read from `file`, of at most `most` bytes together.
 ///
 /// Read are files that are called `.stl`, `.dae` or `.obj` when links are followed, and no others: a robot's text cannot
-/// have other files of the reader put before somebody's eyes.
+/// have other files of the reader put before somebody's eyes. Of a robot of a revision in git they are that revision's.
 pub fn meshes(robot: &Robot, file: &str, options: &Options, most: u64) -> Meshes {
-    let name = plain(file);
-    let packages = PackagePath::new(&options.package_path, &environment()).near(&name);
+    match Home::of(file) {
+        Ok(home) => home.within(|| meshes_of(robot, &home.path, options, most)),
+        Err(why) => {
+            let missing = uris(robot).into_iter().map(|uri| (uri.to_owned(), why.clone())).collect();
+            Meshes { found: Vec::new(), missing }
+        }
+    }
+}
+
+fn meshes_of(robot: &Robot, file: &Path, options: &Options, most: u64) -> Meshes {
+    let packages = PackagePath::new(&options.package_path, &environment()).near(file);
     let mut meshes = Meshes::default();
     let mut left = most;
     for uri in uris(robot) {
-        let read = packages.resolve(uri, Some(&name)).map_err(|error| error.to_string());
+        let read = packages.resolve(uri, Some(file)).map_err(|error| error.to_string());
         match read.and_then(|path| content(&path, left)) {
             Ok(bytes) => {
                 left = left.saturating_sub(bytes.len() as u64);
@@ -48,12 +58,6 @@ pub fn meshes(robot: &Robot, file: &str, options: &Options, most: u64) -> Meshes
         }
     }
     meshes
-}
-
-/// The path that relative names count from: of `git:REVISION:PATH` that of the working tree.
-fn plain(file: &str) -> PathBuf {
-    let path = file.strip_prefix("git:").and_then(|object| object.split_once(':')).map_or(file, |(_, path)| path);
-    path.into()
 }
 
 fn uris(robot: &Robot) -> Vec<&str> {
@@ -76,20 +80,24 @@ fn content(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     if !ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) {
         return Err(format!("{shown} is no .stl, .dae or .obj file"));
     }
-    let size = std::fs::metadata(&real).map_err(|error| format!("{shown}: {error}"))?;
-    if !size.is_file() {
+    let Some(size) = files::size(&real).map_err(|error| format!("{shown}: {error}"))? else {
         return Err(format!("{shown} is no file"));
+    };
+    if size > most {
+        return Err(format!("{shown} has {} MB, and all meshes together are too many", size >> 20));
     }
-    if size.len() > most {
-        return Err(format!("{shown} has {} MB, and all meshes together are too many", size.len() >> 20));
+    let bytes = files::read(&real).map_err(|error| format!("{shown}: {error}"))?;
+    if bytes.starts_with(b"version https://git-lfs") {
+        return Err(format!("{shown} is a pointer of git LFS, and not the file itself; fetch it with git lfs pull"));
     }
-    files::read(&real).map_err(|error| format!("{shown}: {error}"))
+    Ok(bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Loaded, from_text};
+    use std::path::PathBuf;
 
     const ARM: &str = r#"<robot name="arm"><link name="a">
         <visual><geometry><mesh filename="meshes/a.stl"/></geometry></visual>

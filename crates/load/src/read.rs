@@ -1,10 +1,11 @@
 //! From a name to text, and from text to what it is.
 
+use crate::revision::Home;
 use crate::{LoadError, Loaded, Opened, Options};
 use denavit_export::kinematics_yaml::AngleOrder;
 use denavit_export::makers;
 use denavit_export::sources::{self, Source};
-use denavit_xacro::{Environment, FileAccess, PackagePath, Source as Document};
+use denavit_xacro::{Environment, FileAccess, PackagePath, Source as Document, XacroError};
 use std::io::Read as _;
 use std::path::Path;
 
@@ -87,9 +88,31 @@ fn stem(file: &str) -> String {
 
 /// The URDF that a xacro document stands for.
 ///
+/// Of a revision in git everything that the document includes comes from that revision; what is outside the repository is read
+/// as it is now, with a note.
+///
 /// # Errors
 /// The document does not expand.
 pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, LoadError> {
+    let home = Home::of(file).map_err(|reason| LoadError::Read { file: file.to_owned(), reason })?;
+    let mut expanded = home.within(|| expanded_on(file, &home, text, options)).map_err(|error| home.error(error))?;
+    if home.is_revision() {
+        for note in &mut expanded.notes {
+            note.message = home.shown_in(&note.message);
+        }
+        expanded.files_read.retain(|read| !home.holds(read));
+        let outside = expanded.files_read.iter().map(|read| {
+            denavit_xacro::Note::of(format!(
+                "{file}: {} is outside the repository, and was read as it is now, not as it was then",
+                read.display()
+            ))
+        });
+        expanded.notes.extend(outside.collect::<Vec<_>>());
+    }
+    Ok(expanded)
+}
+
+fn expanded_on(file: &str, home: &Home, text: &str, options: &Options) -> Result<Expanded, XacroError> {
     let environment = environment();
     let settings = denavit_xacro::Options {
         packages: PackagePath::new(&options.package_path, &environment),
@@ -97,14 +120,26 @@ pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, L
         access: if options.allow_any_file { FileAccess::Any } else { FileAccess::default() },
         ..denavit_xacro::Options::default()
     };
-    let source =
-        if denavit_xacro::files::is_file(Path::new(file)) { Document::path(file) } else { Document::text(file, text) };
-    Ok(denavit_xacro::expand(&source, &options.arguments, &settings)?)
+    let is_file = denavit_xacro::files::is_file(&home.path);
+    let source = if is_file { Document::path(&home.path) } else { Document::text(file, text) };
+    denavit_xacro::expand(&source, &options.arguments, &settings)
 }
 
 /// What `$(env …)` and package paths see: the variables of the process, where files are those of its disk.
 pub(crate) fn environment() -> Environment {
-    if denavit_xacro::files::are_held() { Environment::default() } else { std::env::vars().collect() }
+    if denavit_xacro::files::are_held() {
+        return Environment::default();
+    }
+    // No document can write a name that is not UTF-8.
+    let named = std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string())));
+    let (mut readable, mut unreadable) = (Vec::new(), Vec::new());
+    for (name, value) in named {
+        match value {
+            Ok(value) => readable.push((name, value)),
+            Err(_) => unreadable.push(name),
+        }
+    }
+    readable.into_iter().collect::<Environment>().with_unreadable(unreadable)
 }
 
 /// The text of a file, of standard input (`-`), or of a file in git (`git:REVISION:PATH`), and what to call it.

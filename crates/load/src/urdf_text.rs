@@ -3,6 +3,7 @@
 use crate::read::{Expanded, expanded, from_text};
 use crate::{LoadError, Options, canonical};
 use denavit_export::urdf;
+use denavit_model::{Problem, ProblemKind};
 use std::path::PathBuf;
 
 /// A source as URDF text.
@@ -50,6 +51,26 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
         });
     }
     Ok(plain(file.to_owned(), text))
+}
+
+/// Why a xacro file is a part of robots and none by itself; `None` where it is one, or is broken.
+///
+/// A part uses names that only the file that includes it defines, or defines macros and makes no link.
+pub fn why_a_part(file: &str, text: &str, options: &Options) -> Option<String> {
+    let first_line = |words: String| words.lines().next().unwrap_or_default().to_owned();
+    match expanded(file, text, options) {
+        Ok(Expanded { urdf, .. }) => {
+            let error = denavit_model::urdf::read(file, &urdf).err()?;
+            let is_part = |problem: &Problem| matches!(problem.kind, ProblemKind::NoLinks | ProblemKind::NoRobot(_));
+            error.problems.iter().find(|problem| is_part(problem)).map(|problem| problem.kind.to_string())
+        }
+        Err(LoadError::Xacro(error)) => {
+            use denavit_xacro::ErrorKind::{UndefinedArgument, UndefinedMacro, UndefinedName};
+            let is_part = matches!(error.kind, UndefinedName | UndefinedMacro | UndefinedArgument);
+            is_part.then(|| first_line(error.to_string()))
+        }
+        Err(_) => None,
+    }
 }
 
 /// Whether a source is taken for URDF or xacro, whole or broken, and not for a table or screw axes.
