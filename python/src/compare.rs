@@ -31,6 +31,7 @@ impl Comparison {
 pub struct Findings {
     files: Vec<String>,
     findings: Vec<denavit_compare::Finding>,
+    inventories: Vec<report::FileInventory>,
 }
 
 #[pymethods]
@@ -43,7 +44,8 @@ impl Findings {
 
     /// In one of the formats of `denavit check`.
     fn render(&self, format: &str) -> PyResult<String> {
-        render(&Report::Findings { files: &self.files, findings: &self.findings }, format)
+        let Self { files, findings, inventories } = self;
+        render(&Report::Findings { files, findings, inventories, known: None }, format)
     }
 }
 
@@ -145,6 +147,7 @@ pub fn check(
         denavit_load::CheckError::Load(failure) => load(&failure),
         other => error(Class::Argument, &other.to_string(), Spot::default()),
     })?;
-    let findings = py.detach(|| rules.check(file, text));
-    Ok(Findings { files: vec![file.to_owned()], findings })
+    let (findings, robot) = py.detach(|| rules.check_and_read(file, text));
+    let inventories = robot.map(|robot| report::FileInventory { file: file.to_owned(), inventory: robot.inventory() });
+    Ok(Findings { files: vec![file.to_owned()], findings, inventories: inventories.into_iter().collect() })
 }

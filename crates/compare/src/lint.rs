@@ -3,12 +3,15 @@
 //! Each rule is a file in `lint/rules/` and a line in [`RULES`]; the documentation, `--explain` and the tests walk that
 //! list.
 
+mod baseline;
 pub mod config;
 mod finding;
 mod page;
 mod rules;
 mod sheet;
+pub mod srdf;
 
+pub use baseline::{Baseline, BaselineError};
 pub use config::{Config, ConfigError};
 pub use finding::{Edit, Finding, fix};
 pub use page::{explain, page};
@@ -16,7 +19,7 @@ pub use rules::RULES;
 pub use sheet::Sheet;
 
 use crate::report::Level;
-use denavit_model::urdf;
+use denavit_model::{Robot, urdf};
 use finding::Found;
 
 /// A rule: what it looks for, why that matters, and how it looks.
@@ -85,6 +88,16 @@ pub fn rule(code_or_name: &str) -> Option<&'static Rule> {
 /// assert_eq!(findings[0].to_string(), "arm.urdf:2: D012 joint \"j\": axis \"0 0 2\" has length 2; write 0 0 1");
 /// ```
 pub fn check(file: &str, text: &str, lookup: &dyn Fn(&str) -> Lookup, config: &Config) -> Vec<Finding> {
+    check_and_read(file, text, lookup, config).0
+}
+
+/// As [`check`], with the robot, whose inventory says what became of everything in the file; `None` where it is none.
+pub fn check_and_read(
+    file: &str,
+    text: &str,
+    lookup: &dyn Fn(&str) -> Lookup,
+    config: &Config,
+) -> (Vec<Finding>, Option<Robot>) {
     let read = urdf::read(file, text);
     let sheet = Sheet::new(file, &read, lookup);
     let mut findings = Vec::new();
@@ -93,7 +106,7 @@ pub fn check(file: &str, text: &str, lookup: &dyn Fn(&str) -> Lookup, config: &C
         findings.extend((rule.check)(&sheet).into_iter().map(|found| found.finding(rule, level, &sheet)));
     }
     findings.sort_by(|one, other| (one.place.line, one.rule).cmp(&(other.place.line, other.rule)));
-    findings
+    (findings, read.ok())
 }
 
 /// Whether findings make a check fail: at least one is an error.

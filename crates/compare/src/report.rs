@@ -14,6 +14,7 @@ pub use entries::{Entry, Level};
 
 use crate::comparison::Comparison;
 use crate::lint::Finding;
+use denavit_model::Inventory;
 
 /// What a report is made of.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +27,20 @@ pub enum Report<'a> {
         files: &'a [String],
         /// In the order of the files.
         findings: &'a [Finding],
+        /// What became of everything in a file, of the files that could be read.
+        inventories: &'a [FileInventory],
+        /// How many more findings a baseline knows; `None` where there is no baseline.
+        known: Option<usize>,
     },
+}
+
+/// What became of everything in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileInventory {
+    /// The file.
+    pub file: String,
+    /// What is understood, carried along and reported.
+    pub inventory: Inventory,
 }
 
 /// Whether text is coloured by ANSI escapes.

@@ -85,7 +85,7 @@ fn findings_in_every_format() {
     let files = ["faulty.urdf".to_owned(), "clean.urdf".to_owned()];
     snapshots().bind(|| {
         for format in FORMATS {
-            let report = Report::Findings { files: &files, findings: &findings };
+            let report = Report::Findings { files: &files, findings: &findings, inventories: &[], known: None };
             insta::assert_snapshot!(format!("check_{}", format.name), (format.render)(&report));
         }
     });

@@ -65,6 +65,7 @@ pub const SETTINGS: &[&str] = &[
     "tolerance",
     "units",
     "urdf",
+    "write-baseline",
 ];
 
 /// The settings that a message names, in the order in which they stand in it.

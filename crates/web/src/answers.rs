@@ -188,7 +188,7 @@ fn findings(source: &RobotText) -> Result<(String, String, Vec<lint::Finding>), 
 fn check(source: &RobotText) -> Result<Value, String> {
     let (file, text, findings) = findings(source)?;
     let files = [source.file.clone()];
-    let found = Report::Findings { files: &files, findings: &findings };
+    let found = Report::Findings { files: &files, findings: &findings, inventories: &[], known: None };
     Ok(json!({ "text": rendered("json", &found), "file": file, "urdf": text, "is_source": text == source.text }))
 }
 

@@ -9,7 +9,7 @@ pub fn explain(rule: &Rule) -> String {
     let mut out = format!("## {} {}\n\n", rule.code, rule.name);
     let _ = writeln!(out, "{}. *{}; {mend}.*\n\n{}\n", rule.summary, rule.level.word(), rule.why);
     let _ = writeln!(out, "```xml\n{}\n```\n", rule.bad.trim());
-    let _ = writeln!(out, "Mended:\n\n```xml\n{}\n```", rule.good.trim());
+    let _ = writeln!(out, "Corrected:\n\n```xml\n{}\n```", rule.good.trim());
     out
 }
 

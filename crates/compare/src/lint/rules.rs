@@ -7,12 +7,19 @@ use denavit_model::{PlacedRobot, ProblemKind, Reading, Robot};
 use roxmltree::Node;
 
 mod axis_missing;
+mod axis_noise;
 mod axis_not_unit;
 mod bad_number;
+mod calibration;
 mod centre_of_mass;
+mod closed_loop;
 mod commas;
+mod continuous_limits;
+pub(in crate::lint) mod dangling_reference;
+mod degrees;
 mod duplicate_name;
 mod effort_or_velocity;
+mod frame_twice;
 mod inertia;
 mod inertia_scale;
 mod inertia_zero;
@@ -27,6 +34,7 @@ mod mimic_unknown;
 mod missing_part;
 mod nearly_parallel;
 mod not_a_tree;
+pub(in crate::lint) mod not_understood;
 mod origin_far;
 mod root_inertia;
 mod rounded_pi;
@@ -35,7 +43,7 @@ mod taken_as_meant;
 mod tip_frame_missing;
 mod unknown_kind;
 mod unknown_link;
-mod unreadable;
+pub(in crate::lint) mod unreadable;
 mod xacro_left;
 mod zero_axis;
 mod zero_outside_limits;
@@ -50,6 +58,7 @@ pub const RULES: &[Rule] = &[
     not_a_tree::RULE,
     taken_as_meant::RULE,
     commas::RULE,
+    not_understood::RULE,
     rounded_pi::RULE,
     nearly_parallel::RULE,
     axis_not_unit::RULE,
@@ -57,11 +66,14 @@ pub const RULES: &[Rule] = &[
     axis_missing::RULE,
     unknown_kind::RULE,
     origin_far::RULE,
+    degrees::RULE,
+    axis_noise::RULE,
     limits_missing::RULE,
     limits_reversed::RULE,
     limits_empty::RULE,
     zero_outside_limits::RULE,
     effort_or_velocity::RULE,
+    continuous_limits::RULE,
     mass::RULE,
     inertia::RULE,
     inertia_scale::RULE,
@@ -70,11 +82,15 @@ pub const RULES: &[Rule] = &[
     inertia_zero::RULE,
     mimic_unknown::RULE,
     mimic_loop::RULE,
+    dangling_reference::RULE,
     mesh_not_found::RULE,
     shared_name::RULE,
+    frame_twice::RULE,
     tip_frame_missing::RULE,
     root_inertia::RULE,
     xacro_left::RULE,
+    closed_loop::RULE,
+    calibration::RULE,
 ];
 
 /// What kept the file from being read, of the kinds asked for.

@@ -51,6 +51,11 @@ impl<'a> Sheet<'a> {
         self.document.iter().flat_map(Document::descendants).filter(Node::is_element)
     }
 
+    /// The `<robot>`.
+    pub(super) fn root(&self) -> Option<Node<'_, 'a>> {
+        self.document.as_ref().map(Document::root_element)
+    }
+
     /// The element that starts at a byte offset.
     pub(super) fn element_at(&self, offset: usize) -> Option<Node<'_, 'a>> {
         let starts = self.starts.get_or_init(|| self.elements().map(|node| (node.range().start, node.id())).collect());

@@ -1,7 +1,8 @@
 //! Everything as JSON, two spaces deep.
 
 use crate::comparison::Comparison;
-use crate::report::{Entry, Report};
+use crate::report::{Entry, FileInventory, Report};
+use denavit_model::{Inventory, Outcome};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -32,6 +33,40 @@ struct FindingsOut<'a> {
     schema: &'static str,
     files: &'a [String],
     findings: Vec<FindingOut<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    known: Option<usize>,
+    inventory: Vec<InventoryOut<'a>>,
+}
+
+/// What became of everything in a file.
+#[derive(Serialize)]
+struct InventoryOut<'a> {
+    file: &'a str,
+    understood: usize,
+    carried: Vec<ItemOut<'a>>,
+    not_understood: Vec<ItemOut<'a>>,
+}
+
+#[derive(Serialize)]
+struct ItemOut<'a> {
+    line: usize,
+    element: &'a str,
+    what: &'a str,
+}
+
+fn inventory(of: &FileInventory) -> InventoryOut<'_> {
+    let FileInventory { file, inventory } = of;
+    InventoryOut {
+        file,
+        understood: inventory.understood,
+        carried: items(inventory, Outcome::Carried),
+        not_understood: items(inventory, Outcome::Reported),
+    }
+}
+
+fn items(inventory: &Inventory, outcome: Outcome) -> Vec<ItemOut<'_>> {
+    let items = inventory.items.iter().filter(|item| item.outcome == outcome);
+    items.map(|item| ItemOut { line: item.place.line, element: &item.place.element, what: &item.what }).collect()
 }
 
 pub(super) fn render(report: &Report) -> String {
@@ -39,7 +74,7 @@ pub(super) fn render(report: &Report) -> String {
         Report::Comparison(comparison) => {
             serde_json::to_string_pretty(&ComparisonOut { schema: COMPARISON, comparison })
         }
-        Report::Findings { files, findings } => {
+        Report::Findings { files, findings, inventories, known } => {
             let findings = findings.iter().map(|finding| FindingOut {
                 rule: finding.rule,
                 level: finding.level,
@@ -49,7 +84,13 @@ pub(super) fn render(report: &Report) -> String {
                 message: &finding.message,
                 fixable: !finding.fix.is_empty(),
             });
-            serde_json::to_string_pretty(&FindingsOut { schema: FINDINGS, files, findings: findings.collect() })
+            serde_json::to_string_pretty(&FindingsOut {
+                schema: FINDINGS,
+                files,
+                findings: findings.collect(),
+                known: *known,
+                inventory: inventories.iter().map(inventory).collect(),
+            })
         }
     };
     text.expect("plain values with text keys") + "\n"

@@ -61,13 +61,18 @@ pub(super) fn render(report: &Report) -> String {
             let case = |file: &String| Case {
                 class: "denavit.check".into(),
                 name: file.clone(),
-                failure: failure(entries.iter().filter(|entry| entry.file == *file)),
+                failure: failure(entries.iter().filter(|entry| is_of(entry, file))),
                 skipped: None,
             };
             files.iter().map(case).collect()
         }
     };
     suite("denavit", &cases)
+}
+
+/// Whether an entry is about a file, or about what it was expanded to: `arm.xacro (expanded)`.
+fn is_of(entry: &Entry, file: &str) -> bool {
+    entry.file.strip_prefix(file).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
 }
 
 /// Of all entries of a case: the first one's sentence is its message.

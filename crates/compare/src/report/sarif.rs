@@ -4,7 +4,8 @@
 //! OASIS, Static Analysis Results Interchange Format 2.1.0, sections 3.13 to 3.30.
 
 use crate::lint::RULES;
-use crate::report::{Entry, Report};
+use crate::report::{Entry, FileInventory, Report};
+use denavit_model::Outcome;
 use denavit_model::settings::plain;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -33,11 +34,22 @@ pub(super) fn render(report: &Report) -> String {
         "version": env!("CARGO_PKG_VERSION"),
         "rules": rules,
     });
-    let log = json!({
+    let mut log = json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
         "runs": [{ "tool": { "driver": driver }, "results": results }]
     });
+    if let Report::Findings { inventories, .. } = report {
+        let counts = inventories.iter().map(|FileInventory { file, inventory }| {
+            json!({
+                "file": uri(file),
+                "understood": inventory.understood,
+                "carried": inventory.count(Outcome::Carried),
+                "notUnderstood": inventory.count(Outcome::Reported),
+            })
+        });
+        log["runs"][0]["properties"] = json!({ "inventory": counts.collect::<Vec<Value>>() });
+    }
     serde_json::to_string_pretty(&log).expect("plain values with text keys") + "\n"
 }
 

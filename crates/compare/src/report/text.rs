@@ -1,8 +1,9 @@
 //! Text for people: a line each, the verdict first.
 
 use crate::comparison::{Comparison, Verdict};
-use crate::report::{Colour, Entry, Level, Report};
+use crate::report::{Colour, Entry, FileInventory, Level, Report};
 use crate::words;
+use denavit_model::{Inventory, Outcome};
 use std::fmt::Write;
 
 const RED: &str = "31";
@@ -27,11 +28,37 @@ pub(super) fn render(report: &Report, colour: Colour) -> String {
         };
         let _ = writeln!(out, "{}", line(report, &entry, &|text| paint(code, text)));
     }
-    if let Report::Findings { files, findings } = report {
+    if let Report::Findings { files, findings, inventories, known } = report {
+        for FileInventory { file, inventory } in *inventories {
+            let _ = writeln!(out, "{}", paint(FAINT, &format!("{file}: {}", account(inventory))));
+        }
         let errors = findings.iter().filter(|finding| finding.level == Level::Error).count();
-        let counts = format!("{} file(s), {} finding(s), {errors} of them errors", files.len(), findings.len());
+        let new = if known.is_some() { "new " } else { "" };
+        let mut counts =
+            format!("{} file(s), {} {new}finding(s), {errors} of them errors", files.len(), findings.len());
+        if let Some(known) = known {
+            let _ = write!(counts, "; {known} more are in the baseline");
+        }
         let _ = writeln!(out, "{}", paint(if findings.is_empty() { GREEN } else { FAINT }, &counts));
     }
+    out
+}
+
+/// `214 understood, 3 carried along unchanged (2 <gazebo>, 1 <transmission>), 1 not understood`.
+fn account(inventory: &Inventory) -> String {
+    let mut kinds: Vec<(&str, usize)> = Vec::new();
+    for item in inventory.items.iter().filter(|item| item.outcome == Outcome::Carried) {
+        match kinds.iter_mut().find(|(kind, _)| *kind == item.what) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((&item.what, 1)),
+        }
+    }
+    let mut out = format!("{} understood", inventory.understood);
+    if !kinds.is_empty() {
+        let listed: Vec<String> = kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+        let _ = write!(out, ", {} carried along unchanged ({})", inventory.count(Outcome::Carried), listed.join(", "));
+    }
+    let _ = write!(out, ", {} not understood", inventory.count(Outcome::Reported));
     out
 }
 

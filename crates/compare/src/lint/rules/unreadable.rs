@@ -5,7 +5,7 @@ use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::ProblemKind;
 
-pub(super) const RULE: Rule = Rule {
+pub(in crate::lint) const RULE: Rule = Rule {
     code: "D001",
     name: "unreadable",
     level: Level::Error,
