@@ -1,5 +1,6 @@
 //! What real use broke once, a sentence each: files lost, options read as files, numbers that mean nothing.
 
+mod checks;
 mod commands;
 mod fleet_nights;
 mod git;

@@ -597,7 +597,8 @@ pub struct FingerprintArguments {
 /// Arguments of `denavit check`.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// Any sources, or folders for all robots that are in them. NAME:=VALUE are arguments of the xacro files among them
+    /// Any sources, or folders for all robots that are in them; SRDF files beside their URDF. NAME:=VALUE are arguments of
+    /// the xacro files among them
     #[arg(required_unless_present_any = ["rules", "explain"], value_name = "ROBOT")]
     pub files: Vec<String>,
     /// Leave out a rule, by code or name; `all` leaves out all that are not denied
@@ -615,9 +616,18 @@ pub struct CheckArguments {
     /// Let xacro read files outside its package and the package path
     #[arg(long)]
     pub allow_any_file: bool,
-    /// Mend in place what is certain
+    /// Fix in place what is certain
     #[arg(long)]
     pub fix: bool,
+    /// Known findings, as --write-baseline wrote them: only what is new is reported, and only new errors make the exit code 1
+    #[arg(long, value_name = "FILE")]
+    pub baseline: Option<PathBuf>,
+    /// Write the findings of this run into FILE, for --baseline, instead of reporting them
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "fix", "format", "json", "output"])]
+    pub write_baseline: Option<PathBuf>,
+    /// Leave out xacro files that are no robot by themselves, such as files of macros, with a message
+    #[arg(long)]
+    pub robots_only: bool,
     /// List the rules
     #[arg(long)]
     pub rules: bool,

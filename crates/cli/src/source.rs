@@ -9,7 +9,7 @@ use denavit_export::sources::Stated;
 use denavit_load::{Options, Selection, UrdfText};
 
 pub use denavit_load::Loaded;
-pub use folder::sources;
+pub use folder::{sources, srdf_files};
 
 /// Reads a robot.
 pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> {
@@ -47,6 +47,12 @@ pub fn urdf_text(file: &str, text: String, arguments: &SourceArguments) -> Resul
     output::reads(&urdf.includes)?;
     urdf.notes.iter().for_each(output::mention);
     Ok(urdf)
+}
+
+/// Why a xacro file is a part of robots and none by itself; `None` where it is one, or is broken.
+pub fn why_a_part(file: &str, text: &str, arguments: &SourceArguments) -> Option<String> {
+    let options = Options { arguments_for_another: true, ..options(arguments).ok()? };
+    denavit_load::why_a_part(file, text, &options)
 }
 
 /// The URDF that a xacro document stands for.

@@ -1,13 +1,19 @@
 //! `denavit check`: URDF files against numbered rules.
 
+mod baseline;
+mod fixed;
+
 use crate::args::{CheckArguments, SourceArguments};
 use crate::delivery::Delivery;
 use crate::failure::Failure;
-use crate::output::{self, Outputs, Slot, Status};
+use crate::output::{self, Status};
 use crate::source;
-use denavit_compare::lint;
-use denavit_compare::report::{self, Report};
+use baseline::{Known, Recorded};
+use denavit_compare::lint::{self, srdf};
+use denavit_compare::report::{self, FileInventory, Report};
 use denavit_load::{CheckOptions, Rules, UrdfText};
+use denavit_model::Robot;
+use fixed::Fixed;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -28,46 +34,63 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         output::print(&lint::explain(rule))?;
         return Ok(Status::Same);
     }
-    let options = CheckOptions {
-        allow: arguments.allow.clone(),
-        deny: arguments.deny.clone(),
-        config: arguments.config.clone(),
-        package_path: arguments.package_path.clone(),
-    };
     let mut source = SourceArguments {
         package_path: arguments.package_path.clone(),
         allow_any_file: arguments.allow_any_file,
         ..SourceArguments::default()
     };
-    let names = source::sources(&arguments.files, &mut source)?;
+    let mut names = source::sources(&arguments.files, &mut source)?;
+    let beside = source::srdf_files(&arguments.files)?;
+    names.extend(beside.iter().cloned());
+    let baseline = arguments.baseline.as_deref().map(Known::read).transpose()?;
+    let recorded = arguments.write_baseline.as_deref().map(|path| Recorded::to(path, &names)).transpose()?;
     let inputs = names.iter().map(String::as_str).chain(source.files());
+    let inputs = inputs.chain(arguments.baseline.as_deref().and_then(Path::to_str));
     refuse_to_replace_a_robot(arguments.json.place(), &source)?;
-    let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
-    let mut mended = Mended { outputs: Outputs::in_place(), texts: Vec::new(), said: Vec::new() };
-    let mut findings = Vec::new();
-    let mut any_is_xacro = false;
-    for name in &names {
-        let (file, written) = source::read_text(name)?;
-        let rules = Rules::of(&file, &options)?;
-        let UrdfText { shown, text: urdf, is_xacro, .. } = source::urdf_text(&file, written, &source)?;
-        any_is_xacro |= is_xacro;
-        let mut found = rules.check(&shown, &urdf);
-        if arguments.fix && Path::new(name).is_file() {
-            if shown == file {
-                let (text, made) = lint::fix(&urdf, &found);
-                if made > 0 {
-                    found = rules.check(&shown, &text);
-                    mended.add(name, text, made)?;
-                }
-            } else if found.iter().any(|finding| !finding.fix.is_empty()) {
-                output::mention(format!("{name}: --fix changes URDF files only"));
-            }
-        }
-        findings.extend(found);
-    }
+    let delivery = match recorded {
+        Some(_) => None,
+        None => Some(Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?),
+    };
+    let mut checked = Checked::new(arguments, &source, &beside);
+    checked.all(&names)?;
+    let Checked { files, fixed, any_is_xacro, .. } = checked;
     source.are_of_use(any_is_xacro)?;
-    mended.write()?;
-    let found = Report::Findings { files: &names, findings: &findings };
+    fixed.write()?;
+    if let Some(recorded) = recorded {
+        return recorded.write(&files);
+    }
+    let Some(delivery) = delivery else { return Ok(Status::Same) };
+    report(&delivery, arguments, files, baseline.as_ref())
+}
+
+/// Delivers what was found, less what a baseline knows.
+fn report(
+    delivery: &Delivery,
+    arguments: &CheckArguments,
+    files: Vec<File>,
+    baseline: Option<&Known>,
+) -> Result<Status, Failure> {
+    let (mut names, mut findings, mut inventories) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut known, mut gone) = (0, 0);
+    for File { name, findings: found, inventory } in files {
+        match baseline {
+            Some(baseline) => {
+                let (new, hidden) = baseline.new_among(&name, found);
+                known += hidden;
+                gone += baseline.known_of(&name) - hidden;
+                findings.extend(new);
+            }
+            None => findings.extend(found),
+        }
+        inventories.extend(inventory.map(|inventory| FileInventory { file: name.clone(), inventory }));
+        names.push(name);
+    }
+    let found = Report::Findings {
+        files: &names,
+        findings: &findings,
+        inventories: &inventories,
+        known: baseline.map(|_| known),
+    };
     let rendered =
         |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(&found));
     let own = || match arguments.format.as_str() {
@@ -75,27 +98,131 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         name => rendered(name),
     };
     delivery.deliver(own, || rendered("json"))?;
+    if let (Some(path), true) = (&arguments.baseline, gone > 0) {
+        let path = path.display();
+        output::mention(format!(
+            "{path}: {gone} finding(s) of the baseline are fixed in these files; --write-baseline {path} takes them out"
+        ));
+    }
     Ok(if lint::fails(&findings) { Status::Different } else { Status::Same })
 }
 
-/// Files that were mended: all are written, or none.
-struct Mended {
-    outputs: Outputs,
-    texts: Vec<(Slot, String)>,
-    said: Vec<String>,
+/// A file that was checked.
+pub struct File {
+    /// As named.
+    name: String,
+    findings: Vec<lint::Finding>,
+    /// Of what could be read.
+    inventory: Option<denavit_model::Inventory>,
 }
 
-impl Mended {
-    fn add(&mut self, name: &str, text: String, made: usize) -> Result<(), Failure> {
-        self.texts.push((self.outputs.add("--fix", Path::new(name))?, text));
-        self.said.push(format!("{name}: {made} fixed"));
+/// The work over all files.
+struct Checked<'a> {
+    arguments: &'a CheckArguments,
+    source: &'a SourceArguments,
+    /// SRDF files that nobody named: they were in a folder.
+    beside: &'a [String],
+    files: Vec<File>,
+    robots: Vec<Robot>,
+    fixed: Fixed,
+    any_is_xacro: bool,
+}
+
+impl<'a> Checked<'a> {
+    fn new(arguments: &'a CheckArguments, source: &'a SourceArguments, beside: &'a [String]) -> Self {
+        let (files, robots) = (Vec::new(), Vec::new());
+        Self { arguments, source, beside, files, robots, fixed: Fixed::new(), any_is_xacro: false }
+    }
+
+    fn all(&mut self, names: &[String]) -> Result<(), Failure> {
+        let mut later = Vec::new();
+        for name in names {
+            let (file, written) = source::read_text(name)?;
+            if self.arguments.robots_only && self.is_part(&file, &written) {
+                continue;
+            }
+            let urdf = source::urdf_text(&file, written, self.source)?;
+            self.any_is_xacro |= urdf.is_xacro;
+            let rules = Rules::of(&file, &self.options())?;
+            // What an SRDF names is in robots that may be named behind it.
+            if srdf::is_srdf(&urdf.shown, &urdf.text) {
+                later.push((name, urdf, rules));
+            } else {
+                self.robot(name, &file, &urdf, &rules)?;
+            }
+        }
+        let robots = std::mem::take(&mut self.robots);
+        for (name, urdf, rules) in later {
+            // Variants of a robot have one name: an SRDF is for the one that has most of what it names.
+            let robots = self.robots_of(name, &urdf.text, &robots)?;
+            let checked = robots.iter().map(|robot| rules.check_srdf(&urdf.shown, &urdf.text, robot));
+            if let Some((findings, inventory)) = checked.min_by_key(|(findings, _)| findings.len()) {
+                self.files.push(File { name: name.clone(), findings, inventory: Some(inventory) });
+            }
+        }
         Ok(())
     }
 
-    fn write(&self) -> Result<(), Failure> {
-        self.outputs.write(&self.texts)?;
-        self.said.iter().for_each(output::mention);
+    fn options(&self) -> CheckOptions {
+        CheckOptions {
+            allow: self.arguments.allow.clone(),
+            deny: self.arguments.deny.clone(),
+            config: self.arguments.config.clone(),
+            package_path: self.arguments.package_path.clone(),
+        }
+    }
+
+    /// Whether a xacro file is a part of robots and none by itself, which is then said.
+    fn is_part(&self, file: &str, written: &str) -> bool {
+        if !file.to_ascii_lowercase().ends_with(".xacro") {
+            return false;
+        }
+        let why = source::why_a_part(file, written, self.source);
+        if let Some(why) = &why {
+            output::mention(format!("{file}: left out, as it is no robot by itself: {why}"));
+        }
+        why.is_some()
+    }
+
+    fn robot(&mut self, name: &str, file: &str, urdf: &UrdfText, rules: &Rules) -> Result<(), Failure> {
+        let UrdfText { shown, text, .. } = urdf;
+        let (mut findings, mut robot) = rules.check_and_read(shown, text);
+        if self.arguments.fix && Path::new(name).is_file() {
+            if shown == file {
+                let (text, made) = lint::fix(text, &findings);
+                if made > 0 {
+                    (findings, robot) = rules.check_and_read(shown, &text);
+                    self.fixed.add(name, text, made)?;
+                }
+            } else if findings.iter().any(|finding| !finding.fix.is_empty()) {
+                output::mention(format!("{name}: --fix changes URDF files only"));
+            }
+        }
+        let inventory = robot.as_ref().map(Robot::inventory);
+        self.robots.extend(robot);
+        self.files.push(File { name: name.to_owned(), findings, inventory });
         Ok(())
+    }
+
+    /// The robots that an SRDF may be for: those of its name, or the only one.
+    fn robots_of<'r>(&self, name: &str, text: &str, robots: &'r [Robot]) -> Result<Vec<&'r Robot>, Failure> {
+        let own = srdf::robot_of(text).unwrap_or_default();
+        let named: Vec<&Robot> = robots.iter().filter(|robot| robot.name == own).collect();
+        if !named.is_empty() {
+            return Ok(named);
+        }
+        let is_beside = self.beside.iter().any(|beside| beside == name);
+        if let ([only], false) = (robots, is_beside) {
+            return Ok(vec![only]);
+        }
+        if is_beside {
+            output::mention(format!("{name}: left out, as no robot of its name \"{own}\" is checked with it"));
+            return Ok(Vec::new());
+        }
+        Err(Failure::Argument(format!(
+            "{name}: an SRDF is checked against its robot, and no robot \"{own}\" is named; name its URDF as well, as in \
+             denavit check arm.urdf {name}"
+        )))
     }
 }
 

@@ -58,6 +58,17 @@ fn robots_in(folder: &Path, arguments: &SourceArguments) -> Result<Vec<String>, 
     Ok(robots)
 }
 
+/// The SRDF files in the folders among words of the command line.
+pub fn srdf_files(words: &[String]) -> Result<Vec<String>, Failure> {
+    let mut found = Vec::new();
+    for folder in words.iter().map(Path::new).filter(|path| path.is_dir()) {
+        let files = files_below(folder)?.into_iter();
+        let files = files.filter(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("srdf")));
+        found.extend(files.map(|path| path.to_string_lossy().into_owned()));
+    }
+    Ok(found)
+}
+
 /// Every file below a folder, sorted; links to folders are not followed.
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let failed =
