@@ -158,7 +158,7 @@ pub struct SourceArguments {
     /// [default: distal]
     #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true)]
     pub table_convention: Option<ConventionName>,
-    /// Units of a D-H table's numbers, where the file does not say so itself: m or mm, deg or rad [default: what the
+    /// Units of a D-H table's numbers, where the file does not say so itself: such as mm,deg or in,rad [default: what the
     /// numbers can be]
     #[arg(long, value_name = "UNITS")]
     pub table_units: Option<String>,

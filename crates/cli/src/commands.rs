@@ -34,12 +34,16 @@ pub mod table;
 use crate::args::UnitsArguments;
 use crate::failure::Failure;
 use denavit_export::Units;
+use denavit_model::words::quoted;
 use serde::Serialize;
 
 fn units(arguments: &UnitsArguments) -> Result<Units, Failure> {
-    Units::default()
-        .with_words(&arguments.units)
-        .map_err(|word| Failure::Argument(format!("--units: \"{word}\" is no unit; write m or mm, and deg or rad")))
+    Units::default().with_words(&arguments.units).map_err(|word| {
+        Failure::Argument(format!(
+            "--units: \"{}\" is no unit of documents; write m or mm, and deg or rad",
+            quoted(&word)
+        ))
+    })
 }
 
 /// A value as JSON with the name and version of its schema first.

@@ -10,6 +10,7 @@ use denavit_compare::report::Colour;
 use denavit_load::LoadError;
 use denavit_model::notes::Note;
 use denavit_model::settings::{Shown, shown};
+use denavit_model::words::readable;
 use destination::Destination;
 use staged::Staged;
 use std::borrow::Cow;
@@ -48,7 +49,7 @@ pub fn complain(failure: &Failure) {
     let text = failure.to_string();
     let text = with_flags(&text);
     let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_)));
-    for (index, line) in text.lines().enumerate() {
+    for (index, line) in readable(&text).lines().enumerate() {
         // A URDF's problems stand a line each; other messages go on in their own lines.
         let mark = if each_line || index == 0 { "error: " } else { "" };
         eprintln!("{mark}{line}");
@@ -62,7 +63,7 @@ pub fn remark(notes: &[Note]) {
 
 /// Says on standard error what is no error, but may not be meant.
 pub fn mention(text: impl std::fmt::Display) {
-    eprintln!("note: {}", with_flags(&text.to_string()));
+    eprintln!("note: {}", readable(&with_flags(&text.to_string())));
 }
 
 /// Whether text on standard output is coloured: on a terminal that has not been told otherwise.

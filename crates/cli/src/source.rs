@@ -7,6 +7,9 @@ use crate::failure::Failure;
 use crate::output;
 use denavit_export::sources::Stated;
 use denavit_load::{Options, Selection, UrdfText};
+use denavit_model::Quantity;
+use denavit_model::units::Unit;
+use denavit_model::words::quoted;
 
 pub use denavit_load::Loaded;
 pub use folder::{sources, srdf_files};
@@ -80,7 +83,10 @@ pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
     let convention = arguments.table_convention.map(ConventionName::convention);
     let stated = Stated { convention, ..Stated::default() };
     stated.with_units(arguments.table_units.as_deref().unwrap_or_default()).map_err(|word| {
-        Failure::Argument(format!("--table-units: \"{word}\" is no unit; write m or mm, and deg or rad"))
+        Failure::Argument(format!("--table-units: \"{}\" is no unit that is known here, or the second one of its kind; write one of {} and one of {}",
+            quoted(&word),
+            Unit::words(Quantity::Length),
+            Unit::words(Quantity::Angle)))
     })
 }
 

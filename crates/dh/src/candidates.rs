@@ -228,7 +228,7 @@ fn hayati_rows(frame: &Pose, next: &Target, size: f64) -> Vec<Row> {
         let turned = DhRow { theta, ..DhRow::default() }.pose().rotation.inverse() * direction;
         let beta = tidy_angle(turned.x.atan2(turned.y.hypot(turned.z)));
         let alpha = tidy_angle((-turned.y).atan2(turned.z));
-        Row::Hayati(HayatiRow { theta, a: tidy_length(a, size), alpha, beta })
+        Row::Hayati(HayatiRow { theta, d: 0.0, a: tidy_length(a, size), alpha, beta })
     };
     if across <= COINCIDES * size {
         return vec![row(0.0, 0.0)];

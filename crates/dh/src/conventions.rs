@@ -6,7 +6,7 @@
 //! ```
 
 use crate::table::{DhRow, HayatiRow, Row, Table, TableJoint, ToolPart};
-use denavit_model::chain::Coordinate;
+use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate};
 use denavit_model::se3::Pose;
 use thiserror::Error;
 
@@ -20,7 +20,7 @@ pub enum Convention {
     Proximal,
     /// Rows H0 … Hn and the tool's pair; grouped as distal.
     Paper,
-    /// As distal, with Hayati's numbers Rz(theta) Tx(a) Rx(alpha) Ry(beta) for near-parallel neighbours.
+    /// As distal, with Hayati's numbers Rz(theta) Tz(d) Tx(a) Rx(alpha) Ry(beta) for near-parallel neighbours.
     Hayati,
 }
 
@@ -94,6 +94,20 @@ pub enum RowsError {
         /// Counted from 1, 0 for the base.
         row: usize,
     },
+    /// A number of the base or tool row for which the convention has no place.
+    #[error(
+        "the {row} row has {number} = {value}, for which a {convention} table has no place; write 0, or give that frame a row of its own"
+    )]
+    NoPlace {
+        /// `base` or `tool`.
+        row: &'static str,
+        /// Which number.
+        number: &'static str,
+        /// As shortest decimal, rad or m.
+        value: String,
+        /// The convention.
+        convention: &'static str,
+    },
 }
 
 fn dh_of(row: &ConventionRow) -> DhRow {
@@ -147,6 +161,9 @@ impl Table {
         }
         let tool = dh_of(&rows[n + 1]);
         let proximal = convention == Convention::Proximal;
+        if let Some(error) = without_place(convention, &rows[0], &rows[n + 1]) {
+            return Err(error);
+        }
         let mut kept = Vec::with_capacity(n + 1);
         for index in 0..=n {
             let mut row = dh_of(&rows[index]);
@@ -157,7 +174,7 @@ impl Table {
             kept.push(match rows[index].beta {
                 Some(_) if proximal => return Err(RowsError::Beta { row: index }),
                 Some(beta) if rows[index].d.is_none() || beta != 0.0 => {
-                    Row::Hayati(HayatiRow { theta: row.theta, a: row.a, alpha: row.alpha, beta })
+                    Row::Hayati(HayatiRow { theta: row.theta, d: row.d, a: row.a, alpha: row.alpha, beta })
                 }
                 _ => Row::Dh(row),
             });
@@ -167,25 +184,75 @@ impl Table {
     }
 }
 
+/// The first number of base or tool row that the convention does not use.
+fn without_place(convention: Convention, base: &ConventionRow, tool: &ConventionRow) -> Option<RowsError> {
+    let proximal = convention == Convention::Proximal;
+    let unused = |row: &ConventionRow| {
+        let numbers = [("alpha", row.alpha), ("a", row.a), ("beta", row.beta)];
+        let number = numbers.into_iter().find(|(_, value)| value.is_some_and(|value| value != 0.0));
+        number.map(|(number, value)| (number, value.unwrap_or_default()))
+    };
+    let (row, found) = if proximal { ("base", unused(base)) } else { ("tool", unused(tool)) };
+    let (number, value) = found?;
+    Some(RowsError::NoPlace { row, number, value: format!("{value}"), convention: convention.word() })
+}
+
+/// What stands before and behind a joint's motion in a row: the row is before · motion · behind.
+fn parts(convention: Convention, row: &ConventionRow) -> (Pose, Pose) {
+    let numbers = dh_of(row);
+    let rz_tz = DhRow { theta: numbers.theta, d: numbers.d, ..DhRow::default() }.pose();
+    let rx_tx = DhRow { alpha: numbers.alpha, a: numbers.a, ..DhRow::default() }.pose();
+    match (convention, row.beta) {
+        (Convention::Proximal, _) => (rx_tx, rz_tz),
+        (_, Some(beta)) => (Pose::identity(), rz_tz * rx_tx * HayatiRow { beta, ..HayatiRow::default() }.pose()),
+        _ => (Pose::identity(), rz_tz * rx_tx),
+    }
+}
+
+/// The chain of rows in a convention with any number of fixed frames (base and tool rows) before, between and behind the
+/// joints.
+///
+/// # Errors
+/// As [`Chain::new`].
+pub fn chain_of_rows(
+    names: (impl Into<String>, impl Into<String>, impl Into<String>),
+    coordinates: Vec<Coordinate>,
+    joints: &[TableJoint],
+    convention: Convention,
+    rows: &[ConventionRow],
+) -> Result<Chain, ChainError> {
+    let mut reached = Pose::identity();
+    let mut moving = Vec::new();
+    for row in rows {
+        let (before, behind) = parts(convention, row);
+        reached *= before;
+        if let RowLabel::Joint(index) = row.label
+            && let Some(joint) = joints.get(index)
+        {
+            moving.push(ChainJoint {
+                name: joint.name.clone(),
+                screw: joint.motion.screw(&reached),
+                coordinate: joint.coordinate,
+                scale: joint.scale,
+                offset: 0.0,
+            });
+        }
+        reached *= behind;
+    }
+    Chain::new(names, coordinates, moving, reached)
+}
+
 /// Forward kinematics straight from convention rows, as their definition says: an independent reading for tests and
 /// documents. `values` are joint values (scale and coordinate already applied), rad or m.
 pub fn fk_of_rows(convention: Convention, rows: &[ConventionRow], joints: &[TableJoint], values: &[f64]) -> Pose {
-    let rz_tz = |row: &DhRow| DhRow { theta: row.theta, d: row.d, ..DhRow::default() }.pose();
-    let rx_tx = |row: &DhRow| DhRow { alpha: row.alpha, a: row.a, ..DhRow::default() }.pose();
     let mut reached = Pose::identity();
     for row in rows {
-        let numbers = dh_of(row);
         let motion = match row.label {
             RowLabel::Joint(index) => joints[index].motion.pose(values[index]),
             _ => Pose::identity(),
         };
-        reached *= match (convention, row.beta) {
-            (Convention::Proximal, _) => rx_tx(&numbers) * motion * rz_tz(&numbers),
-            (_, Some(beta)) if row.d.is_none() => {
-                motion * HayatiRow { theta: numbers.theta, a: numbers.a, alpha: numbers.alpha, beta }.pose()
-            }
-            _ => motion * rz_tz(&numbers) * rx_tx(&numbers),
-        };
+        let (before, behind) = parts(convention, row);
+        reached *= before * motion * behind;
     }
     reached
 }

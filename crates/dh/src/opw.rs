@@ -1,9 +1,11 @@
 //! Ortho-parallel arms with a spherical wrist, given by seven lengths.
 
 use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate, Quantity};
-use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3};
+use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
 use denavit_model::screw::{AxisLine, Screw};
-use denavit_model::se3;
+use denavit_model::se3::{self, Pose};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use thiserror::Error;
 
 /// The parameters of an ortho-parallel arm with a spherical wrist; joint i of the model is at signs\[i\] q\[i\] - offsets\[i\].
 ///
@@ -58,4 +60,209 @@ impl OrthoParallelWrist {
         let home = se3::pose(Rotation3::identity(), wrist.coords + Vector3::z() * self.c4);
         Chain::new((name, "base_link", "tool0"), coordinates, joints.collect(), home)
     }
+}
+
+/// The parameters of an arm, and what they leave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpwFit {
+    /// The parameters.
+    pub parameters: OrthoParallelWrist,
+    /// Largest distance of the tips over [`CONFIGURATIONS`] joint values, m.
+    pub position_error: f64,
+    /// Largest rotation between the tips over the same joint values, rad.
+    pub rotation_error: f64,
+}
+
+/// How many joint values, spread over ±π, a fit is judged by.
+pub const CONFIGURATIONS: usize = 500;
+
+/// Why an arm has no such parameters.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum OpwError {
+    /// Other joints.
+    #[error(
+        "the form has six revolute joints, each with a coordinate and scale 1 or -1 of its own, and the chain from \"{base}\" to \"{tip}\" has {found}"
+    )]
+    Joints {
+        /// Base link.
+        base: String,
+        /// Tip link.
+        tip: String,
+        /// What it has.
+        found: String,
+    },
+    /// Axes that lie otherwise.
+    #[error("{0}")]
+    Axes(String),
+    /// The parameters make no chain.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
+}
+
+/// Axes may miss right angles and parallels by this, rad, before an arm is of another kind.
+const ANGLE: f64 = 0.02;
+
+/// Lines may miss each other by this, times the robot's size, before an arm is of another kind.
+const MISS: f64 = 0.02;
+
+/// Numbers closer than this to a multiple of a quarter turn, or to 0, are it (rad, and times the robot's size).
+const ROUNDING: f64 = 1e-12;
+
+fn tidy_angle(angle: f64) -> f64 {
+    let wrapped = angle - TAU * (angle / TAU).round();
+    let wrapped = if wrapped <= -PI + ROUNDING { wrapped + TAU } else { wrapped };
+    let quarter = (wrapped / FRAC_PI_2).round() * FRAC_PI_2;
+    if (wrapped - quarter).abs() < ROUNDING { quarter + 0.0 } else { wrapped }
+}
+
+impl OpwFit {
+    /// The parameters whose arm moves from the base to the tip frame of a chain as it does.
+    ///
+    /// The base frame has its z on axis 1 and the tip frame its z on axis 6, as the form has no place for other frames. An
+    /// arm whose axes are nearly of the kind gets the parameters of the nearest one, and the errors say how near.
+    ///
+    /// # Errors
+    /// The joints are others, or the axes are far from this kind.
+    ///
+    /// # Validation
+    /// tests/opw.rs: every published set of parameters comes back, with its arm to 1e-12 of its size.
+    pub fn of(chain: &Chain) -> Result<Self, OpwError> {
+        let parameters = parameters(chain)?;
+        let own = parameters.chain(chain.name())?;
+        let (mut position_error, mut rotation_error) = (0.0f64, 0.0f64);
+        for index in 0..CONFIGURATIONS {
+            let value = |joint: usize| (0.5 + (index as f64 + 1.0) * (joint as f64 + 2.3).sqrt()).fract() * TAU - PI;
+            let q: Vec<f64> = (0..6).map(value).collect();
+            let (turned, moved) = se3::difference(&chain.fk(&q), &own.fk(&q));
+            (position_error, rotation_error) = (position_error.max(moved), rotation_error.max(turned));
+        }
+        Ok(Self { parameters, position_error, rotation_error })
+    }
+}
+
+/// Axes in the sense in which the coordinates count, and the tip, all at coordinates 0.
+struct Arm {
+    directions: [Vector3<f64>; 6],
+    points: [Vector3<f64>; 6],
+    tip: Pose,
+    size: f64,
+    names: (String, String),
+}
+
+impl Arm {
+    fn of(chain: &Chain) -> Result<Self, OpwError> {
+        let own = |(index, joint): (usize, &ChainJoint)| joint.coordinate == index && joint.scale.abs() == 1.0;
+        let revolute = chain.joints().iter().filter(|joint| matches!(joint.screw, Screw::Revolute(_))).count();
+        let count = chain.joints().len();
+        let names = (chain.base().to_owned(), chain.tip().to_owned());
+        if count != 6 || revolute != 6 || !chain.joints().iter().enumerate().all(own) {
+            let found = format!("{count} joints, {revolute} of them revolute");
+            return Err(OpwError::Joints { base: names.0, tip: names.1, found });
+        }
+        let (mut directions, mut points) = ([Vector3::zeros(); 6], [Vector3::zeros(); 6]);
+        let mut moved = Pose::identity();
+        for (index, joint) in chain.joints().iter().enumerate() {
+            if let Some(line) = joint.screw.moved(&moved).line() {
+                directions[index] = line.direction.into_inner() * joint.scale;
+                points[index] = line.point.coords;
+            }
+            moved *= joint.screw.motion(joint.offset);
+        }
+        Ok(Self { directions, points, tip: moved * chain.home(), size: chain.size(), names })
+    }
+
+    /// Refuses an angle or distance that is not nearly 0.
+    fn check(&self, angle: f64, miss: f64, what: impl Fn() -> String) -> Result<(), OpwError> {
+        if angle.abs() <= ANGLE && miss.abs() <= MISS * self.size { Ok(()) } else { Err(OpwError::Axes(what())) }
+    }
+
+    /// The point nearest to axes 4, 5 and 6, and how far the farthest is.
+    fn wrist(&self) -> Option<(Vector3<f64>, f64)> {
+        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        for k in 3..6 {
+            let across = Matrix3::identity() - self.directions[k] * self.directions[k].transpose();
+            normal += across;
+            right += across * self.points[k];
+        }
+        let centre = normal.try_inverse()? * right;
+        let miss = |k: usize| {
+            let to = centre - self.points[k];
+            (to - self.directions[k] * to.dot(&self.directions[k])).norm()
+        };
+        Some((centre, (3..6).map(miss).fold(0.0, f64::max)))
+    }
+}
+
+fn parameters(chain: &Chain) -> Result<OrthoParallelWrist, OpwError> {
+    let arm = Arm::of(chain)?;
+    let [u1, u2, u3, u4, u5, u6] = arm.directions;
+    let [p1, p2, p3, ..] = arm.points;
+    let z = Vector3::z();
+    let (base, tip) = (&arm.names.0, &arm.names.1);
+    let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
+    arm.check(u1.cross(&z).norm(), (p1 - z * p1.dot(&z)).norm(), || {
+        format!("axis 1 is not the z axis of \"{base}\", as the form has it; choose another ‹base›")
+    })?;
+    arm.check(u2.z, 0.0, || "axis 2 is not at right angles to axis 1".to_owned())?;
+    arm.check(u3.cross(&u2).norm(), 0.0, || "axis 3 is not parallel to axis 2".to_owned())?;
+    let (wrist, miss) = arm.wrist().ok_or_else(|| OpwError::Axes("axes 4, 5 and 6 are parallel".to_owned()))?;
+    arm.check(0.0, miss, || format!("axes 4, 5 and 6 do not meet in a point: they miss it by {:.1} mm", miss * 1e3))?;
+    arm.check(u4.dot(&u3), 0.0, || "axis 4 is not at right angles to axis 3".to_owned())?;
+    arm.check(u5.dot(&u4), 0.0, || "axis 5 is not at right angles to axis 4".to_owned())?;
+    arm.check(u6.dot(&u5), 0.0, || "axis 6 is not at right angles to axis 5".to_owned())?;
+    let tip_z = arm.tip.rotation.matrix().column(2).into_owned();
+    let to_tip = arm.tip.translation.vector - wrist;
+    arm.check(tip_z.cross(&u6).norm(), (to_tip - u6 * to_tip.dot(&u6)).norm(), || {
+        format!("axis 6 is not the z axis of \"{tip}\", as the form has it; choose another ‹tip›")
+    })?;
+    // Axis 1 turns about z by t1 at coordinate 0, and so on: offsets are the negative.
+    let way = |sense: f64| {
+        let y = Vector3::new(sense * u2.x, sense * u2.y, 0.0).normalize();
+        (sense, (-y.x).atan2(y.y), Vector3::new(y.y, -y.x, 0.0), y)
+    };
+    let forward = |(_, _, x, _): &(f64, f64, Vector3<f64>, Vector3<f64>)| p2.dot(x);
+    let ways = [way(1.0), way(-1.0)];
+    let prefer_first = if forward(&ways[0]).abs() > ROUNDING * arm.size {
+        forward(&ways[0]) > 0.0
+    } else {
+        ways[0].1.abs() <= ways[1].1.abs() + ROUNDING
+    };
+    let (s2, t1, x, y) = if prefer_first { ways[0] } else { ways[1] };
+    let elbow = p3 - p2;
+    let (elbow_x, elbow_z) = (elbow.dot(&x), elbow.z);
+    let t2 = elbow_x.atan2(elbow_z);
+    let to_wrist = wrist - p3;
+    let (wrist_x, wrist_z) = (to_wrist.dot(&x), to_wrist.z);
+    // Along the forearm the wrist lies ahead.
+    let along = u4.dot(&x) * wrist_x + u4.z * wrist_z;
+    let s4 = sign(along);
+    let (f_x, f_z) = (s4 * u4.dot(&x), s4 * u4.z);
+    let t23 = f_x.atan2(f_z);
+    let (sine, cosine) = (t23.sin(), t23.cos());
+    let (x_f, z_f) = (x * cosine - z * sine, x * sine + z * cosine);
+    let forearm = Matrix3::from_columns(&[x_f, y, z_f]);
+    let v5 = forearm.transpose() * u5;
+    let turned = |sense: f64| (-sense * v5.x).atan2(sense * v5.y);
+    let s5 = if turned(1.0).abs() <= turned(-1.0).abs() + ROUNDING { 1.0 } else { -1.0 };
+    let t4 = turned(s5);
+    let hand = forearm * se3::rotation_about(&z, t4).matrix();
+    let s6 = sign(tip_z.dot(&u6));
+    let v6 = hand.transpose() * u6 * s6;
+    let t5 = v6.x.atan2(v6.z);
+    let last = hand * se3::rotation_about(&Vector3::y(), t5).matrix();
+    let turn = last.transpose() * arm.tip.rotation.matrix();
+    let t6 = turn[(1, 0)].atan2(turn[(0, 0)]);
+    let tidy = |length: f64| if length.abs() < ROUNDING * arm.size { 0.0 } else { length };
+    Ok(OrthoParallelWrist {
+        a1: tidy(p2.dot(&x)),
+        a2: tidy(wrist_x * cosine - wrist_z * sine),
+        b: tidy(wrist.dot(&y)),
+        c1: tidy(p2.z),
+        c2: tidy(elbow_x.hypot(elbow_z)),
+        c3: tidy(wrist_x * sine + wrist_z * cosine),
+        c4: tidy(to_tip.dot(&tip_z)),
+        offsets: [t1, t2, t23 - t2, t4, t5, t6].map(|angle| tidy_angle(-angle)),
+        signs: [sign(u1.z), s2, s2 * sign(u3.dot(&u2)), s4, s5, s6],
+    })
 }

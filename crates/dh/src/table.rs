@@ -18,11 +18,15 @@ pub struct DhRow {
     pub a: f64,
 }
 
-/// Hayati and Mirmirani's four numbers for near-parallel neighbours: Rz(theta) Tx(a) Rx(alpha) Ry(beta).
+/// Hayati's numbers for near-parallel neighbours: Rz(theta) Tz(d) Tx(a) Rx(alpha) Ry(beta).
+///
+/// Hayati and Mirmirani's four have d = 0; Hayati and Roberts, and Techman's delta D-H, have five.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HayatiRow {
     /// Joint angle about z, rad.
     pub theta: f64,
+    /// Link offset along z, m; 0 in the form of four numbers.
+    pub d: f64,
     /// Link length along x, m.
     pub a: f64,
     /// Twist about x, rad.
@@ -52,13 +56,13 @@ impl DhRow {
 }
 
 impl HayatiRow {
-    /// Rz(theta) Tx(a) Rx(alpha) Ry(beta).
+    /// Rz(theta) Tz(d) Tx(a) Rx(alpha) Ry(beta).
     pub fn pose(&self) -> Pose {
         let (st, ct) = sin_cos_of_written(self.theta);
         let (sb, cb) = sin_cos_of_written(self.beta);
         let turned = DhRow { theta: self.theta, d: 0.0, alpha: self.alpha, a: 0.0 }.pose().rotation;
         let about_y = Rotation3::from_matrix_unchecked(Matrix3::new(cb, 0.0, sb, 0.0, 1.0, 0.0, -sb, 0.0, cb));
-        se3::pose(turned * about_y, Vector3::new(self.a * ct, self.a * st, 0.0))
+        se3::pose(turned * about_y, Vector3::new(self.a * ct, self.a * st, self.d))
     }
 }
 
@@ -95,11 +99,11 @@ impl Row {
         }
     }
 
-    /// Link offset along z, m; a Hayati row has none.
+    /// Link offset along z, m; a Hayati row of four numbers has none.
     pub fn d(&self) -> Option<f64> {
         match self {
             Self::Dh(row) => Some(row.d),
-            Self::Hayati(_) => None,
+            Self::Hayati(row) => (row.d != 0.0).then_some(row.d),
         }
     }
 
@@ -176,7 +180,7 @@ impl Motion {
         }
     }
 
-    fn screw(self, frame: &Pose) -> Screw {
+    pub(crate) fn screw(self, frame: &Pose) -> Screw {
         let direction = Unit::new_normalize(frame.rotation.matrix().column(2).into_owned());
         let axis = AxisLine { direction, point: Point3::from(frame.translation.vector) };
         match self {

@@ -5,6 +5,7 @@ pub mod json;
 pub mod latex;
 pub mod markdown;
 pub mod matlab;
+pub mod opw;
 pub mod robotics_toolbox;
 pub mod text;
 pub mod ur_kinematics;
@@ -34,6 +35,7 @@ pub const FORMATS: &[Format] = &[
     robotics_toolbox::FORMAT,
     matlab::FORMAT,
     ur_kinematics::FORMAT,
+    opw::FORMAT,
 ];
 
 /// The format of this name.

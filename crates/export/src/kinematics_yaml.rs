@@ -72,7 +72,7 @@ pub enum KinematicsFileError {
         key: &'static str,
     },
     /// A value is no number.
-    #[error("{file}:{line}: {path} is \"{text}\", not a finite number")]
+    #[error("{file}:{line}: {path} is \"{}\", not a finite number", denavit_model::words::quoted(text))]
     NotANumber {
         /// The file.
         file: String,
@@ -86,7 +86,7 @@ pub enum KinematicsFileError {
     /// No kinematics file that is known.
     #[error(
         "{file}: no kinematics file that is known: UR's has kinematics.shoulder …, an xArm's kinematics.joint1 …, Franka's \
-         joint1.kinematic …"
+         joint1.kinematic …, an OPW file opw_kinematics_geometric_parameters …"
     )]
     Unknown {
         /// The file.
@@ -103,6 +103,27 @@ pub enum KinematicsFileError {
         /// What it has.
         found: String,
     },
+    /// Six revolute joints that are no UR's.
+    #[error(
+        "{robot}: the axes are those of no Universal Robots arm ({models}) at its zero, so the kinematics file would be another \
+         robot's; write a table or a URDF"
+    )]
+    OtherArm {
+        /// The robot.
+        robot: String,
+        /// The arms that are known.
+        models: String,
+    },
+    /// A file that looks like a form and cannot be one.
+    #[error("{file}: this looks like {form}: {what}")]
+    NotThisArm {
+        /// The file.
+        file: String,
+        /// What it looks like.
+        form: &'static str,
+        /// Why it is none, and what to do.
+        what: String,
+    },
     /// Not a chain.
     #[error(transparent)]
     Chain(#[from] ChainError),
@@ -113,7 +134,10 @@ pub enum KinematicsFileError {
 /// # Errors
 /// The YAML does not parse, or a number is missing or not finite.
 pub fn read(file: &str, text: &str) -> Result<KinematicsFile, KinematicsFileError> {
-    let scalars = Scalars::read(file, text)?;
+    of_scalars(&Scalars::read(file, text)?)
+}
+
+pub(crate) fn of_scalars(scalars: &Scalars) -> Result<KinematicsFile, KinematicsFileError> {
     let mut found = KinematicsFile::default();
     for (origin, (name, _)) in found.origins.iter_mut().zip(NAMES) {
         *origin = scalars.origin(&["kinematics", name])?;
@@ -195,7 +219,7 @@ impl KinematicsFile {
     pub fn to_text(&self, order: AngleOrder, comments: &[String]) -> String {
         let mut text = String::new();
         for comment in comments {
-            let _ = writeln!(text, "# {comment}");
+            let _ = writeln!(text, "# {}", denavit_model::words::one_line(comment));
         }
         let formula = match order {
             AngleOrder::Urdf => "R = Rz(yaw) Ry(pitch) Rx(roll), as a URDF reads them",
@@ -211,7 +235,7 @@ impl KinematicsFile {
             }
         }
         if let Some(hash) = &self.hash {
-            let _ = writeln!(text, "  hash: {hash}");
+            let _ = writeln!(text, "  hash: {}", crate::makers::yaml::key(hash));
         }
         text
     }

@@ -5,14 +5,18 @@
 //! public, which are not guessed.
 
 mod franka;
+pub(crate) mod opw;
 mod origins;
 mod pal;
 mod robot_calibration;
 mod ur;
+pub mod ur_conf;
+pub(crate) mod ur_models;
 mod xarm;
 pub(crate) mod yaml;
 
 use crate::kinematics_yaml::{self, AngleOrder, KinematicsFileError};
+use crate::sources::{Read, Source};
 use crate::urdf::ExportError;
 use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate, Quantity};
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
@@ -133,7 +137,7 @@ pub enum MakerError {
     Kinematics(#[from] KinematicsFileError),
 }
 
-/// Reads a maker's kinematics file: UR's, an xArm's, a Franka arm's; `order` counts for UR's alone.
+/// Reads a maker's kinematics file: UR's, an xArm's, a Franka arm's, an OPW file; `order` counts for UR's alone.
 ///
 /// # Errors
 /// The YAML does not parse, is of none of these forms, or a number is missing or not finite.
@@ -147,17 +151,61 @@ pub enum MakerError {
 /// # Ok::<(), denavit_export::kinematics_yaml::KinematicsFileError>(())
 /// ```
 pub fn read(file: &str, robot: &str, text: &str, order: AngleOrder) -> Result<Chain, KinematicsFileError> {
+    chain_in(&yaml::Scalars::read(file, text)?, robot, order).map(|(chain, _)| chain)
+}
+
+/// The same, with what the file was read as and an account of everything in it.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_whole(file: &str, robot: &str, text: &str, order: AngleOrder) -> Result<Read, KinematicsFileError> {
     let scalars = yaml::Scalars::read(file, text)?;
-    if scalars.has(&["kinematics", "joint1"]) {
-        return xarm::read(&scalars, robot);
+    let (chain, form) = chain_in(&scalars, robot, order)?;
+    let (notes, inventory) = scalars.account();
+    let assumed = vec![format!("{file}: read as {form}")];
+    Ok(Read { source: Source::Poe(chain), assumed, notes, inventory })
+}
+
+fn chain_in(
+    scalars: &yaml::Scalars,
+    robot: &str,
+    order: AngleOrder,
+) -> Result<(Chain, &'static str), KinematicsFileError> {
+    if !scalars.above(opw::GEOMETRY).is_empty() {
+        return Ok((opw::read(scalars, robot)?, "parameters of opw_kinematics, in m and rad"));
     }
-    if scalars.has(&["joint1", "kinematic"]) {
-        return franka::read(&scalars, robot);
+    let (chain, form) = if scalars.has(&["kinematics", "joint1"]) {
+        (xarm::read(scalars, robot)?, "the joint origins of an xArm, each joint about z of its frame")
+    } else if scalars.has(&["joint1", "kinematic"]) {
+        (franka::read(scalars, robot)?, "the joint origins of a Franka arm, each joint about z of its frame")
+    } else if scalars.has(&["kinematics"]) {
+        let chain = kinematics_yaml::of_scalars(scalars)?.chain(robot, order)?;
+        (chain, "the joint origins of a Universal Robots arm")
+    } else {
+        return Err(KinematicsFileError::Unknown { file: scalars.file.clone() });
+    };
+    if all_parallel(&chain) {
+        return Err(not_this_arm(
+            scalars,
+            form,
+            "every axis would be parallel to the first one; if the axes of this arm stand elsewhere (in its xacro), give the \
+             URDF or xacro instead",
+        ));
     }
-    if scalars.has(&["kinematics"]) {
-        return kinematics_yaml::read(file, text)?.chain(robot, order);
-    }
-    Err(KinematicsFileError::Unknown { file: file.to_owned() })
+    Ok((chain, form))
+}
+
+fn not_this_arm(scalars: &yaml::Scalars, form: &'static str, what: impl Into<String>) -> KinematicsFileError {
+    KinematicsFileError::NotThisArm { file: scalars.file.clone(), form, what: what.into() }
+}
+
+/// Axes closer to parallel than this, rad, are those of a file whose axes stand elsewhere.
+const PARALLEL: f64 = 0.02;
+
+fn all_parallel(chain: &Chain) -> bool {
+    let mut axes = chain.joints().iter().map(|joint| joint.screw.direction());
+    let Some(first) = axes.next() else { return false };
+    chain.joints().len() > 1 && axes.all(|axis| axis.cross(&first).norm() < PARALLEL)
 }
 
 /// The six numbers of an origin as URDF reads them.

@@ -1,6 +1,6 @@
 //! How a robot and a vendor's table agree, as documents: text and JSON.
 
-use crate::numbers::{AngleUnit, Units, decimal};
+use crate::numbers::{Units, decimal};
 use crate::sources::{ReadAs, VendorReading};
 use comfy_table::{CellAlignment, Table as Grid, presets};
 use denavit_dh::RowLabel;
@@ -45,8 +45,8 @@ struct ReadAsEntry {
 
 impl ReadAsEntry {
     fn of(read_as: ReadAs, tried: bool) -> Self {
-        let angle = if read_as.units.angle == AngleUnit::Degree { "deg" } else { "rad" };
-        Self { convention: read_as.convention.word(), angle, length: read_as.units.length_word(), tried }
+        let (angle, length) = (read_as.angle.word(), read_as.length.word());
+        Self { convention: read_as.convention.word(), angle, length, tried }
     }
 }
 

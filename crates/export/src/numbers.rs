@@ -1,6 +1,7 @@
 //! Numbers as people write them: 90, not 1.5707963267948966; 0.1625, not 0.16250000000000003; never -0.
 
 use denavit_model::chain::Quantity;
+use denavit_model::units::Unit;
 use std::f64::consts::PI;
 
 /// Unit of lengths in a document.
@@ -47,12 +48,12 @@ impl Units {
     /// ```
     pub fn with_words(mut self, words: &str) -> Result<Self, String> {
         for word in words.split(',').map(str::trim).filter(|word| !word.is_empty()) {
-            match word {
-                "m" => self.length = LengthUnit::Metre,
-                "mm" => self.length = LengthUnit::Millimetre,
-                "deg" | "°" => self.angle = AngleUnit::Degree,
-                "rad" => self.angle = AngleUnit::Radian,
-                other => return Err(other.to_owned()),
+            match Unit::of_any(word) {
+                Some(Unit::Metre) => self.length = LengthUnit::Metre,
+                Some(Unit::Millimetre) => self.length = LengthUnit::Millimetre,
+                Some(Unit::Degree) => self.angle = AngleUnit::Degree,
+                Some(Unit::Radian) => self.angle = AngleUnit::Radian,
+                _ => return Err(word.to_owned()),
             }
         }
         Ok(self)

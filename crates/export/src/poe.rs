@@ -10,6 +10,7 @@ use denavit_dh::Motion;
 use denavit_model::chain::Chain;
 use denavit_model::notes::Note;
 use denavit_model::se3;
+use denavit_model::words::{one_line, to_cell};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
@@ -111,7 +112,7 @@ pub fn csv(chain: &Chain) -> String {
     for (index, (joint, twist)) in chain.joints().iter().zip(&form.twists).enumerate() {
         let motion = Motion::of(&joint.screw);
         let unit = twist / joint.scale;
-        let coordinate = chain.coordinates()[joint.coordinate].name.clone();
+        let coordinate = to_cell(&chain.coordinates()[joint.coordinate].name).into_owned();
         let numbers = unit.iter().copied().chain([motion.pitch(), joint.scale]).map(exact);
         write([(index + 1).to_string(), coordinate, motion.word().to_owned()].into_iter().chain(numbers).collect());
     }
@@ -124,7 +125,7 @@ pub fn csv(chain: &Chain) -> String {
 /// Aligned text: a point on each axis is easier to check on a drawing than v, so both are shown.
 pub fn text(chain: &Chain, notes: &[Note], units: Units) -> String {
     let length = units.length_word();
-    let mut out = format!("{}   {} → {}\n", chain.name(), chain.base(), chain.tip());
+    let mut out = format!("{}   {} → {}\n", one_line(chain.name()), one_line(chain.base()), one_line(chain.tip()));
     let _ =
         writeln!(out, "screw axes [ω; v] in the base frame at zero, v and points in {length}, pitch in {length}/rad\n");
     let mut grid = Grid::new();
@@ -154,7 +155,11 @@ pub fn text(chain: &Chain, notes: &[Note], units: Units) -> String {
             .line()
             .map_or_else(String::new, |line| line.point.iter().map(|x| units.length(*x)).collect::<Vec<_>>().join(" "));
         let tail = [point, units.length(motion.pitch()), decimal(joint.scale, 9), decimal(joint.offset, 9)];
-        let cells = [joint.name.clone(), motion.word().to_owned()].into_iter().chain(angular).chain(linear).chain(tail);
+        let cells = [one_line(&joint.name).into_owned(), motion.word().to_owned()]
+            .into_iter()
+            .chain(angular)
+            .chain(linear)
+            .chain(tail);
         grid.add_row(cells.collect::<Vec<_>>());
     }
     for (index, column) in grid.column_iter_mut().enumerate() {
@@ -167,7 +172,7 @@ pub fn text(chain: &Chain, notes: &[Note], units: Units) -> String {
     out.push_str("\nhome pose, base_from_tip at zero\n\n");
     out.push_str(&pose_text(chain.home(), units));
     for note in notes {
-        let _ = writeln!(out, "\n  {note}");
+        let _ = writeln!(out, "\n  {}", one_line(&note.to_string()));
     }
     out
 }

@@ -48,7 +48,7 @@ impl Sheet<'_> {
         match self.shown_convention() {
             Convention::Distal | Convention::Paper => "row i = Rz(θ) Tz(d) Rx(α) Tx(a)",
             Convention::Proximal => "row i = Rx(α) Tx(a) Rz(θ) Tz(d)",
-            Convention::Hayati => "row i = Rz(θ) Tz(d) Rx(α) Tx(a), with β: Rz(θ) Tx(a) Rx(α) Ry(β)",
+            Convention::Hayati => "row i = Rz(θ) Tz(d) Rx(α) Tx(a), with β: Rz(θ) Tz(d) Tx(a) Rx(α) Ry(β)",
         }
     }
 

@@ -1,24 +1,29 @@
-//! Tables and screw axes as sources: CSV, Markdown and JSON back to a chain.
+//! Tables and screw axes as sources: CSV, Markdown, printed tables and JSON back to a chain.
 //!
 //! What a file is, its content says: JSON by its `schema`, all else by the headings of its columns (`theta, d, alpha, a` or
 //! `wx … vz`) as people write them. Units stand in cells (`90°`), headings (`a (mm)`), comments or prose above the table,
 //! or are stated by the user; where nobody states them the numbers decide, and the choice is returned as a sentence.
+//! What is not understood is reported: as an error where a number depends on it, else as a note.
 
 mod cell;
 mod header;
+mod keys;
+mod limits;
+mod modern_robotics;
 mod poe;
 mod rows;
 mod stated;
 mod table;
-mod units;
 
-use crate::formats::json::UnitsEntry;
-use crate::numbers::{AngleUnit, LengthUnit, Units};
+use crate::formats::json::{CoordinateEntry, UnitsEntry};
 use denavit_dh::matching::VendorTable;
 use denavit_dh::{Convention, Table};
+use denavit_model::Inventory;
 use denavit_model::chain::{Chain, ChainError, Coordinate};
-use denavit_model::notes::Place;
+use denavit_model::notes::{Note, Place};
 use denavit_model::screw::TwistError;
+use denavit_model::units::Unit;
+use denavit_model::words::quoted;
 use std::fmt;
 use thiserror::Error;
 
@@ -43,11 +48,22 @@ pub enum Source {
         table: Table,
         /// How the file groups them.
         convention: Convention,
-        /// A sentence for everything that nobody states and that was taken as its numbers suggest.
-        assumed: Vec<String>,
     },
-    /// Screw axes.
+    /// Screw axes, or a table with frames that its rows have no place for.
     Poe(Chain),
+}
+
+/// A robot that was read, and an account of everything in its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Read {
+    /// The robot.
+    pub source: Source,
+    /// A sentence for everything that nobody states and that was taken as its numbers suggest.
+    pub assumed: Vec<String>,
+    /// What is not understood, and was not read.
+    pub notes: Vec<Note>,
+    /// What became of every line, column, cell and key.
+    pub inventory: Inventory,
 }
 
 impl Source {
@@ -58,7 +74,7 @@ impl Source {
     pub fn chain(&self) -> Result<Chain, ChainError> {
         match self {
             Self::Table { table, .. } => table.chain()?.within_reach(),
-            Self::Poe(chain) => Ok(chain.clone()),
+            Self::Poe(chain) => chain.clone().within_reach(),
         }
     }
 }
@@ -83,9 +99,10 @@ impl SourceError {
 impl fmt::Display for SourceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place { file, line, element } = &self.place;
+        let element = quoted(element);
         match self.column {
             Some(column) => write!(f, "{file}:{line}:{column}: {element}: {}", self.kind),
-            None => write!(f, "{}: {}", self.place, self.kind),
+            None => write!(f, "{file}:{line}: {element}: {}", self.kind),
         }
     }
 }
@@ -104,18 +121,19 @@ pub enum SourceErrorKind {
     #[error("the file is empty; a robot is a URDF, or a D-H table or screw axes in CSV, Markdown or JSON")]
     Empty,
     /// Neither kind of table.
-    #[error("columns are {found}; a D-H table has {accepted}", accepted = header::ACCEPTED)]
+    #[error("columns are {found}; a D-H table has {accepted}", found = quoted(found), accepted = header::ACCEPTED)]
     Columns {
         /// What there is.
         found: String,
     },
     /// A column that books use for two things.
     #[error(
-        "\"{0}\" is the link length in some books and the link offset in others (Khalil); name the columns a and d"
+        "\"{word}\" is the link length in some books and the link offset in others (Khalil); name the columns a and d",
+        word = quoted(.0)
     )]
     Ambiguous(String),
     /// Two columns of one meaning.
-    #[error("\"{first}\" and \"{second}\" name the same column; rename or remove one")]
+    #[error("\"{}\" and \"{}\" name the same column; rename or remove one", quoted(first), quoted(second))]
     Twice {
         /// A heading.
         first: String,
@@ -129,10 +147,18 @@ pub enum SourceErrorKind {
     #[error("not this JSON: {0}")]
     Json(String),
     /// A schema of something else.
-    #[error("schema \"{0}\" is not a robot; denavit.table/1 and denavit.poe/1 are")]
+    #[error(
+        "schema \"{}\" is not a robot; denavit.table/1 and denavit.poe/1 are, and screw axes as Modern Robotics has them \
+         (keys M and Slist or Blist)",
+        quoted(.0)
+    )]
     Schema(String),
     /// A cell that should be a number.
-    #[error("{column} is \"{value}\"; write a finite number, such as 0.1625, -90°, π/2 or q1 + 90°")]
+    #[error(
+        "{} is \"{}\"; write a finite number, such as 0.1625, -90°, π/2 or q1 + 90°",
+        quoted(column),
+        quoted(value)
+    )]
     Number {
         /// Column.
         column: String,
@@ -146,7 +172,7 @@ pub enum SourceErrorKind {
         column: String,
     },
     /// An unknown kind.
-    #[error("kind is \"{0}\"; write revolute, prismatic or helical")]
+    #[error("kind is \"{}\"; write revolute, prismatic, helical or fixed", quoted(.0))]
     Kind(String),
     /// A helical joint without pitch, or another with one.
     #[error("a {kind} joint with pitch {pitch}; a helical joint has a pitch in m/rad, the others none")]
@@ -157,7 +183,7 @@ pub enum SourceErrorKind {
         pitch: f64,
     },
     /// An unknown convention.
-    #[error("convention is \"{0}\"; write distal (standard), proximal (modified, craig), paper or hayati")]
+    #[error("convention is \"{word}\"; write distal (standard), proximal (modified, craig), paper or hayati", word = quoted(.0))]
     Convention(String),
     /// File and user say different things.
     #[error("the file says {file} and the options say {user}; leave the option out, or correct the file")]
@@ -171,11 +197,68 @@ pub enum SourceErrorKind {
     #[error("units are {0}; files are in m and rad")]
     Units(String),
     /// A row out of place.
-    #[error("row \"{0}\" stands out of order; rows are base, 1, 2, …, tool")]
+    #[error("row \"{}\" stands out of order; rows are base, 1, 2, …, tool", quoted(.0))]
     Order(String),
     /// A coordinate that no entry declares.
-    #[error("coordinate \"{0}\" is not in `coordinates`; add it")]
+    #[error("coordinate \"{}\" is not in `coordinates`; add it", quoted(.0))]
     Coordinate(String),
+    /// A unit that is not known.
+    #[error("\"{}\" is no unit that is known here; write one of {known}", quoted(word))]
+    UnknownUnit {
+        /// As it is written.
+        word: String,
+        /// Those that are known.
+        known: String,
+    },
+    /// More or fewer cells than columns.
+    #[error("the row has {found} cells and the header {expected}; give each cell a column")]
+    Cells {
+        /// How many there are.
+        found: usize,
+        /// How many columns there are.
+        expected: usize,
+    },
+    /// A variable where a number belongs.
+    #[error("{column} holds a variable; a joint moves in theta or d, so write a number")]
+    Variable {
+        /// Column.
+        column: String,
+    },
+    /// Two variables in one row.
+    #[error(
+        "theta holds the variable {} and d the variable {}; a joint moves by one: write a number for the other",
+        quoted(turn),
+        quoted(slide)
+    )]
+    TwoVariables {
+        /// In theta.
+        turn: String,
+        /// In d.
+        slide: String,
+    },
+    /// A kind that contradicts the variable.
+    #[error("kind is {kind}, and {column} holds the variable; correct one of the two")]
+    OtherKind {
+        /// The kind.
+        kind: String,
+        /// The column with the variable.
+        column: String,
+    },
+    /// A fixed row with a variable.
+    #[error("kind is fixed, and the row holds a variable; correct one of the two")]
+    FixedMoves,
+    /// An offset that may be of d.
+    #[error("the joint slides, so the offset may be one of d; add it to d, or name the column theta_offset")]
+    OffsetOfSlide,
+    /// Limits the wrong way round.
+    #[error("the lower limit is above the upper one; write them the other way round")]
+    Limits,
+    /// A quantity of a coordinate that is none.
+    #[error("quantity is \"{}\"; write angle or length", quoted(.0))]
+    Quantity(String),
+    /// Screw axes that say two things.
+    #[error("{0}")]
+    Axes(String),
     /// Rows and joints do not go together.
     #[error(transparent)]
     Rows(#[from] denavit_dh::conventions::RowsError),
@@ -207,32 +290,40 @@ pub fn holds_table(text: &str) -> bool {
 /// # Ok::<(), sources::SourceError>(())
 /// ```
 pub fn read(file: &str, text: &str, given: Stated) -> Result<Source, SourceError> {
-    match content(file, text)? {
-        Content::Whole(source) => Ok(source),
-        Content::Rows(rows) => table::of_rows(&rows, given),
+    read_whole(file, text, given).map(|read| read.source)
+}
+
+/// The same, with an account of everything in the file.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_whole(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
+    match content(file, text, given)? {
+        Content::Whole(read) => Ok(read),
+        Content::Rows(rows) => table::of_rows(rows, given),
     }
 }
 
 /// What a file holds.
 enum Content<'a> {
     /// Something that needs no choice.
-    Whole(Source),
+    Whole(Read),
     /// A D-H table as rows.
     Rows(rows::Rows<'a>),
 }
 
-fn content<'a>(file: &'a str, text: &str) -> Result<Content<'a>, SourceError> {
+fn content<'a>(file: &'a str, text: &str, given: Stated) -> Result<Content<'a>, SourceError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let trimmed = text.trim_start();
     if trimmed.is_empty() {
         return Err(SourceError::at(place(file, 1, "file"), SourceErrorKind::Empty));
     }
     if trimmed.starts_with('{') {
-        return json(file, text).map(Content::Whole);
+        return json(file, text, given).map(Content::Whole);
     }
     let rows = rows::Rows::read(file, text)?;
     if rows.has("wx") {
-        return poe::of_rows(&rows).map(|chain| Content::Whole(Source::Poe(chain)));
+        return poe::of_rows(rows).map(Content::Whole);
     }
     let wrong = |kind| Err(SourceError::at(place(file, rows.header_line(), "header"), kind));
     if let Some(heading) = rows.heading("r").filter(|_| !(rows.has("a") && rows.has("d"))) {
@@ -248,17 +339,8 @@ fn content<'a>(file: &'a str, text: &str) -> Result<Content<'a>, SourceError> {
 /// The same, in the units that the headings of alpha and a state.
 fn as_headed(rows: &rows::Rows, read_as: ReadAs) -> ReadAs {
     let unit = |name| rows.heading(name).and_then(|heading| heading.unit);
-    let angle = match unit("alpha") {
-        Some(units::Unit::Degree) => AngleUnit::Degree,
-        Some(units::Unit::Radian) => AngleUnit::Radian,
-        _ => read_as.units.angle,
-    };
-    let length = match unit("a") {
-        Some(units::Unit::Metre) => LengthUnit::Metre,
-        Some(units::Unit::Millimetre) => LengthUnit::Millimetre,
-        _ => read_as.units.length,
-    };
-    ReadAs { units: Units { length, angle }, ..read_as }
+    let (angle, length) = (unit("alpha").unwrap_or(read_as.angle), unit("a").unwrap_or(read_as.length));
+    ReadAs { angle, length, ..read_as }
 }
 
 /// A table to match a robot against, read in one of the ways that it can be read.
@@ -282,19 +364,14 @@ pub struct VendorReading {
 /// As [`read`]. Screw axes count as their distal table.
 pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<VendorReading>, SourceError> {
     let alone = |table, convention| {
-        let units = Units { length: LengthUnit::Metre, angle: AngleUnit::Radian };
-        vec![VendorReading {
-            table,
-            read_as: ReadAs { convention, units },
-            tried: false,
-            against_what_is_stated: false,
-        }]
+        let read_as = ReadAs { convention, length: Unit::Metre, angle: Unit::Radian };
+        vec![VendorReading { table, read_as, tried: false, against_what_is_stated: false }]
     };
-    match content(file, text)? {
-        Content::Whole(Source::Table { table, convention, .. }) => {
+    match content(file, text, given)? {
+        Content::Whole(Read { source: Source::Table { table, convention }, .. }) => {
             Ok(alone(VendorTable::of(&table, convention, false), convention))
         }
-        Content::Whole(Source::Poe(chain)) => {
+        Content::Whole(Read { source: Source::Poe(chain), .. }) => {
             let made = denavit_dh::convert::table(&chain, &denavit_dh::Options::default())
                 .map_err(|error| SourceError::at(place(file, 1, "file"), error.into()))?;
             Ok(alone(VendorTable::of(&made.value, Convention::Distal, false), Convention::Distal))
@@ -303,7 +380,19 @@ pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<Ve
     }
 }
 
+/// Notes on what a vendor's table holds and [`read_vendor_table`] does not read.
+///
+/// # Errors
+/// As [`read_vendor_table`].
+pub fn vendor_notes(file: &str, text: &str, given: Stated) -> Result<Vec<Note>, SourceError> {
+    match content(file, text, given)? {
+        Content::Whole(read) => Ok(read.notes),
+        Content::Rows(rows) => Ok(rows.notes),
+    }
+}
+
 fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, SourceError> {
+    rows.known_units_only()?;
     let stated = table::stated(rows, given)?;
     let (first, _) = table::assumed(rows, stated)?;
     let heads =
@@ -315,14 +404,26 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
         Convention::Distal | Convention::Proximal => vec![Convention::Distal, Convention::Proximal],
         other => vec![other],
     };
+    // What is read first, then the units that tables usually have.
+    let units = |first: Unit, usual: [Unit; 2]| {
+        let others = usual.into_iter().filter(move |unit| *unit != first);
+        std::iter::once(first).chain(others).collect::<Vec<_>>()
+    };
+    let angles = units(first.angle, [Unit::Radian, Unit::Degree]);
+    let lengths = units(first.length, [Unit::Metre, Unit::Millimetre]);
     for convention in conventions {
-        for angle in [AngleUnit::Radian, AngleUnit::Degree] {
-            for length in [LengthUnit::Metre, LengthUnit::Millimetre] {
-                let read_as = ReadAs { convention, units: Units { length, angle } };
+        for angle in angles.iter().copied() {
+            for length in lengths.iter().copied() {
+                let read_as = ReadAs { convention, length, angle };
                 let contradicts = stated.convention.is_some_and(|stated| stated != convention)
                     || (stated.angle.is_some_and(|stated| stated != angle) && !angles_in_headings)
                     || (stated.length.is_some_and(|stated| stated != length) && !lengths_in_headings);
-                let table = table::vendor_of_rows(rows, read_as, true)?;
+                let table = match table::vendor_of_rows(rows, read_as, true) {
+                    Ok(table) => table,
+                    // A row with beta is no proximal one.
+                    Err(_) if read_as != first => continue,
+                    Err(error) => return Err(error),
+                };
                 let known = found.iter().any(|other| other.table == table);
                 if !known || read_as == first {
                     found.retain(|other| other.table != table);
@@ -337,9 +438,9 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
         }
     }
     // What headings state may be a slip, too.
-    for angle in [AngleUnit::Radian, AngleUnit::Degree] {
-        for length in [LengthUnit::Metre, LengthUnit::Millimetre] {
-            let read_as = ReadAs { units: Units { length, angle }, ..first };
+    for angle in angles {
+        for length in lengths.iter().copied() {
+            let read_as = ReadAs { length, angle, ..first };
             let table = table::vendor_of_rows(rows, read_as, false)?;
             if !found.iter().any(|other| other.table == table) {
                 found.push(VendorReading { table, read_as, tried: true, against_what_is_stated: true });
@@ -350,19 +451,43 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
     Ok(found)
 }
 
-fn json(file: &str, text: &str) -> Result<Source, SourceError> {
+fn json(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
     let wrong = |error: serde_json::Error| {
         let column = (error.column() > 0).then(|| error.column());
         let kind = SourceErrorKind::Json(error.to_string());
         SourceError { column, ..SourceError::at(place(file, error.line(), "file"), kind) }
     };
     let value: serde_json::Value = serde_json::from_str(text).map_err(wrong)?;
-    let schema = value.get("schema").and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
-    match schema.as_str() {
-        crate::formats::json::SCHEMA => table::of_file(file, &serde_json::from_str(text).map_err(wrong)?),
-        crate::poe::SCHEMA => poe::of_file(file, &serde_json::from_str(text).map_err(wrong)?).map(Source::Poe),
-        _ => Err(SourceError::at(place(file, 1, "schema"), SourceErrorKind::Schema(schema))),
+    if modern_robotics::is_one(&value) {
+        return modern_robotics::of_value(file, text, &value, given);
     }
+    let schema = value.get("schema").and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
+    let (source, shape) = match schema.as_str() {
+        crate::formats::json::SCHEMA => {
+            (table::of_file(file, &serde_json::from_str(text).map_err(wrong)?)?, keys::TABLE)
+        }
+        crate::poe::SCHEMA => {
+            (poe::of_file(file, &serde_json::from_str(text).map_err(wrong)?).map(Source::Poe)?, keys::POE)
+        }
+        _ => return Err(SourceError::at(place(file, 1, "schema"), SourceErrorKind::Schema(schema))),
+    };
+    let (notes, inventory) = keys::unknown(file, text, &value, &shape);
+    Ok(Read { source, assumed: Vec::new(), notes, inventory })
+}
+
+/// The coordinates of a JSON file.
+fn coordinates_of(file: &str, entries: &[CoordinateEntry]) -> Result<Vec<Coordinate>, SourceError> {
+    let coordinate = |entry: &CoordinateEntry| {
+        let at = || place(file, 1, format!("coordinate \"{}\"", entry.name));
+        if !["angle", "length"].contains(&entry.quantity.as_str()) {
+            return Err(SourceError::at(at(), SourceErrorKind::Quantity(entry.quantity.clone())));
+        }
+        if entry.limits.as_ref().is_some_and(|limits| limits.lower > limits.upper) {
+            return Err(SourceError::at(at(), SourceErrorKind::Limits));
+        }
+        Ok(entry.coordinate())
+    };
+    entries.iter().map(coordinate).collect()
 }
 
 fn place(file: &str, line: usize, element: impl Into<String>) -> Place {

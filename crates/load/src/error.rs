@@ -22,6 +22,17 @@ pub enum LoadError {
         /// Counted from 1.
         line: usize,
     },
+    /// Text that is none of the sources.
+    #[error(
+        "{file}: this is no robot that is known here: neither XML (URDF, xacro), nor a table with columns theta, d, alpha, a, nor \
+         JSON, nor a maker's kinematics file; it begins with \"{begins}\""
+    )]
+    NoRobot {
+        /// As given.
+        file: String,
+        /// Its first line.
+        begins: String,
+    },
     /// A URDF that is none.
     #[error(transparent)]
     Urdf(#[from] denavit_model::UrdfError),

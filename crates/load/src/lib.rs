@@ -1,5 +1,5 @@
-//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown or JSON, screw axes in CSV or JSON, a maker's kinematics
-//! file, a revision in git.
+//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a maker's
+//! kinematics file, a revision in git.
 //!
 //! ```text
 //! name ──► text ──► what is it? ──► Loaded ──► chain · table · canonical URDF · subject of a comparison
@@ -65,8 +65,10 @@ pub struct Opened {
     pub robot: Loaded,
     /// What the expansion of a xacro file has to say, and what nobody states of a table.
     pub notes: Vec<String>,
-    /// Whether it is xacro, so that the arguments are its own.
+    /// Whether it is xacro, or another source that takes arguments, so that the arguments are its own.
     pub is_xacro: bool,
     /// Files that the source made us read beside itself: what a xacro file includes, and its yaml.
     pub includes: Vec<PathBuf>,
+    /// What became of everything in a table or maker's file; a robot's tree has its own account.
+    pub inventory: denavit_model::Inventory,
 }

@@ -3,8 +3,10 @@
 use crate::revision::Home;
 use crate::{LoadError, Loaded, Opened, Options};
 use denavit_export::kinematics_yaml::AngleOrder;
-use denavit_export::makers;
-use denavit_export::sources::{self, Source};
+use denavit_export::makers::{self, ur_conf};
+use denavit_export::sources::{self, Read, Source};
+use denavit_model::Inventory;
+use denavit_model::words::{one_line, quoted};
 use denavit_xacro::{Environment, FileAccess, PackagePath, Source as Document, XacroError};
 use std::io::Read as _;
 use std::path::Path;
@@ -34,28 +36,34 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
         }
         _ => Ok(()),
     };
-    let noted = |robot, notes| {
+    let plain = |robot| {
         without_arguments()?;
-        Ok(Opened { robot, notes, is_xacro: false, includes: Vec::new() })
+        Ok(Opened { robot, notes: Vec::new(), is_xacro: false, includes: Vec::new(), inventory: Inventory::default() })
     };
-    let plain = |robot| noted(robot, Vec::new());
     let start = text.trim_start_matches('\u{feff}').trim_start();
+    if ur_conf::is_one(start) {
+        let model = options.arguments.iter().find(|(name, _)| name == ur_conf::MODEL_ARGUMENT);
+        let read = ur_conf::read(file, &stem(file), text, model.map(|(_, value)| value.as_str()))?;
+        // The argument is its own.
+        return Ok(Opened { is_xacro: model.is_some(), ..opened(file, read)? });
+    }
     if is_kinematics_file(file, start) {
         let order = if options.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
-        return plain(Loaded::Poe(makers::read(file, &stem(file), text, order)?));
+        let read = makers::read_whole(file, &stem(file), text, order)?;
+        without_arguments()?;
+        return opened(file, read);
     }
     let is_table = [".csv", ".json", ".tsv"].iter().any(|end| file.to_ascii_lowercase().ends_with(end))
         || start.starts_with('{')
-        || (file == STANDARD_INPUT && !start.is_empty() && !start.starts_with('<'))
         || (!start.starts_with('<') && sources::holds_table(start));
     if is_table {
-        return match sources::read(file, text, options.stated)? {
-            Source::Table { table, convention, assumed } => {
-                let chain = table.chain().map_err(|source| LoadError::Chain { file: file.to_owned(), source })?;
-                noted(Loaded::Table { table, convention, chain }, assumed)
-            }
-            Source::Poe(chain) => plain(Loaded::Poe(chain)),
-        };
+        let read = sources::read_whole(file, text, options.stated)?;
+        without_arguments()?;
+        return opened(file, read);
+    }
+    if !is_markup_by_name(file) && !start.starts_with('<') && !text.contains("<robot") && !start.is_empty() {
+        let first = start.lines().next().unwrap_or_default();
+        return Err(LoadError::NoRobot { file: file.to_owned(), begins: quoted(&one_line(first)).into_owned() });
     }
     let is_xacro = denavit_xacro::is_xacro(text);
     let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !options.arguments.is_empty());
@@ -70,7 +78,26 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     let Expanded { urdf, notes, files_read, .. } = expanded(file, text, options)?;
     let robot = denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?;
     let notes = notes.iter().map(ToString::to_string).collect();
-    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes, is_xacro: true, includes: files_read })
+    let inventory = Inventory::default();
+    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes, is_xacro: true, includes: files_read, inventory })
+}
+
+/// A table or screw axes as a robot, with everything that must be said of the reading.
+fn opened(file: &str, read: Read) -> Result<Opened, LoadError> {
+    let refused = |source| LoadError::Chain { file: file.to_owned(), source };
+    let chain = read.source.chain().map_err(refused)?;
+    let robot = match read.source {
+        Source::Table { table, convention } => Loaded::Table { table, convention, chain },
+        Source::Poe(_) => Loaded::Poe(chain),
+    };
+    let notes = read.assumed.into_iter().chain(read.notes.iter().map(ToString::to_string)).collect();
+    Ok(Opened { robot, notes, is_xacro: false, includes: Vec::new(), inventory: read.inventory })
+}
+
+/// By its name it is XML.
+fn is_markup_by_name(file: &str) -> bool {
+    let name = file.to_ascii_lowercase();
+    [".urdf", ".xacro", ".xml", ".sdf", ".mjcf"].iter().any(|end| name.ends_with(end))
 }
 
 /// By its name, or by what it starts with where it has none.
@@ -78,7 +105,9 @@ fn is_kinematics_file(file: &str, start: &str) -> bool {
     let name = file.to_ascii_lowercase();
     let first = || start.lines().map(str::trim_end).find(|line| !line.is_empty() && !line.starts_with(['#', '-']));
     [".yaml", ".yml"].iter().any(|end| name.ends_with(end))
-        || first().is_some_and(|line| ["kinematics:", "joint1:"].contains(&line))
+        || first().is_some_and(|line| {
+            ["kinematics:", "joint1:"].contains(&line) || line.starts_with("opw_kinematics_geometric_parameters:")
+        })
 }
 
 /// The name of a file without folders and extension.

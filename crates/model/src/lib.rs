@@ -23,10 +23,12 @@ pub mod screw;
 pub mod se3;
 pub mod settings;
 pub mod tree;
+pub mod units;
 pub mod urdf;
 #[cfg(feature = "urdf-rs")]
 pub mod urdf_rs_robot;
 mod well_formed;
+pub mod words;
 pub mod write;
 
 pub use chain::{Chain, ChainError, ChainJoint, Coordinate, Limits, Quantity, Tip, Tips, TipsError};

@@ -38,7 +38,14 @@ fn text(name: &str, leaves: usize, chains: &[ChainListing], default: &ChainListi
             0 => "no moving joint".to_owned(),
             count => format!("{count:>2}  {}", listing.coordinates.join(" ")),
         };
-        let _ = writeln!(out, "{mark} {:<base$} → {:<tip$}  {joints}", listing.base, listing.tip);
+        let (from, to) = (padded(&listing.base, base), padded(&listing.tip, tip));
+        let _ = writeln!(out, "{mark} {from} → {to}  {joints}");
     }
     out
+}
+
+/// A name with blanks behind it up to a width, which may be wider than what formatting takes.
+fn padded(name: &str, width: usize) -> String {
+    let blanks = width.saturating_sub(name.chars().count());
+    format!("{name}{}", " ".repeat(blanks))
 }

@@ -100,7 +100,9 @@ impl Product {
         };
         let order: [&[DhNumber]; 2] = match convention {
             Convention::Proximal => [&[Alpha, A], &[Theta, D]],
-            _ if row.beta.is_some() => [&[], &[Theta, A, Alpha, Beta]],
+            // Four numbers where d is 0, else five.
+            _ if row.beta.is_some() && row.d.as_ref().is_none_or(|d| d.value == 0.0) => [&[], &[Theta, A, Alpha, Beta]],
+            _ if row.beta.is_some() => [&[], &[Theta, D, A, Alpha, Beta]],
             _ => [&[], &[Theta, D, Alpha, A]],
         };
         for (part, which) in order.iter().enumerate() {

@@ -104,7 +104,7 @@ pub struct VendorRow {
     pub alpha: Option<VendorNumber>,
     /// Link length along x, m.
     pub a: Option<VendorNumber>,
-    /// Twist about y, rad; with it the row is Hayati's Rz(theta) Tx(a) Rx(alpha) Ry(beta).
+    /// Twist about y, rad; with it the row is Hayati's Rz(theta) Tz(d) Tx(a) Rx(alpha) Ry(beta).
     pub beta: Option<VendorNumber>,
 }
 

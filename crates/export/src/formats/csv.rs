@@ -1,12 +1,14 @@
 //! CSV in rad and m at full precision: `row,joint,kind,theta,d,alpha,a,beta,pitch,scale`.
 //!
 //! The base row's `kind` holds the convention. The `joint` of a row is the name of the coordinate that moves it, so two
-//! rows of one name move together (a mimic joint and its driver).
+//! rows of one name move together (a mimic joint and its driver). A name that a spreadsheet would take for a formula has `'`
+//! before it, which the reader takes away.
 
 use super::{Format, RenderError};
 use crate::numbers::exact;
 use crate::sheet::Sheet;
 use denavit_dh::RowLabel;
+use denavit_model::words::to_cell;
 
 /// Columns, in this order.
 pub const COLUMNS: [&str; 10] = ["row", "joint", "kind", "theta", "d", "alpha", "a", "beta", "pitch", "scale"];
@@ -25,8 +27,14 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
             RowLabel::Tool => ("tool".to_owned(), String::new(), "", 0.0, 1.0),
             RowLabel::Joint(index) => {
                 let joint = &sheet.table.joints[index];
-                let name = sheet.table.coordinates[joint.coordinate].name.clone();
-                ((index + 1).to_string(), name, joint.motion.word(), joint.motion.pitch(), joint.scale)
+                let name = &sheet.table.coordinates[joint.coordinate].name;
+                (
+                    (index + 1).to_string(),
+                    to_cell(name).into_owned(),
+                    joint.motion.word(),
+                    joint.motion.pitch(),
+                    joint.scale,
+                )
             }
         };
         // A Hayati row has no d; an empty cell says so, and beta alone is then read.

@@ -2,6 +2,7 @@
 
 use super::{Format, RenderError};
 use crate::sheet::Sheet;
+use denavit_model::words::{is_control, one_line};
 use std::fmt::Write as _;
 
 /// LaTeX with booktabs.
@@ -71,7 +72,7 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     }
     let _ = writeln!(out, "    \\bottomrule\n  \\end{{tabular}}{}\n\\end{{{place}}}", if fits { "" } else { "}" });
     for note in sheet.notes {
-        let _ = writeln!(out, "% {note}");
+        let _ = writeln!(out, "% {}", one_line(&note.to_string()));
     }
     Ok(out)
 }
@@ -107,6 +108,7 @@ fn escaped(text: &str) -> String {
     for c in text.chars() {
         match c {
             '\\' => out.push_str("\\textbackslash{}"),
+            c if is_control(c) => out.push(' '),
             '~' => out.push_str("\\textasciitilde{}"),
             '^' => out.push_str("\\textasciicircum{}"),
             '_' | '&' | '%' | '$' | '#' | '{' | '}' => {

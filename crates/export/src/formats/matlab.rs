@@ -7,6 +7,7 @@ use super::{Format, RenderError, robotics_toolbox};
 use crate::numbers::exact;
 use crate::sheet::Sheet;
 use denavit_dh::{ConventionRow, Motion, RowLabel};
+use denavit_model::words::is_control;
 use std::fmt::Write as _;
 
 /// MATLAB for the Robotics System Toolbox.
@@ -51,6 +52,30 @@ fn call(row: &ConventionRow) -> String {
     format!("dh({}, {}, {}, {})", number(row.theta), number(row.d), number(row.alpha), number(row.a))
 }
 
+/// A name as MATLAB text; letters that would end the line as numbers: `['elbow', char(10), 'x']`.
 fn quoted(text: &str) -> String {
-    format!("'{}'", text.replace('\'', "''"))
+    if !text.contains(is_control) {
+        return format!("'{}'", text.replace('\'', "''"));
+    }
+    let parts: Vec<String> = text
+        .split_inclusive(is_control)
+        .flat_map(|piece| {
+            let control = piece.chars().last().filter(|c| is_control(*c));
+            let words = piece.trim_end_matches(is_control);
+            let words = (!words.is_empty()).then(|| format!("'{}'", words.replace('\'', "''")));
+            words.into_iter().chain(control.map(|c| format!("char({})", u32::from(c)))).collect::<Vec<_>>()
+        })
+        .collect();
+    format!("[{}]", parts.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_end_no_line_and_no_text() {
+        assert_eq!(quoted("it's"), "'it''s'");
+        assert_eq!(quoted("a\n% b'c\r"), "['a', char(10), '% b''c', char(13)]");
+    }
 }

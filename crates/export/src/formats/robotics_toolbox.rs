@@ -4,6 +4,7 @@ use super::{Format, RenderError};
 use crate::numbers::exact;
 use crate::sheet::Sheet;
 use denavit_dh::{Convention, ConventionRow, Motion, RowLabel};
+use denavit_model::words::{is_control, one_line};
 use std::fmt::Write as _;
 
 /// Python for the Robotics Toolbox.
@@ -35,19 +36,37 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
             Motion::Prismatic => writeln!(
                 out,
                 "        Prismatic{suffix}(theta={theta}, a={a}, alpha={alpha}, offset={d}{limits}),  # {}",
-                joint.name
+                one_line(&joint.name)
             ),
             _ => writeln!(
                 out,
                 "        Revolute{suffix}(d={d}, a={a}, alpha={alpha}, offset={theta}{limits}),  # {}",
-                joint.name
+                one_line(&joint.name)
             ),
         };
     }
     let (base, tool) = (&rows[0], &rows[rows.len() - 1]);
-    let _ = writeln!(out, "    ],\n    name={:?},", table.name);
+    let _ = writeln!(out, "    ],\n    name={},", text(&table.name));
     let _ = writeln!(out, "    base={},\n    tool={},\n)", motion(base, modified), motion(tool, modified));
     Ok(out)
+}
+
+/// A name as Python text: whatever is no plain letter as its number.
+fn text(name: &str) -> String {
+    let mut out = String::from("\"");
+    for c in name.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if is_control(c) && u32::from(c) <= 0xff => {
+                let _ = write!(out, "\\x{:02x}", u32::from(c));
+            }
+            c if is_control(c) => {
+                let _ = write!(out, "\\u{:04x}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out + "\""
 }
 
 /// What code for other toolboxes can hold: joints that turn or slide by their own coordinate.
@@ -74,5 +93,16 @@ fn motion(row: &ConventionRow, modified: bool) -> String {
         format!("{about_x} * {about_z}")
     } else {
         format!("{about_z} * {about_x}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_end_no_line_and_no_text() {
+        assert_eq!(text("a\"b\\c"), "\"a\\\"b\\\\c\"");
+        assert_eq!(text("a\nb\u{7f}\u{2028}ä"), "\"a\\x0ab\\x7f\\u2028ä\"");
     }
 }

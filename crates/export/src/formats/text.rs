@@ -3,6 +3,7 @@
 use super::{Format, RenderError};
 use crate::sheet::Sheet;
 use comfy_table::{CellAlignment, Table as Grid, TableStyle, presets};
+use denavit_model::words::one_line;
 use std::fmt::Write as _;
 
 /// Aligned text.
@@ -12,15 +13,16 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     let table = sheet.table;
     let (angle, length) = (sheet.units.angle_word(), sheet.units.length_word());
     let name = if table.name.is_empty() { "(no name)" } else { &table.name };
-    let mut out = format!("{name}   {} → {}   {}\n", table.base, table.tip, sheet.kinds());
+    let (name, base, tip) = (one_line(name), one_line(&table.base), one_line(&table.tip));
+    let mut out = format!("{name}   {base} → {tip}   {}\n", sheet.kinds());
     let _ = writeln!(out, "{}, {angle} and {length}: {}\n", sheet.convention_words(), sheet.row_formula());
-    out.push_str(&grid(sheet, presets::NOTHING));
+    out.push_str(&grid(sheet, presets::NOTHING, |cell| one_line(cell).into_owned()));
     out.push_str(&remarks(sheet));
     Ok(out)
 }
 
-/// The rows as a grid in a style of the table library.
-pub(crate) fn grid(sheet: &Sheet, style: TableStyle) -> String {
+/// The rows as a grid in a style of the table library; `safe` makes a name safe for it.
+pub(crate) fn grid(sheet: &Sheet, style: TableStyle, safe: fn(&str) -> String) -> String {
     let symbols = sheet.number_columns().into_iter().map(|column| match column {
         "theta" => "θ",
         "alpha" => "α",
@@ -32,7 +34,7 @@ pub(crate) fn grid(sheet: &Sheet, style: TableStyle) -> String {
     let mut grid = Grid::new();
     grid.load_style(style).set_header(&header);
     for row in sheet.text_rows(|k| format!("q{k}")) {
-        let cells = [row.label, row.joint, row.kind].into_iter().chain(row.numbers).chain([row.limits]);
+        let cells = [row.label, safe(&row.joint), row.kind].into_iter().chain(row.numbers).chain([safe(&row.limits)]);
         grid.add_row(cells.collect::<Vec<_>>());
     }
     let last = header.len() - 1;
@@ -63,7 +65,7 @@ pub(crate) fn remarks(sheet: &Sheet) -> String {
         out.push_str("\nNotes:\n");
     }
     for note in sheet.notes {
-        let _ = writeln!(out, "  {note}");
+        let _ = writeln!(out, "  {}", one_line(&note.to_string()));
     }
     out
 }

@@ -2,7 +2,7 @@
 
 use super::{Format, RenderError};
 use crate::kinematics_yaml::{AngleOrder, KinematicsFile, KinematicsFileError};
-use crate::makers::tool_words;
+use crate::makers::{tool_words, ur_models};
 use crate::sheet::Sheet;
 use denavit_model::Chain;
 
@@ -19,6 +19,9 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
 /// The file of a chain, and in words what lies between the frame of joint 6 and the tip, where something does.
 pub(crate) fn of_chain(chain: &Chain) -> Result<(String, Option<String>), KinematicsFileError> {
     let (mut file, flange) = KinematicsFile::of(chain, AngleOrder::Urdf)?;
+    if ur_models::model_of(chain).is_none() {
+        return Err(KinematicsFileError::OtherArm { robot: chain.name().into(), models: ur_models::names() });
+    }
     // ur_description asks for a mark; the driver compares it with the controller's and warns where they differ.
     file.hash = Some("made_by_denavit".into());
     let mut comments = vec![format!("{}: {} to wrist_3_link; made by denavit", chain.name(), chain.base())];

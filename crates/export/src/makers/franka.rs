@@ -16,6 +16,7 @@ use super::{Calibrated, KEYS, Maker, MakerError, Written, chain_of, pose_of, six
 use crate::kinematics_yaml::KinematicsFileError;
 use denavit_model::chain::Chain;
 use denavit_model::se3::Pose;
+use denavit_model::words::one_line;
 use std::fmt::Write as _;
 
 pub(super) const MAKER: Maker =
@@ -42,7 +43,8 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
         }
         None => origins.tool,
     };
-    let mut text = format!("# {}: {} to the flange; made by denavit; m and rad\n", chain.name(), chain.base());
+    let mut text =
+        format!("# {}: {} to the flange; made by denavit; m and rad\n", one_line(chain.name()), one_line(chain.base()));
     let poses = origins.joints.iter().map(|(_, origin)| *origin).chain([flange]);
     for (index, origin) in poses.enumerate() {
         let _ = writeln!(text, "joint{}:\n  kinematic:", index + 1);
@@ -53,9 +55,26 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     Ok(Written { text, left_out })
 }
 
+/// Neighbouring axes of every Franka arm are at right angles; no arm's miss it by as much as this, rad.
+const SQUARE: f64 = 0.1;
+
 pub(super) fn read(scalars: &Scalars, robot: &str) -> Result<Chain, KinematicsFileError> {
     let origin = |number: usize| scalars.origin(&[&format!("joint{number}"), "kinematic"]).map(pose_of);
     let origins = (1..=JOINTS).map(|number| Ok((format!("joint{number}"), origin(number)?)));
     let origins: Vec<(String, Pose)> = origins.collect::<Result<_, KinematicsFileError>>()?;
-    Ok(chain_of((robot, "link0", "link8"), &origins, &origin(JOINTS + 1)?)?)
+    let chain = chain_of((robot, "link0", "link8"), &origins, &origin(JOINTS + 1)?)?;
+    let axes: Vec<_> = chain.joints().iter().map(|joint| joint.screw.direction()).collect();
+    if let Some(at) = axes.windows(2).position(|pair| pair[0].dot(&pair[1]).abs() > SQUARE) {
+        return Err(super::not_this_arm(
+            scalars,
+            "the joint origins of a Franka arm",
+            format!(
+                "axes {} and {} of a Franka arm are at right angles, and here they are not; if the axes of this arm stand \
+                 elsewhere (in its xacro), give the URDF or xacro instead",
+                at + 1,
+                at + 2
+            ),
+        ));
+    }
+    Ok(chain)
 }

@@ -11,7 +11,7 @@
 //! its own: that the numbers are added to the origins is that project's word.
 
 use super::origins::{Changes, NOTHING};
-use super::{Calibrated, KEYS, Maker, MakerError, Written};
+use super::{Calibrated, KEYS, Maker, MakerError, Written, yaml};
 use denavit_model::robot::Joint;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -33,7 +33,8 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
         let short = new.name.strip_suffix(END).filter(|short| !other(short));
         for (key, change) in KEYS.iter().zip(added(old, new)) {
             if change.abs() > NOTHING {
-                let _ = writeln!(lines, "    {}_d{key}: {change:?}", short.unwrap_or(&new.name));
+                let _ =
+                    writeln!(lines, "    {}: {change:?}", yaml::key(&format!("{}_d{key}", short.unwrap_or(&new.name))));
             }
         }
     }

@@ -8,7 +8,7 @@
 //! file, `loadOffsetYAML` reads it, `updateURDF` applies it.
 
 use super::origins::{Changes, NOTHING};
-use super::{Calibrated, Maker, MakerError, Written};
+use super::{Calibrated, Maker, MakerError, Written, yaml};
 use denavit_model::se3::{self, Pose};
 use std::fmt::Write as _;
 
@@ -30,7 +30,7 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
             continue;
         }
         for (end, number) in ["x", "y", "z", "a", "b", "c"].iter().zip(numbers) {
-            let _ = writeln!(text, "{}_{end}: {:?}", new.name, number + 0.0);
+            let _ = writeln!(text, "{}: {:?}", yaml::key(&format!("{}_{end}", new.name)), number + 0.0);
         }
     }
     Ok(Written { text, left_out })

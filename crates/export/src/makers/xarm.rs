@@ -16,6 +16,7 @@ use super::{Calibrated, KEYS, Maker, MakerError, Written, chain_of, pose_of, six
 use crate::kinematics_yaml::KinematicsFileError;
 use denavit_model::chain::Chain;
 use denavit_model::se3::Pose;
+use denavit_model::words::one_line;
 use std::fmt::Write as _;
 
 pub(super) const MAKER: Maker = Maker {
@@ -34,9 +35,13 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
         return Err(other_chain(chain, MAKER.name, WANTED, format!("{count} joints")));
     }
     let mut left_out = without_effects(calibrated);
-    let mut text = format!("# {}: {} to the last joint; made by denavit; m and rad\n", chain.name(), chain.base());
+    let mut text = format!(
+        "# {}: {} to the last joint; made by denavit; m and rad\n",
+        one_line(chain.name()),
+        one_line(chain.base())
+    );
     if let Some(tool) = tool_words(&origins.tool, chain.size()) {
-        let _ = writeln!(text, "# from the frame of joint {count} to {}: {tool}", chain.tip());
+        let _ = writeln!(text, "# from the frame of joint {count} to {}: {tool}", one_line(chain.tip()));
         left_out
             .push(format!("this form ends at the frame of joint {count}; from there to {} it is {tool}", chain.tip()));
     }

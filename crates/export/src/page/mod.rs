@@ -141,6 +141,7 @@ pub fn markdown(document: &Document, stem: &str) -> Vec<File> {
 fn render(name: &str, template: &str, value: &impl Serialize) -> String {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|name| if name == "page.md" { AutoEscape::None } else { AutoEscape::Html });
+    environment.add_filter("md", |text: String| crate::formats::markdown::escaped(&text));
     environment
         .render_named_str(name, template, Serde(value))
         .expect("the template names only fields of the value; tests render every template")

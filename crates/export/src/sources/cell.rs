@@ -1,7 +1,8 @@
 //! Numbers as people write them in tables: `90`, `-90°`, `π/2`, `-3pi/4`, `162,5`, `q1`, `q2 - 90°`, `θ3*`.
 
 use super::header::plain;
-use super::units::Unit;
+use denavit_model::chain::Quantity;
+use denavit_model::units::Unit;
 
 /// What stands in a cell: factor · variable + constant.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,9 +25,12 @@ pub(super) struct Variable {
     pub factor: f64,
 }
 
+/// Brackets and signs in a cell go no deeper than this; none that a person writes does.
+const DEPTH: usize = 32;
+
 impl Cell {
-    /// Reads a cell; `None` where it is no number. A lone dash is 0.
-    pub fn of(text: &str) -> Option<Self> {
+    /// Reads a cell of a column that counts `quantity`; `None` where it is no number. A lone dash is 0.
+    pub fn of(text: &str, quantity: Quantity) -> Option<Self> {
         let mut text = plain(&text.trim().to_lowercase());
         text.retain(|c| !"$\\{}`".contains(c));
         if text == "-" {
@@ -35,12 +39,18 @@ impl Cell {
         let text = with_points(&text)?;
         // "π/2 rad" says twice what it is in.
         let text = text.strip_suffix("rad").filter(|_| text.contains(['π', 'i'])).unwrap_or(&text).trim_end();
-        let mut reader = Reader { left: text, has_pi: false, unit: None };
+        let mut reader = Reader { left: text, has_pi: false, unit: None, quantity, depth: 0 };
         let sum = reader.sum()?;
         if !reader.left.is_empty() || !sum.constant.is_finite() {
             return None;
         }
-        let unit = if reader.has_pi { Some(Unit::Radian) } else { reader.unit };
+        let unit = match (reader.has_pi, reader.unit) {
+            // A multiple of π beside degrees: the two do not add up.
+            (true, Some(unit)) if unit != Unit::Radian => return None,
+            (true, _) if quantity == Quantity::Angle => Some(Unit::Radian),
+            (true, _) => return None,
+            (false, unit) => unit,
+        };
         Some(Self { constant: sum.constant, unit, literal: sum.literal, variable: sum.variable })
     }
 }
@@ -66,6 +76,7 @@ pub(super) fn has_decimal_comma(text: &str) -> Option<bool> {
     between_digits('.').then_some(false)
 }
 
+/// factor · variable + constant.
 #[derive(Default)]
 struct Sum {
     constant: f64,
@@ -73,10 +84,19 @@ struct Sum {
     variable: Option<Variable>,
 }
 
+impl Sum {
+    fn times(self, by: f64) -> Self {
+        let variable = self.variable.map(|v| Variable { factor: v.factor * by, ..v });
+        Self { constant: self.constant * by, literal: None, variable }
+    }
+}
+
 struct Reader<'a> {
     left: &'a str,
     has_pi: bool,
     unit: Option<Unit>,
+    quantity: Quantity,
+    depth: usize,
 }
 
 impl Reader<'_> {
@@ -100,15 +120,16 @@ impl Reader<'_> {
         }
         loop {
             let term = self.product()?;
+            if term.variable.is_none() || term.constant != 0.0 {
+                constants += 1;
+                sum.constant += sign * term.constant;
+                let negative = |literal: String| if sign < 0.0 { format!("-{literal}") } else { literal };
+                sum.literal = term.literal.filter(|_| constants == 1).map(negative);
+            }
             match term.variable {
                 Some(_) if sum.variable.is_some() => return None,
                 Some(variable) => sum.variable = Some(Variable { factor: sign * variable.factor, ..variable }),
-                None => {
-                    constants += 1;
-                    sum.constant += sign * term.constant;
-                    let negative = |literal: String| if sign < 0.0 { format!("-{literal}") } else { literal };
-                    sum.literal = term.literal.filter(|_| constants == 1).map(negative);
-                }
+                None => {}
             }
             sign = if self.take('+') {
                 1.0
@@ -125,7 +146,10 @@ impl Reader<'_> {
         loop {
             self.skip();
             let starred = self.left.strip_prefix('*');
-            if starred.is_some_and(|rest| rest.trim_start().is_empty() || rest.trim_start().starts_with(['+', '-'])) {
+            if starred.is_some_and(|rest| {
+                let rest = rest.trim_start();
+                rest.is_empty() || rest.starts_with(['+', '-', ')'])
+            }) {
                 // A star behind marks what moves.
                 self.take('*');
                 if product.variable.is_none() {
@@ -138,10 +162,11 @@ impl Reader<'_> {
             }
             if self.take('/') {
                 let by = self.factor()?;
-                if by.variable.is_some() || product.variable.is_some() || by.constant == 0.0 {
+                if by.variable.is_some() || by.constant == 0.0 {
                     return None;
                 }
-                product = Sum { constant: product.constant / by.constant, ..Sum::default() };
+                let constant = product.constant / by.constant;
+                product = Sum { constant, ..product.times(1.0 / by.constant) };
                 continue;
             }
             let times = self.take('*') || self.take('·') || self.take('×');
@@ -150,29 +175,29 @@ impl Reader<'_> {
                 return Some(product);
             }
             let by = self.factor()?;
-            product = match (product.variable, by.variable) {
+            product = match (&product.variable, &by.variable) {
                 (Some(_), Some(_)) => return None,
-                (Some(v), None) => {
-                    Sum { variable: Some(Variable { factor: v.factor * by.constant, ..v }), ..Sum::default() }
-                }
-                (None, Some(v)) => {
-                    Sum { variable: Some(Variable { factor: v.factor * product.constant, ..v }), ..Sum::default() }
-                }
-                (None, None) => Sum { constant: product.constant * by.constant, ..Sum::default() },
+                (Some(_), None) => product.times(by.constant),
+                (None, _) => by.times(product.constant),
             };
         }
     }
 
     fn factor(&mut self) -> Option<Sum> {
+        self.depth += 1;
+        let found = if self.depth > DEPTH { None } else { self.shallow_factor() };
+        self.depth -= 1;
+        found
+    }
+
+    fn shallow_factor(&mut self) -> Option<Sum> {
         self.skip();
         if self.take('(') {
             let inner = self.sum()?;
             return self.take(')').then_some(inner);
         }
         if self.take('-') {
-            let inner = self.factor()?;
-            let variable = inner.variable.map(|v| Variable { factor: -v.factor, ..v });
-            return Some(Sum { constant: -inner.constant, literal: None, variable });
+            return Some(self.factor()?.times(-1.0));
         }
         if self.left.starts_with('*') {
             // A lone star.
@@ -221,8 +246,9 @@ impl Reader<'_> {
         let (literal, rest) = self.left.split_at(end);
         let constant = literal.parse().ok()?;
         self.left = rest.trim_start();
-        let word = self.left.find(|c: char| !(c.is_alphabetic() || c == '°' || c == 'º')).unwrap_or(self.left.len());
-        if let Some(unit) = Unit::of(&self.left[..word]) {
+        let of_unit = |c: char| c.is_alphabetic() || "°º˚\"'″′”’".contains(c);
+        let word = self.left.find(|c: char| !of_unit(c)).unwrap_or(self.left.len());
+        if let Some(unit) = Unit::of(&self.left[..word], self.quantity) {
             if self.unit.is_some_and(|known| known != unit) {
                 return None;
             }
@@ -255,8 +281,14 @@ mod tests {
             (".0825", 0.0825, None, Some(".0825")),
             ("–", 0.0, None, None),
             ("$-\\pi/2$", -FRAC_PI_2, Some(Unit::Radian), None),
+            ("5.9\"", 5.9, Some(Unit::Inch), Some("5.9")),
+            ("16 in", 16.0, Some(Unit::Inch), Some("16")),
+            ("3'", 3.0, Some(Unit::Foot), Some("3")),
+            ("100 grad", 100.0, Some(Unit::Gradian), Some("100")),
+            ("12 µm", 12.0, Some(Unit::Micrometre), Some("12")),
         ] {
-            let cell = Cell::of(text).unwrap_or_else(|| panic!("{text}"));
+            let quantity = unit.map_or(Quantity::Angle, Unit::quantity);
+            let cell = Cell::of(text, quantity).unwrap_or_else(|| panic!("{text}"));
             assert!((cell.constant - constant).abs() < 1e-15 * constant.abs().max(1.0), "{text}: {cell:?}");
             assert_eq!((cell.unit, cell.literal.as_deref(), cell.variable), (unit, literal, None), "{text}");
         }
@@ -276,8 +308,12 @@ mod tests {
             ("*", "", 1.0, 0.0),
             ("0*", "", 1.0, 0.0),
             ("d3", "d3", 1.0, 0.0),
+            ("(q2 - 90°)", "q2", 1.0, -90.0),
+            ("-(q2 - 90°)", "q2", -1.0, 90.0),
+            ("2*(q1 + 45°)", "q1", 2.0, 90.0),
+            ("q1/2 + 1", "q1", 0.5, 1.0),
         ] {
-            let cell = Cell::of(text).unwrap_or_else(|| panic!("{text}"));
+            let cell = Cell::of(text, Quantity::Angle).unwrap_or_else(|| panic!("{text}"));
             assert_eq!(cell.variable, Some(Variable { name: name.into(), factor }), "{text}");
             assert!((cell.constant - constant).abs() < 1e-15, "{text}: {cell:?}");
         }
@@ -288,7 +324,21 @@ mod tests {
         for text in
             ["", "about 3", "1,000.5", "q1 + q2", "90° + 1 rad", "1/0", "nan", "inf", "1e999", "0.1.2", "π°x", "+"]
         {
-            assert_eq!(Cell::of(text), None, "{text}");
+            assert_eq!(Cell::of(text, Quantity::Angle), None, "{text}");
         }
+        for text in ["16 furlong", "90°", "π/2", "1 m + 1 mm", "90° + π/2"] {
+            assert_eq!(Cell::of(text, Quantity::Length), None, "{text}");
+        }
+        assert_eq!(Cell::of("90° + π/2", Quantity::Angle), None);
+    }
+
+    #[test]
+    fn brackets_and_signs_by_the_ten_thousand_are_no_number() {
+        for text in
+            ["(".repeat(40_000), "-".repeat(40_000), "(-".repeat(20_000) + "1", format!("{}1", "-".repeat(40_000))]
+        {
+            assert_eq!(Cell::of(&text, Quantity::Angle), None);
+        }
+        assert_eq!(Cell::of(&format!("{}7{}", "(".repeat(9), ")".repeat(9)), Quantity::Angle).unwrap().constant, 7.0);
     }
 }

@@ -1,9 +1,9 @@
 //! Convention and units of a table: what the user states, what the file states, what only its numbers tell.
 
 use super::header::Heading;
-use super::units::Unit;
-use crate::numbers::{AngleUnit, LengthUnit, Units};
 use denavit_dh::Convention;
+use denavit_model::chain::Quantity;
+use denavit_model::units::Unit;
 
 /// What is stated of a table's file; `None` where nothing is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -11,27 +11,29 @@ pub struct Stated {
     /// How its rows are grouped.
     pub convention: Option<Convention>,
     /// Unit of its lengths.
-    pub length: Option<LengthUnit>,
+    pub length: Option<Unit>,
     /// Unit of its angles.
-    pub angle: Option<AngleUnit>,
+    pub angle: Option<Unit>,
 }
 
 impl Stated {
     /// From words such as `mm,deg`, in any order.
     ///
     /// # Errors
-    /// The word that is no unit.
+    /// The word that is no unit, or the second of two units of one quantity.
     pub fn with_units(self, words: &str) -> Result<Self, String> {
         let mut stated = self;
+        let (mut length, mut angle) = (None, None);
         for word in words.split([',', ' ']).filter(|word| !word.is_empty()) {
-            match Unit::of(&word.to_lowercase()) {
-                Some(Unit::Radian) => stated.angle = Some(AngleUnit::Radian),
-                Some(Unit::Degree) => stated.angle = Some(AngleUnit::Degree),
-                Some(Unit::Metre) => stated.length = Some(LengthUnit::Metre),
-                Some(Unit::Millimetre) => stated.length = Some(LengthUnit::Millimetre),
-                _ => return Err(word.to_owned()),
+            let unit = Unit::of_any(word).ok_or_else(|| word.to_owned())?;
+            let slot = if unit.quantity() == Quantity::Length { &mut length } else { &mut angle };
+            if slot.is_some_and(|known| known != unit) {
+                return Err(word.to_owned());
             }
+            *slot = Some(unit);
         }
+        stated.length = length.or(stated.length);
+        stated.angle = angle.or(stated.angle);
         Ok(stated)
     }
 
@@ -51,34 +53,76 @@ impl Stated {
 pub struct ReadAs {
     /// How its rows are grouped.
     pub convention: Convention,
-    /// Units of numbers without one.
-    pub units: Units,
+    /// Unit of lengths without one.
+    pub length: Unit,
+    /// Unit of angles without one.
+    pub angle: Unit,
 }
 
 impl ReadAs {
     /// In words: `distal, rad and m`.
     pub fn words(&self) -> String {
-        let angle = if self.units.angle == AngleUnit::Degree { "degrees" } else { "rad" };
-        format!("{}, {angle} and {}", self.convention.word(), self.units.length_word())
+        let angle = if self.angle == Unit::Degree { "degrees" } else { self.angle.word() };
+        format!("{}, {angle} and {}", self.convention.word(), self.length.word())
     }
+}
+
+/// Words beside units in a statement of units.
+const FILLERS: [&str; 14] = [
+    "lengths",
+    "length",
+    "angles",
+    "angle",
+    "distances",
+    "distance",
+    "and",
+    "are",
+    "is",
+    "of",
+    "all",
+    "for",
+    "linear",
+    "angular",
+];
+
+/// The units that a comment such as `units: mm, deg` states.
+fn units_of(value: &str) -> Result<Stated, String> {
+    let spaced = value.to_lowercase().replace('°', " ° ");
+    let words: Vec<&str> = spaced
+        .split(|c: char| c.is_whitespace() || ",;/:=()[]".contains(c))
+        .filter(|word| !word.is_empty() && !FILLERS.contains(word))
+        .collect();
+    let lengths = words.iter().filter_map(|word| Unit::of(word, Quantity::Length)).count();
+    // "lengths in mm": inches only where no other unit of length stands.
+    let words: Vec<&str> = words.into_iter().filter(|word| !(*word == "in" && lengths > 1)).collect();
+    Stated::default().with_units(&words.join(","))
 }
 
 /// What the words around a table say.
 pub(super) struct Said {
     pairs: Vec<(String, String)>,
     pub stated: Stated,
+    /// The line's index and the word of a stated unit that is not known.
+    pub unknown_unit: Option<(usize, String)>,
 }
 
 impl Said {
     /// From the lines around the table and its headings.
-    pub fn in_words<'a>(lines: impl Iterator<Item = &'a str>, headings: &[Heading]) -> Self {
+    pub fn in_words<'a>(lines: impl Iterator<Item = (usize, &'a str)>, headings: &[Heading]) -> Self {
         let mut pairs = Vec::new();
         let mut words: Vec<String> = Vec::new();
-        for line in lines {
+        let (mut of_pairs, mut unknown_unit) = (Stated::default(), None);
+        for (index, line) in lines {
             let line = line.trim().trim_start_matches('#').trim();
             let pair = line.split_once(':').map(|(key, value)| (key.trim().to_lowercase(), value.trim().to_owned()));
             match pair {
-                Some((key, value)) if ["convention", "units", "robot"].contains(&key.as_str()) => {
+                Some((key, value)) if key.split_whitespace().any(|word| ["unit", "units"].contains(&word)) => {
+                    match units_of(&value) {
+                        Ok(stated) => of_pairs = of_pairs.or(stated),
+                        Err(word) => unknown_unit = unknown_unit.or(Some((index, word))),
+                    }
+                }
+                Some((key, value)) if ["convention", "robot"].contains(&key.as_str()) => {
                     pairs.push((key, value));
                 }
                 // Who is quoted says nothing of how it is written here.
@@ -89,24 +133,29 @@ impl Said {
                 }
             }
         }
-        let units = pairs.iter().find(|(key, _)| key == "units");
-        let of_pair = units.and_then(|(_, value)| Stated::default().with_units(value).ok()).unwrap_or_default();
         let has = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
-        let of_unit = |unit: Unit| words.iter().any(|word| word.len() > 1 && Unit::of(word) == Some(unit));
-        let angle = match (of_unit(Unit::Degree), of_unit(Unit::Radian)) {
-            (true, false) => Some(AngleUnit::Degree),
-            (false, true) => Some(AngleUnit::Radian),
-            _ => None,
+        // Words that are units wherever they stand; "in", "mil" and "turn" are also other words.
+        let in_prose = |word: &str| {
+            !["in", "m", "mil", "mils", "rev", "revs", "turn", "turns", "foot", "grad", "thou"].contains(&word)
         };
+        let only = |quantity: Quantity| {
+            let found = words.iter().filter(|word| word.chars().count() > 1 || *word == "°");
+            let mut units = found.filter(|word| in_prose(word)).filter_map(|word| Unit::of(word, quantity));
+            let first = units.next()?;
+            Some((first, units.all(|unit| unit == first)))
+        };
+        let alone = |found: Option<(Unit, bool)>| found.filter(|(_, alone)| *alone).map(|(unit, _)| unit);
+        let angles = only(Quantity::Angle);
+        let lengths = only(Quantity::Length);
         // A lone "m" is a unit where a unit of angles stands, too.
-        let metre = of_unit(Unit::Metre) || (angle.is_some() && has(&["m"]));
-        let length = match (of_unit(Unit::Millimetre), metre) {
-            (true, false) => Some(LengthUnit::Millimetre),
-            (false, true) => Some(LengthUnit::Metre),
-            _ => None,
+        let length = match lengths {
+            None if angles.is_some() && has(&["m"]) => Some(Unit::Metre),
+            Some((unit, _)) if unit != Unit::Metre && angles.is_some() && has(&["m"]) => None,
+            found => alone(found),
         };
-        let proximal = has(&["proximal", "modified", "craig", "khalil"]);
-        let distal = has(&["distal", "standard", "classic", "classical"]);
+        let angle = alone(angles);
+        let proximal = has(&["proximal", "modified", "craig", "khalil", "moddh", "mdh"]);
+        let distal = has(&["distal", "standard", "classic", "classical", "stddh"]);
         let hayati = has(&["hayati"]);
         let convention = match (distal, proximal, hayati) {
             (_, false, true) => Some(Convention::Hayati),
@@ -117,8 +166,8 @@ impl Said {
             }
             _ => None,
         };
-        let stated = of_pair.or(Stated { convention, length, angle });
-        Self { pairs, stated }
+        let stated = of_pairs.or(Stated { convention, length, angle });
+        Self { pairs, stated, unknown_unit }
     }
 
     pub fn value(&self, key: &str) -> Option<&str> {

@@ -77,7 +77,13 @@ pub(crate) fn row_of(origin: &Numbers, size: f64) -> Option<Row> {
     let alpha = r[(2, 1)].atan2(cosine * r[(1, 1)] - sine * r[(0, 1)]);
     let beta = (cosine * r[(0, 2)] + sine * r[(1, 2)]).atan2(cosine * r[(0, 0)] + sine * r[(1, 0)]);
     let flat = z.abs() <= WRITTEN * length && across.abs() <= WRITTEN * length;
-    (flat && is_nearly_parallel(origin, size)).then_some(Row::Hayati(HayatiRow { theta, a: along, alpha, beta }))
+    (flat && is_nearly_parallel(origin, size)).then_some(Row::Hayati(HayatiRow {
+        theta,
+        d: 0.0,
+        a: along,
+        alpha,
+        beta,
+    }))
 }
 
 /// Whether the z axes before and behind are so nearly parallel that their common normal is no place for a frame.

@@ -23,9 +23,9 @@ use super::near_miss::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::units::Units;
 use crate::observation::board::Sight;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use denavit_model::units::Unit;
 use denavit_model::{Chain, Quantity, Tips};
 use grid::Grid;
-use std::f64::consts::PI;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -70,7 +70,7 @@ pub enum ImportProblem {
         /// What it counts.
         quantity: &'static str,
         /// Units of that.
-        known: &'static str,
+        known: String,
     },
     /// A cell that is no number.
     #[error("column \"{column}\": \"{text}\" is not a number; correct the cell or remove the row")]
@@ -177,40 +177,6 @@ enum Orientation {
     Quaternion([Output; 4]),
 }
 
-/// m per unit.
-const LENGTHS: [(&str, f64); 17] = [
-    ("m", 1.0),
-    ("meters", 1.0),
-    ("metres", 1.0),
-    ("dm", 0.1),
-    ("cm", 0.01),
-    ("mm", 1e-3),
-    ("millimeters", 1e-3),
-    ("millimetres", 1e-3),
-    ("um", 1e-6),
-    ("µm", 1e-6),
-    ("μm", 1e-6),
-    ("in", 0.0254),
-    ("inch", 0.0254),
-    ("inches", 0.0254),
-    ("mil", 2.54e-5),
-    ("ft", 0.3048),
-    ("km", 1e3),
-];
-/// rad per unit.
-const ANGLES: [(&str, f64); 11] = [
-    ("rad", 1.0),
-    ("radians", 1.0),
-    ("mrad", 1e-3),
-    ("deg", PI / 180.0),
-    ("°", PI / 180.0),
-    ("degree", PI / 180.0),
-    ("degrees", PI / 180.0),
-    ("arcmin", PI / 10_800.0),
-    ("arcsec", PI / 648_000.0),
-    ("grad", PI / 200.0),
-    ("rev", 2.0 * PI),
-];
 /// s per unit.
 const TIMES: [(&str, f64); 6] =
     [("s", 1.0), ("sec", 1.0), ("seconds", 1.0), ("ms", 1e-3), ("min", 60.0), ("h", 3600.0)];
@@ -366,19 +332,29 @@ impl Work<'_> {
 
     /// What a number of a column is multiplied by to be in m, rad, s.
     fn factor(&self, column: &str, unit: Option<&str>, counts: Counts) -> Result<f64, Fault> {
-        let (quantity, words, known, default) = match counts {
-            Counts::Length => ("lengths", &LENGTHS[..], "m, dm, cm, mm, um, in, mil, ft", self.units.length),
-            Counts::Angle => ("angles", &ANGLES[..], "rad, mrad, deg, arcmin, arcsec, grad, rev", self.units.angle),
-            Counts::Time => ("times", &TIMES[..], "s, ms, min, h", 1.0),
-            Counts::Temperature => ("temperatures", &TEMPERATURES[..], "°C", 1.0),
-            Counts::Mass => ("masses", &MASSES[..], "kg, g, lb", 1.0),
-            Counts::Plain => return Ok(1.0),
+        let of = |word: &str, words: &[(&str, f64)]| {
+            words.iter().find(|(known, _)| *known == word).map(|(_, factor)| *factor)
         };
-        let Some(unit) = unit else { return Ok(default) };
+        let Some(unit) = unit else {
+            return Ok(match counts {
+                Counts::Length => self.units.length,
+                Counts::Angle => self.units.angle,
+                _ => 1.0,
+            });
+        };
         let word = unit.to_lowercase();
         // A velocity by its quantity: deg/s.
         let word = if column.to_lowercase().contains("velocity") { word.trim_end_matches("/s") } else { &word };
-        words.iter().find(|(known, _)| known == &word).map(|(_, factor)| *factor).ok_or_else(|| {
+        let measured = |quantity| Unit::of(word, quantity).map(Unit::in_si);
+        let (quantity, found, known) = match counts {
+            Counts::Length => ("lengths", measured(Quantity::Length), Unit::words(Quantity::Length)),
+            Counts::Angle => ("angles", measured(Quantity::Angle), Unit::words(Quantity::Angle)),
+            Counts::Time => ("times", of(word, &TIMES), "s, ms, min, h".to_owned()),
+            Counts::Temperature => ("temperatures", of(word, &TEMPERATURES), "°C".to_owned()),
+            Counts::Mass => ("masses", of(word, &MASSES), "kg, g, lb".to_owned()),
+            Counts::Plain => return Ok(1.0),
+        };
+        found.ok_or_else(|| {
             let (column, unit) = (column.into(), unit.into());
             self.in_header(ImportProblem::Unit { column, unit, quantity, known })
         })

@@ -1,5 +1,6 @@
 //! Units that a measurement file may be written in.
 
+use denavit_model::units::Unit;
 use denavit_model::{Coordinate, chain::Quantity};
 use std::fmt;
 use std::str::FromStr;
@@ -32,10 +33,9 @@ impl Units {
 
     /// The words for lengths and angles.
     pub fn words(self) -> [&'static str; 2] {
-        let word = |list: &[(&'static str, f64)], unit: f64| {
-            list.iter().find(|(_, known)| *known == unit).map_or("other", |(word, _)| word)
-        };
-        [word(&LENGTHS, self.length), word(&ANGLES, self.angle)]
+        let word =
+            |quantity, in_si: f64| Unit::all(quantity).find(|unit| unit.in_si() == in_si).map_or("other", Unit::word);
+        [word(Quantity::Length, self.length), word(Quantity::Angle, self.angle)]
     }
 }
 
@@ -46,14 +46,13 @@ impl fmt::Display for Units {
     }
 }
 
-/// m per unit.
-const LENGTHS: [(&str, f64); 4] = [("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("in", 0.0254)];
-/// rad per unit.
-const ANGLES: [(&str, f64); 3] = [("rad", 1.0), ("mrad", 1e-3), ("deg", std::f64::consts::PI / 180.0)];
-
 /// A unit that is not known.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("units \"{0}\": \"{1}\" is none of m, mm, um, in, rad, deg, mrad; write for example mm,deg")]
+#[error(
+    "units \"{0}\": \"{1}\" is none of {lengths}, {angles}; write for example mm,deg",
+    lengths = Unit::words(Quantity::Length),
+    angles = Unit::words(Quantity::Angle)
+)]
 pub struct UnitsError(String, String);
 
 impl FromStr for Units {
@@ -63,15 +62,10 @@ impl FromStr for Units {
     fn from_str(text: &str) -> Result<Self, UnitsError> {
         let mut units = Self::default();
         for word in text.split(',').map(str::trim) {
-            let known =
-                |list: &[(&str, f64)], word: &str| list.iter().find(|(known, _)| *known == word).map(|(_, unit)| *unit);
-            let word_of_micrometres = if word == "µm" { "um" } else { word };
-            if let Some(length) = known(&LENGTHS, word_of_micrometres) {
-                units.length = length;
-            } else if let Some(angle) = known(&ANGLES, word) {
-                units.angle = angle;
-            } else {
-                return Err(UnitsError(text.into(), word.into()));
+            let unit = Unit::of_any(word).ok_or_else(|| UnitsError(text.into(), word.into()))?;
+            match unit.quantity() {
+                Quantity::Length => units.length = unit.in_si(),
+                Quantity::Angle => units.angle = unit.in_si(),
             }
         }
         Ok(units)

@@ -1,0 +1,125 @@
+//! Universal Robots: `calibration.conf` of a controller, what a single arm adds to the ideal table of its model.
+//!
+//! ```text
+//! [mounting]
+//! delta_theta = [ 2.1e-05, 0.968, …]     # rad, six of each
+//! delta_a = …                            # m
+//! delta_d = …                            # m
+//! delta_alpha = …                        # rad
+//! joint_checksum = …
+//! calibration_status = 2                 # 0 == notInitialized, 1 == notLinearised, 2 == Linearised
+//! ```
+//! **Source.** github.com/UniversalRobots/Universal_Robots_ROS2_Driver, `ur_calibration`, which reads the same figures from a
+//! controller and adds them to its ideal table. The file does not name the model.
+
+use super::ur_models::{Model, names};
+use crate::kinematics_yaml::KinematicsFileError;
+use crate::sources::{Read, Source};
+use denavit_dh::Convention;
+use denavit_model::Inventory;
+use denavit_model::notes::{Note, Place};
+use denavit_model::words::quoted;
+
+/// The name of the argument that names the model, as ur_description has it.
+pub const MODEL_ARGUMENT: &str = "ur_type";
+
+const LISTS: [&str; 4] = ["delta_theta", "delta_d", "delta_alpha", "delta_a"];
+
+/// Whether a text is such a file.
+pub fn is_one(text: &str) -> bool {
+    let has = |start: &str| text.lines().any(|line| line.trim_start().starts_with(start));
+    has("[mounting]") && LISTS.iter().any(|list| has(list))
+}
+
+/// Reads the file of an arm of this model.
+///
+/// # Errors
+/// No model or none that is known, a list is missing or has not six finite numbers, or stands twice.
+pub fn read(file: &str, robot: &str, text: &str, model: Option<&str>) -> Result<Read, KinematicsFileError> {
+    let refused = |what: String| KinematicsFileError::NotThisArm {
+        file: file.to_owned(),
+        form: "calibration.conf of a Universal Robots controller",
+        what,
+    };
+    let known = || format!("say {MODEL_ARGUMENT}:=MODEL, which is one of {}", names());
+    let Some(model) = model else {
+        return Err(refused(format!(
+            "it says what this arm adds to the ideal table of its model, and not which model; {}",
+            known()
+        )));
+    };
+    let model = Model::named(model)
+        .ok_or_else(|| refused(format!("the model \"{}\" is not known; {}", quoted(model), known())))?;
+    let mut lists: [Option<[f64; 6]>; 4] = [None; 4];
+    let mut inventory = Inventory::default();
+    let (mut notes, mut assumed) = (Vec::new(), Vec::new());
+    let mut section = String::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim_start_matches('\u{feff}').split(['#', ';']).next().unwrap_or_default().trim();
+        let place = |element: &str| Place { file: file.to_owned(), line: index + 1, element: element.to_owned() };
+        if line.is_empty() {
+            continue;
+        }
+        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            name.trim().clone_into(&mut section);
+            if section == "mounting" {
+                inventory.understand();
+            }
+            continue;
+        }
+        let (key, value) = line.split_once('=').map_or((line, ""), |(key, value)| (key.trim(), value.trim()));
+        let list = LISTS.iter().position(|list| *list == key).filter(|_| section == "mounting");
+        match (list, key) {
+            (Some(list), _) => {
+                if lists[list].is_some() {
+                    return Err(refused(format!("line {}: {key} stands twice; remove one", index + 1)));
+                }
+                let numbers = six(value);
+                lists[list] = Some(numbers.ok_or_else(|| {
+                    refused(format!(
+                        "line {}: {key} is \"{}\"; six finite numbers in brackets belong here",
+                        index + 1,
+                        quoted(value)
+                    ))
+                })?);
+                inventory.understand();
+            }
+            // The joints' own marks: nothing that moves.
+            (None, "joint_checksum") if section == "mounting" => inventory.carry(place(key), key),
+            (None, "calibration_status") if section == "mounting" => {
+                inventory.understand();
+                if value != "2" {
+                    assumed.push(format!(
+                        "{file}:{}: calibration_status is {}; 2 is that of a calibrated arm",
+                        index + 1,
+                        quoted(value)
+                    ));
+                }
+            }
+            _ => {
+                let place = place(&format!("key \"{}\"", quoted(key)));
+                let what = "the key is not understood, and not read".to_owned();
+                inventory.report(place.clone(), what.clone());
+                notes.push(Note::NotUnderstood { place, what });
+            }
+        }
+    }
+    let mut added = [[0.0; 4]; 6];
+    for (column, (list, name)) in lists.iter().zip(LISTS).enumerate() {
+        let list = list.ok_or_else(|| refused(format!("{name} is missing")))?;
+        for (row, number) in added.iter_mut().zip(list) {
+            row[column] = number;
+        }
+    }
+    let table = model.table(robot, &added).map_err(|error| refused(error.to_string()))?;
+    table.chain()?.within_reach()?;
+    assumed.push(format!("{file}: read as the calibration of a {}", model.name.to_uppercase().replace('E', "e")));
+    Ok(Read { source: Source::Table { table, convention: Convention::Distal }, assumed, notes, inventory })
+}
+
+fn six(value: &str) -> Option<[f64; 6]> {
+    let inside = value.strip_prefix('[')?.strip_suffix(']')?;
+    let numbers: Vec<f64> = inside.split(',').map(|word| word.trim().parse().ok()).collect::<Option<_>>()?;
+    let numbers: [f64; 6] = numbers.try_into().ok()?;
+    numbers.iter().all(|number| number.is_finite()).then_some(numbers)
+}
