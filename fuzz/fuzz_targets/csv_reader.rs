@@ -9,11 +9,11 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
     for name in ["fuzz.csv", "fuzz.json"] {
-        if let Err(error) = sources::read(name, text) {
+        if let Err(error) = sources::read(name, text, sources::Stated::default()) {
             assert!(!error.to_string().is_empty());
         }
     }
-    let _ = sources::read_vendor_table("fuzz.csv", text);
+    let _ = sources::read_vendor_table("fuzz.csv", text, sources::Stated::default());
     if let Err(error) = measurements::read("fuzz.csv", text.as_bytes(), &examples::planar_arm(), Units::default()) {
         assert!(!error.to_string().is_empty());
     }

@@ -15,6 +15,7 @@ mod outputs;
 mod priors;
 mod program;
 mod sources;
+mod tables;
 mod tips;
 
 use crate::support::{self, Run, robot};

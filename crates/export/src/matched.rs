@@ -32,6 +32,17 @@ struct MatchFile<'a> {
     tool: FrameEntry,
     rows: Vec<RowEntry>,
     differences: Vec<DifferenceEntry>,
+    /// How the table lies on the robot with the differences changed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explained: Option<ExplainedEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct ExplainedEntry<'a> {
+    position_error_m: f64,
+    joints: Vec<JointEntry<'a>>,
+    base: FrameEntry,
+    tool: FrameEntry,
 }
 
 /// How the table was read, and whether file or user state it or it was tried.
@@ -184,6 +195,18 @@ fn frame(pose: &Pose) -> FrameEntry {
     FrameEntry { xyz: pose.translation.vector.into(), rpy: rpy_from_rotation(&pose.rotation) }
 }
 
+fn joints(placement: &Placement) -> Vec<JointEntry<'_>> {
+    placement
+        .joints
+        .iter()
+        .map(|joint| JointEntry {
+            name: &joint.name,
+            sense: if joint.sense == Sense::Same { 1 } else { -1 },
+            zero: joint.zero,
+        })
+        .collect()
+}
+
 fn differences(found: &Match) -> &[Difference] {
     found.explanation.as_ref().map_or(&[], |explanation| &explanation.differences)
 }
@@ -222,19 +245,17 @@ pub fn json(chain: &Chain, table: &str, result: &Found) -> String {
         would_match_as: result.otherwise.as_ref().map(|(_, read_as)| ReadAsEntry::of(*read_as, true)),
         position_error_m: placement.position_error,
         rotation_error_rad: placement.rotation_error,
-        joints: placement
-            .joints
-            .iter()
-            .map(|joint| JointEntry {
-                name: &joint.name,
-                sense: if joint.sense == Sense::Same { 1 } else { -1 },
-                zero: joint.zero,
-            })
-            .collect(),
+        joints: joints(placement),
         base: frame(&placement.base),
         tool: frame(&placement.tool),
         rows: found.rows.iter().map(row).collect(),
         differences: differences(found).iter().map(difference).collect(),
+        explained: found.explanation.as_ref().map(|explanation| ExplainedEntry {
+            position_error_m: explanation.placement.position_error,
+            joints: joints(&explanation.placement),
+            base: frame(&explanation.placement.base),
+            tool: frame(&explanation.placement.tool),
+        }),
     };
     serde_json::to_string_pretty(&file).expect("every number of a match is finite") + "\n"
 }
@@ -273,9 +294,22 @@ pub fn text(chain: &Chain, table: &str, result: &Found, units: Units) -> String 
             }
             let left = explanation.placement.position_error;
             let _ = writeln!(out, "  with that changed the largest tip error is {} mm", decimal(left * 1e3, 6));
+            if !same_zeros(placement, &explanation.placement) {
+                let _ = write!(out, "\nwith that changed {}", needed(chain, &explanation.placement, units));
+            }
         }
     }
     out
+}
+
+/// Zeros that differ by less than this, rad or m, are printed once.
+const SAME_ZERO: f64 = 1e-3;
+
+fn same_zeros(one: &Placement, other: &Placement) -> bool {
+    one.joints.iter().zip(&other.joints).all(|(one, other)| {
+        let turns = (one.zero - other.zero) / std::f64::consts::TAU;
+        one.sense == other.sense && (turns - turns.round()).abs() * std::f64::consts::TAU < SAME_ZERO
+    })
 }
 
 /// Senses, zeros and frames: a free match hides slips unless it says what it needed.

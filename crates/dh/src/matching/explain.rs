@@ -1,6 +1,6 @@
 //! Which numbers of a table are not the robot's.
 
-use super::axes::Guess;
+use super::axes::{Guess, wrapped};
 use super::fit::{Fit, Free, GOES_NOWHERE, State};
 use super::vendor::{DhNumber, VendorNumber};
 use super::{
@@ -17,6 +17,9 @@ const MOVES: f64 = 1e-6;
 
 /// A number is the same amount on the other side when the two add up to less than this share of it.
 const OTHER_SIDE: f64 = 0.02;
+
+/// Zeros that differ by less than this, rad, are those that were stated, and not another reading of the same arm.
+const NEAR_STATED: f64 = 0.5;
 
 /// What rounding leaves of a number that was fitted (rad, m of the robot's size).
 const LEFT: f64 = 1e-9;
@@ -43,7 +46,46 @@ impl Matching<'_> {
                 found = other;
             }
         }
+        let found = found.map(|found| self.at_stated_zeros(fits, &found).unwrap_or(found));
         found.map_or_else(|| (fits.state.clone(), None), |(state, explanation)| (state, Some(explanation)))
+    }
+
+    /// The same differences at the senses and zeros of the table as it stands, where they serve there, too: turning x of a
+    /// frame round changes the sign of a length and two zeros by half a turn, and a reader takes the number with the zeros
+    /// that are stated.
+    fn at_stated_zeros(
+        &self,
+        fits: &BestFits,
+        (state, explanation): &(State, Explanation),
+    ) -> Option<(State, Explanation)> {
+        let fit = Fit { damping: HELD, ..self.fit(&fits.guess.senses) };
+        let support: Vec<usize> = explanation
+            .differences
+            .iter()
+            .filter_map(|of| self.product.places.iter().position(|place| *place == (of.label, of.number)))
+            .collect();
+        let left = self.fit(&self.senses_of(explanation)).errors(state, &self.arm.samples).0;
+        let enough = (2.0 * left).max(EXPLAINED * self.arm.size);
+        let mut free = self.only(&support);
+        let stated = fits.state.zeros.clone();
+        free.zeros.fill(false);
+        let mut trial = fit.solve(fits.state.clone(), &free);
+        if fit.errors(&trial, fit.samples).0 > enough {
+            // The zeros, too, may be a little other with other numbers.
+            trial = fit.solve(fits.state.clone(), &self.only(&support));
+            let near = |(zero, stated): (&f64, &f64)| wrapped(zero - stated).abs() < NEAR_STATED;
+            let turned_only = (0..stated.len()).filter(|k| self.turns(*k)).all(|k| near((&trial.zeros[k], &stated[k])));
+            if fit.errors(&trial, fit.samples).0 > enough || !turned_only {
+                return None;
+            }
+        }
+        let differences = self.differences(support, &trial);
+        let placement = self.placement(&fits.guess.senses, &trial);
+        Some((trial, Explanation { differences, placement }))
+    }
+
+    fn senses_of(&self, explanation: &Explanation) -> Vec<f64> {
+        explanation.placement.joints.iter().map(|joint| joint.sense.sign()).collect()
     }
 
     fn all_free(&self) -> Free {

@@ -11,4 +11,5 @@ mod our_robots;
 mod published;
 mod refusals;
 mod screw_axes_and_wrists;
+mod stated_zeros;
 mod synthetic;

@@ -1,0 +1,148 @@
+//! Seeded changes of tables and makers' files, read for so many seconds: each must give a robot or an error with words, soon.
+//!
+//! `cargo run -p denavit-load --example mutate_sources -- SECONDS [SEED]`; the fuzz targets `tables` and `makers_files` do the
+//! same with coverage where cargo-fuzz is installed.
+
+#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program for the terminal of whoever changes a reader")]
+
+use denavit_export::sources::{Stated, read_vendor_table};
+use denavit_load::{NEARLY_PARALLEL, Options, Selection, TableOptions, from_text};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, bound: usize) -> usize {
+        usize::try_from(self.next() % bound.max(1) as u64).unwrap()
+    }
+}
+
+/// Words that matter to the readers.
+const WORDS: &str = "theta§alpha_i-1§d [in]§a (mm)§beta§offset§kind§pitch§scale§q1§q2 - 90°§-π/2§(§)§-§*§/§°§\"§'§|§,§;§\t§ §\n§│§├───┤§+---+§base§\
+                     tool§fixed§P§H§1e308§-1e-320§nan§0§999999999999§# units: mm, deg\n§# convention: proximal\n§cubit§\u{feff}§{§}§[§]§:§- §\
+                     joint1:\n  kinematic:\n§kinematics:§deg(§!degrees §&a §*a§---\n§delta_a = [§\"schema\"§\"M\"§\"Slist\"§null§true§…§±170°§\u{1f600}§limits§\\|";
+
+/// Texts in every form.
+const OWN: &[(&str, &str)] = &[
+    (
+        "t.md",
+        "standard, mm and deg\n\n| i | θᵢ | d | α | a |\n|---|---|---|---|---|\n| 1 | θ₁ | 162.5 | π/2 | 0 |\n| tool | 0 | 9 | 0 | 0 |\n\nwords\n",
+    ),
+    ("t.txt", "j  theta  d  a  alpha\n1  q1  0.1273  0  1.570796327\n2  q2  0  -0.612  0\n"),
+    (
+        "t.txt",
+        "┌───┬───┬───┐\n│θⱼ │ dⱼ │ aⱼ │ ⍺ⱼ │ q⁻ │ q⁺ │\n├───┼───┼───┤\n│q1 │ 0.1 │ 0 │ 90° │ -180° │ 180° │\n└───┘\n",
+    ),
+    ("t.csv", "# hayati\n# units: mm, deg\njoint,theta,d,alpha,a,beta\n1,q1,100,0,200,0.5\n2,q2,50,90,0,0\n"),
+    (
+        "t.yaml",
+        "kinematics:\n  joint1: {x: 0, y: 0, z: 0.3, roll: 0, pitch: 0, yaw: 0}\n  joint2: {x: 0, y: 0, z: 0.3, roll: 1.5, pitch: 0, yaw: 0}\n",
+    ),
+    ("t.yaml", "joint1:\n  kinematic:\n    x: 0\n    y: 0\n    z: 0.333\n    roll: 0\n    pitch: 0\n    yaw: 0\n"),
+    (
+        "t.yaml",
+        "opw_kinematics_geometric_parameters:\n  a1: 0.5\n  a2: -0.18\n  b: 0.0\n  c1: 0.86\n  c2: 1.55\n  c3: 1.0345\n  c4: 0.305\n\
+         opw_kinematics_joint_offsets: [0, deg(-90), 0, 0, 0, 0]\nopw_kinematics_joint_sign_corrections: [-1, 1, 1, -1, 1, -1]\n",
+    ),
+    (
+        "t.conf",
+        "[mounting]\ndelta_theta = [ 0, 0, 0, 0, 0, 0]\ndelta_a = [ 0, 0, 0, 0, 0, 0]\ndelta_d = [ 0, 0, 0, 0, 0, 0]\n\
+         delta_alpha = [ 0, 0, 0, 0, 0, 0]\n",
+    ),
+    ("t.json", r#"{"M": [[1,0,0,0.8],[0,1,0,0],[0,0,1,0],[0,0,0,1]], "Slist": [[0,0,1,0,0,0],[0,1,0,-0.1,0,0]]}"#),
+    (
+        "t.json",
+        r#"{"schema":"denavit.table/1","robot":"r","base":"b","tip":"t","convention":"distal","units":{"length":"m","angle":"rad"},
+        "coordinates":[{"name":"j","quantity":"angle","limits":null}],
+        "joints":[{"name":"j","kind":"revolute","coordinate":"j","pitch":0,"scale":1}],
+        "rows":[{"row":"base"},{"row":"1","theta":0,"d":0.1,"alpha":0,"a":0.2},{"row":"tool"}]}"#,
+    ),
+];
+
+fn seeds() -> Vec<(String, String)> {
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    let mut found = Vec::new();
+    for folder in std::fs::read_dir(robots).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir()) {
+        for file in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            let name = file.to_string_lossy().into_owned();
+            if name.ends_with("_dh.csv") || name.ends_with("_poe.csv") {
+                found.push(("t.csv".to_owned(), std::fs::read_to_string(file).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found.extend(OWN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())));
+    found
+}
+
+fn changed(text: &str, others: &[(String, String)], random: &mut Random) -> String {
+    let words: Vec<&str> = WORDS.split('§').collect();
+    let mut letters: Vec<char> = text.chars().collect();
+    for _ in 0..=random.below(6) {
+        let at = random.below(letters.len() + 1);
+        let until = (at + 1 + random.below(12)).min(letters.len()).max(at);
+        let word = words[random.below(words.len())];
+        match random.below(6) {
+            0 => drop(letters.drain(at..until)),
+            1 => drop(letters.splice(at..at, word.chars())),
+            2 => drop(letters.splice(at..until, word.chars())),
+            3 => {
+                let copy: Vec<char> = letters[at..until].to_vec();
+                let to = random.below(letters.len() + 1);
+                drop(letters.splice(to..to, copy));
+            }
+            4 => {
+                let (_, other) = &others[random.below(others.len())];
+                let lines: Vec<&str> = other.lines().collect();
+                let line = format!("\n{}\n", lines[random.below(lines.len())]);
+                drop(letters.splice(at..at, line.chars()));
+            }
+            _ => {
+                if let Some(letter) = letters.get_mut(at) {
+                    *letter = char::from_u32(u32::try_from(random.below(0x2600)).unwrap()).unwrap_or('x');
+                }
+            }
+        }
+    }
+    letters.into_iter().collect()
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let seconds: u64 = arguments.next().map_or(10, |word| word.parse().unwrap());
+    let mut random = Random(arguments.next().map_or(1, |word| word.parse().unwrap()));
+    let seeds = seeds();
+    let (begin, mut executions, mut robots) = (Instant::now(), 0u64, 0u64);
+    while begin.elapsed() < Duration::from_secs(seconds) {
+        let (name, text) = &seeds[random.below(seeds.len())];
+        let text = changed(text, &seeds, &mut random);
+        let start = Instant::now();
+        let mut options = Options::default();
+        if name.ends_with(".conf") {
+            options.arguments.push(("ur_type".into(), "ur5e".into()));
+        }
+        match from_text(name, &text, &options) {
+            Ok(opened) => {
+                robots += 1;
+                let selection = Selection { file: name, ..Selection::default() };
+                let how = TableOptions { convention: None, gauge: None, tolerance: NEARLY_PARALLEL };
+                let _ = opened.robot.table(&selection, &how);
+            }
+            Err(error) => assert!(!error.to_string().is_empty(), "{text}"),
+        }
+        let _ = read_vendor_table(name, &text, Stated::default());
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?} for\n{text}", start.elapsed());
+        executions += 1;
+    }
+    println!("{executions} executions, {robots} of them robots, no finding");
+}
