@@ -493,3 +493,20 @@ fn the_kinematics_file_of_a_ur_is_for_a_ur() {
     let techman = denavit_with_input(&["table", "-", "--format", "ur"], table).failed();
     assert!(techman.contains("no Universal Robots arm"), "{techman}");
 }
+
+#[test]
+fn what_table_refuses_export_and_describe_refuse() {
+    let far = "<robot name='far'><link name='a'/><link name='b'/><link name='c'/>\
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/><origin xyz='0 0 1e200'/><axis xyz='0 0 1'/></joint>\
+        <joint name='k' type='continuous'><parent link='b'/><child link='c'/><origin xyz='1e200 0 1'/><axis xyz='0 1 0'/></joint></robot>";
+    let trial = Trial::new()
+        .with("far.urdf", far)
+        .with("far.csv", "# distal\n# units: m, deg\ntheta,d,alpha,a\nq1,1e200,90,0\nq2,0,0,1e200\n")
+        .with("parallel.yaml", &origins(|_| [0.0, 0.0, 0.1, 0.0, 0.0, 0.0], 8));
+    for file in ["far.urdf", "far.csv", "parallel.yaml"] {
+        for command in ["table", "export", "describe"] {
+            let run = trial.run(&format!("{command} {file}"));
+            assert_eq!(run.code, 2, "{command} {file}: {}{}", run.stdout, run.stderr);
+        }
+    }
+}

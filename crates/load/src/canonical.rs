@@ -10,6 +10,7 @@ use denavit_model::notes::Noted;
 /// # Errors
 /// The robot cannot be written so; `file` is what messages call it.
 pub fn canonical(robot: &Loaded, file: &str, options: &Options) -> Result<Noted<String>, LoadError> {
+    robot.sound(file)?;
     let own = |value| Noted { value, notes: Vec::new() };
     Ok(match robot {
         Loaded::Robot(tree) => urdf::canonical(tree, options)?,

@@ -38,6 +38,7 @@ pub use table::{Made, NEARLY_PARALLEL, TableOptions};
 pub use urdf_text::{UrdfText, is_markup, urdf_text, why_a_part};
 
 use denavit_export::sources::Stated;
+use denavit_model::Inventory;
 use std::path::PathBuf;
 
 /// What some sources need; a URDF needs none of it.
@@ -69,6 +70,16 @@ pub struct Opened {
     pub is_xacro: bool,
     /// Files that the source made us read beside itself: what a xacro file includes, and its yaml.
     pub includes: Vec<PathBuf>,
-    /// What became of everything in a table or maker's file; a robot's tree has its own account.
-    pub inventory: denavit_model::Inventory,
+    /// What became of everything in a table or maker's file.
+    pub(crate) read: Inventory,
+}
+
+impl Opened {
+    /// What became of everything in the source: understood, carried along, reported.
+    pub fn inventory(&self) -> Inventory {
+        match &self.robot {
+            Loaded::Robot(robot) => robot.inventory(),
+            Loaded::Table { .. } | Loaded::Poe(_) => self.read.clone(),
+        }
+    }
 }

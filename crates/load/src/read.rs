@@ -38,7 +38,7 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     };
     let plain = |robot| {
         without_arguments()?;
-        Ok(Opened { robot, notes: Vec::new(), is_xacro: false, includes: Vec::new(), inventory: Inventory::default() })
+        Ok(Opened { robot, notes: Vec::new(), is_xacro: false, includes: Vec::new(), read: Inventory::default() })
     };
     let start = text.trim_start_matches('\u{feff}').trim_start();
     if ur_conf::is_one(start) {
@@ -78,8 +78,8 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     let Expanded { urdf, notes, files_read, .. } = expanded(file, text, options)?;
     let robot = denavit_model::urdf::read(&format!("{file} (expanded)"), &urdf)?;
     let notes = notes.iter().map(ToString::to_string).collect();
-    let inventory = Inventory::default();
-    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes, is_xacro: true, includes: files_read, inventory })
+    let read = Inventory::default();
+    Ok(Opened { robot: Loaded::Robot(Box::new(robot)), notes, is_xacro: true, includes: files_read, read })
 }
 
 /// A table or screw axes as a robot, with everything that must be said of the reading.
@@ -91,7 +91,7 @@ fn opened(file: &str, read: Read) -> Result<Opened, LoadError> {
         Source::Poe(_) => Loaded::Poe(chain),
     };
     let notes = read.assumed.into_iter().chain(read.notes.iter().map(ToString::to_string)).collect();
-    Ok(Opened { robot, notes, is_xacro: false, includes: Vec::new(), inventory: read.inventory })
+    Ok(Opened { robot, notes, is_xacro: false, includes: Vec::new(), read: read.inventory })
 }
 
 /// By its name it is XML.

@@ -83,6 +83,15 @@ impl Loaded {
         Ok(Noted { value: chain.clone(), notes: Vec::new() })
     }
 
+    /// Refuses a robot whose own chain cannot be used, such as one with numbers beyond all reach: what `table` refuses is refused
+    /// wherever the whole robot is written, too.
+    ///
+    /// # Errors
+    /// As [`Loaded::chain`].
+    pub fn sound(&self, file: &str) -> Result<(), LoadError> {
+        self.chain(&Selection { file, ..Selection::default() }).map(drop)
+    }
+
     /// The chain to one tip (to the selection's where `tips` is empty), or the joints on the ways to several: see [`Chain::joined`].
     ///
     /// # Errors

@@ -12,6 +12,7 @@ pub fn run(arguments: &DescribeArguments) -> Result<Status, Failure> {
     let inputs = std::iter::once(arguments.robot.as_str()).chain(arguments.source.files());
     let delivery = Delivery::plain(arguments.output.as_deref(), inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
+    loaded.sound(&arguments.robot)?;
     delivery.text(describe(&loaded.subject(&arguments.robot)))?;
     Ok(Status::Same)
 }
