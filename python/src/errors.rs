@@ -4,6 +4,7 @@ use denavit_calibrate::observation::measurements::DataError;
 use denavit_load::LoadError;
 use denavit_load::measured::MeasuredError;
 use denavit_model::settings::{Shown, shown};
+use denavit_model::words::readable;
 use denavit_model::{Place, TreeError, UrdfError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -82,7 +83,7 @@ impl From<&Place> for Spot {
 /// The exception of a class with this message; the hint is what the message says to do.
 pub fn error(class: Class, message: &str, spot: Spot) -> PyErr {
     let message = said(message);
-    Python::attach(|py| raised(py, class, &message, spot).unwrap_or_else(|error| error))
+    Python::attach(|py| raised(py, class, &readable(&message), spot).unwrap_or_else(|error| error))
 }
 
 /// A message with its settings as the keywords that they are in Python.

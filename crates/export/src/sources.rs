@@ -380,14 +380,19 @@ pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<Ve
     }
 }
 
-/// Notes on what a vendor's table holds and [`read_vendor_table`] does not read.
+/// What must be said of a vendor's table: what [`read_vendor_table`] does not read, and rows that it reads as fixed frames.
 ///
 /// # Errors
 /// As [`read_vendor_table`].
-pub fn vendor_notes(file: &str, text: &str, given: Stated) -> Result<Vec<Note>, SourceError> {
+pub fn vendor_notes(file: &str, text: &str, given: Stated) -> Result<Vec<String>, SourceError> {
+    let notes = |notes: &[Note]| notes.iter().map(ToString::to_string).collect::<Vec<_>>();
     match content(file, text, given)? {
-        Content::Whole(read) => Ok(read.notes),
-        Content::Rows(rows) => Ok(rows.notes),
+        Content::Whole(read) => Ok(notes(&read.notes)),
+        Content::Rows(rows) => {
+            let mut said = table::fixed_frames(&rows, given)?;
+            said.extend(notes(&rows.notes));
+            Ok(said)
+        }
     }
 }
 

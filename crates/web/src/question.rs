@@ -228,7 +228,8 @@ impl RobotText {
 
     /// The robot.
     pub(crate) fn open(&self) -> Result<Opened, String> {
-        denavit_load::from_text(&self.file, &self.text, &self.options()).map_err(|error| error.to_string())
+        denavit_load::from_text(&self.file, &self.text, &self.options())
+            .map_err(|error| denavit_model::words::readable(&error.to_string()).into_owned())
     }
 
     /// The robot, without what is to be said of its reading.

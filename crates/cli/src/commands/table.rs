@@ -40,7 +40,8 @@ fn matched(arguments: &TableArguments, delivery: &Delivery, loaded: &Loaded, ven
     let convention = arguments.convention.map(ConventionName::convention);
     let given = Stated { convention, ..Stated::default() }.or(source::stated(&arguments.robot.source)?);
     let readings = sources::read_vendor_table(&file, &text, given).map_err(denavit_load::LoadError::from)?;
-    output::remark(&sources::vendor_notes(&file, &text, given).map_err(denavit_load::LoadError::from)?);
+    let said = sources::vendor_notes(&file, &text, given).map_err(denavit_load::LoadError::from)?;
+    said.iter().for_each(output::mention);
     let Noted { value: chain, notes } = loaded.chain(&arguments.robot.selection())?;
     let found = matched::best(&chain, &readings).map_err(|error| Failure::Argument(format!("{file}: {error}")))?;
     let json = || Ok(matched::json(&chain, &file, &found));

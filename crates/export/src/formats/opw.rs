@@ -38,7 +38,8 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     let lengths =
         [("a1", arm.a1), ("a2", arm.a2), ("b", arm.b), ("c1", arm.c1), ("c2", arm.c2), ("c3", arm.c3), ("c4", arm.c4)];
     for (key, value) in lengths {
-        let _ = writeln!(out, "  {key}: {:?}", value + 0.0);
+        // To a picometre: 0.5, not 0.49999999999999994.
+        let _ = writeln!(out, "  {key}: {:?}", (value * 1e12).round() / 1e12 + 0.0);
     }
     let list = |values: [f64; 6]| values.map(|value| format!("{:?}", value + 0.0)).join(", ");
     let _ = writeln!(out, "{OFFSETS}: [{}]", list(arm.offsets));

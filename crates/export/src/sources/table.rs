@@ -272,6 +272,12 @@ pub(super) fn of_rows(mut rows: Rows, given: Stated) -> Result<Read, SourceError
     Ok(Read { source, assumed: sentences, notes: rows.notes, inventory: rows.inventory })
 }
 
+/// Sentences on rows that are read as fixed frames by their numbers alone.
+pub(super) fn fixed_frames(rows: &Rows, given: Stated) -> Result<Vec<String>, SourceError> {
+    let (read_as, _) = assumed(rows, stated(rows, given)?)?;
+    Ok(Layout::of(&Numbers::of(rows, read_as, true), read_as.convention)?.assumed)
+}
+
 impl Layout {
     fn of(numbers: &Numbers, convention: Convention) -> Result<Self, SourceError> {
         let rows = numbers.rows;
