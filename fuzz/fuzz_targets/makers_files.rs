@@ -4,10 +4,11 @@
 
 use denavit_export::kinematics_yaml::AngleOrder;
 use denavit_export::makers::{self, ur_conf};
+use denavit_export::sources::Stated;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
-    match makers::read_whole("fuzz.yaml", "fuzz", text, AngleOrder::Urdf) {
+    match makers::read_whole("fuzz.yaml", "fuzz", text, AngleOrder::Urdf, Stated::default()) {
         Ok(read) => assert_eq!(read.notes.len(), read.inventory.reported().count()),
         Err(error) => assert!(!error.to_string().is_empty()),
     }

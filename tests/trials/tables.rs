@@ -38,6 +38,14 @@ fn a_row_with_d_and_beta_keeps_both() {
         near(found, expected);
         assert_eq!(said, "", "{file}");
     }
+    let yaml = "convention: hayati\nunits: mm, deg\nremark: ours\ndh:\n  - {theta: q1, d: 100, alpha: 0, a: 200, beta: 30}\n  - {theta: q2, d: 50, alpha: 90, a: 0, beta: 0, mass: 3}\n";
+    let named = "units: mm, deg\nshoulder: {theta: q1, d: 100, alpha: 0, a: 200, beta: 30}\nelbow: {theta: q2, d: 50, alpha: 90, a: 0}\n";
+    trial = trial.with("rows.yaml", yaml).with("named.yaml", named).with("bad.yaml", &yaml.replace("mm, deg", "cubit"));
+    let (found, said) = tip(&trial, "fk rows.yaml --q 0,0");
+    near(found, expected);
+    assert!(said.contains("rows.yaml:3: key \"remark\"") && said.contains("column \"mass\""), "{said}");
+    near(tip(&trial, "fk named.yaml --table-convention distal --q 0,0").0, expected);
+    trial.refuses("table bad.yaml", "bad.yaml:2: units: \"cubit\" is no unit");
     // There and back in every format that is also a source, and as URDF.
     for (format, name) in [("json", "again.json"), ("csv", "again.csv"), ("md", "again.md")] {
         trial.run(&format!("table hayati.csv --format {format} --units m,rad -o {name}")).succeeded();

@@ -86,7 +86,7 @@ pub enum KinematicsFileError {
     /// No kinematics file that is known.
     #[error(
         "{file}: no kinematics file that is known: UR's has kinematics.shoulder …, an xArm's kinematics.joint1 …, Franka's \
-         joint1.kinematic …, an OPW file opw_kinematics_geometric_parameters …"
+         joint1.kinematic …, an OPW file opw_kinematics_geometric_parameters …, a D-H table rows with theta, d, alpha, a"
     )]
     Unknown {
         /// The file.
@@ -124,6 +124,9 @@ pub enum KinematicsFileError {
         /// Why it is none, and what to do.
         what: String,
     },
+    /// A table in YAML.
+    #[error(transparent)]
+    Table(#[from] crate::sources::SourceError),
     /// Not a chain.
     #[error(transparent)]
     Chain(#[from] ChainError),

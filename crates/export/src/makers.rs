@@ -16,7 +16,7 @@ mod xarm;
 pub(crate) mod yaml;
 
 use crate::kinematics_yaml::{self, AngleOrder, KinematicsFileError};
-use crate::sources::{Read, Source};
+use crate::sources::{self, Read, Source, Stated};
 use crate::urdf::ExportError;
 use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate, Quantity};
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
@@ -154,12 +154,26 @@ pub fn read(file: &str, robot: &str, text: &str, order: AngleOrder) -> Result<Ch
     chain_in(&yaml::Scalars::read(file, text)?, robot, order).map(|(chain, _)| chain)
 }
 
-/// The same, with what the file was read as and an account of everything in it.
+/// The same, with what the file was read as and an account of everything in it; also a D-H table in YAML, a list of rows
+/// with keys theta, d, alpha, a.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_whole(file: &str, robot: &str, text: &str, order: AngleOrder) -> Result<Read, KinematicsFileError> {
+pub fn read_whole(
+    file: &str,
+    robot: &str,
+    text: &str,
+    order: AngleOrder,
+    given: Stated,
+) -> Result<Read, KinematicsFileError> {
     let scalars = yaml::Scalars::read(file, text)?;
+    if let Some(cells) = scalars.table() {
+        let mut read = sources::of_cells(file, &cells, given)?;
+        let (notes, inventory) = scalars.account();
+        read.notes.extend(notes);
+        read.inventory.append(inventory);
+        return Ok(read);
+    }
     let (chain, form) = chain_in(&scalars, robot, order)?;
     let (notes, inventory) = scalars.account();
     let assumed = vec![format!("{file}: read as {form}")];

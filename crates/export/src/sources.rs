@@ -16,6 +16,7 @@ mod stated;
 mod table;
 
 use crate::formats::json::{CoordinateEntry, UnitsEntry};
+use crate::makers::yaml::Cells;
 use denavit_dh::matching::VendorTable;
 use denavit_dh::{Convention, Table};
 use denavit_model::Inventory;
@@ -302,6 +303,15 @@ pub fn read_whole(file: &str, text: &str, given: Stated) -> Result<Read, SourceE
         Content::Whole(read) => Ok(read),
         Content::Rows(rows) => table::of_rows(rows, given),
     }
+}
+
+pub(crate) fn is_table_header(headings: &[String]) -> bool {
+    rows::are_headings(headings)
+}
+
+/// A D-H table whose cells stand in a YAML document.
+pub(crate) fn of_cells(file: &str, cells: &Cells, given: Stated) -> Result<Read, SourceError> {
+    table::of_rows(rows::Rows::of_cells(file, cells)?, given)
 }
 
 /// What a file holds.

@@ -49,7 +49,7 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     }
     if is_kinematics_file(file, start) {
         let order = if options.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };
-        let read = makers::read_whole(file, &stem(file), text, order)?;
+        let read = makers::read_whole(file, &stem(file), text, order, options.stated)?;
         without_arguments()?;
         return opened(file, read);
     }

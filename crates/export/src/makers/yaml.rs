@@ -24,6 +24,13 @@ struct Scalar {
     read: Cell<bool>,
 }
 
+/// A table as cells: words on it, headings, rows; each with its line.
+pub(crate) struct Cells {
+    pub words: Vec<(usize, String)>,
+    pub headings: Vec<String>,
+    pub rows: Vec<(usize, Vec<String>)>,
+}
+
 /// What the parser is inside of.
 enum Level {
     Map { key: Option<String>, seen: Vec<String> },
@@ -100,6 +107,70 @@ impl Scalars {
             }
         }
         found
+    }
+
+    /// The rows of a D-H table: maps in a list, or under names, in one place of the document. Scalars beside it that say how
+    /// it is written come as words.
+    pub fn table(&self) -> Option<Cells> {
+        let row_of = |scalar: &Scalar| scalar.path.len().checked_sub(2).map(|at| scalar.path[..=at].to_vec());
+        let mut places: Vec<Vec<String>> = Vec::new();
+        for scalar in &self.all {
+            if let Some(row) = row_of(scalar) {
+                let place = row[..row.len() - 1].to_vec();
+                if !places.contains(&place) {
+                    places.push(place);
+                }
+            }
+        }
+        let mut found = places.into_iter().filter_map(|place| self.cells_at(&place));
+        let cells = found.next()?;
+        found.next().is_none().then_some(cells)
+    }
+
+    fn cells_at(&self, place: &[String]) -> Option<Cells> {
+        let of_table = |scalar: &&Scalar| scalar.path.len() == place.len() + 2 && scalar.path[..place.len()] == *place;
+        let mut headings: Vec<String> = Vec::new();
+        let mut rows: Vec<(String, usize, Vec<String>)> = Vec::new();
+        for scalar in self.all.iter().filter(of_table) {
+            let (row, key) = (&scalar.path[place.len()], &scalar.path[place.len() + 1]);
+            let column = headings.iter().position(|known| known == key).unwrap_or_else(|| {
+                headings.push(key.clone());
+                headings.len() - 1
+            });
+            if rows.last().is_none_or(|(known, ..)| known != row) {
+                rows.push((row.clone(), scalar.line, Vec::new()));
+            }
+            let (.., cells) = rows.last_mut()?;
+            cells.resize(cells.len().max(column + 1), String::new());
+            cells[column].clone_from(&scalar.text);
+        }
+        if !crate::sources::is_table_header(&headings) {
+            return None;
+        }
+        let mut words = Vec::new();
+        for scalar in &self.all {
+            let says = |key: &str| {
+                ["convention", "robot"].contains(&key) || key.split(['_', ' ']).any(|w| ["unit", "units"].contains(&w))
+            };
+            let below = scalar.path.len() == place.len().max(1) || scalar.path.len() == 1;
+            if of_table(&scalar) {
+                scalar.read.set(true);
+            } else if let (true, Some(key)) = (below, scalar.path.last().filter(|key| says(&key.to_lowercase()))) {
+                scalar.read.set(true);
+                words.push((scalar.line, format!("{}: {}", key.replace('_', " "), scalar.text)));
+            }
+        }
+        // Rows under names have them as the joints' names.
+        let named = rows.iter().any(|(row, ..)| row.parse::<usize>().is_err());
+        if named && !headings.iter().any(|heading| heading.to_lowercase() == "joint") {
+            headings.push("joint".into());
+            for (row, _, cells) in &mut rows {
+                cells.resize(headings.len() - 1, String::new());
+                cells.push(row.clone());
+            }
+        }
+        let rows = rows.into_iter().map(|(_, line, cells)| (line, cells)).collect();
+        Some(Cells { words, headings, rows })
     }
 
     fn find(&self, path: &[&str]) -> Option<&Scalar> {

@@ -5,6 +5,7 @@ use super::cell::has_decimal_comma;
 use super::header::{Heading, KNOWN, quantity_of};
 use super::stated::{Said, Stated};
 use super::{SourceError, SourceErrorKind, place};
+use crate::makers::yaml::Cells;
 use denavit_model::notes::Note;
 use denavit_model::units::Unit;
 use denavit_model::words::{from_cell, quoted};
@@ -66,26 +67,35 @@ impl<'a> Rows<'a> {
         });
         let headings: Vec<Heading> = cut(&lines[header], mark).iter().map(|(_, cell)| Heading::of(cell)).collect();
         let header_line = header + 1;
-        let known: Vec<&Heading> = headings.iter().filter(|heading| !heading.name.is_empty()).collect();
-        for (index, heading) in known.iter().enumerate() {
-            if let Some(twin) = known[..index].iter().find(|twin| twin.name == heading.name) {
-                let kind = SourceErrorKind::Twice { first: twin.written.clone(), second: heading.written.clone() };
-                return Err(SourceError::at(place(file, header_line, "header"), kind));
-            }
-        }
+        one_column_each(file, header_line, &headings)?;
         // Behind a Markdown table other things follow; behind a CSV header only comments are words.
         let numbered = || lines.iter().enumerate().map(|(index, line)| (index, line.as_str()));
         let comments = numbered().skip(header).filter(|(_, line)| mark != '|' && line.trim_start().starts_with('#'));
         let said = Said::in_words(numbered().take(header).chain(comments), &headings);
-        if let Some((index, word)) = &said.unknown_unit {
-            let kind = SourceErrorKind::UnknownUnit { word: word.clone(), known: known_units(None) };
-            return Err(SourceError::at(place(file, index + 1, "units"), kind));
-        }
+        unit_is_known(file, &said)?;
         let inventory = Inventory { understood: headings.len(), ..Inventory::default() };
         let (records, notes) = (Vec::new(), Vec::new());
         let mut rows = Self { file, headings, header_line, records, said, mark, notes, inventory };
         rows.take_lines(&lines, header)?;
         rows.take_row_of_units()?;
+        rows.one_decimal_mark()?;
+        rows.report_columns();
+        Ok(rows)
+    }
+
+    /// A table whose cells were found elsewhere than in lines of text.
+    pub fn of_cells(file: &'a str, cells: &Cells) -> Result<Self, SourceError> {
+        let headings: Vec<Heading> = cells.headings.iter().map(|heading| Heading::of(heading)).collect();
+        let header_line = cells.rows.first().map_or(1, |(line, _)| *line);
+        one_column_each(file, header_line, &headings)?;
+        let said =
+            Said::in_words(cells.words.iter().map(|(line, words)| (line.saturating_sub(1), words.as_str())), &headings);
+        unit_is_known(file, &said)?;
+        let record =
+            |(line, cells): &(usize, Vec<String>)| Record { line: *line, cells: cells.clone(), columns: Vec::new() };
+        let records = cells.rows.iter().map(record).collect();
+        let (notes, inventory) = (Vec::new(), Inventory::default());
+        let mut rows = Self { file, headings, header_line, records, said, mark: ',', notes, inventory };
         rows.one_decimal_mark()?;
         rows.report_columns();
         Ok(rows)
@@ -270,6 +280,30 @@ impl<'a> Rows<'a> {
     pub fn error(&self, kind: SourceErrorKind) -> SourceError {
         SourceError::at(place(self.file, self.header_line, "table"), kind)
     }
+}
+
+/// No two headings of one meaning.
+fn one_column_each(file: &str, line: usize, headings: &[Heading]) -> Result<(), SourceError> {
+    let known: Vec<&Heading> = headings.iter().filter(|heading| !heading.name.is_empty()).collect();
+    for (index, heading) in known.iter().enumerate() {
+        if let Some(twin) = known[..index].iter().find(|twin| twin.name == heading.name) {
+            let kind = SourceErrorKind::Twice { first: twin.written.clone(), second: heading.written.clone() };
+            return Err(SourceError::at(place(file, line, "header"), kind));
+        }
+    }
+    Ok(())
+}
+
+fn unit_is_known(file: &str, said: &Said) -> Result<(), SourceError> {
+    let Some((index, word)) = &said.unknown_unit else { return Ok(()) };
+    let kind = SourceErrorKind::UnknownUnit { word: word.clone(), known: known_units(None) };
+    Err(SourceError::at(place(file, index + 1, "units"), kind))
+}
+
+/// Whether these are the headings of a D-H table.
+pub(super) fn are_headings(headings: &[String]) -> bool {
+    let cells: Vec<(usize, String)> = headings.iter().map(|heading| (1, heading.clone())).collect();
+    is_header(&cells, ',')
 }
 
 fn known_units(quantity: Option<Quantity>) -> String {
