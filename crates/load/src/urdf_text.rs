@@ -35,8 +35,14 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
         includes: Vec::new(),
     };
     if !is_markup(file, &text) {
-        let robot = from_text(file, &text, options)?.robot;
-        return Ok(plain(format!("{file} (as URDF)"), canonical(&robot, file, written)?.value));
+        let opened = from_text(file, &text, options)?;
+        let urdf = canonical(&opened.robot, file, written)?.value;
+        // What is not understood of a table is said, whoever looks at its URDF.
+        return Ok(UrdfText {
+            notes: opened.notes,
+            is_xacro: opened.is_xacro,
+            ..plain(format!("{file} (as URDF)"), urdf)
+        });
     }
     let is_meant =
         || is_named(file, ".xacro") || !options.arguments.is_empty() || denavit_model::urdf::read(file, &text).is_err();
