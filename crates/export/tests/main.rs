@@ -3,6 +3,7 @@
 mod makers;
 mod page_content;
 mod page_written;
+mod sources;
 mod urdf_calibrated;
 mod urdf_canonical;
 mod urdf_corpus;
