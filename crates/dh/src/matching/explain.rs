@@ -65,7 +65,8 @@ impl Matching<'_> {
             .filter_map(|of| self.product.places.iter().position(|place| *place == (of.label, of.number)))
             .collect();
         let left = self.fit(&self.senses_of(explanation)).errors(state, &self.arm.samples).0;
-        let enough = (2.0 * left).max(EXPLAINED * self.arm.size);
+        // No worse than what was found, but for rounding.
+        let enough = (2.0 * left).max(LEFT * self.arm.size);
         let mut free = self.only(&support);
         let stated = fits.state.zeros.clone();
         free.zeros.fill(false);
