@@ -23,6 +23,8 @@ pub enum Unit {
     Mil,
     /// ft, 12 in
     Foot,
+    /// km
+    Kilometre,
     /// rad
     Radian,
     /// mrad
@@ -56,16 +58,17 @@ const LENGTHS: &[Entry] = &[
     (Unit::Inch, 0.0254, &["in", "inch", "inches"]),
     (Unit::Mil, 2.54e-5, &["mil", "mils", "thou"]),
     (Unit::Foot, 0.3048, &["ft", "foot", "feet"]),
+    (Unit::Kilometre, 1e3, &["km", "kilometre", "kilometres", "kilometer", "kilometers"]),
 ];
 
 const ANGLES: &[Entry] = &[
     (Unit::Radian, 1.0, &["rad", "rads", "radian", "radians"]),
     (Unit::Milliradian, 1e-3, &["mrad", "mrads", "milliradian", "milliradians"]),
     (Unit::Degree, PI / 180.0, &["deg", "degs", "degree", "degrees", "°", "º", "˚"]),
-    (Unit::Gradian, PI / 200.0, &["grad", "grads", "gradian", "gradians", "gon", "gons"]),
-    (Unit::Turn, 2.0 * PI, &["rev", "revs", "revolution", "revolutions", "turn", "turns"]),
     (Unit::Arcminute, PI / 10_800.0, &["arcmin", "arcmins", "arcminute", "arcminutes"]),
     (Unit::Arcsecond, PI / 648_000.0, &["arcsec", "arcsecs", "arcsecond", "arcseconds"]),
+    (Unit::Gradian, PI / 200.0, &["grad", "grads", "gradian", "gradians", "gon", "gons"]),
+    (Unit::Turn, 2.0 * PI, &["rev", "revs", "revolution", "revolutions", "turn", "turns"]),
 ];
 
 /// Strokes behind a number: inches and seconds, feet and minutes.
@@ -195,6 +198,6 @@ mod tests {
             assert_eq!(Unit::of_any(word), None, "{word}");
         }
         assert_eq!(Unit::of_any("\""), None);
-        assert_eq!(Unit::words(Quantity::Angle), "rad, mrad, deg, grad, rev, arcmin, arcsec");
+        assert_eq!(Unit::words(Quantity::Angle), "rad, mrad, deg, arcmin, arcsec, grad, rev");
     }
 }
