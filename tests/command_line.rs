@@ -84,7 +84,10 @@ fn messages_name_the_trouble_and_the_mend() {
         "error: --q: the chain has no joint \"elbow\"; the joints are shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint, wrist_2_joint, wrist_3_joint",
     );
     check(&["fk", &ur5e, "--q", "0,0,0,0,0,x"], "error: --q: \"x\" is no finite number");
-    check(&["table", &ur5e, "--units", "inch"], "error: --units: \"inch\" is no unit; write m or mm, and deg or rad");
+    check(
+        &["table", &ur5e, "--units", "inch"],
+        "error: --units: \"inch\" is no unit of documents; write m or mm, and deg or rad",
+    );
 }
 
 #[test]

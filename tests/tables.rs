@@ -162,7 +162,7 @@ fn what_is_wrong_in_a_table_is_named_with_its_place() {
     says("theta;d;alpha;a\n0;0,5;0;0\n0;0.5;0;0\n", "t.csv:3:3: row: this number has another decimal mark");
     says("theta,d,alpha,a\n0,1 rad,0,0\n", "t.csv:2:3: row: d is \"1 rad\"");
     let file = folder.file("t.csv", "theta,d,alpha,a\n0,1,0,0\n");
-    assert!(denavit(&["table", &file, "--table-units", "ft"]).failed().contains("\"ft\" is no unit"));
+    assert!(denavit(&["table", &file, "--table-units", "cubit"]).failed().contains("\"cubit\" is no unit"));
 }
 
 #[test]
