@@ -467,7 +467,7 @@ goes first, and --allowed-miss says what direction may be off.
 Examples:
   denavit compensate as_it_is.urdf --from arm.urdf --poses poses.csv -o commands.csv
   denavit compensate as_it_is.urdf --effects effects.json --poses poses.csv --json
-  denavit compensate as_it_is.urdf --poses ur.csv --rotation-vector       columns x,y,z,rx,ry,rz of a UR";
+  denavit compensate as_it_is.urdf --poses ur.csv --rotation-vector   # x,y,z,rx,ry,rz of a UR";
 
 /// Arguments of `denavit compensate`.
 #[derive(Debug, Args)]
