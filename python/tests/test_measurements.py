@@ -124,9 +124,9 @@ def test_the_columns_of_an_orientation(form: str, drawn: dn.Chain, poses: dn.Mea
 def test_a_map_in_a_file_and_a_draft_of_one(drawn: dn.Chain, poses: dn.Measurements, tmp_path: Path) -> None:
     path = tmp_path / "map.toml"
     draft = poses.columns_draft(drawn)
-    assert 'units = "mm,deg"' in draft
+    assert 'units = "m,rad"' in draft
     turn = 'quaternion = { order = "xyzw", columns = ["qx", "qy", "qz", "qw"] }\n'
-    path.write_text(draft.replace('"mm,deg"', '"m,rad"') + turn)
+    path.write_text(draft + turn)
     (tmp_path / "run.csv").write_text(poses.text)
     read = dn.Measurements.read(tmp_path / "run.csv", columns=path)
     assert fitted(drawn, read)["stages"] == fitted(drawn, poses)["stages"]

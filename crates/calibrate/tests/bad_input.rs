@@ -352,6 +352,7 @@ fn data_that_cannot_be_fitted() {
     );
     assert_eq!(
         calibration_error(of(POSITION, 40), None, Some(1.5)),
-        "‹hold-out› 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows"
+        "‹hold-out› 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows of postures of their \
+         own"
     );
 }
