@@ -9,6 +9,7 @@ mod json;
 mod large;
 mod library;
 mod measured_data;
+mod meaning;
 mod numbers;
 #[cfg(unix)]
 mod outputs;

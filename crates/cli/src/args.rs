@@ -424,6 +424,9 @@ pub struct DescribeArguments {
     /// What some sources need.
     #[command(flatten)]
     pub source: SourceArguments,
+    /// Read every angle and axis as the number that it is, also 1.5708, which is else read as π/2
+    #[arg(long)]
+    pub exact: bool,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -458,6 +461,9 @@ pub struct DiffArguments {
     /// Added, removed and renamed links, joints and frames matter, too
     #[arg(long)]
     pub count_names: bool,
+    /// Read every angle and axis as the number that it is, also 1.5708, which is else read as π/2
+    #[arg(long)]
+    pub exact: bool,
     /// Range to sample instead of the joint limits, rad or m: LOWER,UPPER for all joints or NAME=LOWER,UPPER
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     pub q_range: Vec<String>,
@@ -586,6 +592,9 @@ pub struct FingerprintArguments {
     /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
     #[arg(long, value_name = "FINGERPRINT")]
     pub expect: Option<String>,
+    /// Read every angle and axis as the number that it is, also 1.5708, which is else read as π/2
+    #[arg(long)]
+    pub exact: bool,
     /// With --expect: what is not motion may differ: masses, shapes, speeds, transmissions, settings
     #[arg(long, requires = "expect")]
     pub only_motion: bool,

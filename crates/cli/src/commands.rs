@@ -34,8 +34,13 @@ pub mod table;
 use crate::args::UnitsArguments;
 use crate::failure::Failure;
 use denavit_export::Units;
+use denavit_model::Reading;
 use denavit_model::words::quoted;
 use serde::Serialize;
+
+fn reading(exact: bool) -> Reading {
+    if exact { Reading::AsWritten } else { Reading::Intended }
+}
 
 fn units(arguments: &UnitsArguments) -> Result<Units, Failure> {
     Units::default().with_words(&arguments.units).map_err(|word| {

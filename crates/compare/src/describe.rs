@@ -4,7 +4,7 @@
 //! in the root link's frame with every joint value 0: two ways to write one robot down give the same lines, but for the
 //! places of link frames, which stand in a part of their own.
 
-use crate::mechanism::{Body, Mechanism, MovingJoint, Role};
+use crate::mechanism::{Body, Mechanism, MovingJoint, PartPlace, Role};
 use crate::subject::Subject;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::robot::Geometry;
@@ -22,7 +22,12 @@ use std::fmt::Write;
 /// assert!(text.contains("joint \"joint_1\""), "{text}");
 /// ```
 pub fn describe(subject: &Subject) -> String {
-    let mechanism = subject.mechanism(Reading::AsWritten);
+    describe_as(subject, Reading::Intended)
+}
+
+/// The same, angles and axes as written or as intended.
+pub fn describe_as(subject: &Subject, reading: Reading) -> String {
+    let mechanism = subject.mechanism(reading);
     let mut out = format!("robot \"{}\"\n", mechanism.name);
     if let Subject::Robot(robot) = subject {
         let _ = writeln!(out, "root \"{}\"", robot.links[robot.root].name);
@@ -52,6 +57,15 @@ pub fn describe(subject: &Subject) -> String {
         for (path, value) in &element.entries {
             let _ = writeln!(out, "  {path}: {value}");
         }
+        for part in &element.parts {
+            let place = match &part.place {
+                PartPlace::Pose(pose) => placed(pose),
+                PartPlace::Inside(pose) => format!("in its part {}", placed(pose)),
+                PartPlace::Point(point) => format!("at {}", vector(&point.coords)),
+                PartPlace::Direction(direction) => format!("along {}", vector(direction)),
+            };
+            let _ = writeln!(out, "  {}: {place}", part.path);
+        }
     }
     out
 }
@@ -67,9 +81,20 @@ fn joint(out: &mut String, mechanism: &Mechanism, index: usize) {
         // An axis without a place does not say where the joint is.
         let _ = writeln!(out, "  at {}", vector(&mechanism.joints[index].origin.coords));
     }
+    let MovingJoint { idle_range, calibration, .. } = &mechanism.joints[index];
     let bound = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), number);
     if let Some((lower, upper)) = limits.range {
         let _ = writeln!(out, "  lower {} upper {}", number(lower), number(upper));
+    }
+    if let Some((lower, upper)) = idle_range {
+        let _ =
+            writeln!(out, "  stated, though it turns without end: lower {} upper {}", number(*lower), number(*upper));
+    }
+    if let Some(sensor) = calibration {
+        let (rising, falling) = (bound(sensor.rising), bound(sensor.falling));
+        let reference =
+            sensor.reference_position.map_or_else(String::new, |at| format!(" reference_position {}", number(at)));
+        let _ = writeln!(out, "  calibration rising {rising} falling {falling}{reference}");
     }
     if limits.velocity.is_some() || limits.effort.is_some() {
         let _ = writeln!(out, "  velocity {} effort {}", bound(limits.velocity), bound(limits.effort));

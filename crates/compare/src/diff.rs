@@ -16,6 +16,7 @@ use crate::comparison::{Change, Comparison, JointDifference, JointValue, Side, T
 use crate::mechanism::Mechanism;
 use crate::subject::Subject;
 use alignment::Alignment;
+use denavit_model::Note;
 use denavit_model::se3::Pose;
 use denavit_model::tree::TreeError;
 use joints::{Names, Reparametrised};
@@ -65,6 +66,26 @@ pub fn compare(a: &Subject, b: &Subject, options: &Options) -> Result<Comparison
     Ok(found.comparison((a, &in_a), (b, &in_b), options))
 }
 
+/// What either file says that has no part in the comparison but as a text: what is not understood, closed loops.
+fn not_understood(a: &Subject, b: &Subject) -> Vec<String> {
+    let of = |subject: &Subject| -> Vec<(String, String)> {
+        let Subject::Robot(robot) = subject else { return Vec::new() };
+        let notes = robot.notes.iter().filter_map(|note| match note {
+            Note::NotUnderstood { place, what } => Some((place.to_string(), format!("{}: {what}", place.element))),
+            _ => None,
+        });
+        notes.map(|(place, said)| (said.clone(), format!("{place}{}", &said[said.find(": ").unwrap_or(0)..]))).collect()
+    };
+    let (in_a, in_b) = (of(a), of(b));
+    let only = |own: &[(String, String)], other: &[(String, String)]| -> Vec<String> {
+        let own = own.iter().filter(|(said, _)| !other.iter().any(|(known, _)| known == said));
+        own.map(|(_, placed)| placed.clone()).collect()
+    };
+    let both = in_a.iter().filter(|(said, _)| in_b.iter().any(|(known, _)| known == said));
+    let both: Vec<String> = both.map(|(said, _)| format!("both: {said}")).collect();
+    [both, only(&in_a, &in_b), only(&in_b, &in_a)].concat()
+}
+
 /// An alignment and the differences that it leaves.
 struct Found {
     at: Alignment,
@@ -80,15 +101,18 @@ impl Found {
         if !options.up_to_base {
             return first;
         }
-        let others = alignment::bases(a, b, &first.at).into_iter().map(|base| Self::under(a, b, base, options));
+        let others =
+            alignment::bases(a, b, &first.at, options).into_iter().map(|base| Self::under(a, b, base, options));
         others.fold(first, |best, other| if other.differences() < best.differences() { other } else { best })
     }
 
     fn under(a: &Mechanism, b: &Mechanism, base: Pose, options: &Options) -> Self {
         let at = Alignment::new(a, b, base, options);
         let names = Names::of(a, b);
-        let joints = (0..a.joints.len()).map(|joint| joints::changes(a, b, &at, &names, joint, options)).collect();
-        let runs = (0..a.joints.len()).map(|joint| joints::run(a, b, &at, joint, options)).collect();
+        let runs: Vec<Reparametrised> =
+            (0..a.joints.len()).map(|joint| joints::run(a, b, &at, joint, options)).collect();
+        let joints =
+            (0..a.joints.len()).map(|joint| joints::changes(a, b, &at, &names, &runs, joint, options)).collect();
         let matter = matter::compare(a, b, &at, options);
         Self { at, joints, runs, matter }
     }
@@ -131,7 +155,7 @@ impl Found {
         let renamed: Vec<(String, String)> = renamed.collect();
         if options.scope == Scope::Everything && !in_a.bare && !in_b.bare {
             let all = renamed.iter().chain(&matter.renamed).map(|(one, other)| (one.as_str(), other.as_str()));
-            matter.parts.extend(elements::compare(in_a, in_b, &all.collect(), &|at| b.line(at)));
+            matter.parts.extend(elements::compare(in_a, in_b, &at, options, &all.collect(), &|at| b.line(at)));
         }
         let names = matter.name_notes(&renamed);
         let names_count = options.count_names && !names.is_empty();
@@ -154,7 +178,7 @@ impl Found {
             joints: found,
             tips,
             parts: matter.parts,
-            notes: names.into_iter().chain(matter.notes).collect(),
+            notes: names.into_iter().chain(matter.notes).chain(not_understood(a, b)).collect(),
         }
     }
 

@@ -10,7 +10,13 @@
 //! borders of the cells where no number lies that people write. Still, a number may come to lie within 1e-4 of a cell
 //! from a border, and then another computer may see it on the other side: for each such number both cells are hashed,
 //! and [`Fingerprint::matches`] accepts either. Equal robots thus match on every platform, robots a tolerance apart
-//! never do (but for the 2⁻⁴⁸ of the hash); in between they may or may not.
+//! never do (but for the 2⁻⁴⁸ of the hash).
+//!
+//! **Fingerprints and diff.** What [`crate::compare`] looks at at the same tolerance is hashed, and nothing else. Robots
+//! whose numbers differ by no more than 1e-4 of a cell - rounding, another notation, another choice of link frames - have
+//! matching fingerprints. Between that and the tolerance a number may have crossed a border of its cell: then the
+//! fingerprints differ although diff says "the same", and diff is right. No hash can do better, as a row of robots, each
+//! within the tolerance of the next, would else have one hash from end to end.
 
 mod cells;
 mod digest;
@@ -42,9 +48,9 @@ pub struct Fingerprint {
 }
 
 /// The first field of a fingerprint: what is hashed, and how. Another number, another meaning.
-const FORMAT: &str = "d2";
+const FORMAT: &str = "d3";
 
-/// The fingerprint of a robot at a tolerance in m and rad, angles read as written.
+/// The fingerprint of a robot at a tolerance in m and rad, angles and axes read as intended.
 ///
 /// # Examples
 /// ```
@@ -56,7 +62,12 @@ const FORMAT: &str = "d2";
 /// assert!(!of(&one).matches(&of(&other).to_string()));
 /// ```
 pub fn fingerprint(subject: &Subject, tolerance: f64) -> Fingerprint {
-    let mut mechanism: Mechanism = subject.mechanism(Reading::AsWritten);
+    fingerprint_as(subject, tolerance, Reading::Intended)
+}
+
+/// The same, angles and axes as written or as intended.
+pub fn fingerprint_as(subject: &Subject, tolerance: f64, reading: Reading) -> Fingerprint {
+    let mut mechanism: Mechanism = subject.mechanism(reading);
     mechanism.join_screws();
     let motion = digest::hashes(tolerance, |cells| digest::motion(&mechanism, cells));
     let matter = digest::hashes(tolerance, |cells| digest::matter(&mechanism, cells));
@@ -74,7 +85,7 @@ pub fn fingerprint(subject: &Subject, tolerance: f64) -> Fingerprint {
 pub enum FingerprintError {
     /// Not five fields between hyphens, the last two of hexadecimal digits.
     #[error(
-        "\"{0}\" is no fingerprint; it reads like d2-1e-6-98f2c1a0b3d4-55e01f7a9c22, as `denavit fingerprint` prints it"
+        "\"{0}\" is no fingerprint; it reads like d3-1e-6-98f2c1a0b3d4-55e01f7a9c22, as `denavit fingerprint` prints it"
     )]
     NotAFingerprint(String),
     /// Another version hashed other things.

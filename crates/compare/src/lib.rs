@@ -20,6 +20,6 @@ mod words;
 
 pub use comparison::{Change, Comparison, JointChange, JointDifference, PartDifference, TipDifference, Verdict};
 pub use diff::{Options, Range, Scope, compare};
-pub use fingerprint::{Fingerprint, FingerprintError, fingerprint};
+pub use fingerprint::{Fingerprint, FingerprintError, fingerprint, fingerprint_as};
 pub use lint::Finding;
 pub use subject::Subject;

@@ -3,14 +3,17 @@
 //! Links joined by fixed joints are one body. Everything is given in the root frame with every joint value 0: screw
 //! axes, shapes, masses, and the link frames as mere marks. Body 0 stands; body k + 1 is carried by joint k.
 
+mod parts;
 mod screws;
+
+pub(crate) use parts::by_path;
 
 use denavit_model::chain::Coordinate;
 use denavit_model::nalgebra::{Matrix3, Point3, Vector3};
 use denavit_model::placed::PlacedMass;
-use denavit_model::robot::{Dynamics, Geometry, Joint, SoftLimits};
+use denavit_model::robot::{Calibration, Dynamics, Geometry, Joint, SoftLimits};
 use denavit_model::se3::{self, Pose};
-use denavit_model::{Chain, Element, Limits, PlacedRobot, Robot, Screw, tree::Reading};
+use denavit_model::{Chain, Limits, PlacedRobot, Robot, Screw, tree::Reading};
 use std::collections::HashMap;
 
 /// The gauge-free form of a tree or a chain.
@@ -42,12 +45,38 @@ pub struct PlacedElement {
     pub label: String,
     /// The same without names.
     pub kind: String,
-    /// Every value by the path to it; see [`Element::entries`].
+    /// Every value by the path to it, but for those of `parts`; see [`denavit_model::Element::entries`].
     pub entries: Vec<(String, String)>,
+    /// What it places, by path.
+    pub parts: Vec<PlacedPart>,
     /// The body of the joint or link that it is about; the root body where it names none.
     pub body: usize,
     /// Byte offset in the source text.
     pub at: usize,
+}
+
+/// Something that an element places: a sensor, a light, the point at which a plugin measures.
+#[derive(Debug, Clone)]
+pub struct PlacedPart {
+    /// The path to where the place stands, or would stand.
+    pub path: String,
+    /// The body that it moves with.
+    pub body: usize,
+    /// Where it is.
+    pub place: PartPlace,
+}
+
+/// Where something is, in the root frame with every joint value 0.
+#[derive(Debug, Clone)]
+pub enum PartPlace {
+    /// `root_from_part`.
+    Pose(Pose),
+    /// m.
+    Point(Point3<f64>),
+    /// Of length 1.
+    Direction(Vector3<f64>),
+    /// In the part of the element that it stands in, whatever moves.
+    Inside(Pose),
 }
 
 /// An interval of a coordinate, rad or m.
@@ -82,12 +111,16 @@ pub struct MovingJoint {
     pub drive: Option<Drive>,
     /// As the source states them; no range where the joint turns without end.
     pub limits: Limits,
+    /// The range that the source states although the joint turns without end, rad.
+    pub idle_range: Option<(f64, f64)>,
     /// As the source states it: joint, multiplier, offset.
     pub mimic: Option<(String, f64, f64)>,
     /// Damping and friction.
     pub dynamics: Dynamics,
     /// A controller's limits, where stated.
     pub soft_limits: Option<SoftLimits>,
+    /// Where a reference sensor switches, where stated.
+    pub calibration: Option<Calibration>,
 }
 
 /// What moves a joint.
@@ -296,9 +329,11 @@ impl Mechanism {
             child: placed.robot().links[joint.child].name.clone(),
             drive: None,
             limits: joint.limits_in_force(),
+            idle_range: joint.limits.range.filter(|_| joint.limits_in_force().range.is_none()),
             mimic: joint.mimic.as_ref().map(|mimic| (mimic.joint.clone(), mimic.multiplier, mimic.offset)),
             dynamics: joint.dynamics(),
             soft_limits: joint.soft_limits(),
+            calibration: joint.calibration(),
         });
         self.bodies.push(Body::default());
     }
@@ -318,69 +353,6 @@ impl Mechanism {
             let coordinate = drive.driver.and_then(|driver| coordinate_of[driver]);
             let (scale, offset) = (drive.scale, drive.offset);
             self.joints[moving].drive = coordinate.map(|coordinate| Drive { coordinate, scale, offset });
-        }
-    }
-
-    /// Everything that the source says beyond links and joints, each with the body that it is about.
-    fn add_elements(&mut self, placed: &PlacedRobot, body_of: &[usize]) {
-        let robot = placed.robot();
-        if robot.elements.is_empty()
-            && robot
-                .links
-                .iter()
-                .all(|link| link.elements.is_empty() && link.collisions.iter().all(|shape| shape.elements.is_empty()))
-            && robot.joints.iter().all(|joint| joint.elements.is_empty())
-        {
-            return;
-        }
-        let mut bodies: HashMap<&str, usize> = HashMap::new();
-        for (index, link) in robot.links.iter().enumerate() {
-            bodies.insert(&link.name, body_of[placed.body(index)]);
-        }
-        for joint in &robot.joints {
-            bodies.insert(&joint.name, body_of[placed.body(joint.child)]);
-        }
-        let mut add = |owner: Option<(&str, &str)>, element: &Element, body: usize| {
-            if element.tag() == "material" {
-                return;
-            }
-            let (label, kind) = match owner {
-                Some((tag, name)) => {
-                    (format!("{tag} \"{name}\"/{}", element.label()), format!("{tag}/{}", element.tag()))
-                }
-                None => (element.label(), element.tag().to_owned()),
-            };
-            self.elements.push(PlacedElement { label, kind, entries: element.entries(), body, at: element.at });
-        };
-        for (index, link) in robot.links.iter().enumerate() {
-            let on_collisions = link.collisions.iter().flat_map(|shape| &shape.elements);
-            for element in link.elements.iter().chain(on_collisions) {
-                add(Some(("link", &link.name)), element, body_of[placed.body(index)]);
-            }
-        }
-        for joint in &robot.joints {
-            // Read as numbers, with URDF's defaults: a joint's own fields.
-            let further = joint.elements.iter().filter_map(further_of_joint);
-            for element in further {
-                add(Some(("joint", &joint.name)), &element, body_of[placed.body(joint.child)]);
-            }
-        }
-        for element in &robot.elements {
-            let mut names = element.nodes.iter().flat_map(|node| {
-                let values = node.attributes.iter().map(|(_, value)| value.as_str());
-                values.chain([node.text.as_str()])
-            });
-            let body = names.find_map(|name| bodies.get(name)).copied().unwrap_or(0);
-            add(None, element, body);
-        }
-        // Of elements that nothing else tells apart, the order in the file means nothing.
-        self.elements.sort_by(|one, other| (&one.label, &one.entries).cmp(&(&other.label, &other.entries)));
-        let mut seen: HashMap<String, usize> = HashMap::new();
-        for element in &mut self.elements {
-            let count = seen.entry(element.label.clone()).and_modify(|count| *count += 1).or_insert(1);
-            if *count > 1 {
-                element.label = format!("{} [{count}]", element.label);
-            }
         }
     }
 
@@ -418,8 +390,10 @@ impl Mechanism {
                 drive: Some(Drive { coordinate: joint.coordinate, scale, offset }),
                 limits: if own { coordinate.limits } else { Limits::default() },
                 mimic: (!own).then(|| (coordinate.name.clone(), joint.scale, joint.offset)),
+                idle_range: None,
                 dynamics: Dynamics::default(),
                 soft_limits: None,
+                calibration: None,
             });
             bodies.push(Body::default());
         }
@@ -439,6 +413,13 @@ impl Mechanism {
         let mut path: Vec<usize> = std::iter::successors(last, |joint| self.joints[*joint].parent).collect();
         path.reverse();
         path
+    }
+
+    /// The joint whose value moves joint `index`, itself where it is free, with factor and offset; `None` where none does.
+    pub(crate) fn driver(&self, index: usize, named: &HashMap<&str, usize>) -> Option<(usize, f64, f64)> {
+        let Drive { coordinate, scale, offset } = self.joints[index].drive?;
+        let driver = named.get(self.coordinates.get(coordinate)?.name.as_str())?;
+        Some((*driver, scale, offset))
     }
 
     /// Where each moving joint is, by name.
@@ -467,19 +448,6 @@ fn word_of(screw: &Screw, continuous: bool) -> &'static str {
         Screw::Prismatic(_) => "prismatic",
         Screw::Helical { .. } => "screw",
     }
-}
-
-/// An element of a joint without what is read as numbers of its own.
-fn further_of_joint(element: &Element) -> Option<Element> {
-    let read: &[&str] = match element.tag() {
-        "dynamics" => &["damping", "friction"],
-        "safety_controller" => &["soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"],
-        _ => return Some(element.clone()),
-    };
-    let mut element = element.clone();
-    let own = element.nodes.first_mut()?;
-    own.attributes.retain(|(name, _)| !read.contains(&name.as_str()));
-    (element.nodes.len() > 1 || !element.entries().is_empty()).then_some(element)
 }
 
 fn interval_of(joint: &Joint) -> Interval {

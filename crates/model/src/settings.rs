@@ -64,6 +64,7 @@ pub const SETTINGS: &[&str] = &[
     "tip",
     "tolerance",
     "units",
+    "up-to-zeros",
     "urdf",
     "write-baseline",
 ];

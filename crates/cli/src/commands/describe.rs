@@ -5,7 +5,7 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::Status;
 use crate::source;
-use denavit_compare::describe::describe;
+use denavit_compare::describe::describe_as;
 
 /// Runs the command.
 pub fn run(arguments: &DescribeArguments) -> Result<Status, Failure> {
@@ -13,6 +13,6 @@ pub fn run(arguments: &DescribeArguments) -> Result<Status, Failure> {
     let delivery = Delivery::plain(arguments.output.as_deref(), inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
     loaded.sound(&arguments.robot)?;
-    delivery.text(describe(&loaded.subject(&arguments.robot)))?;
+    delivery.text(describe_as(&loaded.subject(&arguments.robot), super::reading(arguments.exact)))?;
     Ok(Status::Same)
 }

@@ -44,6 +44,7 @@ fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
         q_range,
         samples: arguments.samples as usize,
         seed: arguments.seed,
+        reading: super::reading(arguments.exact),
         ..Options::default()
     })
 }

@@ -5,7 +5,7 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::Status;
 use crate::source;
-use denavit_compare::fingerprint;
+use denavit_compare::fingerprint_as;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -20,7 +20,7 @@ pub fn run(arguments: &FingerprintArguments) -> Result<Status, Failure> {
     let inputs = std::iter::once(arguments.robot.as_str()).chain(arguments.source.files());
     let delivery = Delivery::of(None, &arguments.json, inputs)?;
     let loaded = source::load(&arguments.robot, &arguments.source)?;
-    let found = fingerprint(&loaded.subject(&arguments.robot), arguments.tolerance);
+    let found = fingerprint_as(&loaded.subject(&arguments.robot), arguments.tolerance, super::reading(arguments.exact));
     if let Some(written) = &arguments.expect {
         found.comparable(written).map_err(|error| Failure::Argument(format!("--expect: {error}")))?;
     }

@@ -25,6 +25,8 @@ const ROBOT: &str = r#"<robot name="r">
   <transmission name="t"><type>simple</type><joint name="elbow"/>
     <actuator name="m"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>
   <gazebo reference="arm"><mu1>0.2</mu1></gazebo>
+  <gazebo reference="hand"><sensor name="cam"><pose>0 0 0.1 0 0 0</pose></sensor><fdir1>1 0 0</fdir1></gazebo>
+  <sensor name="ft"><parent link="hand"/><origin xyz="0 0 0.1"/></sensor>
 </robot>"#;
 
 /// For each entry of the list edits of the robot, and words of the difference that is found.
@@ -40,6 +42,7 @@ const EDITS: &[&[(&str, &str, &str)]] = &[
     &[
         ("<limit velocity=\"2\"", "<limit velocity=\"3\"", "velocity limit 2 to 3"),
         ("<limit velocity=\"2\" effort=\"30\"", "<limit velocity=\"2\" effort=\"31\"", "effort limit 30 to 31"),
+        ("<limit velocity=\"2\"", "<limit lower=\"-3\" upper=\"3\" velocity=\"2\"", "lower limit none to -3"),
     ],
     &[("damping=\"0.5\"", "damping=\"0.6\"", "damping 0.5 to 0.6"), (" friction=\"0.1\"", "", "friction 0.1 to 0")],
     &[
@@ -47,9 +50,8 @@ const EDITS: &[&[(&str, &str, &str)]] = &[
         ("k_velocity=\"1\"", "k_velocity=\"2\"", "k_velocity 1 to 2"),
     ],
     &[
-        ("<calibration rising=\"0.3\"/>", "", "joint \"shoulder\"/calibration: is gone"),
-        ("rising=\"0.3\"", "rising=\"0.4\"", "@rising: 0.3 to 0.4"),
-        ("<stiffness value=\"5\"/>", "<stiffness value=\"6\"/>", "link \"arm\"/contact: stiffness@value: 5 to 6"),
+        ("<calibration rising=\"0.3\"/>", "", "calibration rising 0.3 to none"),
+        ("rising=\"0.3\"", "rising=\"0.4\"", "calibration rising 0.3 to 0.4"),
     ],
     &[
         ("<mass value=\"2\"/>", "<mass value=\"20\"/>", "mass 2 kg to 20 kg"),
@@ -62,12 +64,30 @@ const EDITS: &[&[(&str, &str, &str)]] = &[
         ("hand.stl\"", "hand.stl\" scale=\"1 1 2\"", "scale 1 1 2"),
     ],
     &[
+        ("<pose>0 0 0.1 0 0 0", "<pose>0 0 0.2 0 0 0", "gazebo of \"hand\": sensor \"cam\"/pose moved by 100 mm"),
+        ("<pose>0 0 0.1 0 0 0", "<pose>0 0 0.1 0 0 0.1", "sensor \"cam\"/pose turned by"),
+        ("<fdir1>1 0 0", "<fdir1>0 1 0", "fdir1 turned by"),
+        ("<origin xyz=\"0 0 0.1\"/></sensor>", "</sensor>", "sensor \"ft\": origin moved by 100 mm"),
+        ("<pose>0 0 0.1", "<pose relative_to=\"arm\">0 0 0.1", "sensor \"cam\"/pose moves with another body"),
+    ],
+    &[
+        ("<stiffness value=\"5\"/>", "<stiffness value=\"6\"/>", "link \"arm\"/contact: stiffness@value: 5 to 6"),
         (">1</mech", ">-100</mech", "transmission \"t\": actuator \"m\"/mechanicalReduction: 1 to -100"),
         ("<mu1>0.2", "<mu1>0.3", "gazebo of \"arm\": mu1: 0.2 to 0.3"),
         ("<gazebo reference=\"arm\"><mu1>0.2</mu1></gazebo>", "", "gazebo of \"arm\": is gone"),
     ],
+    &[
+        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\" quat=\"1 0 0 0\"/>", "joint \"elbow\"/<axis>: is new"),
+        ("<link name=\"base\">", "<link name=\"base\">Base", "link \"base\"/<link>"),
+    ],
     &[("\"finger\"", "\"thumb\"", "")],
     &[(MIDDLE, MIDDLE_ELSEWHERE, "")],
+    &[
+        ("<origin xyz=\"1 0 0\"/>", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 0 1\"/>", ""),
+        ("<pose>0 0 0.1 0 0 0", "<pose degrees=\"true\" relative_to=\"hand\">0 0 0.1 0 0 0", ""),
+        ("<pose>0 0 0.1 0 0 0", "<pose relative_to=\"tcp\">0 0 -0.1 0 0 0", ""),
+        ("<pose>0 0 0.1 0 0 0", "<pose rotation_format=\"quat_xyzw\">0 0 0.1 0 0 0 1", ""),
+    ],
     &[("<material name=\"grey\"/>", "<material name=\"red\"/>", "")],
     &[],
     &[("value=\"5\"", "value=\"5.0\"", ""), ("<link name=\"base\">", "<!-- here --><link name=\"base\">", "")],
@@ -151,9 +171,9 @@ fn a_text_that_is_no_fingerprint_is_told_from_another_fingerprint() {
     assert_eq!(own.comparable(&own.to_string()), Ok(()));
     for (written, words) in [
         ("abc", "is no fingerprint"),
-        ("d2-1e-6-98f2c1a0b3d4-55e01f7a9c2", "is no fingerprint"),
+        ("d3-1e-6-98f2c1a0b3d4-55e01f7a9c2", "is no fingerprint"),
         ("d1-1e-6-98f2c1a0b3d4-55e01f7a9c22", "format d1"),
-        ("d2-1e-5-98f2c1a0b3d4-55e01f7a9c22", "‹tolerance› 1e-5"),
+        ("d3-1e-5-98f2c1a0b3d4-55e01f7a9c22", "‹tolerance› 1e-5"),
     ] {
         let error = own.comparable(written).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");

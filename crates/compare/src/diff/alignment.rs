@@ -5,7 +5,7 @@
 //! has there. An edit at one joint moves all that is behind it rigidly, so the motion changes at that joint only.
 
 use crate::diff::Options;
-use crate::diff::features::{Features, Precision};
+use crate::diff::features::{Features, Precision, alike};
 use crate::mechanism::{Mechanism, apart};
 use denavit_model::Screw;
 use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
@@ -141,7 +141,7 @@ impl Alignment {
         let body = joint + 1;
         let carried = self.moved[a.joints[joint].parent.map_or(0, |parent| parent + 1)];
         let mut candidates = vec![carried];
-        for candidate in self.candidates(a, b, on, body, &carried) {
+        for candidate in self.candidates(a, b, on, (body, &carried), options) {
             let new = candidates.iter().all(|known| {
                 let (turned, moved) = apart(known, &candidate);
                 turned > TIGHT || moved > TIGHT * a.size
@@ -175,8 +175,8 @@ impl Alignment {
         a: &Mechanism,
         b: &Mechanism,
         on: &[Vec<usize>],
-        body: usize,
-        carried: &Pose,
+        (body, carried): (usize, &Pose),
+        options: &Options,
     ) -> Vec<Pose> {
         let (in_a, in_b) = (&a.bodies[body], &b.bodies[self.body_b[body]]);
         let mut result = Vec::new();
@@ -194,7 +194,7 @@ impl Alignment {
         let shapes = in_a.shapes.iter().flat_map(|shape| {
             in_b.shapes
                 .iter()
-                .filter(|other| other.role == shape.role && other.geometry == shape.geometry)
+                .filter(|other| alike(shape, other, options))
                 .map(|other| other.pose * shape.pose.inverse())
                 .take(2)
         });
@@ -257,9 +257,9 @@ impl Alignment {
 
 /// Motions of the base that are worth a try: those of the root body's frames and shapes, and those that take the first
 /// two axes of a branch to where b has them.
-pub(crate) fn bases(a: &Mechanism, b: &Mechanism, named: &Alignment) -> Vec<Pose> {
+pub(crate) fn bases(a: &Mechanism, b: &Mechanism, named: &Alignment, options: &Options) -> Vec<Pose> {
     let on = a.joints_on();
-    let mut result = named.candidates(a, b, &on, 0, &Pose::identity());
+    let mut result = named.candidates(a, b, &on, (0, &Pose::identity()), options);
     for joint in on[0].iter().copied().take(2) {
         let Some(other) = named.joint_b[joint] else { continue };
         let (Some(one), Some(two)) = (a.joints[joint].screw, b.joints[other].screw) else { continue };

@@ -1,8 +1,12 @@
 //! What a file says beyond links and joints - transmissions, simulators' and controllers' settings, calibration -
-//! compared value by value.
+//! compared value by value; what they place by where it is on the robot, whatever link's frame it is given in.
 
 use crate::comparison::{PartDifference, PartKind};
-use crate::mechanism::{Mechanism, PlacedElement};
+use crate::diff::Options;
+use crate::diff::alignment::Alignment;
+use crate::mechanism::{Mechanism, PartPlace, PlacedElement, apart, by_path};
+use crate::words;
+use denavit_model::se3;
 use std::collections::{HashMap, HashSet};
 
 /// Numbers closer than this, relative, are one number written twice.
@@ -13,6 +17,8 @@ const WRITTEN: f64 = 1e-9;
 pub(crate) fn compare(
     a: &Mechanism,
     b: &Mechanism,
+    at: &Alignment,
+    options: &Options,
     renamed: &HashMap<&str, &str>,
     line: &dyn Fn(usize) -> Option<usize>,
 ) -> Vec<PartDifference> {
@@ -48,6 +54,9 @@ pub(crate) fn compare(
                 }
             }
         }
+        for (path, what) in moved(&(a, element), &(b, other), at, options, &in_b_words) {
+            found.push(difference(&element.label, format!("{path} {what}"), Some(other.at)));
+        }
         for (path, value) in other.entries.iter().filter(|(path, _)| left.contains_key(path.as_str())) {
             let what = if value.is_empty() { format!("{path} is new") } else { format!("{path}: {value} is new") };
             found.push(difference(&element.label, what, Some(other.at)));
@@ -57,6 +66,59 @@ pub(crate) fn compare(
         found.push(difference(&element.label, "is new".into(), Some(element.at)));
     }
     found
+}
+
+/// What the element places and b places elsewhere, by path, with how it differs.
+fn moved(
+    (a, element): &(&Mechanism, &PlacedElement),
+    (b, other): &(&Mechanism, &PlacedElement),
+    at: &Alignment,
+    options: &Options,
+    in_b_words: &dyn Fn(&str) -> String,
+) -> Vec<(String, String)> {
+    if element.parts.is_empty() && other.parts.is_empty() {
+        return Vec::new();
+    }
+    let mut left = by_path(&other.parts);
+    let mut found = Vec::new();
+    for part in &element.parts {
+        let Some(now) = left.remove(in_b_words(&part.path).as_str()) else {
+            found.push((part.path.clone(), "is gone".to_owned()));
+            continue;
+        };
+        let by = match (&part.place, &now.place) {
+            (PartPlace::Inside(one), PartPlace::Inside(other)) => apart(one, other),
+            _ if !together(a, b, at, part.body, now.body) => {
+                found.push((part.path.clone(), "moves with another body".to_owned()));
+                continue;
+            }
+            (PartPlace::Pose(one), PartPlace::Pose(other)) => apart(&(at.moved[part.body] * one), other),
+            (PartPlace::Point(one), PartPlace::Point(other)) => (0.0, (at.moved[part.body] * one - other).norm()),
+            (PartPlace::Direction(one), PartPlace::Direction(other)) => {
+                let one = at.moved[part.body].rotation * one;
+                // A direction of friction has no sense.
+                (se3::angle_between(&one, other).min(se3::angle_between(&-one, other)), 0.0)
+            }
+            _ => {
+                found.push((part.path.clone(), "is given otherwise".to_owned()));
+                continue;
+            }
+        };
+        if by.0 > options.tolerance_rad || by.1 > options.tolerance_m {
+            let by = words::displacement(by, options.tolerance_rad, options.tolerance_m);
+            found.push((part.path.clone(), by));
+        }
+    }
+    found.extend(left.into_keys().map(|path| (path.to_owned(), "is new".to_owned())));
+    found
+}
+
+/// Whether a body of b stands for one of a, joints that only b has taken away.
+fn together(a: &Mechanism, b: &Mechanism, at: &Alignment, in_a: usize, mut in_b: usize) -> bool {
+    while let Some(joint) = in_b.checked_sub(1).filter(|joint| at.joint_a[*joint].is_none()) {
+        in_b = b.joints[joint].parent.map_or(0, |parent| parent + 1);
+    }
+    at.body_b[in_a] == in_b || a.bodies.len() == 1 && b.bodies.len() == 1
 }
 
 /// A value, or names in quotes in a label or path, as b has them.

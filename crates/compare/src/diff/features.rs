@@ -125,7 +125,7 @@ impl Features {
             Feature::Shape(index) => {
                 let shape = &in_a.shapes[index];
                 let placed = moved * shape.pose;
-                let alike = in_b.shapes.iter().filter(|other| alike(shape, other));
+                let alike = in_b.shapes.iter().filter(|other| alike(shape, other, options));
                 let nearest = alike
                     .map(|other| shape_apart(&shape.geometry, &placed, &other.pose))
                     .min_by(|x, y| (x.0 * a.size + x.1).total_cmp(&(y.0 * a.size + y.1)));
@@ -175,8 +175,26 @@ pub(crate) fn axes_apart(one: &Screw, at: &Point3<f64>, other: &Screw, at_other:
 }
 
 /// Whether two shapes can stand for each other.
-pub(crate) fn alike(one: &PlacedShape, other: &PlacedShape) -> bool {
-    one.role == other.role && one.geometry == other.geometry
+pub(crate) fn alike(one: &PlacedShape, other: &PlacedShape, options: &Options) -> bool {
+    one.role == other.role && same_size(&one.geometry, &other.geometry, options.tolerance_m)
+}
+
+/// Whether two shapes are of one kind and, within the tolerance (m; for scales of meshes relative), of one size.
+pub(crate) fn same_size(one: &Geometry, other: &Geometry, tolerance_m: f64) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= tolerance_m;
+    match (one, other) {
+        (Geometry::Box(a), Geometry::Box(b)) => a.iter().zip(b).all(|(x, y)| near(*x, *y)),
+        (Geometry::Sphere(a), Geometry::Sphere(b)) => near(*a, *b),
+        (Geometry::Cylinder { radius, length }, Geometry::Cylinder { radius: r, length: l })
+        | (Geometry::Capsule { radius, length }, Geometry::Capsule { radius: r, length: l }) => {
+            near(*radius, *r) && near(*length, *l)
+        }
+        (Geometry::Mesh { filename, scale }, Geometry::Mesh { filename: file, scale: factors }) => {
+            let same = |x: f64, y: f64| (x - y).abs() <= tolerance_m * x.abs();
+            filename == file && scale.iter().zip(factors).all(|(x, y)| same(*x, *y))
+        }
+        _ => one == other,
+    }
 }
 
 /// How far two poses of one shape are apart, its symmetry taken into account: rad and m.

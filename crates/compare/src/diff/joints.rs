@@ -18,7 +18,15 @@ pub(crate) struct Reparametrised {
     pub shift: f64,
 }
 
+/// A joint that runs as its like does.
+pub(crate) const AS_IS: Reparametrised = Reparametrised { sense: 1.0, shift: 0.0 };
+
 impl Reparametrised {
+    /// One of b's joint values in those of a.
+    fn value_in_a(self, value: f64) -> f64 {
+        (value - self.shift) * self.sense
+    }
+
     /// A range of b's joint values in those of a.
     fn range_in_a(self, (lower, upper): (f64, f64)) -> (f64, f64) {
         let (x, y) = ((lower - self.shift) * self.sense, (upper - self.shift) * self.sense);
@@ -32,6 +40,7 @@ pub(crate) fn changes(
     b: &Mechanism,
     at: &Alignment,
     names: &Names,
+    runs: &[Reparametrised],
     index: usize,
     options: &Options,
 ) -> Vec<Change> {
@@ -49,9 +58,10 @@ pub(crate) fn changes(
     found.extend(kind(a, b, one, two).map(Change::counted));
     found.extend(scale(a, b, one, two));
     found.extend(carried(a, b, at, index, other).map(Change::counted));
-    let run = if options.up_to_zeros { geometry.run } else { Reparametrised { sense: 1.0, shift: 0.0 } };
+    let run = if options.up_to_zeros { geometry.run } else { AS_IS };
     found.extend(limits(a, b, one, two, run, options));
-    found.extend(mimic(b, at, names, one, two).map(Change::counted));
+    let runs = if options.up_to_zeros { runs } else { &[] };
+    found.extend(mimic((a, b, at), names, runs, (index, other), options).map(Change::counted));
     if options.scope == Scope::Everything && !a.bare && !b.bare {
         found.extend(controller(one, two, run, options).into_iter().map(Change::counted));
     }
@@ -61,6 +71,7 @@ pub(crate) fn changes(
 /// Names of both robots, looked up for every joint.
 pub(crate) struct Names<'a> {
     in_a: HashMap<&'a str, usize>,
+    in_b: HashMap<&'a str, usize>,
     fixed_in_a: HashSet<&'a str>,
     fixed_in_b: HashSet<&'a str>,
 }
@@ -71,7 +82,7 @@ impl<'a> Names<'a> {
             let names = mechanism.fixed.iter().flat_map(|(name, child)| [name.as_str(), child.as_str()]);
             names.collect()
         };
-        Self { in_a: a.joint_indices(), fixed_in_a: fixed(a), fixed_in_b: fixed(b) }
+        Self { in_a: a.joint_indices(), in_b: b.joint_indices(), fixed_in_a: fixed(a), fixed_in_b: fixed(b) }
     }
 }
 
@@ -97,6 +108,13 @@ fn controller(one: &MovingJoint, two: &MovingJoint, run: Reparametrised, options
     let (x, y) = (one.soft_limits, two.soft_limits);
     let from = x.and_then(|soft| soft.range);
     let to = y.and_then(|soft| soft.range).map(|range| run.range_in_a(range));
+    let (sensor, now) = (one.calibration.unwrap_or_default(), two.calibration.unwrap_or_default());
+    // Where the joint counts the other way, its sensor switches on where it switched off.
+    let (rising, falling) = if run.sense < 0.0 { (now.falling, now.rising) } else { (now.rising, now.falling) };
+    let in_a = |value: Option<f64>| value.map(|value| run.value_in_a(value));
+    compare("calibration rising", sensor.rising, in_a(rising), position);
+    compare("calibration falling", sensor.falling, in_a(falling), position);
+    compare("calibration reference_position", sensor.reference_position, in_a(now.reference_position), position);
     compare("soft lower limit", from.map(|range| range.0), to.map(|range| range.0), position);
     compare("soft upper limit", from.map(|range| range.1), to.map(|range| range.1), position);
     let (x, y) = (x.map(|soft| soft.k_position), y.map(|soft| soft.k_position));
@@ -109,9 +127,8 @@ fn controller(one: &MovingJoint, two: &MovingJoint, run: Reparametrised, options
 /// How joint `index` of b runs against its like in a.
 pub(crate) fn run(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, options: &Options) -> Reparametrised {
     let (joint, carrier) = (&a.joints[index], at.moved[a.joints[index].parent.map_or(0, |parent| parent + 1)]);
-    at.joint_b[index].map_or(Reparametrised { sense: 1.0, shift: 0.0 }, |other| {
-        geometry(joint, &b.joints[other], &carrier, &at.moved[index + 1], options).run
-    })
+    at.joint_b[index]
+        .map_or(AS_IS, |other| geometry(joint, &b.joints[other], &carrier, &at.moved[index + 1], options).run)
 }
 
 fn gone(a: &Mechanism, names: &Names, index: usize) -> JointChange {
@@ -140,7 +157,7 @@ pub(crate) fn geometry(
     moved: &Pose,
     options: &Options,
 ) -> GeometryFound {
-    let mut result = GeometryFound { changes: Vec::new(), run: Reparametrised { sense: 1.0, shift: 0.0 } };
+    let mut result = GeometryFound { changes: Vec::new(), run: AS_IS };
     let back = carrier.inverse();
     let carried = back * moved;
     let (Some(screw), Some(screw_b)) = (&one.screw, &two.screw) else {
@@ -293,6 +310,10 @@ fn limits(
     compare("lower", from.map(|range| range.0), to.map(|range| range.0), tolerance, true);
     compare("upper", from.map(|range| range.1), to.map(|range| range.1), tolerance, true);
     if options.scope == Scope::Everything {
+        // Stated, though a joint that turns without end does not keep to them.
+        let (x, y) = (one.idle_range, two.idle_range.map(|range| run.range_in_a(range)));
+        compare("lower", x.map(|range| range.0), y.map(|range| range.0), tolerance, true);
+        compare("upper", x.map(|range| range.1), y.map(|range| range.1), tolerance, true);
         let (x, y) = (one.limits, two.limits);
         for (limit, x, y) in [("velocity", x.velocity, y.velocity), ("effort", x.effort, y.effort)] {
             compare(limit, x, y, options.tolerance_mass * x.unwrap_or(0.0).abs(), true);
@@ -301,15 +322,47 @@ fn limits(
     found
 }
 
-fn mimic(b: &Mechanism, at: &Alignment, names: &Names, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
+/// Whether the joint follows the same joint in the same way: in a's terms, as `runs` says how b's joints run against
+/// those of a (empty: as they are).
+///
+/// With q_b = s q_a + z for driver (d) and follower (f), what b states as q_f = m q_d + o is, in a's values,
+/// q_f = s_f m s_d q_d + s_f (m z_d + o - z_f).
+fn mimic(
+    (a, b, at): (&Mechanism, &Mechanism, &Alignment),
+    names: &Names,
+    runs: &[Reparametrised],
+    (index, other): (usize, usize),
+    options: &Options,
+) -> Option<JointChange> {
+    let (one, two) = (&a.joints[index], &b.joints[other]);
+    let run = |joint: usize| runs.get(joint).copied().unwrap_or(AS_IS);
+    let followed = || {
+        let (driver, factor, offset) = a.driver(index, &names.in_a)?;
+        let (driver_b, factor_b, offset_b) = b.driver(other, &names.in_b)?;
+        let (s, z) = (run(driver), run(index));
+        let factor_in_a = z.sense * factor_b * s.sense;
+        let offset_in_a = z.sense * (factor_b * s.shift + offset_b - z.shift);
+        let interval = a.coordinates.get(one.drive?.coordinate)?;
+        let slides = matches!(one.screw, Some(Screw::Prismatic(_)));
+        let tolerance = if slides { options.tolerance_m } else { options.tolerance_rad };
+        let apart = |q: f64| {
+            let (x, y) = (factor * q + offset, factor_in_a * q + offset_in_a);
+            (x - y).abs() > tolerance.max(1e-9 * x.abs().max(1.0))
+        };
+        let same = at.joint_b[driver] == Some(driver_b);
+        // A driver that cannot move tells nothing of the factor.
+        let upper = if interval.upper - interval.lower > 1e-6 { interval.upper } else { interval.lower + 1.0 };
+        Some(same && !apart(interval.lower) && !apart(upper))
+    };
     let same = match (&one.mimic, &two.mimic) {
         (None, None) => true,
-        (Some((driver, factor, offset)), Some((driver_b, factor_b, offset_b))) => {
-            let driver_a = names.in_a.get(driver.as_str());
-            let paired = driver_a.and_then(|joint| at.joint_b[*joint]).map(|joint| &b.joints[joint].name);
+        (Some((driver, factor, offset)), Some((driver_b, factor_b, offset_b))) => followed().unwrap_or_else(|| {
+            // Nothing moves it: what is stated is compared.
             let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * x.abs().max(1.0);
+            let paired = names.in_a.get(driver.as_str()).and_then(|joint| at.joint_b[*joint]);
+            let paired = paired.map(|joint| &b.joints[joint].name);
             (driver == driver_b || paired == Some(driver_b)) && close(*factor, *factor_b) && close(*offset, *offset_b)
-        }
+        }),
         _ => false,
     };
     let words = |mimic: &Option<(String, f64, f64)>| match mimic {

@@ -2,7 +2,7 @@
 
 use crate::comparison::{PartDifference, PartKind};
 use crate::diff::alignment::Alignment;
-use crate::diff::features::{alike, shape_apart};
+use crate::diff::features::{alike, same_size, shape_apart};
 use crate::diff::{Options, Scope};
 use crate::mechanism::{Frame, Mass, Mechanism, PlacedShape, Role, Share, apart};
 use crate::words;
@@ -192,7 +192,7 @@ fn shapes(
         let same = |index: &usize| {
             let other = of_b[*index];
             let (turned, distance) = shape_apart(&shape.geometry, &shape.pose, &other.pose);
-            alike(&shape, other) && turned <= options.tolerance_rad && distance <= options.tolerance_m
+            alike(&shape, other, options) && turned <= options.tolerance_rad && distance <= options.tolerance_m
         };
         // On its own link first: where nothing changed, that ends the search.
         let own = on_link.get(shape.link.as_str()).map_or(&[][..], Vec::as_slice);
@@ -211,12 +211,12 @@ fn shapes(
         off.insert(shape.link.clone());
         let other = left_b
             .iter()
-            .position(|other| alike(&shape, other) && other.link == shape.link)
+            .position(|other| alike(&shape, other, options) && other.link == shape.link)
             .or_else(|| left_b.iter().position(|other| other.role == shape.role && other.link == shape.link))
-            .or_else(|| left_b.iter().position(|other| alike(&shape, other)));
+            .or_else(|| left_b.iter().position(|other| alike(&shape, other, options)));
         let what = match other.map(|index| left_b.remove(index)) {
             None => format!("{} is gone: {}", word(shape.role), describe(&shape.geometry)),
-            Some(other) if other.geometry == shape.geometry => {
+            Some(other) if same_size(&shape.geometry, &other.geometry, options.tolerance_m) => {
                 let by = shape_apart(&shape.geometry, &shape.pose, &other.pose);
                 format!("{} {}", word(shape.role), words::displacement(by, options.tolerance_rad, options.tolerance_m))
             }

@@ -25,7 +25,7 @@ pub struct Options {
     pub samples: usize,
     /// Start of the low-discrepancy sequence.
     pub seed: u64,
-    /// How decimal literals of angles are read.
+    /// How decimal literals of angles and axes are read.
     pub reading: Reading,
 }
 
@@ -64,7 +64,7 @@ impl Default for Options {
             q_range: Vec::new(),
             samples: 4096,
             seed: 1,
-            reading: Reading::AsWritten,
+            reading: Reading::Intended,
         }
     }
 }

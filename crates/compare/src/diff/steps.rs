@@ -8,7 +8,7 @@
 
 use crate::diff::Options;
 use crate::diff::alignment::Alignment;
-use crate::diff::joints::Reparametrised;
+use crate::diff::joints::{AS_IS, Reparametrised};
 use crate::mechanism::{Drive, Interval, Mechanism};
 use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::se3::{self, Pose};
@@ -52,8 +52,6 @@ pub(crate) struct Space {
     /// For each coordinate of b: index, factor and offset: q_b = sense · q\[index\] + shift.
     of_b: Vec<(usize, Reparametrised)>,
 }
-
-const AS_IS: Reparametrised = Reparametrised { sense: 1.0, shift: 0.0 };
 
 impl Space {
     /// Paired joints share a coordinate, which runs where both can be.

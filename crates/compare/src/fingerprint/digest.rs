@@ -1,7 +1,7 @@
 //! What is hashed: a tree of joints, each hashed with what hangs on it; what has no order is sorted by its hash.
 
 use crate::fingerprint::cells::Cells;
-use crate::mechanism::{Frame, Mass, Mechanism, MovingJoint, PlacedElement, PlacedShape, Role};
+use crate::mechanism::{Frame, Mass, Mechanism, MovingJoint, PartPlace, PlacedElement, PlacedShape, Role};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::robot::Geometry;
 use sha2::{Digest, Sha256};
@@ -73,7 +73,7 @@ pub(super) fn motion(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
     let named = mechanism.joint_indices();
     tree(mechanism, cells, &|words, cells, body| {
         if let Some(joint) = body.checked_sub(1) {
-            joint_motion(words, mechanism, cells, &named, &mechanism.joints[joint]);
+            joint_motion(words, mechanism, cells, &named, joint);
         }
         let empty = mechanism.bodies[body].frames.iter().filter(|frame| frame.leaf && !frame.matter);
         let tips = empty.map(|frame| tip(cells, frame)).collect();
@@ -90,7 +90,17 @@ pub(super) fn matter(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
     let names = names(mechanism);
     tree(mechanism, cells, &|words, cells, body| {
         if let Some(joint) = body.checked_sub(1) {
-            let MovingJoint { limits, dynamics, soft_limits, .. } = &mechanism.joints[joint];
+            let MovingJoint { limits, dynamics, soft_limits, idle_range, calibration, .. } = &mechanism.joints[joint];
+            if let Some((lower, upper)) = idle_range {
+                words.text("idle range");
+                words.cells([cells.of(*lower), cells.of(*upper)]);
+            }
+            if let Some(sensor) = calibration {
+                words.text("calibration");
+                for at in [sensor.rising, sensor.falling, sensor.reference_position] {
+                    words.cells(at.map_or([0, 1], |at| [cells.of(at), 0]));
+                }
+            }
             for bound in [limits.velocity, limits.effort] {
                 words.cells(bound.map_or([0, 1], |bound| cells.relative(bound)));
             }
@@ -127,13 +137,13 @@ fn names(mechanism: &Mechanism) -> HashSet<&str> {
 
 /// An element's kind and values: numbers as numbers, names of links and joints as no more than that.
 fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) -> Hash {
-    let mut words = Words::of(&element.kind);
-    for (path, value) in &element.entries {
-        // Every second piece of a path stands in quotes: a name.
-        words.text(&path.split('"').step_by(2).collect::<String>());
+    // Every second piece of a path stands in quotes: a name.
+    let nameless = |path: &str| path.split('"').step_by(2).collect::<String>();
+    let mut of_entry = |(path, value): &(String, String)| {
+        let mut words = Words::of(&nameless(path));
         if names.contains(value.as_str()) {
             words.text("name");
-            continue;
+            return words.hash();
         }
         for word in value.split_whitespace() {
             match word.parse::<f64>() {
@@ -141,6 +151,27 @@ fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) ->
                 _ => words.text(word),
             }
         }
+        words.hash()
+    };
+    // The order in which an element says things means nothing.
+    let entries = element.entries.iter().map(&mut of_entry).collect();
+    let parts = element.parts.iter().map(|part| {
+        let mut words = Words::of(&nameless(&part.path));
+        match &part.place {
+            PartPlace::Pose(pose) | PartPlace::Inside(pose) => {
+                words.matrix(cells, pose.rotation.matrix());
+                words.vector(cells, &pose.translation.vector);
+            }
+            PartPlace::Point(point) => words.vector(cells, &point.coords),
+            PartPlace::Direction(direction) => words.matrix(cells, &(direction * direction.transpose())),
+        }
+        words.hash()
+    });
+    let parts: Vec<Hash> = parts.collect();
+    let mut words = Words::of(&element.kind);
+    words.unordered(entries);
+    if !parts.is_empty() {
+        words.unordered(parts);
     }
     words.hash()
 }
@@ -173,8 +204,9 @@ fn joint_motion(
     mechanism: &Mechanism,
     cells: &mut Cells,
     named: &HashMap<&str, usize>,
-    joint: &MovingJoint,
+    index: usize,
 ) {
+    let joint = &mechanism.joints[index];
     words.text(&joint.kind);
     axis(words, cells, joint);
     words.text(if joint.limits.range.is_some() { "limits" } else { "unlimited" });
@@ -183,11 +215,14 @@ fn joint_motion(
     }
     if let Some((driver, factor, offset)) = &joint.mimic {
         words.text("mimic");
-        words.cells(cells.relative(*factor));
-        words.cells([cells.of(*offset)]);
-        // By its axis, since names are not hashed.
-        match named.get(driver.as_str()) {
-            Some(driver) => axis(words, cells, &mechanism.joints[*driver]),
+        // By the joint that moves it in the end, and by that joint's axis, since names are not hashed.
+        let stated = (named.get(driver.as_str()).copied(), *factor, *offset);
+        let (driver, factor, offset) =
+            mechanism.driver(index, named).map_or(stated, |(driver, factor, offset)| (Some(driver), factor, offset));
+        words.cells(cells.relative(factor));
+        words.cells([cells.of(offset)]);
+        match driver {
+            Some(driver) => axis(words, cells, &mechanism.joints[driver]),
             None => words.text("nothing"),
         }
     }

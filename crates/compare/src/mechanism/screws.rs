@@ -37,9 +37,15 @@ impl Mechanism {
                 new[joint + 1] = kept;
             }
         }
+        let body_now = |body: usize| {
+            let carrier = body.checked_sub(1).and_then(|joint| into[joint]);
+            new[carrier.map_or(body, |joint| joint + 1)]
+        };
         for element in &mut self.elements {
-            let carrier = element.body.checked_sub(1).and_then(|joint| into[joint]);
-            element.body = new[carrier.map_or(element.body, |joint| joint + 1)];
+            element.body = body_now(element.body);
+            for part in &mut element.parts {
+                part.body = body_now(part.body);
+            }
         }
         for joint in &mut self.joints {
             joint.parent = joint.parent.and_then(|parent| new[parent + 1].checked_sub(1));

@@ -126,7 +126,7 @@ pub(super) fn look_at(file: &str, text: &str, tolerance: f64) -> Result<CorpusFi
         }
         findings.rules.sort_unstable();
     }
-    let mechanism = loaded.subject(file).mechanism(denavit_model::Reading::AsWritten);
+    let mechanism = loaded.subject(file).mechanism(denavit_model::Reading::Intended);
     Ok(CorpusFile {
         file: file.to_owned(),
         robot: mechanism.name.clone(),
