@@ -9,7 +9,6 @@ mod json;
 mod large;
 mod library;
 mod measured_data;
-mod meaning;
 mod numbers;
 #[cfg(unix)]
 mod outputs;

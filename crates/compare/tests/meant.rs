@@ -302,3 +302,97 @@ fn the_order_in_which_an_element_says_things_does_not_count() {
         |inside: &str| format!("<robot name=\"r\"><link name=\"a\"/><gazebo reference=\"a\">{inside}</gazebo></robot>");
     assert_same(&with("<mu1>1</mu1><mu2>2</mu2>"), &with("<mu2>2.0</mu2><mu1>1</mu1>"));
 }
+
+/// A folder beside the project, where it is there.
+fn beside(path: &str) -> Option<std::path::PathBuf> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(path);
+    if !folder.exists() {
+        println!("skipped, because ../shared/{path} is not beside this clone");
+    }
+    folder.exists().then_some(folder)
+}
+
+#[test]
+fn verdicts_on_real_files_are_right() {
+    let free = Options { up_to_zeros: true, ..Options::default() };
+    for (folder, options, pairs) in [
+        ("origin-quaternion", Options::default(), &[("q", "rpy", true), ("q", "none", false)][..]),
+        (
+            "mimic-driver-flipped",
+            free,
+            &[
+                ("original", "flipped_right", true),
+                ("original", "flipped_stale_mimic", false),
+                ("original", "driver_zero_shifted_right", true),
+                ("original", "driver_zero_shifted_stale", false),
+            ],
+        ),
+        (
+            "sensor-pose-in-reframed-link",
+            Options::default(),
+            &[("original", "reframed_right", true), ("original", "reframed_sensor_left_behind", false)],
+        ),
+        ("shape-sizes-compared-exactly", Options::default(), &[("a", "b", true)]),
+        (
+            "newcomer",
+            Options::default(),
+            &[("reframed_gazebo_a", "reframed_gazebo_b", false), ("reframed_gazebo_a", "reframed_gazebo_c", true)],
+        ),
+    ] {
+        let Some(folder) = beside(&format!("wild/{folder}")) else { continue };
+        for (one, other, same) in pairs {
+            let text = |name: &str| std::fs::read_to_string(folder.join(format!("{name}.urdf"))).unwrap();
+            let found = found(&text(one), &text(other), &options);
+            assert_eq!(found.verdict == Verdict::Same, *same, "{one} {other}: {:?} {:?}", found.joints, found.parts);
+        }
+    }
+}
+
+/// An export is the same robot as its source, by diff and by fingerprint, whatever stands in the frames of the links that
+/// it moves.
+#[test]
+fn exports_of_vendors_files_are_the_same_as_their_sources() {
+    let Some(vendor) = beside("vendor/robots") else { return };
+    let mut files: Vec<std::path::PathBuf> = std::fs::read_dir(vendor)
+        .unwrap()
+        .flat_map(|maker| std::fs::read_dir(maker.unwrap().path()).into_iter().flatten())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "urdf"))
+        .collect();
+    files.sort();
+    let (mut same, mut printed, mut different) = (0, 0, Vec::new());
+    for path in &files {
+        let Ok(text) = std::fs::read_to_string(path) else { continue };
+        let Ok(robot) = urdf::read("r.urdf", &text) else { continue };
+        let Ok(exported) = denavit_export::urdf::canonical(&robot, &denavit_export::urdf::Options::default()) else {
+            continue;
+        };
+        let again = read(&exported.value);
+        let options = Options { samples: 16, ..Options::default() };
+        let found = compare(&Subject::Robot(&robot), &Subject::Robot(&again), &options).unwrap();
+        if found.verdict == Verdict::Same {
+            same += 1;
+            let own = fingerprint(&Subject::Robot(&robot), 1e-6);
+            printed += usize::from(own.matches(&fingerprint(&Subject::Robot(&again), 1e-6).to_string()));
+        } else {
+            let first = found.joints.iter().map(|joint| format!("{} {:?}", joint.joint, joint.changes.first()));
+            let parts =
+                found.parts.iter().filter(|part| part.counts).map(|part| format!("{} {}", part.part, part.what));
+            let said: Vec<String> = first.chain(parts).take(2).collect();
+            different.push(format!("{}: {}", path.display(), said.join("; ")));
+        }
+    }
+    println!(
+        "{same} the same, {printed} of them with matching fingerprints, {} different\n{}",
+        different.len(),
+        different.join("\n")
+    );
+    assert!(different.is_empty() && printed == same && same > 100, "{same} {printed} {}", different.len());
+}
+
+#[test]
+fn print_of_the_documented_robots() {
+    let top = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/universal_robots/ur5e.urdf");
+    let text = std::fs::read_to_string(top).unwrap();
+    println!("{}", print(&text));
+}

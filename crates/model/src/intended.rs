@@ -112,6 +112,8 @@ const AXIS_DUST: f64 = 1e-7;
 const SHORT_AXIS_DUST: f64 = 2e-5;
 /// More digits than this in a component that is dust are somebody's result.
 const SHORT: usize = 6;
+/// The same beside a component that is written as 1.
+const SHORT_SINGLE: usize = 9;
 /// More digits than this in a component beside dust: the same.
 const SHORT_LARGE: usize = 8;
 
@@ -144,9 +146,11 @@ pub fn axis_read_as(written: &str) -> Option<IntendedAxis> {
     let digits = |index: usize| Literal::of(literals[index]).map_or(usize::MAX, |literal| literal.significant_digits);
     let large = |index: &usize| own[*index].abs() > SHORT_AXIS_DUST && values[*index].abs() != 1.0;
     let rough = (0..3).filter(large).all(|index| digits(index) <= SHORT_LARGE);
+    // "1.0 -1.9638742e-06 0": as a program of single precision prints.
+    let short = if (0..3).any(|index| large(&index)) { SHORT } else { SHORT_SINGLE };
     for (index, meant) in meant.iter_mut().enumerate() {
         let tilt = own[index].abs();
-        if tilt <= AXIS_DUST || rough && tilt <= SHORT_AXIS_DUST && digits(index) <= SHORT {
+        if tilt <= AXIS_DUST || rough && tilt <= SHORT_AXIS_DUST && digits(index) <= short {
             *meant = 0.0;
         }
     }
@@ -320,6 +324,7 @@ mod tests {
             ("-8.8e-08 -1.0 4.4e-08", "0 -1 0"),
             ("-1.96e-6 2.3e-6 1.0", "0 0 1"),
             ("1e-05 0 1", "0 0 1"),
+            ("1.0 -1.9638742e-06 0", "1 0 0"),
             ("0 -1.00000000000000 3.1415926535e-9", "0 -1 0"),
             ("-9.717e-13 0.9999999999999 0", "0 1 0"),
             ("1.6e-08 0.9659258 0.2588190", "0 cos 15° sin 15°"),
@@ -342,6 +347,7 @@ mod tests {
             "0.0012 0 0.9999993",
             "0.0001 0 1",
             "3e-5 0 1",
+            "0 -1.96387421234e-06 1.0",
             "0.00000423178 -0.0000119083 0.99999999992",
             "0.3 0.4 0",
             "0.9 0.5 0",

@@ -21,6 +21,9 @@ pub struct Loop {
 /// Tags without a prefix, beside links and joints, that close a loop; so does every tag that ends in `_constraint`.
 const CLOSING: [&str; 6] = ["constraint", "loop_joint", "loop", "closed_loop", "loop_closure", "linear_bushing_rpy"];
 
+/// No format states a loop deeper inside an element than this.
+const DEEP: usize = 8;
+
 impl Robot {
     /// Every closed loop that the file states beside the tree, in the order of the file.
     pub fn loops(&self) -> Vec<Loop> {
@@ -53,18 +56,23 @@ fn loops_in(element: &Element, links: &HashSet<&str>) -> Vec<Loop> {
         return Vec::new();
     }
     let inside = nodes.iter().enumerate().skip(1).filter_map(|(index, node)| {
-        let end = nodes[index + 1..].iter().position(|next| next.depth <= node.depth);
-        let part = &nodes[index..end.map_or(nodes.len(), |end| index + 1 + end)];
-        let between = names_in(part, links);
+        let candidate = matches!(node.tag.as_str(), "joint" | "connect" | "weld") && node.depth <= DEEP;
+        let part = candidate.then(|| {
+            let end = nodes[index + 1..].iter().position(|next| next.depth <= node.depth);
+            &nodes[index..end.map_or(nodes.len(), |end| index + 1 + end)]
+        })?;
         let has = |tag: &str| part.iter().any(|inner| inner.depth == node.depth + 1 && inner.tag == tag);
         // SDF's joint, which a simulator adds to the tree; MuJoCo's equalities, but for those of two joints' values.
         let found = match node.tag.as_str() {
             "joint" => has("parent") && has("child"),
-            "connect" | "weld" => nodes[..index].iter().any(|above| above.tag == "equality"),
-            _ => false,
+            _ => nodes[..index].iter().any(|above| above.tag == "equality"),
         };
         let label = |name: &str| format!("{} in {}", named(node, name), element.label());
-        found.then(|| Loop { label: label(node.attribute("name").unwrap_or_default()), at: element.at, between })
+        found.then(|| Loop {
+            label: label(node.attribute("name").unwrap_or_default()),
+            at: element.at,
+            between: names_in(part, links),
+        })
     });
     inside.collect()
 }

@@ -171,6 +171,9 @@ const MAY_SIT: [&str; 2] = ["visual", "collision"];
 /// Elements that state no places in the frames of links.
 const WITHOUT_PLACES: [&str; 4] = ["transmission", "ros2_control", "material", "mujoco"];
 
+/// No format places something deeper inside an element than this.
+const DEEP: usize = 16;
+
 /// Everything that an element places. `owner`: the link that it stands in.
 ///
 /// What is no place although it should be, such as a `<pose>` of five numbers, is not among them and stays a text.
@@ -238,7 +241,7 @@ impl Parts<'_> {
             }
         }
         let known: Vec<usize> = found.iter().map(|posed| posed.node).collect();
-        for (index, node) in self.nodes.iter().enumerate().skip(1) {
+        for (index, node) in self.nodes.iter().enumerate().skip(1).filter(|(_, node)| node.depth <= DEEP) {
             match local(&node.tag) {
                 "plugin" => found.extend(self.offsets(index, reference)),
                 // Inside a sensor or a model: in the frame of what it stands in.
@@ -329,7 +332,7 @@ impl Parts<'_> {
     /// link, what has an `<origin>` or a `<geometry>`.
     fn attached(&self, owner: Option<&str>) -> Vec<Posed> {
         let mut found = Vec::new();
-        for (index, node) in self.nodes.iter().enumerate() {
+        for (index, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.depth <= DEEP) {
             let link_of = |tag: &str| {
                 let node = &self.nodes[self.child(index, tag)?];
                 Some(Frame::Named(node.attribute("link").unwrap_or(&node.text).to_owned()))
@@ -383,6 +386,7 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
 mod tests {
     use super::*;
     use crate::urdf;
+    use proptest::prelude::*;
 
     fn found(further: &str) -> Vec<Posed> {
         let text = format!("<robot name=\"r\"><link name=\"a\"/>{further}</robot>");
@@ -420,6 +424,60 @@ mod tests {
             assert!((numbers[0] - 1.0).abs() < 1e-15 && numbers.len() >= 6, "{case}: {numbers:?}");
             if case.contains("degrees") {
                 assert!((numbers[5] - 90.0).abs() < 1e-13, "{numbers:?}");
+            }
+        }
+    }
+
+    /// The text with the numbers of `changes` in it, which has marks in their places.
+    fn filled(marked: &str, changes: &[Change]) -> String {
+        let mut text = marked.to_owned();
+        for change in changes {
+            let mark = match change.how {
+                How::Attribute(name) => name.to_owned(),
+                _ => "text".to_owned(),
+            };
+            let numbers: Vec<String> = change.numbers.iter().map(ToString::to_string).collect();
+            text = text.replacen(&format!("[{mark}]"), &numbers.join(" "), 1);
+        }
+        text
+    }
+
+    proptest! {
+        #[test]
+        fn every_pose_comes_back_in_every_notation(
+            xyz in prop::array::uniform3(-3.0..3.0f64),
+            parts in prop::array::uniform4(-1.0..1.0f64),
+        ) {
+            prop_assume!(parts.iter().map(|part| part * part).sum::<f64>() > 1e-3);
+            let rotation = rotation_of(parts).unwrap();
+            let pose = se3::pose(rotation, Vector3::from(xyz));
+            for (first, marked) in [
+                (
+                    "<gazebo reference=\"a\"><sensor><pose/></sensor></gazebo>",
+                    "<gazebo reference=\"a\"><sensor><pose>[text]</pose></sensor></gazebo>",
+                ),
+                (
+                    "<gazebo reference=\"a\"><light><pose degrees=\"1\"/></light></gazebo>",
+                    "<gazebo reference=\"a\"><light><pose degrees=\"1\">[text]</pose></light></gazebo>",
+                ),
+                (
+                    "<sensor><parent link=\"a\"/><origin/></sensor>",
+                    "<sensor><parent link=\"a\"/><origin xyz=\"[xyz]\" rpy=\"[rpy]\"/></sensor>",
+                ),
+                (
+                    "<sensor><parent link=\"a\"/><origin quat_xyzw=\"0 0 0 1\"/></sensor>",
+                    "<sensor><parent link=\"a\"/><origin xyz=\"[xyz]\" quat_xyzw=\"[quat_xyzw]\"/></sensor>",
+                ),
+                (
+                    "<gazebo><plugin><bodyName>a</bodyName><xyzOffset>0 0 0</xyzOffset><rpyOffset>0 0 0</rpyOffset></plugin></gazebo>",
+                    "<gazebo><plugin><bodyName>a</bodyName><xyzOffset>[text]</xyzOffset><rpyOffset>[text]</rpyOffset></plugin></gazebo>",
+                ),
+            ] {
+                let changes = found(first)[0].rewritten(&Placed::Pose(pose));
+                let again = found(&filled(marked, &changes));
+                let Placed::Pose(read) = &again[0].placed else { panic!("{again:?}") };
+                let (turned, moved) = se3::difference(read, &pose);
+                prop_assert!(turned < 2e-14 && moved < 1e-14, "{first}: {turned} {moved}");
             }
         }
     }

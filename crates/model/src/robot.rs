@@ -9,6 +9,7 @@ use crate::notes::{Note, Place};
 use crate::se3::{self, Pose};
 use crate::tree::Reading;
 use nalgebra::{Matrix3, Unit, Vector3};
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
 /// A robot description: a tree of links and joints, everything that is not kinematics kept as text.
@@ -400,14 +401,16 @@ impl Robot {
         let owned = on_links.chain(on_joints).map(|(tag, name, element)| (format!("{tag} \"{name}\""), element));
         let own = self.elements.iter().map(|element| (element.label(), element));
         // What is reported is kept, too, but listed once.
-        let reported: Vec<(usize, String)> =
-            inventory.items.iter().map(|item| (item.place.line, item.what.clone())).collect();
+        let reported: HashSet<(usize, String)> = inventory
+            .items
+            .iter()
+            .filter_map(|item| Some((item.place.line, item.what.split_once(" in <")?.0.to_owned())))
+            .collect();
         for (owner, element) in owned.chain(own) {
             let place = self.source.place(element.at, owner);
             let tag = element.tag();
             let local = tag.rsplit(':').next().unwrap_or(tag);
-            let known = format!("<{local}> in <");
-            if !reported.iter().any(|(line, what)| *line == place.line && what.starts_with(&known)) {
+            if !reported.contains(&(place.line, format!("<{local}>"))) {
                 inventory.carry(place, format!("<{tag}>"));
             }
         }

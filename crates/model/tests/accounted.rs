@@ -107,6 +107,21 @@ fn many_of_a_kind_have_one_note_and_as_many_items() {
 }
 
 #[test]
+fn a_file_of_nothing_else_is_read_in_time_and_summed_up() {
+    let attributes: String = (0..20_000).map(|index| format!(" a{index}=\"1\"")).collect();
+    let robot = read(&ROBOT.replace("<link name=\"hand\"", &format!("<link name=\"hand\"{attributes}")));
+    let notes = not_understood(&robot);
+    assert_eq!(notes.len(), 21);
+    assert!(notes[20].contains("19980 more kinds"), "{}", notes[20]);
+    assert_eq!(robot.inventory().count(Outcome::Reported), 20_000);
+    let deep = 20_000;
+    let nested = format!("<gazebo>{}x{}</gazebo></robot>", "<joint>".repeat(deep), "</joint>".repeat(deep));
+    if let Ok(robot) = urdf::read("r.urdf", &ROBOT.replace("</robot>", &nested)) {
+        assert!(robot.loops().is_empty());
+    }
+}
+
+#[test]
 fn near_names_are_proposed() {
     let said = |from: &str, to: &str| not_understood(&read(&ROBOT.replacen(from, to, 1))).join("\n");
     assert!(said("<limit lower", "<limits lower").contains("did you mean <limit>?"));

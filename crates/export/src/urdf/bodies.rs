@@ -16,6 +16,8 @@ pub(crate) struct Bodies {
     pub origins: Vec<Numbers>,
     /// Whether a literal of the joint's origin was read as another number.
     pub reread: Vec<bool>,
+    /// How literals of angles and axes were read.
+    pub reading: Reading,
     /// Each joint's axis in its child link's frame, read as was asked for.
     pub axes: Vec<Unit<Vector3<f64>>>,
     /// root_from_link.
@@ -75,6 +77,7 @@ impl Bodies {
         Self {
             origins,
             reread,
+            reading,
             axes: robot.joints.iter().map(|joint| joint.axis_as(reading)).collect(),
             poses: links.clone().map(|link| *placed.pose(link)).collect(),
             to_parent: links.clone().map(|link| placed.carrier(link)).collect(),

@@ -3,18 +3,22 @@
 use super::edit::Edits;
 use super::written::{Numbers, three, three_over, word};
 use denavit_model::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use denavit_model::robot::SourceText;
+use denavit_model::robot::{Origin, SourceText};
 use denavit_model::se3;
+use denavit_model::tree::Reading;
 use roxmltree::Node;
 
-/// Numbers into the attributes `xyz` and `rpy`; what stays, to rounding, keeps its text.
-pub(crate) fn write(source: &SourceText, edits: &mut Edits, node: Node, numbers: &Numbers, scale: f64) {
+/// Numbers into the attributes `xyz` and `rpy`, which were read as `old`; what stays, to rounding, keeps its text.
+pub(crate) fn write(
+    source: &SourceText,
+    edits: &mut Edits,
+    node: Node,
+    (old, numbers): (&Numbers, &Numbers),
+    scale: f64,
+) {
     write_xyz(source, edits, node, numbers.xyz, scale);
-    let same_turn = numbers_of(node).is_some_and(|old| {
-        let back = se3::rotation_from_rpy(old.rpy).inverse() * se3::rotation_from_rpy(numbers.rpy);
-        se3::rotation_angle(&back) <= 4.0 * f64::EPSILON
-    });
-    if !same_turn {
+    let back = se3::rotation_from_rpy(old.rpy).inverse() * se3::rotation_from_rpy(numbers.rpy);
+    if se3::rotation_angle(&back) > 4.0 * f64::EPSILON {
         write_rpy(source, edits, node, numbers.rpy, 1.0);
     }
 }
@@ -95,6 +99,15 @@ fn several_of<const N: usize>(value: &str) -> Option<[f64; N]> {
     let words = value.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
     let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
     numbers?.try_into().ok()
+}
+
+/// As [`numbers_of`], angles as written or as intended.
+pub(crate) fn numbers_as(node: Node, reading: Reading) -> Option<Numbers> {
+    let Numbers { xyz, rpy } = numbers_of(node)?;
+    let words = node.attribute("rpy").map(|written| written.split_whitespace().map(str::to_owned).collect());
+    let rpy_written = words.and_then(|words: Vec<String>| words.try_into().ok());
+    let read = Origin { xyz, rpy, rpy_written, quat_written: None }.read(reading);
+    Some(Numbers { xyz, rpy: read.rpy })
 }
 
 /// The attributes `xyz` and `rpy` or `quat_xyzw`, 0 where missing; `None` where they are no numbers.

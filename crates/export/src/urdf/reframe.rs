@@ -3,12 +3,13 @@
 use super::bodies::{Bodies, has_axis};
 use super::edit::Edits;
 use super::frames::Plan;
-use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_of, write, write_xyz};
+use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_as, numbers_of, write, write_xyz};
 use super::written::{Numbers, three};
 use super::{ExportError, nodes::Nodes};
 use denavit_model::notes::Note;
 use denavit_model::robot::{Robot, SourceText};
 use denavit_model::se3::{self, Pose};
+use denavit_model::tree::Reading;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
@@ -19,6 +20,8 @@ const STAYS: f64 = 3e-14;
 /// Frames by link.
 pub(crate) struct Moves<'a> {
     source: &'a SourceText,
+    /// How angles of shapes and centres of mass are read.
+    reading: Reading,
     /// new_from_old of each link; `None` where the frame stays.
     pub new_from_old: Vec<Option<Pose>>,
     by_name: BTreeMap<&'a str, Pose>,
@@ -38,16 +41,16 @@ impl<'a> Moves<'a> {
             .collect();
         let named = robot.links.iter().zip(&new_from_old);
         let by_name = named.filter_map(|(link, step)| Some((link.name.as_str(), (*step)?))).collect();
-        Self { source: &robot.source, new_from_old, by_name }
+        Self { source: &robot.source, reading: bodies.reading, new_from_old, by_name }
     }
 
     /// The `<origin>` children of an element, moved; one is put in where there is none.
-    fn origins_in(&self, edits: &mut Edits, element: Node, step: &Pose) {
+    fn origins_in(&self, edits: &mut Edits, element: Node, step: &Pose, reading: Reading) {
         let mut found = false;
         for origin in element.children().filter(|child| is(child, "origin")) {
             found = true;
-            if let Some(old) = numbers_of(origin) {
-                write(self.source, edits, origin, &moved(step, &old), scale(step, &old));
+            if let Some(old) = numbers_as(origin, reading) {
+                write(self.source, edits, origin, (&old, &moved(step, &old)), scale(step, &old));
             }
         }
         if !found && element.first_element_child().is_some() {
@@ -61,7 +64,9 @@ impl<'a> Moves<'a> {
             let has = |tag| part.children().any(|child| is(&child, tag));
             let shape = matches!(part.tag_name().name(), "inertial" | "visual" | "collision");
             if shape || has("origin") || has("geometry") {
-                self.origins_in(edits, part, step);
+                // As a comparison reads both.
+                let reading = if shape { self.reading } else { Reading::AsWritten };
+                self.origins_in(edits, part, step, reading);
             }
         }
     }
@@ -116,14 +121,14 @@ impl<'a> Moves<'a> {
             let Some(old) = numbers_of(node) else { continue };
             if tag == "parent" {
                 if let Some(owner) = node.parent_element() {
-                    self.origins_in(edits, owner, step);
+                    self.origins_in(edits, owner, step, Reading::AsWritten);
                 }
             } else if matches!(tag, "frame" | "link1" | "link2") {
-                write(self.source, edits, node, &moved(step, &old), scale(step, &old));
+                write(self.source, edits, node, (&old, &moved(step, &old)), scale(step, &old));
             } else if placed {
                 write_xyz(self.source, edits, node, moved(step, &old).xyz, scale(step, &old));
                 if node.attribute("rpy").is_some() {
-                    write(self.source, edits, node, &moved(step, &old), scale(step, &old));
+                    write(self.source, edits, node, (&old, &moved(step, &old)), scale(step, &old));
                 }
             }
         }

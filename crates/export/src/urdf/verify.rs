@@ -3,7 +3,7 @@
 use super::ExportError;
 use super::bodies::Bodies;
 use denavit_model::nalgebra::Point3;
-use denavit_model::robot::{Joint, JointKind, Link, Robot};
+use denavit_model::robot::{Joint, JointKind, Link, Origin, Robot};
 use denavit_model::screw::{AxisLine, Screw};
 use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
@@ -28,7 +28,8 @@ pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str) -> Result<(
         for (link, pose) in robot.links.iter().zip(&before) {
             let twin =
                 *twins.get(link.name.as_str()).ok_or_else(|| unfaithful(format!("link \"{}\" is lost", link.name)))?;
-            if let Some(part) = moved_part(link, pose, &made.links[twin], &after[twin], bodies.size) {
+            if let Some(part) = moved_part((link, pose), (&made.links[twin], &after[twin]), bodies.size, bodies.reading)
+            {
                 return Err(unfaithful(format!("the {part} of link \"{}\" would move", link.name)));
             }
         }
@@ -54,24 +55,27 @@ pub(crate) fn poses(robot: &Robot, bodies: &Bodies, value: &dyn Fn(&Joint) -> f6
     poses
 }
 
-fn moved_part(link: &Link, pose: &Pose, twin: &Link, twin_pose: &Pose, size: f64) -> Option<String> {
-    let same = |one: &Pose, other: &Pose| {
+fn moved_part(
+    (link, pose): (&Link, &Pose),
+    (twin, twin_pose): (&Link, &Pose),
+    size: f64,
+    reading: Reading,
+) -> Option<String> {
+    let same = |one: &Origin, other: &Origin| {
+        let (one, other) = (one.read(reading).pose(), other.read(reading).pose());
         let (turned, moved) = se3::difference(&(pose * one), &(twin_pose * other));
         turned <= SAME && moved <= SAME * (size + one.translation.vector.norm())
     };
     match (&link.inertial, &twin.inertial) {
         (None, None) => {}
-        (Some(a), Some(b)) if a.mass == b.mass && a.tensor == b.tensor && same(&a.origin.pose(), &b.origin.pose()) => {}
+        (Some(a), Some(b)) if a.mass == b.mass && a.tensor == b.tensor && same(&a.origin, &b.origin) => {}
         _ => return Some("inertial".into()),
     }
     for (part, shapes, twins) in
         [("visual", &link.visuals, &twin.visuals), ("collision", &link.collisions, &twin.collisions)]
     {
         let alike = shapes.len() == twins.len()
-            && shapes
-                .iter()
-                .zip(twins)
-                .all(|(a, b)| a.geometry == b.geometry && same(&a.origin.pose(), &b.origin.pose()));
+            && shapes.iter().zip(twins).all(|(a, b)| a.geometry == b.geometry && same(&a.origin, &b.origin));
         if !alike {
             return Some(part.into());
         }

@@ -7,6 +7,7 @@ use crate::notes::{Note, Place};
 use crate::problems::nearest_name;
 use crate::robot::SourceText;
 use roxmltree::{Attribute, Node, NodeType};
+use std::collections::HashMap;
 
 /// What is understood is counted, what is not has its place.
 #[derive(Default)]
@@ -139,22 +140,32 @@ impl Account {
         });
     }
 
-    /// One note for each kind of thing that is not understood, at the first of them.
+    /// One note for each kind of thing that is not understood, at the first of them, up to [`KINDS`] kinds.
     pub fn notes(&self, source: &SourceText) -> Vec<Note> {
         let mut kinds: Vec<(&Unknown, &String, usize)> = Vec::new();
+        let mut known: HashMap<&str, usize> = HashMap::new();
         for unknown in &self.unknown {
             let Some(note) = &unknown.note else { continue };
-            match kinds.iter_mut().find(|(first, ..)| first.kind == unknown.kind) {
-                Some((.., count)) => *count += 1,
-                None => kinds.push((unknown, note, 1)),
+            match known.get(unknown.kind.as_str()) {
+                Some(kind) => kinds[*kind].2 += 1,
+                None => {
+                    known.insert(&unknown.kind, kinds.len());
+                    kinds.push((unknown, note, 1));
+                }
             }
         }
+        let more_kinds = kinds.len().saturating_sub(KINDS);
+        let first_left_out = kinds.get(KINDS).map(|(first, ..)| source.place(first.at, first.owner.as_str()));
         let note = |(first, note, count): (&Unknown, &String, usize)| {
             let more = if count > 1 { format!(" ({count} of this kind in the file)") } else { String::new() };
             let place = source.place(first.at, first.owner.as_str());
             Note::NotUnderstood { place, what: format!("{} {note}{more}", shortened(&first.what, SHOWN)) }
         };
-        kinds.into_iter().map(note).collect()
+        let left_out = first_left_out.map(|place| {
+            let what = format!("{more_kinds} more kinds of things are not understood here and below");
+            Note::NotUnderstood { place, what }
+        });
+        kinds.into_iter().take(KINDS).map(note).chain(left_out).collect()
     }
 
     /// What was understood and what was not.
@@ -168,6 +179,8 @@ impl Account {
     }
 }
 
+/// So many kinds of things have a note of their own.
+const KINDS: usize = 20;
 /// Longer ones are cut in notes.
 const SHOWN: usize = 120;
 /// Longer values are cut in the inventory.
