@@ -33,10 +33,10 @@ fn poses(robot: &Robot, reading: Reading, values: &BTreeMap<String, f64>) -> BTr
         waiting.retain(|joint| {
             let Some(parent) = poses[joint.parent] else { return true };
             let value = values.get(&joint.name).copied().unwrap_or(0.0);
-            let line = AxisLine { direction: joint.axis, point: Point3::origin() };
+            let line = AxisLine { direction: joint.axis_as(reading), point: Point3::origin() };
             let motion = match &joint.kind {
                 JointKind::Revolute | JointKind::Continuous => Screw::Revolute(line).motion(value),
-                JointKind::Prismatic => Screw::Prismatic(joint.axis).motion(value),
+                JointKind::Prismatic => Screw::Prismatic(joint.axis_as(reading)).motion(value),
                 JointKind::Screw(pitch) => Screw::Helical { axis: line, pitch: *pitch }.motion(value),
                 _ => Pose::identity(),
             };
@@ -62,7 +62,8 @@ struct Held {
     tensors: Vec<(String, f64, Matrix3<f64>)>,
 }
 
-fn held(robot: &Robot, links: &BTreeMap<String, Pose>) -> Held {
+/// `reading`: of shapes and centres of mass, on both sides, as those that stay keep their text.
+fn held(robot: &Robot, links: &BTreeMap<String, Pose>, reading: Reading) -> Held {
     let mut held = Held { poses: Vec::new(), tensors: Vec::new() };
     for link in &robot.links {
         let Some(pose) = links.get(&link.name) else { continue };
@@ -72,11 +73,12 @@ fn held(robot: &Robot, links: &BTreeMap<String, Pose>) -> Held {
                     Geometry::Mesh { filename, .. } => filename.clone(),
                     other => format!("{other:?}"),
                 };
-                held.poses.push((format!("{} {kind} {index} {what}", link.name), pose * shape.origin.pose()));
+                held.poses
+                    .push((format!("{} {kind} {index} {what}", link.name), pose * shape.origin.read(reading).pose()));
             }
         }
         if let Some(inertial) = &link.inertial {
-            let centre = pose * inertial.origin.pose();
+            let centre = pose * inertial.origin.read(reading).pose();
             let r = centre.rotation.matrix();
             let tensor = r * inertial.tensor * r.transpose();
             held.tensors.push((link.name.clone(), inertial.mass, tensor));
@@ -210,8 +212,8 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
         for seed in 0..vectors {
             let q = values(&before, seed);
             let (links, twins) = (poses(&before, reading, &q), poses(&after, Reading::AsWritten, &q));
-            let mut twin = held(&after, &twins);
-            let mut held = held(&before, &links);
+            let mut twin = held(&after, &twins, reading);
+            let mut held = held(&before, &links, reading);
             twin.poses.retain(|(what, _)| names.iter().any(|name| what.starts_with(name)));
             let leaf = |link: usize| before.joints_from(link).next().is_none();
             let on_axis = |link: usize| before.joint_to(link).is_some_and(|joint| before.joints[joint].kind.moves());

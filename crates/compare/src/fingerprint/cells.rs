@@ -56,7 +56,7 @@ impl Cells {
         };
         let turn = self.unsure < MOST_UNSURE && (self.choice >> self.unsure) & 1 == 1;
         self.unsure += 1;
-        cell as i64 + if turn { other } else { 0 }
+        (cell as i64).saturating_add(if turn { other } else { 0 })
     }
 }
 

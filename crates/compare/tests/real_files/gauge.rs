@@ -1,5 +1,6 @@
 //! Base, zeros and senses set free; and the bound, held against forward kinematics of its own.
 
+use crate::support::as_written;
 use crate::support::chance::Chance;
 use crate::support::harmless::origin_of;
 use crate::support::vendor;
@@ -77,13 +78,13 @@ fn a_robot_mounted_elsewhere_is_the_same_up_to_its_base() {
         mounted_elsewhere(&mut moved, &mut Chance::new(index as u64));
         let moved = again(&moved, &PLAIN);
         let (a, b) = (Subject::Robot(arm), Subject::Robot(&moved));
-        let strict = compare(&a, &b, &Options::default()).unwrap();
+        let strict = compare(&a, &b, &as_written()).unwrap();
         assert_eq!(strict.verdict, Verdict::Different, "{}", arm.source.file);
-        let free = compare(&a, &b, &Options { up_to_base: true, ..Options::default() }).unwrap();
+        let free = compare(&a, &b, &Options { up_to_base: true, ..as_written() }).unwrap();
         assert_eq!(free.verdict, Verdict::Same, "{}: {:?} {:?}", arm.source.file, free.joints, free.parts);
         let (one, other) = (chain(arm), chain(&moved));
         let (a, b) = (Subject::Chain { file: "a", chain: &one }, Subject::Chain { file: "b", chain: &other });
-        let bare = compare(&a, &b, &Options { up_to_base: true, ..Options::default() }).unwrap();
+        let bare = compare(&a, &b, &Options { up_to_base: true, ..as_written() }).unwrap();
         assert_eq!(bare.verdict, Verdict::Same, "{} bare: {:?} {:?}", arm.source.file, bare.joints, bare.parts);
     }
 }
@@ -95,9 +96,9 @@ fn a_robot_counted_otherwise_is_the_same_up_to_its_zeros() {
         counted_otherwise(&mut counted, &mut Chance::new(50 + index as u64));
         let counted = again(&counted, &PLAIN);
         let (a, b) = (Subject::Robot(arm), Subject::Robot(&counted));
-        let strict = compare(&a, &b, &Options::default()).unwrap();
+        let strict = compare(&a, &b, &as_written()).unwrap();
         assert_eq!(strict.verdict, Verdict::Different, "{}", arm.source.file);
-        let options = Options { up_to_zeros: true, scope: Scope::Kinematics, ..Options::default() };
+        let options = Options { up_to_zeros: true, scope: Scope::Kinematics, ..as_written() };
         let free = compare(&a, &b, &options).unwrap();
         assert_eq!(free.verdict, Verdict::Same, "{}: {:?} {:?}", arm.source.file, free.joints, free.parts);
         let worst = free.largest().unwrap();
@@ -140,7 +141,7 @@ fn no_configuration_of_forward_kinematics_exceeds_the_bound() {
             let found = compare(
                 &Subject::Chain { file: "a", chain: &one },
                 &Subject::Chain { file: "b", chain: &other },
-                &Options::default(),
+                &as_written(),
             )
             .unwrap();
             let tip = found.largest().unwrap();

@@ -2,9 +2,9 @@
 
 use crate::support::chance::Chance;
 use crate::support::write::{PLAIN, again};
-use crate::support::{harmless, real, vendor};
-use denavit_compare::{Options, Subject, Verdict, compare, fingerprint};
-use denavit_model::Robot;
+use crate::support::{as_written, harmless, real, vendor};
+use denavit_compare::{Options, Subject, Verdict, compare, fingerprint_as};
+use denavit_model::{Reading, Robot};
 
 /// Edits of each sort per robot, and robots of our own that there must be at least.
 const EDITS: usize = 20;
@@ -20,7 +20,7 @@ fn robots() -> Vec<Robot> {
 }
 
 fn quick() -> Options {
-    Options { samples: 256, ..Options::default() }
+    Options { samples: 256, ..as_written() }
 }
 
 #[test]
@@ -29,7 +29,7 @@ fn harmless_edits_leave_the_same_robot() {
     let (mut edits, mut faults) = (0, Vec::new());
     for (index, robot) in robots.iter().enumerate() {
         let mut chance = Chance::new(index as u64);
-        let pinned = fingerprint(&Subject::Robot(robot), 1e-6).to_string();
+        let pinned = fingerprint_as(&Subject::Robot(robot), 1e-6, Reading::AsWritten).to_string();
         let mut done = 0;
         for attempt in 0..4 * EDITS {
             let Some((what, edited)) = harmless::edit(robot, attempt, &mut chance) else { continue };
@@ -37,7 +37,7 @@ fn harmless_edits_leave_the_same_robot() {
             if found.verdict != Verdict::Same {
                 faults.push(format!("{}: {what}: {:?} {:?}", robot.source.file, found.joints, found.parts));
             }
-            if !fingerprint(&Subject::Robot(&edited), 1e-6).matches(&pinned) {
+            if !fingerprint_as(&Subject::Robot(&edited), 1e-6, Reading::AsWritten).matches(&pinned) {
                 faults.push(format!("{}: {what}: another fingerprint", robot.source.file));
             }
             done += 1;
@@ -60,7 +60,7 @@ fn above_a_micrometre(robot: &Robot, edited: &Robot, edit: &real::Edit) -> bool 
         let own = robot.link_index(&edit.name).map_or(0.0, |link| mass(&robot.links[link]));
         return edit.by * own > 2e-6 * whole;
     }
-    let options = Options { tolerance_m: 1e-6, samples: 0, ..Options::default() };
+    let options = Options { tolerance_m: 1e-6, samples: 0, ..as_written() };
     let found = compare(&Subject::Robot(robot), &Subject::Robot(edited), &options).unwrap();
     found.verdict == Verdict::Different
 }
@@ -71,7 +71,7 @@ fn real_edits_are_found_named_measured_and_bounded() {
     let (mut edits, mut faults, mut ratios) = (0, Vec::new(), Vec::new());
     for (index, robot) in robots.iter().enumerate() {
         let mut chance = Chance::new(1000 + index as u64);
-        let pinned = fingerprint(&Subject::Robot(robot), 1e-6).to_string();
+        let pinned = fingerprint_as(&Subject::Robot(robot), 1e-6, Reading::AsWritten).to_string();
         let mut done = 0;
         for attempt in 0..4 * EDITS {
             let mut edited = robot.clone();
@@ -85,7 +85,8 @@ fn real_edits_are_found_named_measured_and_bounded() {
             } else if let Some(fault) = real::fault(&edit, &found) {
                 faults.push(format!("{name}: {fault}"));
             }
-            if fingerprint(&Subject::Robot(&edited), 1e-6).matches(&pinned) && above_a_micrometre(robot, &edited, &edit)
+            if fingerprint_as(&Subject::Robot(&edited), 1e-6, Reading::AsWritten).matches(&pinned)
+                && above_a_micrometre(robot, &edited, &edit)
             {
                 faults.push(format!("{name}: the same fingerprint"));
             }

@@ -1,6 +1,6 @@
 //! Pairs of real files of one robot, explained in words that name the joint.
 
-use crate::support::vendor;
+use crate::support::{as_written, vendor};
 use denavit_compare::report::{Colour, Report, text};
 use denavit_compare::{Comparison, Options, Scope, Subject, Verdict, compare};
 
@@ -21,7 +21,7 @@ fn explained(one: &str, other: &str, options: &Options) -> Option<(Comparison, V
 }
 
 fn kinematics() -> Options {
-    Options { scope: Scope::Kinematics, ..Options::default() }
+    Options { scope: Scope::Kinematics, ..as_written() }
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn ur5_of_two_sources_moves_alike_and_is_drawn_and_limited_otherwise() {
     assert!(changes.contains(&"shoulder_pan_joint: upper limit 6.283185307179586 to 3.141592653589793".to_owned()));
     assert_eq!(but_limits(changes), Vec::<String>::new());
     assert!(found.tips.iter().all(|tip| tip.sampled_m < 1e-9), "{:?}", found.tips);
-    let (found, _) = explained(pair.0, pair.1, &Options::default()).unwrap();
+    let (found, _) = explained(pair.0, pair.1, &as_written()).unwrap();
     let parts: Vec<String> = found.parts.iter().map(|part| format!("{}: {}", part.part, part.what)).collect();
     assert!(parts.contains(&"link \"forearm_link\": visual moved by 350 µm".to_owned()), "{parts:#?}");
     assert!(parts.contains(&"link \"upper_arm_link\": centre of mass moved by 67.5 mm".to_owned()), "{parts:#?}");

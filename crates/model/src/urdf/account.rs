@@ -106,6 +106,9 @@ impl Account {
         let advice = match near {
             _ if xacro => "it is xacro that was not expanded".to_owned(),
             Some(near) => format!("did you mean <{near}>?"),
+            None if tag == "origin" => {
+                format!("<{}> has no place of its own, so that nothing is moved by it", known.tag)
+            }
             None if known.tag == "geometry" => format!(
                 "the shape is unknown here; known are {}",
                 known.children.iter().map(|known| known.tag).collect::<Vec<_>>().join(", ")
