@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib.metadata import version as _version
 
 from denavit import fleet
-from denavit.chain import Chain, Coordinate
+from denavit.chain import Chain, Coordinate, Solutions
 from denavit.commands import Commands
 from denavit.compare import (
     Check,
@@ -97,6 +97,7 @@ __all__ = [
     "RobotError",
     "Row",
     "Simulation",
+    "Solutions",
     "StoreError",
     "Table",
     "TipDifference",

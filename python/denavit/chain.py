@@ -29,6 +29,7 @@ JointValues = ArrayLike | Mapping[str, Any]
 """Joint values: an array whose last axis is the coordinates in order, or values by joint name (a mapping, a data frame)."""
 
 _MOST_THREADS = 4096
+_NO_ROTATION = 5e-3
 _MOST_ROWS = 10**9
 
 
@@ -53,6 +54,34 @@ class Coordinate:
     velocity: float | None = None
     effort: float | None = None
     continuous: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Solutions:
+    """What `Chain.ik` found: for each pose all branches, nearest to the start first, those outside of the limits last.
+
+    Attributes:
+        q: Joint values, rad and m, shape ``(..., branches, n)``; NaN where a pose has fewer branches than another. A pose that is not
+            reached has the nearest that was found.
+        mask: Which of them reach their pose within the limits, shape ``(..., branches)``.
+        reached: Which poses are reached, within the limits or not, shape ``(...,)``.
+        names: Name of each branch, or ``None`` where the arm's class has no names; shape ``(..., branches)``.
+        method: How they were found.
+    """
+
+    q: Array
+    mask: NDArray[np.bool_]
+    reached: NDArray[np.bool_]
+    names: NDArray[np.object_]
+    method: str
+
+    @property
+    def best(self) -> Array:
+        """The first solution of each pose, shape ``(..., n)``."""
+        return self.q[..., 0, :]
+
+    def __len__(self) -> int:
+        return len(self.q)
 
 
 class Chain(Shown, Frozen):
@@ -201,6 +230,57 @@ class Chain(Shown, Frozen):
         if type(q) is not np.ndarray:
             q = joint_values("q", q, self.joints)
         return self._native.fk(q, out, threads if threads == 1 else whole("threads", threads, 0, _MOST_THREADS))
+
+    def ik(self, poses: ArrayLike, q0: JointValues | None = None) -> Solutions:
+        """Inverse kinematics: every branch that reaches each pose; `denavit ik`.
+
+        Args:
+            poses: base_from_tip, m, shape ``(..., 4, 4)``.
+            q0: Joint values that the first solution is to be near, rad and m; by default 0. Each next pose is sought next to the
+                first solution of the one before, so that a path keeps its branch.
+
+        Raises:
+            ArgumentError: The shapes do not go together, a number is not finite, or an upper left part is no rotation.
+
+        Examples:
+            >>> import denavit as dn
+            >>> chain = dn.load("robots/universal_robots/ur5e.urdf").chain()
+            >>> found = chain.ik(chain.fk([0.3, -1.2, 1.4, -0.5, -1.3, 0.2]))
+            >>> found.q.shape, bool(found.reached)
+            ((8, 6), True)
+        """
+        try:
+            matrices = np.ascontiguousarray(poses, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(f"poses is no array of numbers ({error})") from error
+        if matrices.ndim < 2 or matrices.shape[-2:] != (4, 4):
+            raise ArgumentError(f"poses has shape {matrices.shape}; give homogeneous matrices, shape (..., 4, 4)")
+        if not np.isfinite(matrices).all():
+            raise ArgumentError("poses has a number that is not finite")
+        rotation = matrices[..., :3, :3]
+        skewed = np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)).max(initial=0.0)
+        if skewed > _NO_ROTATION or (np.linalg.det(rotation) < 0).any():
+            raise ArgumentError("the upper left 3 × 3 of a pose is no rotation; its columns must be of length 1 and at right angles")
+        n = len(self.joints)
+        near = np.zeros(n) if q0 is None else np.asarray(joint_values("q0", q0, self.joints), dtype=np.float64)
+        if near.shape != (n,) or not np.isfinite(near).all():
+            raise ArgumentError(f"q0 has shape {near.shape}; give one finite value for each of the {n} joints")
+        leading = matrices.shape[:-2]
+        values, names, within, reached, method = self._native.ik(matrices.reshape(-1, 16), near.tolist())
+        count = len(reached)
+        most = max((len(row) for row in names), default=0)
+        mask = np.zeros((count, most), dtype=np.bool_)
+        labels = np.full((count, most), None, dtype=np.object_)
+        for row in range(count):
+            mask[row, : len(within[row])] = np.asarray(within[row], dtype=np.bool_) & reached[row]
+            labels[row, : len(names[row])] = names[row]
+        return Solutions(
+            q=values.reshape(*leading, most, n),
+            mask=mask.reshape(*leading, most),
+            reached=np.asarray(reached, dtype=np.bool_).reshape(leading),
+            names=labels.reshape(*leading, most),
+            method=method,
+        )
 
     def tips(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
         """Where the tip's origin is in the base frame, m, shape ``(..., 3)``; quicker than `fk`, and as exact."""

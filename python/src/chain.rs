@@ -7,9 +7,11 @@ use crate::table::Table;
 use denavit_calibrate::apply::simulate;
 use denavit_dh::Gauge;
 use denavit_export::{Units, poe};
+use denavit_ik::{Solutions, Solver};
 use denavit_load::{Loaded, Selection, TableOptions};
 use denavit_model::chain::Quantity;
-use denavit_model::{CompiledChain, JacobianFrame, Note, Noted};
+use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
+use denavit_model::{CompiledChain, JacobianFrame, Note, Noted, se3};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use std::num::NonZeroUsize;
@@ -17,6 +19,10 @@ use std::sync::Arc;
 
 /// Name, `angle` or `length`, lower and upper limit, velocity, effort, continuous.
 type CoordinateEntry = (String, &'static str, Option<f64>, Option<f64>, Option<f64>, Option<f64>, bool);
+
+/// Solutions of inverse kinematics for each pose, as many as the pose with the most has: joint values (NaN where there are fewer), branch
+/// names, whether within limits; for each pose whether it is reached.
+type Branches<'py> = (Bound<'py, PyArray1<f64>>, Vec<Vec<Option<String>>>, Vec<Vec<bool>>, Vec<bool>, String);
 
 /// A chain of joints from a base to a tip.
 #[pyclass(frozen, module = "denavit._denavit")]
@@ -165,6 +171,43 @@ impl Chain {
         filled(&q, &[4, 4], out, threads, py, |threads, values, numbers| {
             self.compiled.matrices_into_by_threads(threads, values, numbers.as_chunks_mut::<16>().0);
         })
+    }
+
+    /// Joint values that reach poses, one after the other; the next pose is sought next to the solution of the one before.
+    fn ik<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>, near: Vec<f64>) -> PyResult<Branches<'py>> {
+        let poses = Configurations::of(poses, 16)?;
+        let (matrices, count) = (poses.values()?.as_chunks::<16>().0, poses.count());
+        let n = self.compiled.coordinates();
+        let solver = Solver::new(&self.chain);
+        let mut found = Vec::with_capacity(count);
+        worked(py, count, || {
+            let (mut solutions, mut from) = (Solutions::default(), near);
+            for matrix in matrices {
+                let rotation = Matrix3::from_fn(|row, column| matrix[4 * row + column]);
+                let rotation = Rotation3::from_matrix_unchecked(rotation);
+                let place = Vector3::new(matrix[3], matrix[7], matrix[11]);
+                solver.solve_into(&se3::pose(se3::orthonormalised(&rotation), place), &from, &mut solutions);
+                let all: Vec<_> = solutions.iter().map(|(joints, found)| (joints.to_vec(), *found)).collect();
+                if let Some((joints, _)) = all.first().filter(|_| solutions.reached()) {
+                    from.clone_from(joints);
+                }
+                found.push((all, solutions.reached()));
+            }
+        });
+        let most = found.iter().map(|(all, _)| all.len()).max().unwrap_or(0);
+        let mut values = vec![f64::NAN; count * most * n];
+        for (row, (all, _)) in found.iter().enumerate() {
+            for (branch, (joints, _)) in all.iter().enumerate() {
+                values[(row * most + branch) * n..][..n].copy_from_slice(joints);
+            }
+        }
+        let names = found.iter().map(|(all, _)| {
+            all.iter().map(|(_, found)| found.branch.map(|branch| branch.to_string())).collect::<Vec<_>>()
+        });
+        let within = found.iter().map(|(all, _)| all.iter().map(|(_, found)| found.within_limits).collect());
+        let reached = found.iter().map(|(_, reached)| *reached).collect();
+        let method = solver.method().to_string();
+        Ok((PyArray1::from_vec(py, values), names.collect(), within.collect(), reached, method))
     }
 
     /// The tip's origin in the base frame.
