@@ -66,6 +66,21 @@ const REVIEWED: &[(&str, &str, &str)] = &[
         "the hash is then that of the error's text; the task reports the error",
     ),
     (
+        "fleet/src/tasks.rs",
+        "load(entry, &entry.robot",
+        "siblings are learned for it; the entry itself reports the error",
+    ),
+    (
+        "load/src/measured/search.rs",
+        "filter_map(|listing|",
+        "other chains are offered where the data fit none; one that is none is no offer",
+    ),
+    (
+        "cli/src/commands/check/baseline.rs",
+        "canonicalize().ok()?",
+        "a path that leads nowhere is kept as it was written",
+    ),
+    (
         "load/src/checked.rs",
         "files::canonical(robot).ok()?",
         "standard input and git revisions have no folder; a file that cannot be opened fails when it is read",
