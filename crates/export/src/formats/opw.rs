@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 /// An OPW file.
 pub const FORMAT: Format = Format {
     name: "opw",
-    extension: "yaml",
+    extension: "opw.yaml",
     purpose: "OPW parameters of a six-axis arm, for opw_kinematics; says how near the arm is",
     render,
 };
