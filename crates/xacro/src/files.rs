@@ -259,7 +259,10 @@ fn lexical(path: &Path) -> PathBuf {
                 out.pop();
             }
             // A drive of Windows.
-            Component::Prefix(prefix) => out = Path::new(prefix.as_os_str()).join("/"),
+            Component::Prefix(prefix) => {
+                out = PathBuf::from(prefix.as_os_str());
+                out.push(std::path::MAIN_SEPARATOR_STR);
+            }
             _ => {}
         }
     }

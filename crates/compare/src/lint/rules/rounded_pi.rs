@@ -27,6 +27,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
     for joint in sheet.joints() {
+        found.extend(limits(sheet, joint));
         let at = sheet.below(joint.at, &["origin"]);
         let Some((written, start)) = sheet.written(at, "rpy") else { continue };
         let mut edits = Vec::new();
@@ -47,7 +48,6 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             let what = format!("rpy: {}, off by {off:.1e} rad; write all digits", readings.join(", "));
             found.push(Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(edits));
         }
-        found.extend(limits(sheet, joint));
     }
     found
 }
