@@ -81,7 +81,7 @@ impl Home {
     /// An error whose places are those of the revision.
     pub fn error(&self, mut error: XacroError) -> XacroError {
         error.message = self.shown_in(&error.message);
-        for place in error.place.iter_mut() {
+        if let Some(place) = &mut error.place {
             place.file = self.shown(&place.file);
         }
         for frame in &mut error.stack {

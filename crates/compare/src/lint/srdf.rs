@@ -209,7 +209,7 @@ impl Findings<'_> {
                     self.add(&dangling_reference::RULE, node.range().start, owner.clone(), what);
                 }
             }
-            for text in node.children().filter(|child| child.is_text()) {
+            for text in node.children().filter(Node::is_text) {
                 let words = text.text().unwrap_or_default().trim();
                 if !words.is_empty() {
                     let what = format!("text \"{}\" in <{tag}>", words.chars().take(60).collect::<String>());
