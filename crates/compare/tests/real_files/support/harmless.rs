@@ -3,6 +3,7 @@
 use super::chance::Chance;
 use super::write::{Numbers, PLAIN, again};
 use denavit_model::nalgebra::Vector3;
+use denavit_model::posed;
 use denavit_model::robot::{Inertial, Joint, Link, Mimic, Origin};
 use denavit_model::se3::{self, Pose};
 use denavit_model::{JointKind, Robot};
@@ -49,7 +50,18 @@ fn may_be_reframed(robot: &Robot, link: usize) -> bool {
     let it = &robot.links[link];
     let weighs = it.inertial.as_ref().is_some_and(|inertial| inertial.mass != 0.0);
     let matter = weighs || !it.visuals.is_empty() || !it.collisions.is_empty();
-    link != robot.root && (matter || robot.joints_from(link).next().is_some())
+    let placed = places_something(robot, link);
+    link != robot.root && !placed && (matter || robot.joints_from(link).next().is_some())
+}
+
+/// Whether an element places something in the link's frame, which an edit would leave behind: a sensor, an offset.
+fn places_something(robot: &Robot, link: usize) -> bool {
+    let names = [Some(&robot.links[link].name), robot.joint_to(link).map(|joint| &robot.joints[joint].name)];
+    let own = |posed: &posed::Posed| matches!(&posed.frame, posed::Frame::Named(name) if names.contains(&Some(name)));
+    let mut of_robot = robot.elements.iter().flat_map(|element| posed::in_element(element, None));
+    let it = &robot.links[link];
+    let mut of_link = it.elements.iter().flat_map(|element| posed::in_element(element, Some(&it.name)));
+    of_robot.any(|posed| own(&posed)) || of_link.next().is_some()
 }
 
 /// Moves a link's frame by `old_from_new` and all that is given in it back.
