@@ -95,7 +95,7 @@ impl Effects {
             };
             rows.iter().flat_map(|reading| pose(reading).as_slice().to_vec()).collect::<Vec<f64>>()
         });
-        Ok(PyArray1::from_vec(py, poses).reshape([rows.len(), 4, 4])?)
+        PyArray1::from_vec(py, poses).reshape([rows.len(), 4, 4])
     }
 
     /// Commands with which the calibrated robot reaches poses: JSON and CSV of `denavit compensate`, text, notes.

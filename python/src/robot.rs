@@ -33,6 +33,7 @@ pub fn read_text(py: Python<'_>, name: &str) -> PyResult<(String, String)> {
 
 /// Roll, pitch and yaw of a rotation matrix, as URDF writes them, rad.
 #[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
 pub fn rpy(rotation: PyReadonlyArray2<'_, f64>) -> PyResult<[f64; 3]> {
     let entries = rotation.as_array();
     if entries.shape() != [3, 3] {
@@ -44,6 +45,7 @@ pub fn rpy(rotation: PyReadonlyArray2<'_, f64>) -> PyResult<[f64; 3]> {
 
 /// A rotation matrix as a quaternion x, y, z, w of unit length.
 #[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
 pub fn quaternion(rotation: PyReadonlyArray2<'_, f64>) -> PyResult<[f64; 4]> {
     let entries = rotation.as_array();
     let matrix = (entries.shape() == [3, 3]).then(|| Matrix3::from_fn(|row, column| entries[[row, column]]));
