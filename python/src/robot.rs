@@ -222,6 +222,7 @@ impl Robot {
             reading: reading(exact),
             gauge: Gauge::default(),
             parallelism: if exact { Parallelism::Exact } else { Parallelism::Within { angle: tolerance } },
+            base: None,
             tip,
         };
         let made = py.detach(|| denavit_load::canonical(&self.loaded, &self.file, &options));

@@ -21,19 +21,30 @@ pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> 
 
 /// Reads several robots, in this order; arguments of xacro must be of use to one of them.
 pub fn load_all(names: &[&str], arguments: &SourceArguments) -> Result<Vec<Loaded>, Failure> {
+    load_each(names, arguments)?.into_iter().collect()
+}
+
+/// The same, each robot or why it cannot be read.
+pub fn load_each(names: &[&str], arguments: &SourceArguments) -> Result<Vec<Result<Loaded, Failure>>, Failure> {
     let options = Options { arguments_for_another: names.len() > 1, ..options(arguments)? };
     let mut any_is_xacro = false;
     let mut robots = Vec::new();
     for name in names {
-        let opened = denavit_load::load(name, &options)?;
-        output::reads(&opened.includes)?;
-        for note in &opened.notes {
-            output::mention(note);
+        match denavit_load::load(name, &options) {
+            Ok(opened) => {
+                output::reads(&opened.includes)?;
+                for note in &opened.notes {
+                    output::mention(note);
+                }
+                any_is_xacro |= opened.is_xacro;
+                robots.push(Ok(opened.robot));
+            }
+            Err(error) => robots.push(Err(error.into())),
         }
-        any_is_xacro |= opened.is_xacro;
-        robots.push(opened.robot);
     }
-    arguments.are_of_use(any_is_xacro)?;
+    if robots.iter().all(Result::is_ok) {
+        arguments.are_of_use(any_is_xacro)?;
+    }
     Ok(robots)
 }
 

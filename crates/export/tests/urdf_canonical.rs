@@ -154,7 +154,8 @@ fn same_tree(before: Node, after: Node, kept: bool) {
         let twin = twins.remove(0);
         match child.node_type() {
             NodeType::Element => same_tree(child, twin, kept),
-            NodeType::Text if tag == "pose" => {}
+            // Directions and offsets that a simulator reads in a link's frame.
+            NodeType::Text if tag == "pose" || tag == "fdir1" || tag.to_lowercase().contains("offset") => {}
             _ => assert_eq!(child.text(), twin.text(), "in <{tag}>"),
         }
     }
@@ -162,11 +163,18 @@ fn same_tree(before: Node, after: Node, kept: bool) {
     assert!(twins.iter().all(new), "<{tag}> got another child");
 }
 
+/// Links that carry nothing, and links that no joint with an axis carries.
+fn keeps_its_frame(robot: &Robot, link: usize) -> bool {
+    let has_axis = |joint: usize| robot.joints[joint].kind.has_one_value();
+    robot.joints_from(link).next().is_none() || !robot.joint_to(link).is_some_and(has_axis)
+}
+
 /// Joints whose axis is not 0 0 1 or whose origin is no D-H row, but for those that a note names.
-fn odd_joints(robot: &Robot, notes: &[Note]) -> Vec<String> {
+fn odd_joints(robot: &Robot, notes: &[Note], link_frames: LinkFrames) -> Vec<String> {
     let mut odd = Vec::new();
     for joint in &robot.joints {
-        if !matches!(joint.kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic) {
+        let on_its_own = link_frames == LinkFrames::Replace && keeps_its_frame(robot, joint.child);
+        if on_its_own || !matches!(joint.kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic) {
             continue;
         }
         if joint.axis_written != Some([0.0, 0.0, 1.0]) {
@@ -174,10 +182,21 @@ fn odd_joints(robot: &Robot, notes: &[Note]) -> Vec<String> {
         }
         let named = format!("\"{}\": its axis", joint.name);
         let near_parallel = notes.iter().any(|note| note.to_string().contains(&named));
-        let [x, y, _] = joint.origin.xyz;
-        let [_, pitch, theta] = joint.origin.rpy;
+        // A row starts at the frame of the link that carries the rigid body.
+        let (mut from, mut step) = (joint.parent, joint.origin.pose());
+        while let Some(fixed) = robot.joint_to(from).filter(|fixed| robot.joints[*fixed].kind == JointKind::Fixed) {
+            step = robot.joints[fixed].origin.pose() * step;
+            from = robot.joints[fixed].parent;
+        }
+        let [x, y] = if from == joint.parent {
+            [joint.origin.xyz[0], joint.origin.xyz[1]]
+        } else {
+            [step.translation.x, step.translation.y]
+        };
+        let [_, pitch, theta] =
+            if from == joint.parent { joint.origin.rpy } else { se3::rpy_from_rotation(&step.rotation) };
         let across = y * theta.cos() - x * theta.sin();
-        if !near_parallel && (pitch.abs() > 1e-15 || across.abs() > 1e-14 * x.hypot(y)) {
+        if !near_parallel && (pitch.abs() > 1e-14 || across.abs() > 1e-14 * x.hypot(y).max(size(robot))) {
             odd.push(format!("{}: pitch {pitch}, xyz across x by {across}", joint.name));
         }
     }
@@ -215,10 +234,8 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
             let mut twin = held(&after, &twins, reading);
             let mut held = held(&before, &links, reading);
             twin.poses.retain(|(what, _)| names.iter().any(|name| what.starts_with(name)));
-            let leaf = |link: usize| before.joints_from(link).next().is_none();
-            let on_axis = |link: usize| before.joint_to(link).is_some_and(|joint| before.joints[joint].kind.moves());
             for (index, link) in before.links.iter().enumerate() {
-                if link_frames == LinkFrames::Keep || leaf(index) && !on_axis(index) {
+                if link_frames == LinkFrames::Keep || keeps_its_frame(&before, index) {
                     held.poses.push((link.name.clone(), links[&link.name]));
                     twin.poses.push((link.name.clone(), twins[&link.name]));
                 }
@@ -227,7 +244,9 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
             worst.push((apart, format!("{file}: {what}")));
         }
         if frames == Frames::Distal {
-            troubles.extend(odd_joints(&after, &exported.notes).into_iter().map(|what| format!("{file}: {what}")));
+            troubles.extend(
+                odd_joints(&after, &exported.notes, link_frames).into_iter().map(|what| format!("{file}: {what}")),
+            );
         }
         let (one, other) = (&before.source.text, &after.source.text);
         let parse = |text| {
@@ -237,7 +256,9 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
         same_tree(parse(one).root_element(), parse(other).root_element(), link_frames == LinkFrames::Keep);
         let again = canonical(&after, &options).unwrap().value;
         if again != exported.value {
-            troubles.push(format!("{file}: the export of the export differs"));
+            let lines = exported.value.lines().zip(again.lines()).filter(|(one, other)| one != other);
+            let (count, first) = (lines.clone().count(), lines.take(2).collect::<Vec<_>>());
+            troubles.push(format!("{file}: the export of the export differs in {count} lines: {first:?}"));
         }
     }
     assert!(robots > 0, "robots/ holds some at least");

@@ -22,11 +22,12 @@ fn check(body: &str, expected: &str) {
     assert_eq!(export(body, &Options::default()), expected);
 }
 
+/// A link between joints, whose frame moves, and a tool on it, whose frame stays.
 const JOINT: &str = r#"<link name="base"/><link name="arm"/>
-<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.50"/><axis xyz="1 0 0"/></joint>"#;
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.50"/><axis xyz="1 0 0"/></joint><link name="tool"/><joint name="f" type="fixed"><parent link="arm"/><child link="tool"/></joint>"#;
 
 const JOINT_OUT: &str = r#"<link name="base"/><link name="arm"/>
-<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.50" rpy="1.5707963267948966 0 1.5707963267948966"/><axis xyz="0 0 1"/></joint>"#;
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.50" rpy="1.5707963267948966 0 1.5707963267948966"/><axis xyz="0 0 1"/></joint><link name="tool"/><joint name="f" type="fixed"><origin xyz="0 0 0" rpy="-1.5707963267948966 -1.5707963267948966 0"/><parent link="arm"/><child link="tool"/></joint>"#;
 
 #[test]
 fn a_joint_gets_its_row_and_the_axis_z() {
@@ -40,14 +41,14 @@ fn origin_and_axis_are_put_in_where_the_file_leaves_them_out() {
 <joint name="j" type="prismatic">
   <parent link="base"/>
   <child link="arm"/>
-</joint>"#,
+</joint><link name="tool"/><joint name="f" type="fixed"><origin rpy="1.5707963267948966 0 1.5707963267948966"/><parent link="arm"/><child link="tool"/></joint>"#,
         r#"<link name="base"/><link name="arm"><visual><origin xyz="0 0 0" rpy="-1.5707963267948966 -1.5707963267948966 0"/><geometry><sphere radius="1"/></geometry></visual></link>
 <joint name="j" type="prismatic">
   <origin xyz="0 0 0" rpy="1.5707963267948966 0 1.5707963267948966"/>
   <axis xyz="0 0 1"/>
   <parent link="base"/>
   <child link="arm"/>
-</joint>"#,
+</joint><link name="tool"/><joint name="f" type="fixed"><origin rpy="0 0 0"/><parent link="arm"/><child link="tool"/></joint>"#,
     );
 }
 
@@ -85,7 +86,6 @@ fn sensors_and_lights_in_gazebo_blocks_move_along() {
 #[test]
 fn what_gazebo_gives_in_other_frames_stays() {
     for block in [
-        "<gazebo reference=\"j\"><sensor><pose>1 0 0 0 0 0</pose></sensor></gazebo>",
         "<gazebo reference=\"base\"><sensor><pose>1 0 0 0 0 0</pose></sensor></gazebo>",
         "<gazebo reference=\"arm\"><sensor><pose relative_to=\"base\">1 0 0 0 0 0</pose></sensor></gazebo>",
         "<gazebo><plugin><xyzOffset>1 0 0</xyzOffset></plugin></gazebo>",
@@ -136,10 +136,12 @@ fn drake_frames_and_sensors_by_parent_move_along() {
 fn text_around_the_poses_stays_byte_for_byte() {
     let body = "<!-- a ü -->\r\n<link name='base' />\t<link name='arm'><inertial><mass  value = '1.0'/>\r\n\
          <origin rpy='0 0 0'  xyz='0.10 0 0'/><inertia ixx='1' ixy='0.1' ixz='0' iyy='2' iyz='0' izz='3'/></inertial></link>\r\n\
-         <joint type=\"continuous\" name=\"j\"><axis xyz='1.0 0 0'/><parent link='base'/><child link='arm'/><limit effort=\"1e2\"/></joint>";
+         <joint type=\"continuous\" name=\"j\"><axis xyz='1.0 0 0'/><parent link='base'/><child link='arm'/><limit effort=\"1e2\"/></joint>\r\n\
+         <link name='tool'/><joint name='f' type='fixed'><origin rpy='1.5707963267948966 0 1.5707963267948966'/><parent link='arm'/><child link='tool'/></joint>";
     let expected = body
         .replace("rpy='0 0 0'  xyz='0.10 0 0'", "rpy='-1.5707963267948966 -1.5707963267948966 0'  xyz='0 0 0.1'")
         .replace("<axis xyz='1.0 0 0'/>", "<axis xyz='0 0 1'/>")
+        .replace("rpy='1.5707963267948966 0 1.5707963267948966'/><parent", "rpy='0 0 0'/><parent")
         .replace("name=\"j\">", "name=\"j\"><origin xyz=\"0 0 0\" rpy=\"1.5707963267948966 0 1.5707963267948966\"/>");
     check(body, &expected);
     let marked = format!("\u{feff}<robot name=\"t\"><xacro:unbound/>{JOINT}</robot>");
@@ -168,6 +170,115 @@ fn mimics_and_limits_stay_for_no_zero_and_no_sense_moves() {
         let offset = |q: &[f64]| one.fk(q).inverse() * other.fk(q);
         let (turned, moved) = se3::difference(&offset(&q), &offset(&zero));
         assert!(turned < 1e-15 && moved < 1e-15, "{tip}");
+    }
+}
+
+/// base_from_link at zero.
+fn at_zero(text: &str, link: &str) -> Pose {
+    let robot = robot(text);
+    let base = robot.links[robot.root].name.clone();
+    let chain = robot.chain(Some(&base), Some(link), Reading::Intended).unwrap().value;
+    chain.fk(&vec![0.0; chain.coordinates().len()])
+}
+
+#[test]
+fn tips_and_links_on_fixed_joints_keep_their_frames() {
+    let arm = r#"<link name="world"/><link name="mount"/><link name="one"/><link name="plate"/><link name="two"/><link name="finger"/>
+<joint name="m" type="fixed"><parent link="world"/><child link="mount"/><origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/></joint>
+<joint name="a" type="revolute"><parent link="mount"/><child link="one"/><origin xyz="0 0 0.3" rpy="0.1 0 0"/><axis xyz="0 1 0"/><limit lower="-1" upper="2"/></joint>
+<joint name="p" type="fixed"><parent link="one"/><child link="plate"/><origin xyz="0.05 0 0.02" rpy="0 0.7 0"/></joint>
+<joint name="b" type="revolute"><parent link="plate"/><child link="two"/><origin xyz="0.3 0.1 0"/><axis xyz="0.3 -1 0"/><limit lower="-1" upper="2"/></joint>
+<joint name="c" type="prismatic"><parent link="two"/><child link="finger"/><origin xyz="0.1 0 0" rpy="0 0.2 0"/><axis xyz="1 0.5 0"/><limit lower="0" upper="1"/></joint>"#;
+    for frames in [Frames::Distal, Frames::Proximal] {
+        let text = export(arm, &Options { frames, ..Options::default() });
+        assert_ne!(text, arm);
+        let mut moved_links = Vec::new();
+        for link in ["mount", "one", "plate", "two", "finger"] {
+            let (turned, moved) = se3::difference(&at_zero(arm, link), &at_zero(&text, link));
+            if turned > 1e-15 || moved > 1e-15 {
+                moved_links.push(link);
+            }
+        }
+        assert_eq!(moved_links, ["one", "two"], "{text}");
+        // The finger's axis is given in the frame that stays.
+        assert!(text.contains(r#"<axis xyz="1 0.5 0"/>"#), "{text}");
+        assert_eq!(text.matches(r#"<axis xyz="0 0 1"/>"#).count(), 2, "{text}");
+    }
+    // A base that is named keeps its frame, too, and the table starts there.
+    let options = Options { base: Some("one".into()), ..Options::default() };
+    let text = export(arm, &options);
+    let (turned, moved) = se3::difference(&at_zero(arm, "one"), &at_zero(&text, "one"));
+    assert!(turned < 1e-15 && moved < 1e-15, "{text}");
+}
+
+#[test]
+fn axes_that_are_nearly_parallel_are_exported() {
+    for tilt in [1e-15, 1e-13, 1e-12, 3e-12, 1e-11, 1e-10, 1e-9, 1e-7, 1e-5] {
+        let arm = format!(
+            r#"<link name="base"/><link name="one"><inertial><origin xyz="0.1 0.2 0.3"/><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="two"><inertial><origin xyz="0.1 0.2 0.3"/><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><link name="tip"/>
+<joint name="a" type="revolute"><parent link="base"/><child link="one"/><origin xyz="-0.0154 0.0018 -0.0979" rpy="2e-14 -0.0873 3.1154"/><axis xyz="-1 -2.5e-13 {tilt}"/><limit lower="-1" upper="2"/></joint>
+<joint name="b" type="revolute"><parent link="one"/><child link="two"/><origin xyz="-1.5e-11 -0.0015 -0.04" rpy="-6e-16 {tilt} 2.5e-13"/><axis xyz="-1 2.5e-13 -{tilt}"/><limit lower="-1" upper="2"/></joint>
+<joint name="f" type="fixed"><parent link="two"/><child link="tip"/><origin xyz="0.1 0 0" rpy="0 0.2 0"/></joint>"#
+        );
+        for reading in [Reading::AsWritten, Reading::Intended] {
+            let text = export(&arm, &Options { reading, ..Options::default() });
+            let (turned, moved) = se3::difference(&at_zero(&arm, "tip"), &at_zero(&text, "tip"));
+            assert!(turned < 1e-11 && moved < 1e-11, "{tilt}: {turned} {moved}");
+        }
+    }
+    let file = crate::urdf_corpus::workspace().join("../shared/wild/export-refused-nearly-parallel/five_joints.urdf");
+    let Ok(text) = std::fs::read_to_string(&file) else {
+        println!("skipped, because {} is missing", file.display());
+        return;
+    };
+    for reading in [Reading::AsWritten, Reading::Intended] {
+        let options = Options { reading, ..Options::default() };
+        canonical(&urdf::read("five_joints.urdf", &text).unwrap(), &options).unwrap();
+    }
+}
+
+#[test]
+fn poses_move_along_in_their_own_notation() {
+    let sensor = |pose: &str| format!("{JOINT}\n<gazebo reference=\"arm\"><sensor name=\"s\">{pose}</sensor></gazebo>");
+    let out = |pose: &str| {
+        export(&sensor(pose), &Options::default()).rsplit("<sensor name=\"s\">").next().unwrap().to_owned()
+    };
+    assert!(
+        out("<pose>0.1 0 0 0 0 0</pose>").starts_with("<pose>0 0 0.1 -1.5707963267948966 -1.5707963267948966 0</pose>")
+    );
+    let degrees = out("<pose degrees=\"true\">0.1 0 0 0 0 0</pose>");
+    assert!(degrees.starts_with("<pose degrees=\"true\">0 0 0.1 -90 -90 0</pose>"), "{degrees}");
+    let quaternion = out("<pose rotation_format=\"quat_xyzw\">0.1 0 0 0 0 0 1</pose>");
+    assert!(quaternion.starts_with("<pose rotation_format=\"quat_xyzw\">0 0 0.1 "), "{quaternion}");
+    let numbers = quaternion.split(['>', '<']).nth(2).unwrap().split_whitespace().skip(3);
+    let numbers: Vec<f64> = numbers.map(|word| word.parse().unwrap()).collect();
+    assert!(numbers.iter().all(|number| (number.abs() - 0.5).abs() < 1e-15), "{numbers:?}");
+    for stays in ["<pose relative_to=\"tool\">1 0 0 0 0 0</pose>", "<pose frame=\"world\">1 0 0 0 0 0</pose>"] {
+        assert!(out(stays).starts_with(stays), "{}", out(stays));
+    }
+    let moves = out("<pose relative_to=\"arm\">0.1 0 0 0 0 0</pose>");
+    assert!(moves.starts_with("<pose relative_to=\"arm\">0 0 0.1 "), "{moves}");
+    // Of a joint that SDF adds, the pose is given in the child link.
+    let text = export(
+        &format!(
+            "{JOINT}\n<gazebo><joint name=\"k\" type=\"ball\"><parent>base</parent><child>arm</child><pose>0.1 0 0 0 0 0</pose></joint></gazebo>"
+        ),
+        &Options::default(),
+    );
+    assert!(text.contains("<child>arm</child><pose>0 0 0.1 "), "{text}");
+    let five = canonical(&robot(&sensor("<pose>0.1 0 0 0 0</pose>")), &Options::default()).unwrap_err().to_string();
+    assert!(five.starts_with("test.urdf:4: ") && five.contains("a <pose> in it is no pose"), "{five}");
+}
+
+#[test]
+fn what_table_refuses_is_refused_in_the_same_words() {
+    let looped = HAND.replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"b\"/>");
+    let robot = robot(&looped);
+    let table = robot.chain(None, None, Reading::Intended).unwrap_err().to_string();
+    for link_frames in [LinkFrames::Replace, LinkFrames::Keep, LinkFrames::MarkOnly] {
+        let options = Options { link_frames, ..Options::default() };
+        assert_eq!(canonical(&robot, &options).unwrap_err().to_string(), table);
     }
 }
 
@@ -232,7 +343,7 @@ fn a_name_that_is_taken_is_refused() {
     assert_eq!(message, "test.urdf:3: link \"arm_dh\": the name is needed for a frame of the export; rename it");
     let options = Options { tip: Some("tool9".into()), ..Options::default() };
     let message = canonical(&robot(JOINT), &options).unwrap_err().to_string();
-    assert_eq!(message, "test.urdf: the robot has no link \"tool9\"; `denavit chains` lists base and tip links");
+    assert_eq!(message, "test.urdf: the robot has no link \"tool9\"; did you mean \"tool\"?");
 }
 
 #[test]

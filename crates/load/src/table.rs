@@ -57,7 +57,8 @@ impl Loaded {
         if let (Self::Robot(tree), None, false) = (self, options.gauge, hayati) {
             // A file whose joint origins are D-H rows has chosen its gauge.
             let table = read_off(tree, selection.base, selection.tip, selection.reading);
-            if let Some(table) = table.filter(as_asked) {
+            // Hayati's rows of a canonical URDF keep its frames near; the table is the one of the robot.
+            if let Some(table) = table.filter(|table| table.rows.iter().all(|row| row.beta().is_none())) {
                 return own(table, notes);
             }
         }

@@ -227,7 +227,10 @@ impl Parts<'_> {
         let mut found: Vec<Posed> = Vec::new();
         for part in self.children(0) {
             let tag = local(&self.nodes[part].tag);
-            let sits = reference.is_some() && SITS.contains(&tag);
+            // SDF gives a joint's pose in its child link.
+            let child = self.child(part, "child").filter(|_| tag == "joint" && reference.is_none());
+            let link = child.map_or_else(|| link.clone(), |child| Frame::Named(self.nodes[child].text.clone()));
+            let sits = reference.is_some() && SITS.contains(&tag) || child.is_some();
             let pose = self.child(part, "pose");
             match pose {
                 Some(pose) if sits || MAY_SIT.contains(&tag) || reference.is_none() && tag != "plugin" => {

@@ -34,8 +34,19 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     let mut files: Vec<(String, String)> = Vec::new();
     let mut cards = Vec::new();
     let names: Vec<&str> = robots.iter().map(String::as_str).collect();
-    for (name, loaded) in robots.iter().zip(source::load_all(&names, &source)?) {
-        let document = document(arguments, &source, name, loaded, units)?;
+    let mut refused = 0;
+    for (name, loaded) in robots.iter().zip(source::load_each(&names, &source)?) {
+        let made = loaded.and_then(|loaded| document(arguments, &source, name, loaded, units));
+        let document = match made {
+            Ok(document) => document,
+            Err(failure) if robots.len() == 1 => return Err(failure),
+            // The others get their pages.
+            Err(failure) => {
+                refused += 1;
+                output::complain(&failure);
+                continue;
+            }
+        };
         let stem = unused_stem(name, &files);
         if arguments.markdown {
             files.extend(page::markdown(&document, &stem).into_iter().map(|file| (file.name, file.text)));
@@ -49,6 +60,9 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
             files.push((format!("{stem}.html"), text));
         }
     }
+    if refused == robots.len() {
+        return Err(Failure::Argument(format!("none of {refused} robots can be read; no page was written")));
+    }
     if cards.len() > 1 {
         files.push(("index.html".into(), page::index("Robots", &cards)));
     }
@@ -58,7 +72,7 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
             return Err(Failure::Argument(message));
         };
         output::print(text)?;
-        return Ok(Status::Same);
+        return Ok(if refused > 0 { Status::Trouble } else { Status::Same });
     };
     let inputs = robots.iter().map(String::as_str).chain(source.files());
     let mut listing = String::new();
@@ -66,6 +80,15 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
         let _ = writeln!(listing, "{}", path.display());
     }
     output::print(&listing)?;
+    if refused > 0 {
+        let others = robots.len() - refused;
+        let pages = if others == 1 { "page" } else { "pages" };
+        output::mention(format!(
+            "{refused} of {} robots could not be read; the {pages} of the {others} others are written",
+            robots.len()
+        ));
+        return Ok(Status::Trouble);
+    }
     Ok(Status::Same)
 }
 

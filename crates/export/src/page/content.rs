@@ -2,7 +2,7 @@
 
 use super::outline::outline_svg;
 use super::workspace::{SEED, Workspace};
-use super::{ChainPart, Document};
+use super::{Branches, ChainPart, Document};
 use crate::drawing::{Detail, View, far_from_scale, skeleton};
 use crate::numbers::{AngleUnit, LengthUnit, Units, decimal};
 use crate::sheet::Sheet;
@@ -97,7 +97,7 @@ impl Content {
         let sheet = sheet(main, document, Convention::Distal);
         Self {
             name: chain.name().to_owned(),
-            kinds: sheet.kinds(),
+            kinds: document.branches().as_ref().and_then(Branches::words).unwrap_or_else(|| sheet.kinds()),
             length_unit: units.length_word(),
             facts: facts(document, workspace.as_ref(), masses.as_ref()),
             source: document.source.clone(),
@@ -123,6 +123,9 @@ impl Content {
         skeletons.chain(outlines)
     }
 }
+
+/// Branches that are named one by one.
+const MOST_BRANCHES: usize = 12;
 
 /// A figure of more joints than this has no room for their names.
 const NAMED: usize = 60;
@@ -210,10 +213,29 @@ fn capital(text: &str) -> String {
 
 fn facts(document: &Document, workspace: Option<&Workspace>, masses: Option<&Masses>) -> Vec<(String, String)> {
     let (chain, units) = (&document.main.chain, document.units);
-    let mut facts = vec![
-        ("Chain".to_owned(), format!("{} → {}", chain.base(), chain.tip())),
-        ("Degrees of freedom".to_owned(), chain.coordinates().len().to_string()),
-    ];
+    let own = chain.coordinates().len();
+    let mut facts = Vec::new();
+    let branches = document.branches();
+    if let Some((branches, words)) = branches.as_ref().and_then(|branches| Some((branches, branches.words()?))) {
+        let base = match branches.floating {
+            0 => String::new(),
+            1 => ", and 6 of a floating base".to_owned(),
+            count => format!(", and 6 of each of {count} floating joints"),
+        };
+        facts.push(("Degrees of freedom".to_owned(), format!("{}{base}", branches.freedom)));
+        let one = |(base, tip, freedom): &(String, String, usize)| format!("{base} → {tip} ({freedom})");
+        let mut listed: Vec<String> = branches.chains.iter().take(MOST_BRANCHES).map(one).collect();
+        if branches.chains.len() > MOST_BRANCHES {
+            listed.push(format!("{} others", branches.chains.len() - MOST_BRANCHES));
+        }
+        facts.push((capital(&words), listed.join(", ")));
+        facts.push(("Chain shown first".to_owned(), format!("{} → {}, {own} of them", chain.base(), chain.tip())));
+    } else {
+        let all =
+            branches.map_or_else(|| own.to_string(), |all| format!("{}, {own} of them in this chain", all.freedom));
+        facts.push(("Chain".to_owned(), format!("{} → {}", chain.base(), chain.tip())));
+        facts.push(("Degrees of freedom".to_owned(), all));
+    }
     if let Some(workspace) = workspace {
         facts.push(("Reach".to_owned(), reach_words(workspace.reach, units)));
     }

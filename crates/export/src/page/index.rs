@@ -2,7 +2,7 @@
 
 use super::content::reach_words;
 use super::workspace::Workspace;
-use super::{Document, small_figure};
+use super::{Branches, Document, small_figure};
 use crate::sheet::Sheet;
 use denavit_dh::Convention;
 use serde::Serialize;
@@ -14,9 +14,9 @@ pub struct Card {
     pub name: String,
     /// `6R`, `RRPH`, …
     pub kinds: String,
-    /// How many numbers move it.
+    /// How many numbers move it, all branches counted.
     pub freedom: usize,
-    /// Farthest place of the tip from the base's origin, with its unit; empty where nothing moves.
+    /// Farthest place of the main chain's tip from its base's origin, with its unit; empty where nothing moves.
     pub reach: String,
     /// Where it came from.
     pub source: String,
@@ -39,10 +39,11 @@ impl Card {
             gauge: &document.main.gauge,
         };
         let moves = !part.chain.joints().is_empty();
+        let branches = document.branches();
         Self {
             name: part.chain.name().to_owned(),
-            kinds: sheet.kinds(),
-            freedom: part.chain.coordinates().len(),
+            kinds: branches.as_ref().and_then(Branches::words).unwrap_or_else(|| sheet.kinds()),
+            freedom: branches.map_or(part.chain.coordinates().len(), |branches| branches.freedom),
             reach: if moves { reach_words(Workspace::of(&part.chain).reach, document.units) } else { String::new() },
             source: document.source.clone(),
             file: file.into(),

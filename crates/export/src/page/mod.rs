@@ -24,10 +24,12 @@ use crate::drawing::{self, Detail, View};
 use crate::numbers::Units;
 use denavit_dh::Table;
 use denavit_model::notes::Note;
-use denavit_model::{Chain, Robot};
+use denavit_model::robot::JointKind;
+use denavit_model::{Chain, PlacedRobot, Reading, Robot};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 pub use index::{Card, index};
 pub use solid::Solid;
@@ -67,6 +69,57 @@ impl Document {
     fn parts_from_one_base(&self) -> Vec<&ChainPart> {
         let base = self.main.chain.base();
         std::iter::once(&self.main).chain(self.others.iter().filter(|part| part.chain.base() == base)).collect()
+    }
+}
+
+/// A robot whose joints are in several branches: a quadruped, a humanoid, a hand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Branches {
+    /// Joint values of the whole robot; a floating base is not counted.
+    freedom: usize,
+    /// Floating joints.
+    floating: usize,
+    /// Base, tip and joint values of each chain that is no part of another.
+    chains: Vec<(String, String, usize)>,
+}
+
+impl Document {
+    /// The branches, where other joints move the robot than those of the main chain.
+    fn branches(&self) -> Option<Branches> {
+        let robot = self.robot.as_ref()?;
+        let placed = PlacedRobot::new(robot, Reading::AsWritten);
+        let values = |joint: usize| match robot.joints[joint].kind {
+            JointKind::Planar => 3,
+            _ => usize::from(robot.joints[joint].kind.has_one_value()),
+        };
+        let own = |joint: &usize| placed.driver(*joint) == Some(*joint) && values(*joint) > 0;
+        let freedom = (0..robot.joints.len()).filter(own).map(values).sum();
+        let parts: Vec<&ChainPart> = std::iter::once(&self.main).chain(&self.others).collect();
+        let names = |part: &ChainPart| -> BTreeSet<String> {
+            part.chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect()
+        };
+        let sets: Vec<BTreeSet<String>> = parts.iter().map(|part| names(part)).collect();
+        let whole = |place: usize| {
+            let covers = |(other, set): (usize, &BTreeSet<String>)| {
+                other != place && set.is_superset(&sets[place]) && (set.len() > sets[place].len() || other < place)
+            };
+            !sets[place].is_empty() && !sets.iter().enumerate().any(covers)
+        };
+        let chain = |place: usize| {
+            let chain = &parts[place].chain;
+            (chain.base().to_owned(), chain.tip().to_owned(), chain.coordinates().len())
+        };
+        let chains: Vec<_> = (0..parts.len()).filter(|place| whole(*place)).map(chain).collect();
+        let floating = robot.joints.iter().filter(|joint| joint.kind == JointKind::Floating).count();
+        (freedom > self.main.chain.coordinates().len()).then_some(Branches { freedom, floating, chains })
+    }
+}
+
+impl Branches {
+    /// `tree of 4 branches`; `None` where one chain has every joint value, such as an arm's to the finger of its gripper.
+    fn words(&self) -> Option<String> {
+        let count = self.chains.len();
+        (count > 1).then(|| format!("tree of {count} branches"))
     }
 }
 

@@ -1,10 +1,9 @@
 //! A robot's links at joint values 0, grouped into rigid bodies.
 
 use denavit_model::PlacedRobot;
-use denavit_model::intended;
 use denavit_model::nalgebra::{Unit, Vector3};
 use denavit_model::notes::Note;
-use denavit_model::robot::{Joint, JointKind, Robot};
+use denavit_model::robot::{JointKind, Robot};
 use denavit_model::se3::Pose;
 use denavit_model::tree::Reading;
 
@@ -26,8 +25,6 @@ pub(crate) struct Bodies {
     pub to_parent: Vec<Option<usize>>,
     /// The link that carries the rigid body which each link belongs to.
     pub body: Vec<usize>,
-    /// Whether a joint turns or slides on something fixed to this link, the link itself counted.
-    pub on_the_way: Vec<bool>,
     /// Parents before children.
     pub order: Vec<usize>,
     /// The robot's size: the longest way from the root to a link, slides counted, m; never 0.
@@ -67,12 +64,6 @@ impl Bodies {
                 tip_moves: 2.0 * meant.turned * reach[joint.child],
             }));
         }
-        let mut on_the_way = vec![false; robot.links.len()];
-        for link in placed.order().iter().rev() {
-            let Some(index) = placed.carrier(*link) else { continue };
-            let joint = &robot.joints[index];
-            on_the_way[joint.parent] |= has_axis(&joint.kind) || !joint.kind.moves() && on_the_way[*link];
-        }
         let size = if reach[robot.root] > 0.0 { reach[robot.root] } else { 1.0 };
         Self {
             origins,
@@ -82,11 +73,21 @@ impl Bodies {
             poses: links.clone().map(|link| *placed.pose(link)).collect(),
             to_parent: links.clone().map(|link| placed.carrier(link)).collect(),
             body: links.map(|link| placed.body(link)).collect(),
-            on_the_way,
             order: placed.order().to_vec(),
             size,
             notes,
         }
+    }
+
+    /// A joint's origin as it is seen from a link of the rigid body that it sits on, and the length, m, whose rounding that
+    /// carries beyond its own: 0 where it sits on that link itself.
+    pub fn seen_from(&self, robot: &Robot, link: usize, joint: usize) -> (Numbers, f64) {
+        let parent = robot.joints[joint].parent;
+        if parent == link {
+            return (self.origins[joint], 0.0);
+        }
+        let step = self.poses[link].inverse() * self.poses[parent];
+        (Numbers::of(&(step * self.origins[joint].pose()), self.size), self.size)
     }
 }
 
@@ -105,15 +106,4 @@ fn reach_below(placed: &PlacedRobot) -> Vec<f64> {
         reach[joint.parent] = length.max(reach[joint.parent]);
     }
     reach
-}
-
-/// Whether a joint's origin has an angle that is read as another number and far fewer digits than a double has.
-///
-/// One with all of them may be what an export wrote: it stays, though it lies near a multiple of π.
-pub(crate) fn has_short_angle(joint: &Joint) -> bool {
-    let short = |literal: &String| {
-        let mantissa = literal.split(['e', 'E']).next().unwrap_or_default().trim_start_matches(['+', '-', '0', '.']);
-        mantissa.bytes().filter(u8::is_ascii_digit).count() < 14 && intended::read_as(literal).is_some()
-    };
-    joint.origin.rpy_written.as_ref().is_some_and(|written| written.iter().any(short))
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// Replacements and insertions, applied all at once.
 #[derive(Debug, Default)]
-pub(crate) struct Edits {
+pub struct Edits {
     pieces: Vec<(Range<usize>, String)>,
 }
 
@@ -60,6 +60,7 @@ impl Edits {
         self.replace(end..end, lines.iter().flat_map(|line| [space, line]).collect::<String>());
     }
 
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
@@ -122,7 +123,7 @@ pub(crate) fn open_tag_end(text: &str, start: usize) -> Option<usize> {
 }
 
 /// A name or value as it may stand between double quotes.
-pub(crate) fn escaped(value: &str) -> String {
+pub fn escaped(value: &str) -> String {
     value.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 

@@ -1,12 +1,13 @@
 //! Where the D-H frames of a whole tree lie, and the joint origins that lead to them.
 //!
-//! The tree is cut into ways: first the one to the tip that was asked for, then, from the frames that are already
+//! The tree is cut into ways: first the one to the tip of the table, then, from the frames that are already
 //! there, the longest that is left, until every joint has its frame. Each way is a chain whose rows come from
 //! [`denavit_dh::convert::table`]: joint origin = row, so that a reader sees the table in the file.
 
 use super::bodies::{Bodies, has_axis};
+use super::shape::{has_z_axis, is_proximal, row_within};
 use super::written::{Numbers, clean, clean_angle};
-use super::{ExportError, Frames, Options};
+use super::{ExportError, Frames, LinkFrames, Options};
 use denavit_dh::straighten::ROUNDING;
 use denavit_dh::table::{DhRow, Row, ToolPart};
 use denavit_dh::{NearParallel, Parallelism, convert};
@@ -17,16 +18,21 @@ use denavit_model::robot::{JointKind, Robot};
 use denavit_model::screw::{AxisLine, Pitch, Screw};
 use denavit_model::se3::{self, Pose};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// New frames of links and the joint origins that lead to them.
+/// D-H frames of links and the rows that lead to them.
 pub(crate) struct Plan {
-    /// Of each joint that has an axis: its origin in the new frames.
-    pub origins: Vec<Option<Numbers>>,
-    /// root_from_frame of each link, in the new frames.
-    pub poses: Vec<Pose>,
+    /// Of each joint that has an axis: the row that leads to its D-H frame from the frame of link `from`; `None` where the
+    /// joint is in canonical form as it stands.
+    pub rows: Vec<Option<Numbers>>,
+    /// The link whose frame a joint's row starts from: the one that carries the rigid body, or the base that was named.
+    pub from: Vec<usize>,
+    /// root_from_frame of the D-H frame of each link that a joint with an axis carries; of other links, of their own frame.
+    pub frames: Vec<Pose>,
+    /// Links whose own frames stay, wherever the D-H frame is.
+    pub kept: Vec<bool>,
     /// What the user must know.
     pub notes: Vec<Note>,
 }
@@ -34,30 +40,55 @@ pub(crate) struct Plan {
 /// A number beyond this many times the robot's size is no place for a frame; as for tables.
 const FAR: f64 = 3.0;
 
+/// From the frame that is reached an angle of 1e-12 rad is off by the rounding of that frame, which is much of it.
+const SURELY_ABOVE: f64 = 2.0;
+
+/// A frame that moves by no more (rad, and m relative to the robot's size) stays: the rounding of the products that
+/// lead to it.
+pub(crate) const STAYS: f64 = 3e-14;
+
 /// Turn and slide closer to parallel than this (rad) are a helical joint with one frame.
 const SAME_AXIS: f64 = 1e-12;
 
 impl Plan {
     pub fn of(robot: &Robot, bodies: &Bodies, options: &Options) -> Result<Self, ExportError> {
         let links = robot.links.len();
-        let mut plan = Self { origins: vec![None; robot.joints.len()], poses: bodies.poses.clone(), notes: Vec::new() };
+        let mut from: Vec<usize> = robot.joints.iter().map(|joint| bodies.body[joint.parent]).collect();
         let mut placed: Vec<bool> = (0..links).map(|link| !carried_by_axis(robot, bodies, bodies.body[link])).collect();
-        let mut tip = match &options.tip {
-            Some(name) => Some(
-                robot
-                    .link_index(name)
-                    .ok_or_else(|| ExportError::NoSuchLink { file: robot.source.file.clone(), name: name.clone() })?,
-            ),
-            None => robot.link_index(&robot.longest_chain().tip),
+        let chain = robot.chain(options.base.as_deref(), options.tip.as_deref(), options.reading)?.value;
+        let (base, tip) = (robot.link_index(chain.base()), robot.link_index(chain.tip()));
+        let named_base = base.filter(|_| options.base.is_some());
+        let mut carries = vec![false; links];
+        robot.joints.iter().for_each(|joint| carries[joint.parent] = true);
+        // The links of the old frames are new ones where the old names are to keep theirs.
+        let is_end = |link: usize| options.link_frames == LinkFrames::Replace && !carries[link];
+        let kept = (0..links).map(|link| {
+            !carried_by_axis(robot, bodies, link) || is_end(link) || options.base.is_some() && Some(link) == base
+        });
+        let kept: Vec<bool> = kept.collect();
+        let mut plan = Self {
+            rows: vec![None; robot.joints.len()],
+            from: Vec::new(),
+            frames: bodies.poses.clone(),
+            kept,
+            notes: Vec::new(),
         };
+        let mut first: VecDeque<usize> = named_base.into_iter().chain(tip).collect();
         // The longest way on top, the first leaf among equals. A way only gets shorter: one that is as long as it was when it
         // was put in is the longest.
-        let first = |(place, leaf): (usize, &usize)| (usize::MAX, Reverse(place), *leaf);
+        let entry = |(place, leaf): (usize, &usize)| (usize::MAX, Reverse(place), *leaf);
         let mut open: BinaryHeap<(usize, Reverse<usize>, usize)> =
-            robot.leaves().iter().enumerate().map(first).collect();
+            robot.leaves().iter().enumerate().map(entry).collect();
         loop {
-            let (tip, joints) = if let Some(tip) = tip.take() {
-                (tip, way(robot, bodies, &placed, tip))
+            let (tip, joints) = if let Some(link) = first.pop_front() {
+                let joints = way(robot, bodies, &placed, link);
+                let starts_at = |base: &usize| {
+                    Some(link) == tip && joints.first().is_some_and(|joint| from[*joint] == bodies.body[*base])
+                };
+                if let (Some(base), Some(joint)) = (named_base.filter(starts_at), joints.first()) {
+                    from[*joint] = base;
+                }
+                (link, joints)
             } else {
                 let Some((length, place, leaf)) = open.pop() else { break };
                 let joints = way(robot, bodies, &placed, leaf);
@@ -70,32 +101,95 @@ impl Plan {
                 }
                 (leaf, joints)
             };
-            if !joints.is_empty() {
-                plan.place(robot, bodies, options, tip, &joints)?;
+            if let Some(joint) = joints.first()
+                && !plan.stands(robot, bodies, options.frames, from[*joint], tip, &joints)
+            {
+                plan.place(robot, bodies, options, (from[*joint], tip), &joints)?;
             }
             for joint in joints {
                 placed[robot.joints[joint].child] = true;
             }
         }
-        for link in &bodies.order {
-            if bodies.on_the_way[*link] {
-                plan.poses[*link] = plan.poses[bodies.body[*link]];
-            }
-        }
+        plan.from = from;
+        plan.keep_no_frame_that_is_its_row(robot, bodies);
         Ok(plan)
     }
 
-    /// Frames and origins of the joints on one way.
+    /// root_from_frame of each link in the canonical file.
+    pub fn poses(&self, bodies: &Bodies) -> Vec<Pose> {
+        let pose = |link: usize| if self.kept[link] { bodies.poses[link] } else { self.frames[link] };
+        (0..self.frames.len()).map(pose).collect()
+    }
+
+    /// root_from_frame of the frame that a way starts from.
+    fn start<'a>(&'a self, bodies: &'a Bodies, link: usize) -> &'a Pose {
+        if self.kept[link] { &bodies.poses[link] } else { &self.frames[link] }
+    }
+
+    /// Whether every joint on a way is in canonical form already, from a frame that stays.
+    fn stands(
+        &self,
+        robot: &Robot,
+        bodies: &Bodies,
+        frames: Frames,
+        start: usize,
+        tip: usize,
+        joints: &[usize],
+    ) -> bool {
+        let (turned, moved) = se3::difference(self.start(bodies, start), &bodies.poses[start]);
+        let in_form = |place: usize, joint: usize| {
+            let child = robot.joints[joint].child;
+            if self.kept[child] {
+                return true;
+            }
+            let from = if place == 0 { start } else { bodies.body[robot.joints[joint].parent] };
+            let row = || bodies.seen_from(robot, from, joint);
+            let is_row = match frames {
+                Frames::Distal => row_within(&row().0, bodies.size, row().1).is_some(),
+                Frames::Proximal => {
+                    let mut behind = (0..robot.joints.len())
+                        .filter(|next| has_axis(&robot.joints[*next].kind))
+                        .filter(|next| bodies.body[robot.joints[*next].parent] == child)
+                        .peekable();
+                    let leads = |next: usize| {
+                        let seen = bodies.seen_from(robot, child, next).0;
+                        is_proximal(&seen, &bodies.axes[next], bodies.size)
+                    };
+                    let to_tip = || {
+                        let step = Numbers::of(&(bodies.poses[child].inverse() * bodies.poses[tip]), bodies.size);
+                        is_proximal(&step, &Vector3::z_axis(), bodies.size)
+                    };
+                    behind.peek().is_none() || behind.any(leads) || place + 1 == joints.len() && to_tip()
+                }
+            };
+            has_z_axis(robot, joint) && is_row
+        };
+        turned <= STAYS
+            && moved <= STAYS * bodies.size
+            && joints.iter().enumerate().all(|(place, joint)| in_form(place, *joint))
+    }
+
+    /// A frame that would be kept but is the D-H frame already is one like the others: its origin is the row.
+    fn keep_no_frame_that_is_its_row(&mut self, robot: &Robot, bodies: &Bodies) {
+        for (index, joint) in robot.joints.iter().enumerate() {
+            let (turned, moved) = se3::difference(&self.frames[joint.child], &bodies.poses[joint.child]);
+            let there = turned <= STAYS && moved <= STAYS * bodies.size;
+            if self.rows[index].is_some() && there && has_z_axis(robot, index) {
+                self.kept[joint.child] = false;
+            }
+        }
+    }
+
+    /// Frames and rows of the joints on one way.
     fn place(
         &mut self,
         robot: &Robot,
         bodies: &Bodies,
         options: &Options,
-        tip: usize,
+        (start, tip): (usize, usize),
         joints: &[usize],
     ) -> Result<(), ExportError> {
-        let start = bodies.body[robot.joints[joints[0]].parent];
-        let base = self.poses[start];
+        let base = *self.start(bodies, start);
         let base_from = |link: usize| base.inverse() * bodies.poses[link];
         let steps = steps(robot, bodies, joints, &base_from);
         let names = (robot.name.clone(), robot.links[start].name.clone(), robot.links[tip].name.clone());
@@ -128,8 +222,8 @@ impl Plan {
                 upright = *same_sense;
                 frame *= numbers.pose();
                 frame.rotation = se3::orthonormalised(&frame.rotation);
-                self.origins[*joint] = Some(numbers);
-                self.poses[robot.joints[*joint].child] = frame;
+                self.rows[*joint] = Some(numbers);
+                self.frames[robot.joints[*joint].child] = frame;
             }
         }
         Ok(())
@@ -159,7 +253,7 @@ impl Plan {
             };
             let here = index.checked_sub(1).map_or_else(Pose::identity, |before| table.frames()[before]);
             let only = behind(&left, index..index + 1, &here).map_err(chain_error)?;
-            let hayati = convert::Options { near_parallel: NearParallel::HayatiBelow(angle * (1.0 + 1e-6)), ..dh };
+            let hayati = convert::Options { near_parallel: NearParallel::HayatiBelow(angle * SURELY_ABOVE), ..dh };
             let row = convert::table(&only, &hayati).map_err(chain_error)?.value.rows[0];
             left = behind(&left, index + 1..left.joints().len(), &(here * row.pose())).map_err(chain_error)?;
             rows.extend(&table.rows[..index]);

@@ -1,11 +1,11 @@
 //! D-H frames in links of their own, every old frame under its old name fixed to them.
 
 use super::ExportError;
-use super::bodies::Bodies;
+use super::bodies::{Bodies, has_axis};
 use super::edit::{Edits, escaped};
 use super::frames::Plan;
 use super::nodes::Nodes;
-use super::origin::{joint_axis, joint_origin};
+use super::origin::{axis_as_meant, joint_axis, joint_origin};
 use super::reframe::Moves;
 use super::written::Numbers;
 use denavit_model::robot::Robot;
@@ -23,7 +23,7 @@ pub(crate) fn edit(
     plan: &Plan,
     edits: &mut Edits,
 ) -> Result<(), ExportError> {
-    let moves = Moves::of(robot, bodies, plan);
+    let moves = Moves::of(robot, bodies, &plan.frames);
     let nodes = Nodes::of(robot, document)?;
     let dh_name = |link: usize| {
         let name = &robot.links[link].name;
@@ -33,15 +33,21 @@ pub(crate) fn edit(
     let joints: HashMap<&str, usize> = robot.joints.iter().map(|joint| (joint.name.as_str(), joint.at)).collect();
     for (index, joint) in robot.joints.iter().enumerate() {
         let node = nodes.joint(index);
-        let Some(numbers) = plan.origins[index] else {
+        let Some(numbers) = plan.rows[index] else {
             if bodies.reread[index] {
                 joint_origin(&robot.source, edits, node, &bodies.origins[index]);
+            }
+            if has_axis(&joint.kind) {
+                axis_as_meant(&robot.source, edits, node, bodies.axes[index].into_inner().into());
             }
             continue;
         };
         joint_origin(&robot.source, edits, node, &numbers);
         joint_axis(&robot.source, edits, node);
-        let parent = dh_name(bodies.body[joint.parent]);
+        let from = plan.from[index];
+        // A base that was named starts at its own frame.
+        let own = plan.kept[from] || from != bodies.body[joint.parent];
+        let parent = if own { robot.links[from].name.clone() } else { dh_name(from) };
         set_end(robot, edits, node, "parent", &robot.links[joint.parent].name, &parent);
         let Some(step) = moves.new_from_old[joint.child] else { continue };
         let old = &robot.links[joint.child].name;

@@ -9,14 +9,15 @@
 //! **Canonical form.** A joint's child link frame lies on the joint's axis (z), x along the common normal with the
 //! axis before, and the joint's origin is the row that leads there: rpy="alpha 0 theta", xyz="a·cos(theta)
 //! a·sin(theta) d". The axis before is that of the joint which carries the rigid body, or z of the root link. So
-//! - the root link, links on fixed joints that carry no further joint (flange, tool0, cameras), and links behind
-//!   floating, planar and unknown joints keep their frames;
-//! - a link on a fixed joint that carries a further joint gets the frame of the body that it is part of, so that
-//!   the further joint's origin is the table's row too;
+//! - only links between two moving joints get new frames: the root link, links that carry nothing further (tips, fingers,
+//!   wheels), links on fixed joints (flange, tool0, cameras, mounts), and links behind floating, planar and unknown joints
+//!   keep theirs;
+//! - a joint on a link that is fixed to the body has as its origin what leads from there to the end of the row;
+//! - the table of the result is the table of the source, along the same chain;
 //! - no joint's zero or sense moves: limits, mimics, transmissions and controllers stay as they are;
 //! - where neighbouring axes are nearly parallel and the common normal would lie far away, the origin has a small pitch
 //!   (Hayati's row), with a note: the motion is never changed to make the numbers nice;
-//! - a file in which every joint is in this form already is not changed at all.
+//! - joints that are in this form already are not changed.
 
 mod bodies;
 mod calibrated;
@@ -32,6 +33,15 @@ mod reframe;
 mod shape;
 mod verify;
 mod written;
+
+/// Edits of a URDF's text, for crates that make others than these.
+pub mod text {
+    pub use super::edit::{Edits, escaped};
+    pub use super::nodes::Nodes;
+    pub use super::origin::joint_origin;
+    pub use super::parse;
+    pub use super::written::{Numbers, clean, word};
+}
 
 pub use calibrated::{with_chain, with_chains};
 pub use from_table::from_table;
@@ -85,8 +95,10 @@ pub struct Options {
     pub gauge: Gauge,
     /// Which neighbours are too near to parallel for a D-H row.
     pub parallelism: Parallelism,
-    /// Tip link of the chain whose table the frames follow where branches could differ; `None`: that of
-    /// [`Robot::longest_chain`].
+    /// Base link of the chain whose table the frames follow, which keeps its frame; `None`: that of
+    /// [`Robot::default_chain`].
+    pub base: Option<String>,
+    /// Tip link of that chain; `None`: that of [`Robot::default_chain`].
     pub tip: Option<String>,
 }
 
@@ -119,10 +131,26 @@ pub enum ExportError {
         /// Who has it.
         place: Place,
     },
+    /// Something is given in the frame of a link that gets another frame, and cannot be given in that one.
+    #[error("{place}: {what}")]
+    NotCarried {
+        /// Where.
+        place: Place,
+        /// What, and what to do.
+        what: String,
+    },
     /// The text is not what the element tree says, or the result does not move as the source: a part of the text stands
     /// where edits do not reach, such as an XML entity.
     #[error("{file}: {what}; expand XML entities and give each link one <inertial>, then export again")]
     Unfaithful {
+        /// The file.
+        file: String,
+        /// What differs.
+        what: String,
+    },
+    /// The result is not the robot within rounding, although the text can be edited: a fault of the export.
+    #[error("{file}: {what}; nothing was written. Try ‹keep-link-frames› or ‹exact›, and please report this file")]
+    Inexact {
         /// The file.
         file: String,
         /// What differs.
@@ -163,15 +191,18 @@ pub fn canonical(robot: &Robot, options: &Options) -> Result<Noted<String>, Expo
     let document = parse(robot)?;
     let mut edits = Edits::default();
     let mut notes = bodies.notes.clone();
+    let mut stays = vec![true; robot.links.len()];
     match options.link_frames {
         LinkFrames::MarkOnly => {
             notes.clear();
+            // Their frames stay as they are written, whatever angles were meant.
+            stays.fill(false);
             notes.extend(markers::add(robot, &document, options, &mut edits)?);
         }
-        _ if shape::is_canonical(robot, options.frames, options.reading) => notes.clear(),
         LinkFrames::Replace => {
             let plan = Plan::of(robot, &bodies, options)?;
             notes.extend(reframe::edit(robot, &document, &bodies, &plan, &mut edits)?);
+            stays.clone_from(&plan.kept);
             notes.extend(plan.notes);
         }
         LinkFrames::Keep => {
@@ -183,12 +214,16 @@ pub fn canonical(robot: &Robot, options: &Options) -> Result<Noted<String>, Expo
     let changed = !edits.is_empty();
     let value = edits.apply(&robot.source)?;
     if changed {
-        verify::same_robot(robot, &bodies, &value)?;
+        verify::same_robot(robot, &bodies, &value, &stays)?;
     }
     Ok(Noted { value, notes })
 }
 
-fn parse(robot: &Robot) -> Result<Document<'_>, ExportError> {
+/// The elements of a robot's text.
+///
+/// # Errors
+/// The text cannot be parsed.
+pub fn parse(robot: &Robot) -> Result<Document<'_>, ExportError> {
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     Document::parse_with_options(&robot.source.text, options).map_err(|error| ExportError::Unfaithful {
         file: robot.source.file.clone(),

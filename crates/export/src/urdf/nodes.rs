@@ -6,12 +6,14 @@ use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
 /// Elements by link and joint.
-pub(crate) struct Nodes<'a, 'input> {
+pub struct Nodes<'a, 'input> {
     links: Vec<Option<Node<'a, 'input>>>,
     joints: Vec<Node<'a, 'input>>,
 }
 
 impl<'a, 'input> Nodes<'a, 'input> {
+    /// Of a robot's document, see [`super::parse`].
+    ///
     /// # Errors
     /// A joint's element is not in the text where its place says, as with XML entities.
     pub fn of(robot: &Robot, document: &'a Document<'input>) -> Result<Self, ExportError> {
@@ -35,6 +37,12 @@ impl<'a, 'input> Nodes<'a, 'input> {
         self.links[index]
     }
 
+    /// The elements of links that the text declares.
+    pub fn links(&self) -> impl Iterator<Item = Node<'a, 'input>> + '_ {
+        self.links.iter().flatten().copied()
+    }
+
+    /// A joint's element.
     pub fn joint(&self, index: usize) -> Node<'a, 'input> {
         self.joints[index]
     }

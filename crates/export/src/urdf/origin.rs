@@ -53,7 +53,7 @@ pub(crate) fn write_xyz(source: &SourceText, edits: &mut Edits, node: Node, xyz:
 }
 
 /// A joint's origin as numbers, put in where there is none; words stay that are exactly these numbers.
-pub(crate) fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, numbers: &Numbers) {
+pub fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, numbers: &Numbers) {
     match joint.children().find(|child| is(child, "origin")) {
         Some(origin) => {
             write_xyz(source, edits, origin, numbers.xyz, 0.0);

@@ -1,7 +1,7 @@
 //! The table that stands in a canonical URDF.
 
 use super::bodies::{Bodies, has_axis};
-use super::shape::row_of;
+use super::shape::{row_of, row_within};
 use super::written::Numbers;
 use denavit_dh::convert;
 use denavit_dh::table::{DhRow, Motion, Row, Table, TableJoint, ToolPart};
@@ -15,7 +15,7 @@ use denavit_model::tree::Reading;
 ///
 /// Digit for digit what the file has: the gauge is the file's. The part from the last joint to the tip is a row and a tool
 /// part where the file has it so (one or two fixed joints); else, a flange with six numbers, it is found as in
-/// [`denavit_dh::convert::table`].
+/// [`denavit_dh::convert::table`]. `None`, too, where the last joint carries the tip itself.
 pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Option<Table> {
     let chain = robot.chain(base, tip, reading).ok()?.value;
     let bodies = Bodies::of(robot, reading);
@@ -57,7 +57,8 @@ pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: R
         }
         joints.push(TableJoint { name: of.name.clone(), motion, coordinate: of.coordinate, scale: z * of.scale });
     }
-    if left.peek().is_some() {
+    // A tip that a joint carries itself has a frame of its own, which is a row by chance at best.
+    if left.peek().is_some() || between.is_empty() && !joints.is_empty() {
         return None;
     }
     let (last, tool) = tail(&between, &chain, bodies.size, (turn, slide))?;
@@ -92,13 +93,11 @@ fn is_nothing(numbers: &Numbers) -> bool {
 
 /// The row of a joint's origin behind fixed joints, a mimic's offset of the joint before it taken in.
 fn row_with(between: &[Numbers], origin: Numbers, size: f64, offset: (f64, f64)) -> Option<Row> {
-    let origin = if between.iter().all(is_nothing) {
-        origin
-    } else {
-        let pose = between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose()) * origin.pose();
-        Numbers::of(&pose, size)
-    };
-    taken_in(row_of(&origin, size)?, offset)
+    if between.iter().all(is_nothing) {
+        return taken_in(row_of(&origin, size)?, offset);
+    }
+    let pose = between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose()) * origin.pose();
+    taken_in(row_within(&Numbers::of(&pose, size), size, size)?, offset)
 }
 
 fn taken_in(row: Row, (turn, slide): (f64, f64)) -> Option<Row> {

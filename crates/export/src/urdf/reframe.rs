@@ -2,20 +2,19 @@
 
 use super::bodies::{Bodies, has_axis};
 use super::edit::Edits;
-use super::frames::Plan;
-use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_as, numbers_of, write, write_xyz};
-use super::written::{Numbers, three};
+use super::frames::{Plan, STAYS};
+use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_as, write};
+use super::written::{Numbers, clean, three_over, word};
 use super::{ExportError, nodes::Nodes};
+use denavit_model::element::{Element, ElementNode};
+use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::notes::Note;
+use denavit_model::posed::{self, Change, How, Placed, Posed};
 use denavit_model::robot::{Robot, SourceText};
 use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
 use roxmltree::{Document, Node};
-use std::collections::BTreeMap;
-
-/// A frame that moves by no more (rad, and m relative to the robot's size) stays: the rounding of the products that
-/// lead to it.
-const STAYS: f64 = 3e-14;
+use std::collections::{BTreeMap, HashSet};
 
 /// Frames by link.
 pub(crate) struct Moves<'a> {
@@ -28,9 +27,9 @@ pub(crate) struct Moves<'a> {
 }
 
 impl<'a> Moves<'a> {
-    pub fn of(robot: &'a Robot, bodies: &Bodies, plan: &Plan) -> Self {
-        let new_from_old: Vec<Option<Pose>> = plan
-            .poses
+    /// `poses`: root_from_frame of each link's new frame.
+    pub fn of(robot: &'a Robot, bodies: &Bodies, poses: &[Pose]) -> Self {
+        let new_from_old: Vec<Option<Pose>> = poses
             .iter()
             .zip(&bodies.poses)
             .map(|(new, old)| {
@@ -40,7 +39,13 @@ impl<'a> Moves<'a> {
             })
             .collect();
         let named = robot.links.iter().zip(&new_from_old);
-        let by_name = named.filter_map(|(link, step)| Some((link.name.as_str(), (*step)?))).collect();
+        let mut by_name: BTreeMap<&str, Pose> =
+            named.filter_map(|(link, step)| Some((link.name.as_str(), (*step)?))).collect();
+        // A joint's frame is that of its child link.
+        let links: HashSet<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
+        for joint in robot.joints.iter().filter(|joint| !links.contains(joint.name.as_str())) {
+            by_name.extend(new_from_old[joint.child].map(|step| (joint.name.as_str(), step)));
+        }
         Self { source: &robot.source, reading: bodies.reading, new_from_old, by_name }
     }
 
@@ -60,79 +65,103 @@ impl<'a> Moves<'a> {
     }
 
     fn link(&self, edits: &mut Edits, link: Node, step: &Pose) {
-        for part in link.children().filter(|part| part.is_element() && !is(part, "origin")) {
-            let has = |tag| part.children().any(|child| is(&child, tag));
-            let shape = matches!(part.tag_name().name(), "inertial" | "visual" | "collision");
-            if shape || has("origin") || has("geometry") {
-                // As a comparison reads both.
-                let reading = if shape { self.reading } else { Reading::AsWritten };
-                self.origins_in(edits, part, step, reading);
-            }
+        let shape =
+            |part: &Node| part.is_element() && matches!(part.tag_name().name(), "inertial" | "visual" | "collision");
+        for part in link.children().filter(shape) {
+            // As a comparison reads them.
+            self.origins_in(edits, part, step, self.reading);
         }
     }
 
-    /// Sensors, lights and shapes inside `<gazebo reference="link">`.
-    fn gazebo(&self, edits: &mut Edits, gazebo: Node, step: &Pose) {
-        for part in gazebo.children().filter(Node::is_element) {
-            let tag = part.tag_name().name();
-            let sits_in_the_link = matches!(tag, "sensor" | "light" | "projector" | "particle_emitter");
-            let pose = part.children().find(|child| is(child, "pose"));
-            match pose {
-                Some(pose) if sits_in_the_link || matches!(tag, "visual" | "collision") => {
-                    self.pose_element(edits, pose, step);
+    /// What another element places in a link's frame, each in its own notation. `owner`: the link that it stands in.
+    fn element(
+        &self,
+        edits: &mut Edits,
+        node: Node,
+        element: &Element,
+        owner: Option<&str>,
+    ) -> Result<(), ExportError> {
+        let nodes: Vec<Node> = node.descendants().filter(Node::is_element).collect();
+        let found = posed::in_element(element, owner);
+        self.refuse_what_is_no_pose(element, &found)?;
+        for part in found {
+            let posed::Frame::Named(name) = &part.frame else { continue };
+            let Some(step) = self.by_name.get(name.as_str()) else { continue };
+            let placed = match &part.placed {
+                Placed::Pose(old) => {
+                    let numbers = moved(step, &Numbers::of(old, 0.0));
+                    Placed::Pose(se3::pose((step * old).rotation, Vector3::from(numbers.xyz)))
                 }
-                None if sits_in_the_link && part.first_element_child().is_some() => {
-                    let text = six(&moved(step, &Numbers::default()));
-                    edits.first_child(self.source, part, &format!("<pose>{text}</pose>"));
-                }
-                _ => {}
+                Placed::Point(old) => Placed::Point(cleaned(&(step * Point3::from(*old)).coords, step)),
+                Placed::Direction(old) => Placed::Direction(cleaned(&(step.rotation * old), &Pose::identity())),
+            };
+            for Change { node, how, numbers } in part.rewritten(&placed) {
+                let node = *nodes.get(node).ok_or_else(|| self.unfaithful(node))?;
+                self.change(edits, node, how, &numbers)?;
             }
         }
+        Ok(())
     }
 
-    /// `<pose>x y z roll pitch yaw</pose>`, unless it is relative to another frame.
-    fn pose_element(&self, edits: &mut Edits, pose: Node, step: &Pose) {
-        let elsewhere =
-            pose.attribute("relative_to").or(pose.attribute("frame")).is_some_and(|frame| !frame.is_empty());
-        let otherwise = pose.attribute("rotation_format").is_some() || pose.attribute("degrees").is_some();
-        if elsewhere || otherwise {
-            return;
+    fn change(&self, edits: &mut Edits, node: Node, how: How, numbers: &[f64]) -> Result<(), ExportError> {
+        let text = numbers.iter().map(|number| word(clean(*number, 0.0))).collect::<Vec<_>>().join(" ");
+        match how {
+            How::Text => {
+                let mut texts = node.children().filter(Node::is_text);
+                match (texts.next(), texts.next()) {
+                    (_, Some(_)) => return Err(self.unfaithful(node.range().start)),
+                    (Some(inside), None) => edits.replace(inside.range(), text),
+                    (None, None) => edits.first_child(self.source, node, &text),
+                }
+            }
+            How::Attribute(name) => {
+                let text = match (node.attribute(name), numbers) {
+                    (Some(written), [x, y, z]) => three_over(written, [*x, *y, *z], 1.0),
+                    (None, numbers) if numbers.iter().all(|number| *number == 0.0) => return Ok(()),
+                    _ => text,
+                };
+                if node.attribute(name) != Some(text.as_str()) {
+                    edits.attribute(self.source, node, name, &text);
+                }
+            }
+            How::NewPose => edits.first_child(self.source, node, &format!("<pose>{text}</pose>")),
+            How::NewOrigin => {
+                let [x, y, z, roll, pitch, yaw] = *numbers else { return Err(self.unfaithful(node.range().start)) };
+                let origin = Numbers { xyz: [x, y, z], rpy: [roll, pitch, yaw] };
+                edits.first_child(self.source, node, &origin.element());
+            }
         }
-        let written = pose.text().unwrap_or_default();
-        let words: Option<Vec<f64>> = written.split_whitespace().map(|word| word.parse().ok()).collect();
-        let old = match words.as_deref() {
-            Some([x, y, z, roll, pitch, yaw]) => Numbers { xyz: [*x, *y, *z], rpy: [*roll, *pitch, *yaw] },
-            Some([]) => Numbers::default(),
-            _ => return,
+        Ok(())
+    }
+
+    /// A sensor's `<pose>` that is no pose would be left behind by the frame.
+    fn refuse_what_is_no_pose(&self, element: &Element, found: &[Posed]) -> Result<(), ExportError> {
+        let Some(top) = element.nodes.first() else { return Ok(()) };
+        let moves =
+            top.tag == "gazebo" && top.attribute("reference").is_some_and(|link| self.by_name.contains_key(link));
+        let lost = |(index, node): (usize, &ElementNode)| {
+            node.tag == "pose" && node.depth == 2 && !found.iter().any(|posed| posed.node == index)
         };
-        let text = six(&moved(step, &old));
-        match pose.children().find(Node::is_text) {
-            Some(inside) => edits.replace(inside.range(), text),
-            None => edits.first_child(self.source, pose, &text),
+        if moves && element.nodes.iter().enumerate().any(lost) {
+            let place = self.source.place(element.at, element.label());
+            let what = "a <pose> in it is no pose, so it cannot be moved along with its link's frame; write x y z roll pitch yaw, \
+                        or with rotation_format=\"quat_xyzw\" x y z and a quaternion";
+            return Err(ExportError::NotCarried { place, what: what.into() });
         }
+        Ok(())
     }
 
-    /// Drake's frames, loop joints and cables: elements with `link`, `xyz` and `rpy` attributes.
-    fn attached(&self, edits: &mut Edits, element: Node) {
-        for node in element.descendants().filter(Node::is_element) {
-            let Some(step) = node.attribute("link").and_then(|link| self.by_name.get(link)) else { continue };
-            let tag = node.tag_name().name();
-            let placed = node.attribute("xyz").is_some() || node.attribute("rpy").is_some();
-            let Some(old) = numbers_of(node) else { continue };
-            if tag == "parent" {
-                if let Some(owner) = node.parent_element() {
-                    self.origins_in(edits, owner, step, Reading::AsWritten);
-                }
-            } else if matches!(tag, "frame" | "link1" | "link2") {
-                write(self.source, edits, node, (&old, &moved(step, &old)), scale(step, &old));
-            } else if placed {
-                write_xyz(self.source, edits, node, moved(step, &old).xyz, scale(step, &old));
-                if node.attribute("rpy").is_some() {
-                    write(self.source, edits, node, (&old, &moved(step, &old)), scale(step, &old));
-                }
-            }
+    fn unfaithful(&self, at: usize) -> ExportError {
+        ExportError::Unfaithful {
+            file: self.source.file.clone(),
+            what: format!("a place in line {} does not stand in the text itself", self.source.line(at)),
         }
     }
+}
+
+fn cleaned(vector: &Vector3<f64>, step: &Pose) -> Vector3<f64> {
+    let scale = step.translation.vector.amax() + vector.amax();
+    vector.map(|x| clean(x, scale))
 }
 
 /// Moves joint origins and axes, and everything that is given in a link whose frame moves.
@@ -143,42 +172,58 @@ pub(crate) fn edit(
     plan: &Plan,
     edits: &mut Edits,
 ) -> Result<Vec<Note>, ExportError> {
-    let moves = Moves::of(robot, bodies, plan);
+    let moves = Moves::of(robot, bodies, &plan.poses(bodies));
     let nodes = Nodes::of(robot, document)?;
+    let seen = |joint: usize| match moves.new_from_old[robot.joints[joint].parent] {
+        Some(step) => moved(&step, &bodies.origins[joint]),
+        None => bodies.origins[joint],
+    };
+    // body_from_link along fixed joints, as it will be written.
+    let mut within = vec![Pose::identity(); robot.links.len()];
+    for link in &bodies.order {
+        if let Some(joint) = bodies.to_parent[*link].filter(|_| *link != bodies.body[*link]) {
+            within[*link] = within[robot.joints[joint].parent] * seen(joint).pose();
+        }
+    }
     for (index, joint) in robot.joints.iter().enumerate() {
         let node = nodes.joint(index);
-        if let Some(numbers) = plan.origins[index].filter(|_| has_axis(&joint.kind)) {
+        if let Some(row) = plan.rows[index].filter(|_| !plan.kept[joint.child]) {
+            let from = plan.from[index];
+            let numbers = if joint.parent == from {
+                row
+            } else {
+                let step = within[joint.parent].inverse() * within[from];
+                Numbers::of(&(step * row.pose()), bodies.size)
+            };
             joint_origin(&robot.source, edits, node, &numbers);
             joint_axis(&robot.source, edits, node);
             continue;
         }
+        if moves.new_from_old[joint.parent].is_some() || bodies.reread[index] {
+            joint_origin(&robot.source, edits, node, &seen(index));
+        }
         if has_axis(&joint.kind) {
             axis_as_meant(&robot.source, edits, node, bodies.axes[index].into_inner().into());
         }
-        let old = bodies.origins[index];
-        let on_the_way = !joint.kind.moves() && bodies.on_the_way[joint.child];
-        let numbers = match moves.new_from_old[joint.parent] {
-            _ if on_the_way => Numbers::default(),
-            Some(step) => moved(&step, &old),
-            None if bodies.reread[index] => old,
-            None => continue,
-        };
-        joint_origin(&robot.source, edits, node, &numbers);
     }
     for (index, step) in moves.new_from_old.iter().enumerate() {
         if let (Some(step), Some(node)) = (step, nodes.link(index)) {
             moves.link(edits, node, step);
         }
     }
-    for node in document.root_element().children().filter(Node::is_element) {
-        match node.tag_name().name() {
-            "link" | "joint" | "transmission" | "ros2_control" | "material" => {}
-            "gazebo" => {
-                if let Some(step) = node.attribute("reference").and_then(|link| moves.by_name.get(link)) {
-                    moves.gazebo(edits, node, step);
-                }
-            }
-            _ => moves.attached(edits, node),
+    let by_start: BTreeMap<usize, Node> = document
+        .root_element()
+        .children()
+        .chain(nodes.links().flat_map(|link| link.children()))
+        .filter(Node::is_element)
+        .map(|node| (node.range().start, node))
+        .collect();
+    let own = robot.elements.iter().map(|element| (element, None));
+    let of_links =
+        robot.links.iter().flat_map(|link| link.elements.iter().map(|element| (element, Some(link.name.as_str()))));
+    for (element, owner) in own.chain(of_links) {
+        if let Some(node) = by_start.get(&element.at) {
+            moves.element(edits, *node, element, owner)?;
         }
     }
     Ok(plugins_that_name(robot, document, &moves))
@@ -213,8 +258,4 @@ fn scale(step: &Pose, old: &Numbers) -> f64 {
 
 fn moved(step: &Pose, old: &Numbers) -> Numbers {
     Numbers::of(&(step * old.pose()), scale(step, old))
-}
-
-fn six(numbers: &Numbers) -> String {
-    format!("{} {}", three(numbers.xyz), three(numbers.rpy))
 }

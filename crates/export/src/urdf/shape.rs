@@ -1,17 +1,18 @@
 //! Whether joint origins are rows already.
 
-use super::Frames;
-use super::bodies::{Bodies, has_axis, has_short_angle};
+use super::bodies::has_axis;
 use super::written::{Numbers, clean};
 use denavit_dh::straighten::ROUNDING;
 use denavit_dh::table::{DhRow, HayatiRow, Row};
-use denavit_model::nalgebra::Vector3;
+use denavit_model::nalgebra::{Unit, Vector3};
 use denavit_model::robot::Robot;
 use denavit_model::se3;
-use denavit_model::tree::Reading;
 
 /// Rounding of a row that was written and read again: rad, and m relative to the origin's own length.
 const WRITTEN: f64 = 1e-14;
+
+/// The same for a frame that is only looked at by the axis behind it.
+const ACROSS: f64 = 4e-14;
 
 /// Axes closer to parallel than this (rad) may have Hayati's row; as may those whose feet lie farther than this many
 /// times the robot's size.
@@ -21,37 +22,7 @@ const FAR: f64 = 1.0;
 /// Axes farther than this (rad) from parallel have a D-H row like any others.
 const NEARLY_PARALLEL: f64 = 0.3;
 
-/// Whether every joint with an axis is in canonical form as it is written, and no shortened angle is left to be mended.
-pub(crate) fn is_canonical(robot: &Robot, frames: Frames, reading: Reading) -> bool {
-    let all = |test: &dyn Fn(usize) -> bool| (0..robot.joints.len()).all(test);
-    let mended = reading == Reading::AsWritten || !robot.joints.iter().any(has_short_angle);
-    if !mended || !all(&|index| has_z_axis(robot, index)) {
-        return false;
-    }
-    let bodies = &Bodies::of(robot, Reading::AsWritten);
-    let row = |index: usize| row_of(&bodies.origins[index], bodies.size);
-    let merged = all(&|index| {
-        let joint = &robot.joints[index];
-        joint.kind.moves() || !bodies.on_the_way[joint.child] || bodies.origins[index] == Numbers::default()
-    });
-    let turning = |index: &usize| has_axis(&robot.joints[*index].kind);
-    merged
-        && match frames {
-            Frames::Distal => (0..robot.joints.len()).filter(turning).all(|index| row(index).is_some()),
-            // The foot of a common normal with one of the axes behind.
-            Frames::Proximal => (0..robot.joints.len()).filter(turning).all(|index| {
-                let link = robot.joints[index].child;
-                let mut behind = (0..robot.joints.len())
-                    .filter(turning)
-                    .filter(|next| bodies.body[robot.joints[*next].parent] == link)
-                    .peekable();
-                let fits = |origin: &Numbers| is_proximal(origin) || is_nearly_parallel(origin, bodies.size);
-                behind.peek().is_none() || behind.any(|next| fits(&bodies.origins[next]))
-            }),
-        }
-}
-
-fn has_z_axis(robot: &Robot, index: usize) -> bool {
+pub(crate) fn has_z_axis(robot: &Robot, index: usize) -> bool {
     let joint = &robot.joints[index];
     !has_axis(&joint.kind) || joint.axis_written == Some([0.0, 0.0, 1.0])
 }
@@ -59,8 +30,13 @@ fn has_z_axis(robot: &Robot, index: usize) -> bool {
 /// The row that an origin is, if it is one: rpy = (alpha, 0, theta) and xyz = (a cos theta, a sin theta, d), or Hayati's
 /// where the axes are nearly parallel and the four numbers would lead far away.
 pub(crate) fn row_of(origin: &Numbers, size: f64) -> Option<Row> {
+    row_within(origin, size, 0.0)
+}
+
+/// As [`row_of`], of an origin that carries the rounding of a length `carried`, m.
+pub(crate) fn row_within(origin: &Numbers, size: f64, carried: f64) -> Option<Row> {
     let [x, y, z] = origin.xyz;
-    let length = x.hypot(y).max(z.abs());
+    let length = x.hypot(y).max(z.abs()).max(carried);
     let [alpha, pitch, theta] = origin.rpy;
     if pitch.abs() <= WRITTEN {
         let (sine, cosine) = se3::sin_cos_of_written(theta);
@@ -77,7 +53,8 @@ pub(crate) fn row_of(origin: &Numbers, size: f64) -> Option<Row> {
     let alpha = r[(2, 1)].atan2(cosine * r[(1, 1)] - sine * r[(0, 1)]);
     let beta = (cosine * r[(0, 2)] + sine * r[(1, 2)]).atan2(cosine * r[(0, 0)] + sine * r[(1, 0)]);
     let flat = z.abs() <= WRITTEN * length && across.abs() <= WRITTEN * length;
-    (flat && is_nearly_parallel(origin, size)).then_some(Row::Hayati(HayatiRow {
+    let z_axis = rotation.matrix().column(2).into_owned();
+    (flat && is_nearly_parallel(origin, &z_axis, size)).then_some(Row::Hayati(HayatiRow {
         theta,
         d: 0.0,
         a: along,
@@ -86,13 +63,12 @@ pub(crate) fn row_of(origin: &Numbers, size: f64) -> Option<Row> {
     }))
 }
 
-/// Whether the z axes before and behind are so nearly parallel that their common normal is no place for a frame.
-fn is_nearly_parallel(origin: &Numbers, size: f64) -> bool {
-    let z_axis = se3::rotation_from_rpy(origin.rpy).matrix().column(2).into_owned();
-    let tilt = se3::angle_between(&Vector3::z(), &z_axis).min(se3::angle_between(&-Vector3::z(), &z_axis));
-    let normal = Vector3::z().cross(&z_axis);
+/// Whether z and the axis behind are so nearly parallel that their common normal is no place for a frame.
+fn is_nearly_parallel(origin: &Numbers, axis: &Vector3<f64>, size: f64) -> bool {
+    let tilt = se3::angle_between(&Vector3::z(), axis).min(se3::angle_between(&-Vector3::z(), axis));
+    let normal = Vector3::z().cross(axis);
     // How far along the axis before the foot of the common normal lies.
-    let foot = Vector3::from(origin.xyz).cross(&z_axis).dot(&normal) / normal.norm_squared();
+    let foot = Vector3::from(origin.xyz).cross(axis).dot(&normal) / normal.norm_squared();
     tilt > ROUNDING && tilt < NEARLY_PARALLEL && (foot.abs() > FAR * size || tilt < SURELY_PARALLEL)
 }
 
@@ -109,13 +85,14 @@ fn exact_length(along: f64, [x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
     candidates.iter().find(exactly).or_else(|| candidates.iter().find(cleaned)).map_or(along, |a| *a) + 0.0
 }
 
-/// Whether an origin is Rx(alpha) Tx(a) Rz(theta) Tz(d).
-fn is_proximal(origin: &Numbers) -> bool {
-    let rotation = se3::rotation_from_rpy(origin.rpy);
-    let r = rotation.matrix();
+/// Whether the frame that an origin is given in lies at the foot of the common normal of its z and the axis behind, its x
+/// along that normal: the origin is Rx(alpha) Tx(a) Rz(theta) Tz(d) where the axis is its z. Or the two are nearly parallel.
+pub(crate) fn is_proximal(origin: &Numbers, axis: &Unit<Vector3<f64>>, size: f64) -> bool {
+    let direction = se3::rotation_from_rpy(origin.rpy) * axis.as_ref();
     let [x, y, z] = origin.xyz;
-    let length = x.abs().max(y.hypot(z));
-    // x of the new frame turned about the new z stays across it in the old y-z plane: row 0 of Rx Rz is (cos, -sin, 0).
-    let across = y * r[(2, 2)] - z * r[(1, 2)];
-    r[(0, 2)].abs() <= WRITTEN && across.abs() <= WRITTEN * length
+    // A frame that was placed along an axis carries the rounding of the robot's size.
+    let length = x.abs().max(y.hypot(z)).max(size);
+    // A line that is across x and meets it.
+    let across = y * direction.z - z * direction.y;
+    direction.x.abs() <= ACROSS && across.abs() <= ACROSS * length || is_nearly_parallel(origin, &direction, size)
 }

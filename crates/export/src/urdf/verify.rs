@@ -13,9 +13,11 @@ use std::collections::HashMap;
 /// Shapes may differ by this many times the robot's size, m, and by as much in rad.
 const SAME: f64 = 1e-11;
 
+/// `stays`: the links whose frames must be where they were.
+///
 /// # Errors
 /// The text is no URDF, or its robot is another one.
-pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str) -> Result<(), ExportError> {
+pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str, stays: &[bool]) -> Result<(), ExportError> {
     let made = urdf::read(&robot.source.file, text)?;
     let made_bodies = Bodies::of(&made, Reading::AsWritten);
     let twins: HashMap<&str, usize> =
@@ -30,11 +32,31 @@ pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str) -> Result<(
                 *twins.get(link.name.as_str()).ok_or_else(|| unfaithful(format!("link \"{}\" is lost", link.name)))?;
             if let Some(part) = moved_part((link, pose), (&made.links[twin], &after[twin]), bodies.size, bodies.reading)
             {
-                return Err(unfaithful(format!("the {part} of link \"{}\" would move", link.name)));
+                let what = format!("the {part} of link \"{}\" would move", link.name);
+                return Err(if is_hidden_from_edits(robot) { unfaithful(what) } else { inexact(robot, what) });
+            }
+        }
+        for (index, link) in robot.links.iter().enumerate().filter(|(index, _)| stays[*index]) {
+            let (turned, moved) = se3::difference(&before[index], &after[twins[link.name.as_str()]]);
+            if turned > SAME || moved > SAME * bodies.size {
+                let what =
+                    format!("the frame of link \"{}\" would move by {moved:.1e} m and {turned:.1e} rad", link.name);
+                return Err(inexact(robot, what));
             }
         }
     }
     Ok(())
+}
+
+/// Whether a part of the text may stand where edits do not reach: in an XML entity, or in a second `<inertial>`.
+fn is_hidden_from_edits(robot: &Robot) -> bool {
+    let text = &robot.source.text;
+    let links = robot.links.iter().filter(|link| link.inertial.is_some()).count();
+    text.contains("<!ENTITY") || text.matches("<inertial").count() > links
+}
+
+fn inexact(robot: &Robot, what: String) -> ExportError {
+    ExportError::Inexact { file: robot.source.file.clone(), what }
 }
 
 /// root_from_link at the joint values that `value` gives; joints of several values stand at zero.

@@ -9,7 +9,7 @@ use denavit_model::se3::{self, Pose, written_rpy as rpy};
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The shortest decimal that reads back as `value`; never `-0`.
-pub(crate) fn word(value: f64) -> String {
+pub fn word(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
@@ -23,7 +23,7 @@ pub(crate) fn three(values: [f64; 3]) -> String {
 
 /// `value` without what rounding added: a decimal of twelve places where one is as near as rounding, relative to
 /// `scale`, lets it be.
-pub(crate) fn clean(value: f64, scale: f64) -> f64 {
+pub fn clean(value: f64, scale: f64) -> f64 {
     let tolerance = ROUNDING * scale.max(value.abs());
     let rounded = (value * 1e12).round() / 1e12;
     if (rounded - value).abs() <= tolerance { rounded + 0.0 } else { value }
@@ -31,8 +31,10 @@ pub(crate) fn clean(value: f64, scale: f64) -> f64 {
 
 /// Where something sits, in the numbers that will be written.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Numbers {
+pub struct Numbers {
+    /// m.
     pub xyz: [f64; 3],
+    /// Fixed-axis angles, rad.
     pub rpy: [f64; 3],
 }
 
@@ -43,6 +45,7 @@ impl Numbers {
         Self { xyz: [t.x, t.y, t.z].map(|x| clean(x, scale)), rpy: rpy(&pose.rotation) }
     }
 
+    /// parent_from_child.
     pub fn pose(&self) -> Pose {
         se3::pose(se3::rotation_from_rpy(self.rpy), Vector3::from(self.xyz))
     }
