@@ -4,6 +4,7 @@ pub mod adoption;
 pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
+pub mod expected;
 pub mod monitor;
 pub mod open;
 pub mod placed_anew;
@@ -23,18 +24,20 @@ use crate::calibration::contract::{
     SCHEMA, Samples, Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
+use crate::calibration::expected::Expected;
 use crate::calibration::rows::Rows;
 use crate::calibration::stages::{Beyond, Stages, beyond, kept};
 use crate::effects::driver::Statics;
 use crate::effects::model::EffectModel;
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
+use crate::identify::averaging::{Averaging, NotAveraged, averaged};
 use crate::identify::carried::{self, Carried};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
 use crate::identify::known_effects::EffectsPosterior;
 use crate::identify::lack_of_fit::lack_of_fit;
 use crate::identify::noise::{HeldCurve, NoiseModel, noise_model};
-use crate::identify::posterior::Posterior;
+use crate::identify::posterior::{KnownParameter, Posterior};
 use crate::identify::proportion::{OutOfProportion, within_proportion};
 use crate::identify::quantization::{self, Rounding};
 use crate::identify::redundancy::{Redundancy, different};
@@ -200,8 +203,10 @@ pub struct Calibration {
     pub information: Option<Information>,
     /// Nominal and geometric fit.
     pub identification: Identification,
-    /// The fit that was adopted, if it holds more than geometry.
+    /// The last stage that names causes or has error curves and did not make held-out rows worse.
     pub beyond: Option<Box<Fit<EffectModel>>>,
+    /// The recommended prediction, averaged over everything that may act; `Err` says why there is none.
+    pub averaging: Result<Box<Averaging>, NotAveraged>,
     /// What the tracer found, if it was asked.
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
@@ -229,8 +234,13 @@ impl Calibration {
         self.identification.at(self.report.adopted)
     }
 
-    /// The fit that was adopted, if it holds more than geometry: effects or error curves.
+    /// The fit that was adopted, if it holds more than geometry: everything averaged, effects or error curves.
     pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
+        self.averaging.as_ref().ok().map(|averaging| &averaging.fit).or(self.named())
+    }
+
+    /// The last stage with causes or error curves that did not make held-out rows worse.
+    pub fn named(&self) -> Option<&Fit<EffectModel>> {
         self.beyond.as_deref()
     }
 
@@ -308,6 +318,11 @@ pub fn calibrate_and_tell(
     let carried = carried.then(|| carried::carried(&train, &identification, &options.identify)).flatten();
     let weight = carried.as_ref().map(|carried| carried.weight);
     let weight = weight.or_else(|| identification.earlier.as_ref().map(|earlier| earlier.weight));
+    let in_average = || averaged(statics, &train, &identification, &options.identify, &[]);
+    let averaging = match &options.trace {
+        Some(_) => in_average().map(Box::new),
+        None => Err(NotAveraged::NotAsked),
+    };
     let searched = Searched { statics, data: &train, geometric, carried: carried.as_ref(), weight };
     let (found, curves) = searched.run(options, redundancy.enough_for_effects, &mut begin)?;
     if let (Some(test), Some(found)) = (&test, &found) {
@@ -320,11 +335,15 @@ pub fn calibrate_and_tell(
     let mut stages = Stages::new(&train, test.as_ref(), placed_anew.as_ref());
     stages.add_all(&of_geometry, &beyond)?;
     let last = stages.adopt(&beyond);
+    if let Ok(averaging) = &averaging {
+        stages.recommend(&averaging.fit)?;
+    }
+    let recommended = if averaging.is_ok() { stages.done.len() - 1 } else { last };
     let Stages { done: stages, mut held_out, .. } = stages;
-    let held_out = held_out.swap_remove(last);
+    let held_out = held_out.swap_remove(recommended);
     let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
     let geometry = of_geometry[last.min(of_geometry.len() - 1)];
-    let (adopted, weights, information, (parameters, posterior, differs)) = match reached {
+    let (named, weights, information, (parameters, posterior, differs)) = match reached {
         Some(Beyond { adopted, fit, deflections, modes, .. }) => {
             let (parameters, posterior, differs) = identified(fit);
             let effects = EffectsPosterior::of(fit, deflections.len(), modes);
@@ -333,9 +352,19 @@ pub fn calibrate_and_tell(
         }
         None => (geometry.1, &geometry.2.weights, Information::of(geometry.2), identified(geometry.2)),
     };
-    let named = found.as_ref().filter(|_| adopted == Adopted::Effects);
-    let entries = |of: bool| entries(named, of, chain);
-    let left = || reached.map_or_else(|| kept(geometry.2, &train), |reached| kept(&reached.fit, &train));
+    let plain = &identification.geometric;
+    let (adopted, information, (parameters, posterior, differs)) = match &averaging {
+        // The calibrated robot has the geometry of the geometric fit; what the next calibration goes on from are the named causes.
+        Ok(_) => (Adopted::Averaged, Information::of(plain), of_geometric_stage(plain, parameters, posterior)),
+        Err(_) => (named, information, (parameters, posterior, differs)),
+    };
+    let found_here = found.as_ref().filter(|_| named == Adopted::Effects);
+    let entries = |of: bool| entries(found_here, of, chain);
+    let left = || match (&averaging, reached) {
+        (Ok(averaging), _) => kept(&averaging.fit, &train),
+        (Err(_), Some(reached)) => kept(&reached.fit, &train),
+        (Err(_), None) => kept(geometry.2, &train),
+    };
     let repeats = lack_of_fit(&train, left, identifiable.rank);
     let report = CalibrationReport {
         schema: SCHEMA,
@@ -377,6 +406,7 @@ pub fn calibrate_and_tell(
         effects: entries(true),
         one_of: entries(false),
         prospect: None,
+        prediction: averaging.as_ref().ok().map(|averaging| Expected::of(averaging, &train)),
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(&reached.fit, &reached.gains)),
         fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, &reached.fit, &reached.deflections)),
         unexplained: unexplained(found.as_ref()),
@@ -387,6 +417,7 @@ pub fn calibrate_and_tell(
         information,
         identification,
         beyond: reached.map(|reached| Box::new(reached.fit.clone().into_owned())),
+        averaging,
         trace: found,
         curves,
         carried,
@@ -528,6 +559,27 @@ fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Option<Posterior>, Vec<Drawi
         }
     };
     (fit.layout.joints.clone().map(of).collect(), Posterior::of(fit), drawing_differences(fit))
+}
+
+/// The geometric fit's parameters; the posterior stays that of the stage with named causes, with parameters of its own where they differ.
+fn of_geometric_stage(
+    geometric: &Fit<NoEffects>,
+    parameters: Vec<Identified>,
+    posterior: Option<Posterior>,
+) -> (Vec<Identified>, Option<Posterior>, Vec<DrawingDifference>) {
+    let (own, of_own, differs) = identified(geometric);
+    if own == parameters {
+        return (own, posterior.or(of_own), differs);
+    }
+    let known = |parameter: Identified| KnownParameter {
+        parameter: parameter.parameter,
+        change: parameter.change,
+        std: parameter.std,
+        unit: parameter.unit.into(),
+    };
+    let posterior =
+        posterior.map(|posterior| Posterior { parameters: parameters.into_iter().map(known).collect(), ..posterior });
+    (own, posterior, differs)
 }
 
 /// What a parameter that the data cannot tell is held by.

@@ -1,12 +1,14 @@
 //! Effects that geometry lacks: where each acts (carrier) times what drives it (driver).
 
 pub mod approach;
+pub mod averaged;
 pub mod carrier;
 pub mod catalogue;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of waves and of places")]
 pub mod curve;
 pub mod curve_modes;
 pub mod driver;
+pub mod everything;
 pub mod field;
 pub mod gravity;
 pub mod history;

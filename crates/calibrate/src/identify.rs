@@ -1,5 +1,6 @@
 //! From data to an arm: the nominal stage, then the axes.
 
+pub mod averaging;
 pub mod carried;
 mod continued;
 pub mod dh_form;

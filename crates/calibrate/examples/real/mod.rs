@@ -13,8 +13,15 @@ pub struct Real {
 }
 
 impl Real {
+    #[allow(dead_code)] // As below.
     pub fn robot(path: &str) -> Self {
-        let units = std::env::var("UNITS").map_or_else(|_| Units::default(), |word| word.parse().unwrap());
+        Self::in_units(path, &std::env::var("UNITS").unwrap_or_default())
+    }
+
+    /// The robot whose rows are in these units, such as `mm,deg`; SI units where nothing is said.
+    #[allow(dead_code)] // Some studies have one robot alone.
+    pub fn in_units(path: &str, units: &str) -> Self {
+        let units = if units.is_empty() { Units::default() } else { units.parse().unwrap() };
         let text = std::fs::read_to_string(path).unwrap();
         if std::path::Path::new(path).extension().is_some_and(|ending| ending == "csv") {
             let Source::Table { table, .. } = sources::read(path, &text, Stated::default()).unwrap() else {

@@ -25,6 +25,8 @@ pub enum Adopted {
     Effects,
     /// Axes and error curves of joints.
     Curves,
+    /// Everything that may act, averaged, blended with plain geometry.
+    Averaged,
 }
 
 /// Whether held-out rows are worse after a stage than before it, by more than chance.

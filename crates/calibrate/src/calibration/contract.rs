@@ -5,6 +5,7 @@ use crate::calibration::adoption::Adopted;
 use crate::calibration::diagnosis::Corrected;
 use crate::calibration::diagnosis::explained::Explained;
 use crate::calibration::drawing_differences::DrawingDifference;
+use crate::calibration::expected::Expected;
 use crate::calibration::placed_anew::PlacedAnew;
 use crate::calibration::rows::{Placements, Rows};
 use crate::identify::carried::CarriedPart;
@@ -91,6 +92,9 @@ pub struct CalibrationReport {
     /// What poses measured next are expected to settle of them; left out where nothing is open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prospect: Option<Prospect>,
+    /// How far the averaged prediction is expected to be off, within the measured ranges and outside; left out where it is not adopted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prediction: Option<Expected>,
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,

@@ -26,7 +26,7 @@ impl Calibration {
         let geometric = &self.identification.geometric;
         let earlier = self.carried.as_ref().map(Carried::beside);
         let plain = || geometric.with_model(statics, earlier.as_ref());
-        let fit = self.beyond_geometry().cloned().unwrap_or_else(plain);
+        let fit = self.named().cloned().unwrap_or_else(plain);
         Arc::new(Open::of_fit(&survey, &self.train, &fit, &geometric.arm))
     }
 

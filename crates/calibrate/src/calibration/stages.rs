@@ -21,6 +21,8 @@ use std::borrow::Cow;
 /// What the stages are called that others are built on: the axes alone, and an earlier model brought up to date.
 const GEOMETRIC: &str = "geometric";
 const UPDATED: &str = "updated";
+/// The last stage: everything that may act, averaged.
+const AVERAGED: &str = "averaged";
 
 /// A stage that holds geometry alone: its name, what it is adopted as, its fit.
 pub(super) type GeometricStage<'a> = (&'static str, Adopted, &'a Fit<NoEffects>);
@@ -52,7 +54,9 @@ impl Calibration {
         let geometry = self.identification.stages(self.carried.is_some()).into_iter();
         let geometry = geometry.map(|(name, _, fit)| StageResiduals::of(name, fit, train, test));
         let beyond = self.beyond_stages().into_iter();
-        geometry.chain(beyond.map(|stage| StageResiduals::of(&stage.name, &*stage.fit, train, test))).collect()
+        let beyond = beyond.map(|stage| StageResiduals::of(&stage.name, &*stage.fit, train, test));
+        let averaged = self.averaging.as_ref().ok().map(|found| StageResiduals::of(AVERAGED, &found.fit, train, test));
+        geometry.chain(beyond).chain(averaged).collect()
     }
 
     /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
@@ -63,7 +67,10 @@ impl Calibration {
             StageResiduals::of(name, fit, &self.train, None)
         };
         let beyond = self.beyond_stages();
-        let last = beyond.last().map(|stage| StageResiduals::of(&stage.name, &*stage.fit, &self.train, None));
+        let last = match &self.averaging {
+            Ok(found) => Some(StageResiduals::of(AVERAGED, &found.fit, &self.train, None)),
+            Err(_) => beyond.last().map(|stage| StageResiduals::of(&stage.name, &*stage.fit, &self.train, None)),
+        };
         [of_geometry(0), last.unwrap_or_else(|| of_geometry(geometry.len() - 1))]
     }
 
@@ -152,6 +159,17 @@ impl<'a> Stages<'a> {
             self.add((*name).into(), *fit)?;
         }
         beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), &*reached.fit))
+    }
+
+    /// Adds the averaged stage, which is the recommended one whatever the held-out rows say: they choose nothing.
+    pub fn recommend(&mut self, averaged: &Fit<EffectModel>) -> Result<(), TestError> {
+        self.add(AVERAGED.into(), averaged)?;
+        let last = self.done.len() - 1;
+        let before = self.done.iter().position(|stage| stage.adopted).unwrap_or(0);
+        self.done[last].worse_on_held_out = worse(&self.held_out[before], &self.held_out[last]);
+        self.done.iter_mut().for_each(|stage| stage.adopted = false);
+        self.done[last].adopted = true;
+        Ok(())
     }
 
     /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.

@@ -48,6 +48,8 @@ pub enum Kind {
     TargetIncidence,
     /// A smooth function of two joints' readings: no cause, and in no catalogue of causes.
     JointField,
+    /// Errors of links and zeros, as an averaged prediction has them: no cause, and in no catalogue of causes.
+    Geometry,
 }
 
 /// A kind's entry in the catalogue.
@@ -209,10 +211,24 @@ static FIELD: Entry = Entry {
     terms: |_| Vec::new(),
 };
 
+/// Geometry as one of the things that an averaged prediction is made of.
+static GEOMETRY: Entry = Entry {
+    kind: Kind::Geometry,
+    name: "geometry",
+    formula: "ends of links turned and shifted, values of joints off by a constant",
+    units: "rad or m",
+    source: "no effect: what a fit of the axes finds, too",
+    terms: |_| Vec::new(),
+};
+
 impl Kind {
     /// Its entry.
     pub fn entry(self) -> &'static Entry {
-        KINDS.iter().chain([&FIELD]).find(|entry| entry.kind == self).expect("every kind has an entry: tested")
+        KINDS
+            .iter()
+            .chain([&FIELD, &GEOMETRY])
+            .find(|entry| entry.kind == self)
+            .expect("every kind has an entry: tested")
     }
 
     /// Its name in files and on the command line.

@@ -79,6 +79,14 @@ impl Waves {
         }
     }
 
+    /// Whether a reading is within the interval of the waves.
+    pub fn covers(&self, reading: f64) -> bool {
+        match self {
+            Self::Sines { low, width, .. } => (*low..=low + width).contains(&reading),
+            Self::Turns { .. } => true,
+        }
+    }
+
     /// The waves at a reading, into `out`.
     pub fn values_into(&self, reading: f64, out: &mut [f64]) {
         let mut places = out.iter_mut();

@@ -135,6 +135,8 @@ pub enum Driver<C = Column> {
     },
     /// Products of shapes of two joints' readings: a smooth function of both.
     Products(Products),
+    /// Values that are the same in every row: the average of a driver that follows what nobody recorded.
+    Fixed(Vec<f64>),
 }
 
 /// Where a joint's velocity is recorded: as that of the coordinate that moves it.
@@ -178,6 +180,7 @@ impl<C> Driver<C> {
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
             Self::Products(_) => Products::COUNT,
+            Self::Fixed(values) => values.len(),
             _ => 1,
         }
     }
@@ -297,6 +300,7 @@ impl<C> Driver<C> {
             Self::Steps { covariate, at } => Driver::Steps { covariate: named(covariate)?, at: at.clone() },
             Self::Smooth { covariate, knots } => Driver::Smooth { covariate: named(covariate)?, knots: knots.clone() },
             Self::Products(products) => Driver::Products(*products),
+            Self::Fixed(values) => Driver::Fixed(values.clone()),
         })
     }
 }
@@ -372,6 +376,7 @@ impl Driver {
                 out.extend(at.iter().map(|&place| if value >= place { 1.0 } else { 0.0 }));
             }
             Self::Smooth { covariate, knots } => hats(recorded(covariate), knots, out),
+            Self::Fixed(values) => out.extend(values),
             Self::Products(products) => {
                 products.values_into(products.joints().map(|joint| joints[joint].value(conditions.reading)), out);
             }

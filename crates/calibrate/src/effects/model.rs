@@ -1,5 +1,6 @@
 //! Effects with their numbers: what they do in a row, and as JSON to be used again.
 
+use crate::effects::averaged::Averaged;
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
@@ -140,6 +141,8 @@ pub struct EffectModel {
     pub curves: Vec<Curve>,
     /// What an earlier calibration knows of the same chain: it acts beside the others and has no free numbers.
     pub earlier: Option<Arc<EffectModel>>,
+    /// A prediction that is averaged over everything that may act, as a correction of the geometric fit.
+    pub averaged: Option<Arc<Averaged>>,
 }
 
 /// An arm as effects see it before any row is looked at, and how it stands in the row that was looked at last.
@@ -155,12 +158,14 @@ pub struct Standing {
     steady: Perturbation,
     given: Perturbation,
     next: Perturbation,
+    /// The same of the averaged robot, where there is one.
+    averaged: Option<Box<Standing>>,
 }
 
 impl EffectModel {
     /// The effects on this chain.
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
-        Self { statics, effects, curves: Vec::new(), earlier: None }
+        Self { statics, effects, curves: Vec::new(), earlier: None, averaged: None }
     }
 
     /// No effect with free numbers beside what an earlier calibration knows.
@@ -198,6 +203,7 @@ impl EffectModel {
             steady: nothing(),
             given: nothing(),
             next: nothing(),
+            averaged: self.averaged.as_ref().map(|averaged| Box::new(averaged.standing())),
         }
     }
 
@@ -232,14 +238,17 @@ impl EffectModel {
     }
 
     /// The same; how the arm stands is left out where nothing hangs on it.
-    fn bend(
+    pub(super) fn bend(
         &self,
         conditions: &Conditions<'_>,
         joints: &[ChainJoint],
         standing: &mut Standing,
         out: &mut Perturbation,
     ) {
-        let Standing { arm, directions, motions, posture, values, steady, given, next } = standing;
+        if let (Some(averaged), Some(standing)) = (&self.averaged, &mut standing.averaged) {
+            averaged.perturb(conditions, standing, out);
+        }
+        let Standing { arm, directions, motions, posture, values, steady, given, next, .. } = standing;
         let directions = &directions[conditions.tip];
         let Some(arm) = arm else { return self.add_steady(conditions, joints, directions, values, out) };
         steady.clear();
@@ -293,6 +302,26 @@ impl EffectModel {
         for curve in self.earlier.iter().flat_map(|earlier| &earlier.curves).chain(&self.curves) {
             let reading = self.statics.chain.joints()[curve.joint].value(conditions.reading);
             out.twists[curve.joint] += joints[curve.joint].screw.twist() * curve.value(reading);
+        }
+    }
+
+    /// How a prediction moves per unit of each coefficient, where the arm stands; `standing` is that of the same conditions.
+    pub(super) fn sensitivities_of(
+        &self,
+        conditions: &Conditions<'_>,
+        Standing { directions, posture, values, .. }: &mut Standing,
+        state: &RowState,
+        out: &mut [Sensitivity],
+    ) {
+        let before = self.acting().count() - self.effects.len();
+        let mut first = 0;
+        for (effect, directions) in self.effects.iter().zip(&directions[conditions.tip][before..]) {
+            values.clear();
+            effect.term.driver.values_into(&self.statics, conditions, posture, values);
+            effect.term.each_action(directions, values, |coefficient, action, amount| {
+                add_sensitivity(action, amount, state, &mut out[first + coefficient]);
+            });
+            first += effect.coefficients.len();
         }
     }
 
@@ -353,7 +382,7 @@ impl Effects for EffectModel {
     }
 
     fn are_none(&self) -> bool {
-        self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none()
+        self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none() && self.averaged.is_none()
     }
 
     fn parameters(&self) -> Vec<Parameter> {
@@ -382,27 +411,20 @@ impl Effects for EffectModel {
         &self,
         row: Row<'_>,
         _arm: &Arm,
-        Standing { directions, posture, values, .. }: &mut Standing,
+        standing: &mut Standing,
         at: Perturbed<'_>,
         out: &mut [Sensitivity],
     ) {
-        let conditions = Conditions::of(row);
-        let before = self.acting().count() - self.effects.len();
-        let mut first = 0;
-        for (effect, directions) in self.effects.iter().zip(&directions[conditions.tip][before..]) {
-            values.clear();
-            effect.term.driver.values_into(&self.statics, &conditions, posture, values);
-            effect.term.each_action(directions, values, |coefficient, action, amount| {
-                add_sensitivity(action, amount, at.state, &mut out[first + coefficient]);
-            });
-            first += effect.coefficients.len();
-        }
+        self.sensitivities_of(&Conditions::of(row), standing, at.state, out);
     }
 
     fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
         let mut bound = self.clone();
         if let Some(earlier) = &self.earlier {
             bound.earlier = Some(Arc::new(earlier.bound_to(data)?));
+        }
+        if let Some(averaged) = &self.averaged {
+            bound.averaged = Some(Arc::new(averaged.bound(&|name| data.column(name))));
         }
         for effect in &mut bound.effects {
             effect.term.driver = effect.term.driver.named_by(|column| data.column(column.name()))?;

@@ -53,6 +53,7 @@ impl EffectModel {
             effects: self.effects.iter().filter_map(|effect| self.on_the_way(effect, &own)).collect(),
             curves: self.curves.iter().filter_map(curve).collect(),
             earlier: None,
+            averaged: None,
         }
     }
 

@@ -9,6 +9,8 @@
 //! by value of the driver. `drawn` is the robot that the effects were found on ([`ReferenceRobot`]); without it they are taken to be
 //! those of the robot at hand.
 
+use crate::effects::averaged::Averaged;
+use crate::effects::averaged::written::WrittenAveraged;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::{Effect, EffectModel, Term};
@@ -16,6 +18,7 @@ use crate::effects::reference_robot::{ReferenceRobot, apart};
 use crate::effects::written::WrittenDriver;
 use crate::observation::measurements::{Column, MissingColumn};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Version of the format.
@@ -31,6 +34,8 @@ struct Saved {
     effects: Vec<SavedEffect>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     curves: Vec<Curve>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    averaged: Option<WrittenAveraged>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -131,6 +136,8 @@ pub struct SavedEffects {
     pub effects: Vec<Effect<Driver<String>>>,
     /// Error curves of joints, no cause claimed.
     pub curves: Vec<Curve>,
+    /// A prediction averaged over everything that may act, a correction of the robot with its geometry alone.
+    pub averaged: Option<Arc<Averaged>>,
 }
 
 impl EffectModel {
@@ -143,7 +150,12 @@ impl EffectModel {
             Effect { term, coefficients: coefficients.clone() }
         };
         let effects = self.effects.iter().map(written).collect();
-        SavedEffects { statics: self.statics.clone(), effects, curves: self.curves.clone() }
+        SavedEffects {
+            statics: self.statics.clone(),
+            effects,
+            curves: self.curves.clone(),
+            averaged: self.averaged.clone(),
+        }
     }
 
     /// As JSON text, with formula, units and source of each kind beside the numbers.
@@ -155,7 +167,7 @@ impl EffectModel {
 impl SavedEffects {
     /// No effects on this chain.
     pub fn none(statics: Statics) -> Self {
-        Self { statics, effects: Vec::new(), curves: Vec::new() }
+        Self { statics, effects: Vec::new(), curves: Vec::new(), averaged: None }
     }
 
     /// The effects, everything that they follow bound to its column.
@@ -164,8 +176,9 @@ impl SavedEffects {
     /// Those of `column`, which is asked for each name.
     pub fn bound(self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Result<EffectModel, MissingColumn> {
         let effects = self.effects.iter().map(|effect| self.bound_effect(effect, column)).collect::<Result<_, _>>()?;
+        let averaged = self.averaged.as_ref().map(|averaged| Arc::new(averaged.bound(column)));
         let Self { statics, curves, .. } = self;
-        Ok(EffectModel { statics, effects, curves, earlier: None })
+        Ok(EffectModel { statics, effects, curves, earlier: None, averaged })
     }
 
     /// One of the effects, everything that it follows bound to its column.
@@ -201,6 +214,11 @@ impl SavedEffects {
         names
     }
 
+    /// The names of what an averaged prediction follows, too, but can do without: it is then taken at its average.
+    pub fn may_follow(&self) -> Vec<String> {
+        self.averaged.iter().flat_map(|averaged| averaged.follows().cloned()).collect()
+    }
+
     /// As JSON text, with formula, units and source of each kind beside the numbers.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(&self.written()).expect("names are texts and numbers are numbers") + "\n"
@@ -232,6 +250,7 @@ impl SavedEffects {
             drawn: Some(ReferenceRobot::of(&self.statics)),
             effects: effects.collect(),
             curves: self.curves.clone(),
+            averaged: self.averaged.as_ref().map(|averaged| WrittenAveraged::of(averaged)),
         }
     }
 
@@ -300,7 +319,9 @@ impl SavedEffects {
                 return Err(SavedError::BadCurve { file: file(), index: index + 1, why });
             }
         }
-        Ok(Self { statics: statics.clone(), effects, curves: saved.curves })
+        let averaged = saved.averaged.map(|written| written.averaged(&file(), statics)).transpose();
+        let averaged = averaged.map_err(|why| SavedError::Form { file: file(), why })?.map(Arc::new);
+        Ok(Self { statics: statics.clone(), effects, curves: saved.curves, averaged })
     }
 }
 

@@ -45,6 +45,9 @@ pub struct Posterior {
     /// What is known of effects and error curves; left out where there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effects: Option<EffectsPosterior>,
+    /// The parameters that these are of, where they are not those beside it; left out where they are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<KnownParameter>,
 }
 
 /// A parameter as it was identified.
@@ -166,7 +169,12 @@ impl Posterior {
             if size > 0.0 { (fit.covariance[(i, k)] / size).clamp(-1.0, 1.0) } else { 0.0 }
         };
         let correlations = joints.clone().map(|i| (0..i).map(|k| correlation(i, k)).collect()).collect();
-        (!joints.is_empty()).then(|| Self { drawn: drawn(&fit.arm.nominal), correlations, effects: None })
+        (!joints.is_empty()).then(|| Self {
+            drawn: drawn(&fit.arm.nominal),
+            correlations,
+            effects: None,
+            parameters: Vec::new(),
+        })
     }
 }
 
@@ -187,6 +195,9 @@ impl Earlier {
             return Err(EarlierError::Schema { file: file.into(), found: found.into() });
         }
         let mut earlier: Self = serde_json::from_value(any).map_err(form)?;
+        if let Some(posterior) = earlier.posterior.as_mut().filter(|posterior| !posterior.parameters.is_empty()) {
+            earlier.parameters = std::mem::take(&mut posterior.parameters);
+        }
         earlier.check(file, chain)?;
         let effects = earlier.posterior.as_ref().and_then(|posterior| posterior.effects.as_ref());
         let effects = effects.map(|effects| effects.read(file, chain, earlier.parameters.len())).transpose();
@@ -204,7 +215,7 @@ impl Earlier {
             base: chain.base().into(),
             tip: chain.tip().into(),
             parameters,
-            posterior: Some(Posterior { drawn: drawn(chain), correlations, effects: None }),
+            posterior: Some(Posterior { drawn: drawn(chain), correlations, effects: None, parameters: Vec::new() }),
             weight: 1.0,
             effects: None,
         }

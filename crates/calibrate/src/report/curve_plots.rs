@@ -53,7 +53,7 @@ pub fn curve(entry: &CurveEntry) -> Result<Plot, PlotError> {
 /// # Errors
 /// A value is not finite.
 pub fn fields(result: &Calibration) -> Result<Vec<Plot>, PlotError> {
-    let Some(fit) = result.beyond_geometry() else { return Ok(Vec::new()) };
+    let Some(fit) = result.named() else { return Ok(Vec::new()) };
     let effects = &fit.effects.effects;
     let stride = result.train.len().div_ceil(MOST_DRAWN).max(1);
     let plot = |effect: &Effect| {

@@ -142,7 +142,7 @@ fn scan(trace: &Trace) -> Scan {
 }
 
 fn remains(result: &Calibration, after: &StageResiduals) -> Result<[Plot; 2], PlotError> {
-    let noise = result.beyond_geometry().map_or(&result.identification.geometric.noise, |fit| &fit.noise);
+    let noise = result.named().map_or(&result.identification.geometric.noise, |fit| &fit.noise);
     let scene = &result.train.scene;
     Ok([trace_plots::quantiles(&after.train, scene, noise)?, trace_plots::autocorrelation(&after.train, scene, noise)?])
 }

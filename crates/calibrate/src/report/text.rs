@@ -225,9 +225,12 @@ pub fn calibration(result: &Calibration) -> String {
     text.push_str(&tips(report, &result.train.scene));
     text.push_str(&in_pixels(report, &result.train.scene));
     text.push_str(&trust::not_adopted(report));
+    if let Some(expected) = &report.prediction {
+        text.push_str(&expected.in_words());
+    }
     text.push('\n');
     match &result.trace {
-        Some(trace) if report.adopted == Adopted::Effects || trace.findings.is_empty() => {
+        Some(trace) if matches!(report.adopted, Adopted::Effects | Adopted::Averaged) || trace.findings.is_empty() => {
             text.push_str(&findings(trace));
             if let Some(prospect) = report.prospect.as_ref().and_then(Prospect::in_short) {
                 let _ = writeln!(text, "{prospect}");
@@ -330,7 +333,7 @@ fn floor(result: &Calibration) -> Floor<'_> {
             assumed: fit.assumed_degrees(),
         }
     }
-    result.beyond_geometry().map_or_else(|| of(&result.identification.geometric), of)
+    result.named().map_or_else(|| of(&result.identification.geometric), of)
 }
 
 fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, level: f64) {

@@ -37,7 +37,12 @@ pub fn with_given(
     all_known(file, effects, &|name| recorded::given(given, name).is_some())?;
     let effects = effects.of_the_tip();
     let mut recorded = Covariates::none();
-    for name in effects.needed().into_iter().chain([PAYLOAD.to_owned()]) {
+    let mut names = effects.needed();
+    names.extend(effects.may_follow());
+    names.push(PAYLOAD.to_owned());
+    names.sort();
+    names.dedup();
+    for name in names {
         if let Some(value) = recorded::given(given, &name) {
             recorded.push(Covariate { name, values: vec![value] });
         }

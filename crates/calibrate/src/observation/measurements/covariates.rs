@@ -188,6 +188,14 @@ impl RecordedRow<'_> {
         RecordedRow { columns: NONE, row: 0 }
     }
 
+    /// The column of this name, if it was recorded.
+    ///
+    /// # Errors
+    /// It was not.
+    pub fn column(&self, name: &str) -> Result<Column, MissingColumn> {
+        self.columns.column("", self.row + 1, name)
+    }
+
     /// The value in a column, in the column's own unit.
     ///
     /// # Panics

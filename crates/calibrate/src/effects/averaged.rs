@@ -1,0 +1,278 @@
+//! The recommended prediction: the posterior mean over everything that may act, blended with plain geometry posture by posture.
+//!
+//! ```text
+//! base_from_tip = T_g exp(h log(T_g⁻¹ T_a)),     h = v_g / (v_g + v(q))
+//! ```
+//! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): how unsure the place of the target is there by
+//! the posterior covariance, v_g: mean square error of plain geometry on postures that it was not fitted to (each left out once). Among the
+//! fitted postures h is near 1, far from them near 0. Outside the measured ranges the drawing T_n has a say, too: the three are weighed by
+//! 1/v, v_n and the geometry's own v_g + v_G(q) in the place of v_g.
+
+pub mod written;
+
+use crate::effects::driver::{Conditions, Driver};
+use crate::effects::everything::Everything;
+use crate::effects::model::{Effect, EffectModel, Standing, Term};
+use crate::observation::arm::{Arm, Perturbation, RowState};
+use crate::observation::measurements::{Column, MissingColumn};
+use crate::observation::parameters::Sensitivity;
+use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
+use denavit_model::{Pose, se3};
+
+/// What is predicted with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Averaged {
+    /// Everything that may act on the robot as drawn, its geometry included, at the posterior mean; what it follows is named.
+    pub effects: Vec<Effect<Driver<String>>>,
+    /// Of each effect the values of its driver, averaged over the fitted rows: what is taken where nobody recorded them.
+    pub averages: Vec<Vec<f64>>,
+    /// The same bound to columns, with the curves of the joints.
+    model: Everything,
+    /// The same with the averages in the place of what follows the clock.
+    timeless: Everything,
+    /// What is known of it beside its numbers.
+    pub known: Known,
+}
+
+/// What is known of an averaged prediction beside its mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// The robot as drawn.
+    pub drawn: Arm,
+    /// The robot with its geometry alone: what the blend is a correction of.
+    pub geometric: Arm,
+    /// The base of the averaged robot, in that of the geometric one.
+    pub base: Pose,
+    /// The averaged robot's tip, in that of the geometric one.
+    pub tip: Pose,
+    /// Where errors are judged: tip frame, m.
+    pub target: Vector3<f64>,
+    /// Whether the frame of an instrument is among what is unsure.
+    pub has_instrument: bool,
+    /// How unsure everything is.
+    pub spread: Spread,
+    /// How unsure geometry is where it acts alone.
+    pub geometric_spread: Spread,
+    /// The base and the tip of the drawn robot in those of the geometric one, as the rows place both.
+    pub drawn_base: Pose,
+    /// See [`Known::drawn_base`].
+    pub drawn_tip: Pose,
+    /// Mean square error of the drawing, m².
+    pub of_drawing: f64,
+    /// Variance of any joint's curve where nothing is known of it, rad² or m²: what holds beyond the interval of its waves.
+    pub of_curves: f64,
+    /// v_g, m².
+    pub of_geometry: f64,
+    /// What the measured values scatter by about the best prediction, m²: the noise of a row.
+    pub noise: f64,
+    /// Lowest and highest reading of each coordinate among the fitted rows, rad or m.
+    pub ranges: Vec<(f64, f64)>,
+}
+
+/// A covariance of some numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spread {
+    /// Which of the model's numbers have an uncertainty of their own; after them come, in this order, the frame that the instrument stands in
+    /// (six numbers, where there is one) and the target's place (three).
+    pub kept: Vec<usize>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+}
+
+/// An averaged prediction in one posture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blend {
+    /// Share of the averaged robot, and of the drawn one; what is left is the geometric one's.
+    pub shares: [f64; 2],
+    /// Expected square of the error of the blend, m² for each axis.
+    pub variance: f64,
+}
+
+impl Averaged {
+    /// With everything at its mean. `statics` and curves are those of `mean`.
+    pub fn new(mean: Everything, averages: Vec<Vec<f64>>, known: Known) -> Self {
+        let effects = mean.0.saved().effects;
+        let timeless = timeless(&mean, &averages);
+        Self { effects, averages, model: mean, timeless, known }
+    }
+
+    /// From what a file has: nothing is recorded yet.
+    pub fn unbound(
+        model: EffectModel,
+        effects: Vec<Effect<Driver<String>>>,
+        averages: Vec<Vec<f64>>,
+        known: Known,
+    ) -> Self {
+        let model = Everything(model);
+        Self { effects, averages, timeless: model.clone(), model, known }
+    }
+
+    /// The model at its mean.
+    pub fn mean(&self) -> &EffectModel {
+        &self.model.0
+    }
+
+    /// For rows whose columns `column` gives: what is not recorded there is taken at its average.
+    #[must_use]
+    pub fn bound(&self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Self {
+        let bound = |(effect, averages): (&Effect<Driver<String>>, &Vec<f64>)| {
+            let Term { kind, carrier, driver, coupling } = &effect.term;
+            let driver = driver.named_by(|name| column(name)).unwrap_or_else(|_| Driver::Fixed(averages.clone()));
+            let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
+            Effect { term, coefficients: effect.coefficients.clone() }
+        };
+        let effects = self.effects.iter().zip(&self.averages).map(bound).collect();
+        let model = Everything(EffectModel { effects, ..self.model.0.clone() });
+        Self { timeless: timeless(&model, &self.averages), model, ..self.clone() }
+    }
+
+    /// Names of all that it follows: it does without any of them.
+    pub fn follows(&self) -> impl Iterator<Item = &String> {
+        self.effects.iter().flat_map(|effect| effect.term.driver.columns())
+    }
+
+    /// What it knows of the arm before any row is looked at.
+    pub(super) fn standing(&self) -> Standing {
+        self.model.0.standing_of(&self.known.drawn.joints)
+    }
+
+    /// The robot under these conditions: geometry alone, everything averaged, the drawing, and how unsure they are.
+    fn robots(&self, conditions: &Conditions<'_>, standing: &mut Standing) -> Robots {
+        let Known { drawn, geometric, base, tip, .. } = &self.known;
+        let beyond = self.model.0.effects.iter().any(|effect| match &effect.term.driver {
+            Driver::Smooth { covariate, knots } => {
+                let (value, last) = (conditions.recorded.value(covariate), knots.len() - 1);
+                let step = (knots[last] - knots[0]) / last as f64;
+                value < knots[0] - step || value > knots[last] + step
+            }
+            _ => false,
+        });
+        let model = if beyond { &self.timeless } else { &self.model };
+        let mut own = Perturbation::none(drawn.joints.len());
+        model.0.bend(conditions, &drawn.joints, standing, &mut own);
+        let (mut averaged, mut plain) = (RowState::default(), RowState::default());
+        drawn.state_into(conditions.reading, 0, Some(&own), &mut averaged);
+        geometric.state_into(conditions.reading, 0, None, &mut plain);
+        let to_averaged = plain.tip.inverse() * base * averaged.tip * tip;
+        let [of_all, of_geometry] = self.variances(model, conditions, standing, &averaged);
+        let inside =
+            self.known.ranges.iter().zip(conditions.reading).all(|((low, high), q)| (*low..=*high).contains(q));
+        let to_drawn = (!inside).then(|| {
+            let mut as_drawn = RowState::default();
+            drawn.state_into(conditions.reading, 0, None, &mut as_drawn);
+            plain.tip.inverse() * self.known.drawn_base * as_drawn.tip * self.known.drawn_tip
+        });
+        Robots { to_averaged, to_drawn, own, of_all, of_geometry }
+    }
+
+    /// v = trace(Z S Zᵀ)/3 of everything and of geometry alone, Z: how the target moves by each number.
+    fn variances(
+        &self,
+        model: &Everything,
+        conditions: &Conditions<'_>,
+        standing: &mut Standing,
+        state: &RowState,
+    ) -> [f64; 2] {
+        let Known { spread, geometric_spread, has_instrument, target, tip, of_curves, .. } = &self.known;
+        let mut sensitivities = vec![Sensitivity::default(); model.len()];
+        model.sensitivities_of(conditions, &self.known.drawn.joints, standing, state, &mut sensitivities);
+        let on_tip = tip.rotation * target + tip.translation.vector;
+        let p = (state.tip * Point3::from(on_tip)).coords;
+        let moved = |twist: &Vector6<f64>| {
+            Vector3::new(twist[0], twist[1], twist[2]).cross(&p) + Vector3::new(twist[3], twist[4], twist[5])
+        };
+        let variance = |spread: &Spread| {
+            let number = |k: &usize| moved(&sensitivities[*k].twist) + state.tip.rotation * sensitivities[*k].target;
+            let frame = (0..6).filter(|_| *has_instrument).map(|k| moved(&Vector6::ith(k, 1.0)));
+            let placed = (0..3).map(|k| state.tip.rotation * Vector3::ith(k, 1.0));
+            let columns: Vec<Vector3<f64>> = spread.kept.iter().map(number).chain(frame).chain(placed).collect();
+            let rows = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);
+            ((&rows * &spread.covariance).component_mul(&rows).sum() / 3.0).max(0.0)
+        };
+        let beyond = of_curves * self.beyond_the_waves(conditions, state, &p);
+        [variance(spread) + beyond, variance(geometric_spread)]
+    }
+
+    /// Mean square of how a unit of the curves of joints that read beyond the interval of their waves moves the target: nothing is known there.
+    fn beyond_the_waves(&self, conditions: &Conditions<'_>, state: &RowState, p: &Vector3<f64>) -> f64 {
+        let joints = &self.known.drawn.joints;
+        let curves = self.model.0.curves.iter().filter(|curve| {
+            let reading = self.model.0.statics.chain.joints()[curve.joint].value(conditions.reading);
+            !curve.waves.covers(reading)
+        });
+        let moved = curves.map(|curve| {
+            let twist = se3::adjoint_times(&state.before[curve.joint], &joints[curve.joint].screw.twist());
+            let omega = Vector3::new(twist[0], twist[1], twist[2]);
+            (omega.cross(p) + Vector3::new(twist[3], twist[4], twist[5])).norm_squared()
+        });
+        moved.sum::<f64>() / 3.0
+    }
+
+    /// How the averaged robot, the drawn one and plain geometry are weighed under these conditions.
+    pub fn blend(&self, conditions: &Conditions<'_>) -> Blend {
+        self.weighed(&self.robots(conditions, &mut self.standing()))
+    }
+
+    fn weighed(&self, robots: &Robots) -> Blend {
+        let Known { of_geometry, of_drawing, .. } = &self.known;
+        let whole = of_geometry + robots.of_geometry;
+        if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
+            return Blend { shares: [0.0, 0.0], variance: whole };
+        }
+        if robots.to_drawn.is_none() {
+            let share = of_geometry / (of_geometry + robots.of_all);
+            return Blend {
+                shares: [share, 0.0],
+                variance: share * share * robots.of_all + (1.0 - share).powi(2) * whole,
+            };
+        }
+        let weights = [1.0 / robots.of_all, 1.0 / of_drawing, 1.0 / whole];
+        let sum = weights.iter().sum::<f64>();
+        Blend { shares: [weights[0] / sum, weights[1] / sum], variance: 1.0 / sum }
+    }
+
+    /// Expected error of the blend: root of the mean square of each axis, m, the noise of a measured row not in it.
+    pub fn expected_error(&self, conditions: &Conditions<'_>) -> f64 {
+        self.blend(conditions).variance.sqrt()
+    }
+
+    /// What the blend does to the robot with its geometry alone, added to `out`.
+    pub(super) fn perturb(&self, conditions: &Conditions<'_>, standing: &mut Standing, out: &mut Perturbation) {
+        let robots = self.robots(conditions, standing);
+        let [share, of_drawn] = self.weighed(&robots).shares;
+        let home = &self.known.geometric.tips[0].home;
+        let last = out.twists.len() - 1;
+        let mut step = se3::log(&robots.to_averaged) * share;
+        if let Some(to_drawn) = &robots.to_drawn {
+            step += se3::log(to_drawn) * of_drawn;
+        }
+        out.twists[last] += se3::adjoint_times(home, &step);
+        out.target += robots.own.target * share;
+        out.anchor += robots.own.anchor * share;
+        out.scale += robots.own.scale * share;
+        out.reading += robots.own.reading * share;
+        out.sight += robots.own.sight * share;
+    }
+}
+
+struct Robots {
+    /// From the tip of the geometric robot to that of the averaged one.
+    to_averaged: Pose,
+    /// And to that of the drawn one, outside the measured ranges.
+    to_drawn: Option<Pose>,
+    own: Perturbation,
+    /// v(q) of everything, and of geometry alone, m².
+    of_all: f64,
+    of_geometry: f64,
+}
+
+/// The model with averages in the place of what follows the clock piece by piece.
+fn timeless(model: &Everything, averages: &[Vec<f64>]) -> Everything {
+    let mut model = model.clone();
+    for (effect, averages) in model.0.effects.iter_mut().zip(averages) {
+        if matches!(effect.term.driver, Driver::Smooth { .. }) {
+            effect.term.driver = Driver::Fixed(averages.clone());
+        }
+    }
+    model
+}

@@ -1,0 +1,104 @@
+//! A model all of whose numbers are free: the coefficients of its effects, then the weights of its curves, wave by wave.
+
+use crate::effects::carrier::Action;
+use crate::effects::driver::Conditions;
+use crate::effects::model::{EffectModel, Standing, add_sensitivity};
+use crate::observation::arm::{Arm, Perturbation, Perturbed, Row, RowState};
+use crate::observation::measurements::{Measurements, MissingColumn};
+use crate::observation::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
+use denavit_model::ChainJoint;
+
+/// The model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Everything(pub EffectModel);
+
+impl Everything {
+    /// How many of its numbers are coefficients of effects.
+    pub fn coefficients(&self) -> usize {
+        self.0.effects.iter().map(|effect| effect.coefficients.len()).sum()
+    }
+
+    /// How many numbers it has.
+    pub fn len(&self) -> usize {
+        self.coefficients() + self.0.curves.iter().map(|curve| curve.waves.len()).sum::<usize>()
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How the tip moves per unit of each number, under these conditions and where the arm stands.
+    pub(crate) fn sensitivities_of(
+        &self,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        standing: &mut Standing,
+        state: &RowState,
+        out: &mut [Sensitivity],
+    ) {
+        let (of_effects, mut of_waves) = out.split_at_mut(self.coefficients());
+        self.0.sensitivities_of(conditions, standing, state, of_effects);
+        for curve in &self.0.curves {
+            let joint = &joints[curve.joint];
+            let action = Action::Twist { slot: curve.joint, twist: joint.screw.twist() };
+            let mut unit = Sensitivity::default();
+            add_sensitivity(&action, 1.0, state, &mut unit);
+            let (own, rest) = of_waves.split_at_mut(curve.waves.len());
+            let reading = self.0.statics.chain.joints()[curve.joint].value(conditions.reading);
+            for (out, wave) in own.iter_mut().zip(curve.waves.values(reading)) {
+                out.twist += unit.twist * wave;
+            }
+            of_waves = rest;
+        }
+    }
+}
+
+impl Effects for Everything {
+    type Standing = Standing;
+
+    fn standing(&self, arm: &Arm) -> Standing {
+        self.0.standing(arm)
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = self.0.parameters();
+        for _ in parameters.len()..self.len() {
+            let kind = ParameterKind::Effect { index: parameters.len() };
+            parameters.push(Parameter { name: "wave".into(), kind, unit: "rad", tolerance: None });
+        }
+        parameters
+    }
+
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Standing, out: &mut Perturbation) -> bool {
+        self.0.perturb(row, arm, standing, out)
+    }
+
+    fn sensitivities(
+        &self,
+        row: Row<'_>,
+        arm: &Arm,
+        standing: &mut Standing,
+        at: Perturbed<'_>,
+        out: &mut [Sensitivity],
+    ) {
+        self.sensitivities_of(&Conditions::of(row), &arm.joints, standing, at.state, out);
+    }
+
+    fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
+        self.0.bound_to(data).map(Self)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let waves = self.0.curves.iter().flat_map(|curve| curve.weights.iter().copied());
+        self.0.numbers().into_iter().chain(waves).collect()
+    }
+
+    fn stepped(&self, step: &[f64]) -> Self {
+        let (of_effects, of_waves) = step.split_at(self.coefficients());
+        let mut model = self.0.stepped(of_effects);
+        let weights = model.curves.iter_mut().flat_map(|curve| curve.weights.iter_mut());
+        weights.zip(of_waves).for_each(|(weight, step)| *weight += step);
+        Self(model)
+    }
+}

@@ -1,0 +1,350 @@
+//! Prediction by averaging: everything that may act stays in one linear Gaussian model, each kind as large as the evidence has it.
+//!
+//! Terms ([`terms`]) and rows ([`linearised`]) give columns, [`sizes`] their prior variances and the noise by marginal likelihood; the posterior
+//! mean of all numbers is stepped to and everything linearised anew, [`PASSES`] times. What comes of it predicts together with plain
+//! geometry: [`Averaged`](crate::effects::averaged::Averaged). Equations and figures: docs/prediction.md.
+
+pub mod linearised;
+pub mod sizes;
+pub mod terms;
+
+use self::linearised::{Linearised, linearised};
+use self::sizes::{Sizes, fitted, problem};
+use self::terms::{Family, Terms, terms};
+use crate::effects::averaged::{Averaged, Known, Spread};
+use crate::effects::driver::{Conditions, Driver, Statics};
+use crate::effects::everything::Everything;
+use crate::effects::model::{EffectModel, Term};
+use crate::effects::survey::Survey;
+use crate::identify::residual_statistics::residuals;
+use crate::identify::solve::{Fit, Noise};
+use crate::identify::threads::with_threads;
+use crate::identify::{Identification, IdentifyOptions};
+use crate::observation::arm::{Arm, Row};
+use crate::observation::measurements::Measurements;
+use crate::observation::parameters::{Effects as _, Freedom, Layout, NoEffects};
+use denavit_linear::gram::Gram;
+use denavit_model::nalgebra::Point3;
+use denavit_model::{Pose, se3};
+use std::sync::Arc;
+
+/// Times that everything is linearised. One harms curved fits: measured on the Motoman's draws of March 2019.
+const PASSES: usize = 3;
+/// Steps of the search for sizes, in the first pass and in those after it.
+const STEPS: [usize; 2] = [40, 15];
+/// Values that sizes are found from, at most: the rows are spread evenly over the run.
+const VALUES_FOR_SIZES: usize = 900;
+/// Values that the posterior is of, at most.
+const VALUES: usize = 12_000;
+/// Student's degrees of freedom of the weights of rows.
+const STUDENT: f64 = 4.0;
+/// Numbers of a smaller prior deviation are left out, rad or m.
+const NOTHING: f64 = 5e-8;
+
+/// Why there is no averaged prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotAveraged {
+    /// Several tips.
+    SeveralTips,
+    /// An earlier calibration is gone on from.
+    Continued,
+    /// No joint moves, or no length is measured.
+    NothingMoves,
+    /// A matrix had no factor.
+    Numbers,
+    /// Effects were not asked for.
+    NotAsked,
+}
+
+/// A robot averaged over everything that may act.
+#[derive(Debug, Clone)]
+pub struct Averaging {
+    /// The recommended prediction: its arm is that of the geometric fit, with instruments and targets of the averaged one.
+    pub fit: Fit<EffectModel>,
+    /// The sizes.
+    pub sizes: Sizes,
+    /// Root mean square of the residual of each posture predicted from all the others, m for each axis: geometry alone, and everything averaged.
+    pub left_out: [f64; 2],
+}
+
+/// What all passes share.
+struct Averager<'a> {
+    data: &'a Measurements,
+    terms: &'a Terms,
+    layout: Layout,
+    observed: &'a [f64],
+    weights: Vec<f64>,
+    some: Vec<usize>,
+    all: Vec<usize>,
+}
+
+/// Where a pass stands.
+#[derive(Clone)]
+struct At {
+    arm: Arm,
+    model: Everything,
+    sizes: Sizes,
+}
+
+/// Averages over everything that may act in these rows. `named`: causes that the rows name, with the size that their numbers are counted in.
+///
+/// # Errors
+/// What it cannot do; the fit of geometry stays what is best then.
+pub fn averaged(
+    statics: &Statics,
+    data: &Measurements,
+    identification: &Identification,
+    options: &IdentifyOptions,
+    named: &[(Term, f64)],
+) -> Result<Averaging, NotAveraged> {
+    let geometric = &identification.geometric;
+    if statics.tips.several() {
+        return Err(NotAveraged::SeveralTips);
+    }
+    if options.earlier.is_some() {
+        return Err(NotAveraged::Continued);
+    }
+    let survey = Survey::of(statics, data, Vec::new());
+    if survey.moving().next().is_none() || !data.scene.channels.iter().any(|channel| channel.unit == "m") {
+        return Err(NotAveraged::NothingMoves);
+    }
+    let terms = terms(&survey, &options.tolerances, named);
+    let chain = &geometric.arm.nominal;
+    let freedom = Freedom::placement(chain.joints().len());
+    let layout = Layout::new(chain, &data.scene, &freedom, &options.tolerances, terms.model.parameters());
+    let spread = |values: usize| {
+        let rows = data.len().min((values * data.len()).div_ceil(data.values().max(1)));
+        data.evenly_spread(rows)
+    };
+    let averager = Averager {
+        data,
+        terms: &terms,
+        layout,
+        observed: &geometric.weights,
+        weights: student(data, geometric),
+        some: spread(VALUES_FOR_SIZES),
+        all: spread(VALUES),
+    };
+    with_threads(|| averager.run(statics, &identification.nominal.arm, geometric)).ok_or(NotAveraged::Numbers)
+}
+
+/// Student's weight of each row by the residual that geometry leaves, beside the median: 5/(4 + s²).
+fn student(data: &Measurements, fit: &Fit<NoEffects>) -> Vec<f64> {
+    let size = |row: usize| {
+        let of_row = data.of_row(row).filter(|&observation| fit.weights[observation] > 0.0);
+        let sizes: Vec<f64> = of_row
+            .map(|at| {
+                fit.noise.chi_squared(data.series_of(at), fit.squares[at]) / data.series_of(at).kind.height() as f64
+            })
+            .collect();
+        sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
+    };
+    let sizes: Vec<f64> = (0..data.len()).map(size).collect();
+    let mut sorted: Vec<f64> = sizes.iter().copied().filter(|size| *size > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
+    sizes.iter().map(|size| (STUDENT + 1.0) / (STUDENT + size / median)).collect()
+}
+
+impl Averager<'_> {
+    fn linearised(&self, rows: &[usize], at: &At) -> Linearised {
+        linearised(self.data, rows, (&at.arm, &at.model, &self.layout), (self.observed, &self.weights))
+    }
+
+    /// Sizes found anew, everything at its posterior mean.
+    fn pass(&self, at: &At, steps: usize, rows: &[usize]) -> Option<At> {
+        let some = self.linearised(&self.some, at);
+        let sizes = fitted(&some, self.data, self.terms, &at.sizes, steps);
+        let own = if rows == self.some { some } else { self.linearised(rows, at) };
+        let mean = problem(&own, self.terms, &sizes).gram()?.mean();
+        Some(self.stepped(at, sizes, mean.as_slice()))
+    }
+
+    fn stepped(&self, at: &At, sizes: Sizes, mean: &[f64]) -> At {
+        let numbers = at.model.numbers();
+        let mut step = mean.to_vec();
+        step.iter_mut().zip(&numbers).for_each(|(step, number)| *step -= number);
+        let arm = self.layout.stepped(&at.arm, &step);
+        At { arm, model: at.model.stepped(&step[..numbers.len()]), sizes }
+    }
+
+    fn run(&self, statics: &Statics, nominal: &Arm, geometric: &Fit<NoEffects>) -> Option<Averaging> {
+        let noise = &geometric.noise.levels;
+        let of_geometry = |family: Family| matches!(family, Family::Geometry | Family::Zero);
+        let start = |used: &dyn Fn(Family) -> bool| Sizes::start(noise, self.terms, used);
+        let mut plain = At { arm: nominal.clone(), model: self.terms.model.clone(), sizes: start(&of_geometry) };
+        for pass in 0..PASSES {
+            plain = self.pass(&plain, STEPS[usize::from(pass > 0)], &self.some)?;
+        }
+        let (plain_gram, of_geometry) = self.left_out(&plain)?;
+        let of_plain = self.spread(&plain, &plain_gram);
+        let all = start(&|_| true);
+        let mut at = At { sizes: Sizes { noise: all.noise.clone(), ..all }, ..plain };
+        for pass in 0..PASSES {
+            let rows = if pass + 1 < PASSES { &self.some } else { &self.all };
+            at = self.pass(&at, STEPS[usize::from(pass > 0)], rows)?;
+        }
+        let (gram, left_out) = self.left_out(&at)?;
+        Some(self.result(
+            statics,
+            (nominal, geometric),
+            &at,
+            [self.spread(&at, &gram), of_plain],
+            [of_geometry, left_out],
+        ))
+    }
+
+    /// The covariance of all numbers that have a prior worth the name, of the instrument's frame and of the target's place.
+    fn spread(&self, at: &At, gram: &Gram) -> Spread {
+        let variances = at.sizes.variances(self.terms);
+        let kept: Vec<usize> = (0..variances.len()).filter(|&k| variances[k].sqrt() > NOTHING).collect();
+        let frame = self.layout.instruments.first().copied().flatten().into_iter().flat_map(|first| first..first + 6);
+        let place = self.layout.places[0];
+        let chosen: Vec<usize> = kept.iter().copied().chain(frame).chain(place..place + 3).collect();
+        Spread { covariance: gram.posterior().marginal(&chosen).covariance, kept }
+    }
+
+    /// The model about where it stands, and the root mean square of what each posture is off by that all the others predict, m for each axis.
+    fn left_out(&self, at: &At) -> Option<(Gram, f64)> {
+        let own = self.linearised(&self.all, at);
+        let gram = problem(&own, self.terms, &at.sizes).gram()?;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (index, left) in gram.leave_out()?.iter().enumerate() {
+            for (k, value) in own.rows[index].clone().enumerate() {
+                let channel = own.channels[value].map(|channel| &self.data.scene.channels[channel]);
+                if channel.is_some_and(|channel| channel.unit == "m") {
+                    sum += own.weights[index] * left.residual[k].powi(2);
+                    count += 1.0;
+                }
+            }
+        }
+        Some((gram, (sum / count).sqrt()))
+    }
+
+    fn result(
+        &self,
+        statics: &Statics,
+        (nominal, geometric): (&Arm, &Fit<NoEffects>),
+        at: &At,
+        [spread, geometric_spread]: [Spread; 2],
+        left_out: [f64; 2],
+    ) -> Averaging {
+        let has_instrument = self.layout.instruments.first().is_some_and(Option::is_some);
+        let drawn = Arm { instruments: Vec::new(), points: Vec::new(), ..at.arm.clone() };
+        let (base, tip) = between(&at.arm, &geometric.arm, self.data);
+        let (drawn_base, drawn_tip) = between(nominal, &geometric.arm, self.data);
+        let back = (base.inverse(), tip.inverse());
+        let arm = Arm {
+            joints: geometric.arm.joints.clone(),
+            instruments: at.arm.instruments.iter().map(|instrument| instrument * back.0).collect(),
+            points: at.arm.points.iter().map(|point| (base * Point3::from(*point)).coords).collect(),
+            targets: at.arm.targets.iter().map(|target| back.1 * target).collect(),
+            ..geometric.arm.clone()
+        };
+        let lengths = (0..self.data.scene.channels.len()).filter(|&k| self.data.scene.channels[k].unit == "m");
+        let noise: Vec<f64> = lengths.map(|channel| (2.0 * at.sizes.noise[channel]).exp()).collect();
+        let known = Known {
+            drawn,
+            geometric: Arm {
+                instruments: Vec::new(),
+                points: Vec::new(),
+                targets: Vec::new(),
+                ..geometric.arm.clone()
+            },
+            base,
+            tip,
+            target: arm.targets[0].translation.vector,
+            has_instrument,
+            spread,
+            geometric_spread,
+            drawn_base,
+            drawn_tip,
+            of_drawing: self.of_drawing(nominal),
+            of_curves: at.sizes.of_curves(),
+            of_geometry: left_out[0].powi(2),
+            noise: noise.iter().sum::<f64>() / noise.len().max(1) as f64,
+            ranges: ranges(self.data),
+        };
+        let averages = averages(&at.model.0, self.data, &self.some);
+        let averaged = Arc::new(Averaged::new(at.model.clone(), averages, known));
+        let effects = EffectModel { averaged: Some(averaged), ..EffectModel::new(statics.clone(), Vec::new()) };
+        let fit = Fit {
+            squares: squares(&arm, &effects, self.data),
+            arm,
+            effects,
+            noise: Noise { levels: at.sizes.noise.iter().map(|size| size.exp()).collect() },
+            layout: geometric.layout.clone(),
+            weights: geometric.weights.clone(),
+            covariance: geometric.covariance.clone(),
+            parameters_used: geometric.parameters_used.clone(),
+            values: geometric.values.clone(),
+            iterations: 2 * PASSES,
+            converged: true,
+        };
+        Averaging { fit, sizes: at.sizes.clone(), left_out }
+    }
+}
+
+impl Averager<'_> {
+    /// Mean square of what the drawing leaves, m² for each axis, freed of the share of what places it.
+    fn of_drawing(&self, nominal: &Arm) -> f64 {
+        let left = residuals(nominal, &NoEffects, self.data);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for residual in left.iter().filter(|residual| self.observed[residual.observation] > 0.0) {
+            sum += residual.place.norm_squared();
+            count += self.data.scene.series[residual.series].kind.place().height as f64;
+        }
+        let placed = (self.layout.len() - self.layout.effects.len()) as f64;
+        sum / (count - placed).max(1.0)
+    }
+}
+
+/// The base and the tip of one arm in those of another that measures the same rows: by the first instrument, or the first point, and the first
+/// target.
+fn between(from: &Arm, to: &Arm, data: &Measurements) -> (Pose, Pose) {
+    let by_instrument = data.scene.has_instrument(0).then(|| to.instruments[0].inverse() * from.instruments[0]);
+    let by_point = || from.points.first().zip(to.points.first()).map(|(from, to)| se3::translation(to - from));
+    let base = by_instrument.or_else(by_point).unwrap_or_else(Pose::identity);
+    let (target, other) = (&from.targets[0], &to.targets[0]);
+    let tip = if data.scene.turns(0) {
+        target * other.inverse()
+    } else {
+        se3::translation(target.translation.vector - other.translation.vector)
+    };
+    (base, tip)
+}
+
+/// Lowest and highest reading of each coordinate.
+fn ranges(data: &Measurements) -> Vec<(f64, f64)> {
+    let range = |coordinate: usize| {
+        let values = (0..data.len()).map(|row| data.reading(row)[coordinate]);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    (0..data.joints.len()).map(range).collect()
+}
+
+/// The average of every driver's values over some rows.
+fn averages(model: &EffectModel, data: &Measurements, rows: &[usize]) -> Vec<Vec<f64>> {
+    let mut sums: Vec<Vec<f64>> =
+        model.effects.iter().map(|effect| vec![0.0; effect.term.driver.len(&model.statics)]).collect();
+    let follows = |driver: &Driver| !driver.columns().is_empty();
+    for &row in rows {
+        let conditions = Conditions::of(Row::new(data, row));
+        let posture = model.statics.posture(model.statics.chain.joints(), &conditions, None);
+        for (effect, sum) in model.effects.iter().zip(&mut sums).filter(|(effect, _)| follows(&effect.term.driver)) {
+            let mut values = Vec::new();
+            effect.term.driver.values_into(&model.statics, &conditions, &posture, &mut values);
+            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value / rows.len() as f64);
+        }
+    }
+    sums
+}
+
+/// Squared residual norms of all observations.
+fn squares(arm: &Arm, effects: &EffectModel, data: &Measurements) -> Vec<[f64; 2]> {
+    let mut squares = vec![[0.0; 2]; data.observations()];
+    for residual in residuals(arm, effects, data) {
+        squares[residual.observation] = [residual.place.norm_squared(), residual.turn.norm_squared()];
+    }
+    squares
+}

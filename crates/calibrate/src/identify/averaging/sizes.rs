@@ -1,0 +1,375 @@
+//! The few sizes of which prior and noise are made, by marginal likelihood.
+//!
+//! Prior of each number: N(0, τ² scale²), one τ for each family; waves: times the spectral density of a squared exponential,
+//! √(2π) l exp(-(ω l)²/2). Noise of a row: [σ² for each channel + ρ² Σ_j J_j J_jᵀ]/w, ρ the repeatability of joints, w the row's weight. Minimised
+//! is the evidence plus what is expected of the sizes: half-Cauchy of a milliradian (or millimetre) on each τ and ρ, a normal distribution on
+//! ln κ (geometry, zeros) and ln l.
+
+use crate::effects::curve::Curve;
+use crate::identify::averaging::linearised::Linearised;
+use crate::identify::averaging::terms::{Family, Terms};
+use crate::observation::measurements::Measurements;
+use denavit_linear::gram::Problem;
+use denavit_linear::minimise::minimise;
+use denavit_linear::products::gram_of;
+use denavit_linear::threads::{each_alone, on_this_thread};
+use denavit_linear::{Components, Part};
+use denavit_model::nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Half of all families are expected to be smaller than this, rad or m.
+const USUAL: f64 = 1e-3;
+/// Mean and deviation of ln κ, the share of its tolerances that a robot uses, and of ln l, l in rad or m (Rasmussen, Williams 2006, 5.4: marginal likelihood).
+const KAPPA: (f64, f64) = (0.0, 0.7);
+const ZERO: (f64, f64) = (-1.5, 1.0);
+const LENGTH: (f64, f64) = (-1.2, 0.8);
+/// Frames and targets are known to this, m or rad, once a fit has placed them: as good as nothing.
+const PLACED: f64 = 0.1;
+/// Smallest and largest size of a family, and of noise.
+const FAMILY: (f64, f64) = (1e-7, 1e-2);
+const NOISE: (f64, f64) = (5e-7, 3e-2);
+/// Values of which the evidence is taken at once: its cost grows with their cube.
+pub const AT_ONCE: usize = 300;
+/// -2 log of the likelihood that a step must gain.
+const LEAST_GAIN: f64 = 0.05;
+
+/// The sizes, as natural logarithms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes {
+    /// σ of each channel.
+    pub noise: Vec<f64>,
+    /// ρ.
+    pub joints: f64,
+    /// l.
+    pub length: f64,
+    /// τ or κ of each family at hand.
+    pub families: Vec<(Family, f64)>,
+}
+
+/// A family whose size is a share of tolerances, and what is expected of its logarithm.
+fn tolerated(family: Family) -> Option<(f64, f64)> {
+    match family {
+        Family::Geometry => Some(KAPPA),
+        Family::Zero => Some(ZERO),
+        _ => None,
+    }
+}
+
+impl Sizes {
+    /// Where the search begins: noise of a fit of geometry alone, by channel.
+    pub fn start(noise: &[f64], terms: &Terms, used: impl Fn(Family) -> bool) -> Self {
+        let mut families: Vec<Family> = terms.families.iter().copied().filter(|family| used(*family)).collect();
+        families.sort_unstable();
+        families.dedup();
+        let start = |family: Family| tolerated(family).map_or(f64::ln(5e-5), |(mean, _)| mean);
+        Self {
+            noise: noise.iter().map(|level| (0.7 * level).clamp(NOISE.0, NOISE.1).ln()).collect(),
+            joints: f64::ln(3e-5),
+            length: LENGTH.0,
+            families: families.into_iter().map(|family| (family, start(family))).collect(),
+        }
+    }
+
+    fn of(&self, family: Family) -> Option<f64> {
+        self.families.iter().find(|(known, _)| *known == family).map(|(_, size)| *size)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let families = self.families.iter().map(|(_, size)| *size);
+        self.noise.iter().copied().chain([self.joints, self.length]).chain(families).collect()
+    }
+
+    fn with(&self, numbers: &[f64]) -> Self {
+        let channels = self.noise.len();
+        let families = self.families.iter().zip(&numbers[channels + 2..]).map(|((family, _), size)| (*family, *size));
+        Self {
+            noise: numbers[..channels].to_vec(),
+            joints: numbers[channels],
+            length: numbers[channels + 1],
+            families: families.collect(),
+        }
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        let ln = |(low, high): (f64, f64)| (low.ln(), high.ln());
+        let family =
+            |(family, _): &(Family, f64)| if tolerated(*family).is_some() { ln((0.03, 20.0)) } else { ln(FAMILY) };
+        let noise = self.noise.iter().map(|_| ln(NOISE));
+        noise.chain([ln((1e-7, 3e-3)), ln((0.05, 2.0))]).chain(self.families.iter().map(family)).collect()
+    }
+
+    /// -2 log of what is expected of the sizes, and its derivatives.
+    fn expected(&self) -> (f64, Vec<f64>) {
+        let cauchy = |size: f64| {
+            let ratio = (2.0 * size).exp() / USUAL.powi(2);
+            (2.0 * ratio.ln_1p(), 4.0 * ratio / (1.0 + ratio))
+        };
+        let normal = |size: f64, (mean, deviation): (f64, f64)| {
+            let z = (size - mean) / deviation;
+            (z * z, 2.0 * z / deviation)
+        };
+        let of =
+            |(family, size): &(Family, f64)| tolerated(*family).map_or_else(|| cauchy(*size), |by| normal(*size, by));
+        let each = self.noise.iter().map(|_| (0.0, 0.0)).chain([cauchy(self.joints), normal(self.length, LENGTH)]);
+        let each: Vec<(f64, f64)> = each.chain(self.families.iter().map(of)).collect();
+        (each.iter().map(|(value, _)| value).sum(), each.into_iter().map(|(_, slope)| slope).collect())
+    }
+
+    /// Prior variance of each number of the model.
+    pub fn variances(&self, terms: &Terms) -> Vec<f64> {
+        let length = self.length.exp();
+        let of = |((family, scale), frequency): ((&Family, &f64), &f64)| {
+            let size = self.of(*family).map_or(0.0, |size| (2.0 * size).exp());
+            let density = if *family == Family::Curve { density(*frequency, length) } else { 1.0 };
+            size * scale * scale * density
+        };
+        terms.families.iter().zip(&terms.scales).zip(&terms.frequencies).map(of).collect()
+    }
+
+    /// Variance of a joint's curve where nothing is known, rad² or m².
+    pub fn of_curves(&self) -> f64 {
+        self.of(Family::Curve).map_or(0.0, |size| (2.0 * size).exp())
+    }
+}
+
+/// Spectral density of a squared exponential of variance 1.
+fn density(frequency: f64, length: f64) -> f64 {
+    TAU.sqrt() * length * (-0.5 * (frequency * length).powi(2)).exp()
+}
+
+/// The whole linear problem for these sizes; frames come after the numbers.
+pub fn problem(rows: &Linearised, terms: &Terms, sizes: &Sizes) -> Problem {
+    let mut variances = sizes.variances(terms);
+    variances.resize(rows.columns.ncols(), PLACED * PLACED);
+    let mut noise = Vec::with_capacity(rows.rows.len());
+    for (row, weight) in rows.rows.iter().zip(&rows.weights) {
+        let mut block = DMatrix::zeros(row.len(), row.len());
+        for (k, value) in row.clone().enumerate() {
+            block[(k, k)] = rows.channels[value].map_or(1.0, |channel| (2.0 * sizes.noise[channel]).exp());
+        }
+        if rows.channels[row.start].is_some() {
+            for &joint in &terms.joints {
+                let moved = rows.columns.view((row.start, joint), (row.len(), 1));
+                block += moved * moved.transpose() * (2.0 * sizes.joints).exp();
+            }
+            block /= *weight;
+        }
+        noise.push(block);
+    }
+    Problem {
+        columns: rows.columns.clone(),
+        data: rows.data.clone(),
+        rows: rows.rows.clone(),
+        noise,
+        variances: DVector::from_vec(variances),
+    }
+}
+
+/// What the evidence of some rows is made of: parts whose amounts alone change, and the curves.
+struct Parts {
+    data: DVector<f64>,
+    frames: Part,
+    known: Part,
+    channels: Vec<Part>,
+    joints: Part,
+    families: Vec<Option<Part>>,
+    curves: Vec<JointCurve>,
+    /// The row of each value.
+    row_of: Vec<usize>,
+}
+
+/// A joint's curve in some rows.
+struct JointCurve {
+    /// J_j J_jᵀ, values × values.
+    moved: DMatrix<f64>,
+    /// Waves over each row, and the frequency and variance per density of each.
+    waves: DMatrix<f64>,
+    frequencies: Vec<f64>,
+    per_density: f64,
+}
+
+impl Parts {
+    fn of(rows: &Linearised, terms: &Terms, sizes: &Sizes, data: &Measurements) -> Self {
+        let values = rows.data.len();
+        let diagonal = |wanted: Option<usize>| {
+            let mut blocks = Vec::new();
+            for (row, weight) in rows.rows.iter().zip(&rows.weights) {
+                for value in row.clone().filter(|&value| rows.channels[value] == wanted) {
+                    blocks.push((value..value + 1, DMatrix::from_element(1, 1, 1.0 / weight)));
+                }
+            }
+            Part::Rows(blocks)
+        };
+        let by_joints = rows.rows.iter().zip(&rows.weights).map(|(row, weight)| {
+            let moved = rows.columns.rows(row.start, row.len()).select_columns(&terms.joints);
+            (row.clone(), &moved * moved.transpose() / *weight)
+        });
+        let family = |(family, _): &(Family, f64)| {
+            (*family != Family::Curve).then(|| {
+                let own: Vec<usize> = (0..terms.families.len()).filter(|&k| terms.families[k] == *family).collect();
+                let mut columns = rows.columns.select_columns(&own);
+                columns.column_iter_mut().zip(&own).for_each(|(mut column, &k)| column.scale_mut(terms.scales[k]));
+                Part::of_columns(&columns)
+            })
+        };
+        let mut row_of = vec![0; values];
+        for (index, row) in rows.rows.iter().enumerate() {
+            row_of[row.clone()].fill(index);
+        }
+        let mut curves = Vec::new();
+        if sizes.of(Family::Curve).is_some() {
+            let mut first = terms.model.coefficients();
+            for (curve, &joint) in terms.model.0.curves.iter().zip(&terms.joints) {
+                let moved = rows.columns.column(joint);
+                curves.push(JointCurve {
+                    moved: moved * moved.transpose(),
+                    waves: waves(rows, terms, curve, data),
+                    frequencies: terms.frequencies[first..first + curve.waves.len()].to_vec(),
+                    per_density: curve.waves.variance_per_density(),
+                });
+                first += curve.waves.len();
+            }
+        }
+        let frames = rows.columns.columns(rows.of_model, rows.columns.ncols() - rows.of_model).into_owned();
+        Self {
+            data: rows.data.clone(),
+            frames: Part::of_columns(&frames),
+            known: diagonal(None),
+            channels: (0..sizes.noise.len()).map(|channel| diagonal(Some(channel))).collect(),
+            joints: Part::Rows(by_joints.collect()),
+            families: sizes.families.iter().map(family).collect(),
+            curves,
+            row_of,
+        }
+    }
+
+    /// The curves' covariance of the values for a length, and its derivative by the logarithm of that.
+    fn curves(&self, length: f64) -> [Part; 2] {
+        let values = self.data.len();
+        let mut both = [DMatrix::zeros(values, values), DMatrix::zeros(values, values)];
+        for curve in &self.curves {
+            let rows = curve.waves.nrows();
+            for (slope, sum) in both.iter_mut().enumerate() {
+                // Of a squared exponential the derivative is negative for fast waves: both signs are formed for themselves.
+                for sign in [1.0, -1.0] {
+                    let factor = |frequency: f64| {
+                        let by_length = 1.0 - (frequency * length).powi(2);
+                        density(frequency, length) * if slope == 0 { 1.0 } else { by_length }
+                    };
+                    let own: Vec<usize> =
+                        (0..curve.frequencies.len()).filter(|&k| sign * factor(curve.frequencies[k]) > 1e-12).collect();
+                    if own.is_empty() {
+                        continue;
+                    }
+                    let scaled = DMatrix::from_fn(own.len(), rows, |i, row| {
+                        let size = (sign * factor(curve.frequencies[own[i]]) * curve.per_density).sqrt();
+                        size * curve.waves[(row, own[i])]
+                    });
+                    let kernel = gram_of(scaled.as_slice(), own.len());
+                    for right in 0..values {
+                        let kernel = &kernel[self.row_of[right] * rows..(self.row_of[right] + 1) * rows];
+                        for left in 0..values {
+                            sum[(left, right)] += sign * kernel[self.row_of[left]] * curve.moved[(left, right)];
+                        }
+                    }
+                }
+            }
+        }
+        both.map(Part::All)
+    }
+
+    /// -2 log p(y) and its derivatives by the logarithms of the sizes.
+    fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>)> {
+        let amount = |size: f64| (2.0 * size).exp();
+        let curves = (!self.curves.is_empty()).then(|| self.curves(sizes.length.exp()));
+        let part = |(own, (_, size)): (&'_ Option<Part>, &(Family, f64))| (own.is_some(), amount(*size));
+        let mut parts: Vec<(&Part, f64)> = vec![(&self.frames, PLACED * PLACED), (&self.known, 1.0)];
+        parts.extend(self.channels.iter().zip(&sizes.noise).map(|(part, size)| (part, amount(*size))));
+        parts.push((&self.joints, amount(sizes.joints)));
+        for (own, size) in self.families.iter().zip(&sizes.families) {
+            let (_, amount) = part((own, size));
+            match (own, &curves) {
+                (Some(own), _) => parts.push((own, amount)),
+                (None, Some([curves, _])) => parts.push((curves, amount)),
+                (None, None) => {}
+            }
+        }
+        let found = Components::of(&self.data, parts)?;
+        let slope = |part: &Part, size: f64| 2.0 * amount(size) * found.slope(part);
+        let mut slopes: Vec<f64> =
+            self.channels.iter().zip(&sizes.noise).map(|(part, size)| slope(part, *size)).collect();
+        slopes.push(slope(&self.joints, sizes.joints));
+        let size = sizes.of(Family::Curve);
+        slopes.push(
+            curves.as_ref().zip(size).map_or(0.0, |([_, by_length], size)| amount(size) * found.slope(by_length)),
+        );
+        for (own, (_, size)) in self.families.iter().zip(&sizes.families) {
+            slopes.push(match (own, &curves) {
+                (Some(own), _) => slope(own, *size),
+                (None, Some([curves, _])) => slope(curves, *size),
+                (None, None) => 0.0,
+            });
+        }
+        Some((found.evidence, slopes))
+    }
+}
+
+/// The most probable sizes for some rows of the data, part by part; `start` where there are none better.
+pub fn fitted(rows: &Linearised, data: &Measurements, terms: &Terms, start: &Sizes, most: usize) -> Sizes {
+    let parts: Vec<Parts> = rows.parts().iter().map(|rows| Parts::of(rows, terms, start, data)).collect();
+    let objective = |numbers: &[f64]| {
+        let sizes = start.with(numbers);
+        let (mut value, mut slopes) = sizes.expected();
+        for found in each_alone(&parts, |part| part.evidence(&sizes)) {
+            let (own, of_part) = found?;
+            value += own;
+            slopes.iter_mut().zip(of_part).for_each(|(slope, own)| *slope += own);
+        }
+        Some((value, slopes))
+    };
+    // Small matrices: a thread for each part, none for a part's own.
+    let mut alone =
+        |numbers: &[f64]| if parts.len() > 1 { objective(numbers) } else { on_this_thread(|| objective(numbers)) };
+    let found = minimise(&mut alone, &start.numbers(), &start.bounds(), most, LEAST_GAIN);
+    found.map_or_else(|| start.clone(), |(numbers, _)| start.with(&numbers))
+}
+
+/// Waves of a joint's curve over each row.
+fn waves(rows: &Linearised, terms: &Terms, curve: &Curve, data: &Measurements) -> DMatrix<f64> {
+    let joint = &terms.model.0.statics.chain.joints()[curve.joint];
+    let mut all = DMatrix::zeros(rows.rows.len(), curve.waves.len());
+    for (row, source) in rows.sources.iter().enumerate() {
+        if let Some(source) = source {
+            let values = curve.waves.values(joint.value(data.reading(*source)));
+            values.into_iter().enumerate().for_each(|(k, value)| all[(row, k)] = value);
+        }
+    }
+    all
+}
+
+impl Linearised {
+    /// Parts of so many values, rows dealt in turn.
+    fn parts(&self) -> Vec<Self> {
+        let count = self.data.len().div_ceil(AT_ONCE).max(1);
+        (0..count)
+            .map(|part| {
+                let rows: Vec<usize> = (0..self.rows.len()).filter(|row| row % count == part).collect();
+                let values: Vec<usize> = rows.iter().flat_map(|&row| self.rows[row].clone()).collect();
+                let mut from = 0;
+                let ranges = rows.iter().map(|&row| {
+                    from += self.rows[row].len();
+                    from - self.rows[row].len()..from
+                });
+                Self {
+                    rows: ranges.collect(),
+                    columns: self.columns.select_rows(&values),
+                    data: DVector::from_fn(values.len(), |k, _| self.data[values[k]]),
+                    channels: values.iter().map(|&value| self.channels[value]).collect(),
+                    weights: rows.iter().map(|&row| self.weights[row]).collect(),
+                    sources: rows.iter().map(|&row| self.sources[row]).collect(),
+                    of_model: self.of_model,
+                }
+            })
+            .collect()
+    }
+}
