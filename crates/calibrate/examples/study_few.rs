@@ -227,8 +227,7 @@ fn judged(
     options.trace = (!fast).then(|| TraceOptions::new(options.identify.clone()));
     let started = Instant::now();
     if !fast && let Ok(found) = calibrate(&real.chain, &real.statics, train.clone(), Some(test.clone()), &options) {
-        let named = found.report.stages.iter().rev().find(|stage| stage.adopted || stage.name != "averaged");
-        let stage = found.report.stages.iter().rev().find(|stage| stage.name != "averaged").or(named).unwrap();
+        let stage = found.report.stages.iter().rev().find(|stage| stage.adopted).unwrap();
         let error = stage.test.as_ref().unwrap();
         outcome.named = 1e3 * ["position", "distance"].iter().find_map(|word| error.of(word)).unwrap().rms;
     }

@@ -19,6 +19,7 @@ fn main() {
     let mut options = CalibrateOptions { noise: true, ..CalibrateOptions::geometry(chain) };
     let word = std::env::var("EFFECTS").unwrap_or_else(|_| "auto".into());
     options.trace = (word == "auto").then(|| TraceOptions::new(options.identify.clone()));
+    options.average = word == "auto";
     options.curves = (word == "curves").then(CurveOptions::default);
     let seed = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
     let mut test = None;

@@ -28,7 +28,7 @@ use crate::calibration::expected::Expected;
 use crate::calibration::rows::Rows;
 use crate::calibration::stages::{Beyond, Stages, beyond, kept};
 use crate::effects::driver::Statics;
-use crate::effects::model::EffectModel;
+use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
 use crate::identify::averaging::{Averaging, NotAveraged, averaged};
 use crate::identify::carried::{self, Carried};
@@ -81,6 +81,8 @@ pub struct CalibrateOptions {
     pub trace: Option<TraceOptions>,
     /// Fit error curves of the joints, where no effects are searched for.
     pub curves: Option<CurveOptions>,
+    /// Predict by everything that may act, averaged; it becomes the last stage.
+    pub average: bool,
     /// Say what the noise is made of.
     pub noise: bool,
     /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
@@ -95,6 +97,7 @@ impl CalibrateOptions {
             hold_out: None,
             trace: None,
             curves: None,
+            average: false,
             noise: false,
             other_chains: Vec::new(),
         }
@@ -318,17 +321,19 @@ pub fn calibrate_and_tell(
     let carried = carried.then(|| carried::carried(&train, &identification, &options.identify)).flatten();
     let weight = carried.as_ref().map(|carried| carried.weight);
     let weight = weight.or_else(|| identification.earlier.as_ref().map(|earlier| earlier.weight));
-    let in_average = || averaged(statics, &train, &identification, &options.identify, &[]);
-    let averaging = match &options.trace {
-        Some(_) => in_average().map(Box::new),
-        None => Err(NotAveraged::NotAsked),
-    };
     let searched = Searched { statics, data: &train, geometric, carried: carried.as_ref(), weight };
     let (found, curves) = searched.run(options, redundancy.enough_for_effects, &mut begin)?;
     if let (Some(test), Some(found)) = (&test, &found) {
         bound_later(&found.fit.effects, &train, test)?;
     }
     begin(Progress::Judgement)?;
+    let averaging = if options.average {
+        let findings = found.iter().flat_map(|found| &found.findings).filter(|finding| finding.named);
+        let named: Vec<Term> = findings.map(|finding| finding.term.clone()).collect();
+        averaged(statics, &train, &identification, &options.identify, &named).map(Box::new)
+    } else {
+        Err(NotAveraged::NotAsked)
+    };
     let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
     let of_geometry = identification.stages(carried.is_some());
     let placed_anew = test.as_ref().and_then(|test| PlacedAnew::find(&identification.geometric, &train, test));

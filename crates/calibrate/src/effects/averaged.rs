@@ -84,7 +84,7 @@ pub struct Spread {
 pub struct Blend {
     /// Share of the averaged robot, and of the drawn one; what is left is the geometric one's.
     pub shares: [f64; 2],
-    /// Expected square of the error of the blend, m² for each axis.
+    /// Expected square of the error of the blend, m² for each axis: that of a mixture, Σ wᵢ (vᵢ + dᵢ²), d: how far each is from the blend.
     pub variance: f64,
 }
 
@@ -219,16 +219,19 @@ impl Averaged {
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
             return Blend { shares: [0.0, 0.0], variance: whole };
         }
-        if robots.to_drawn.is_none() {
+        let apart =
+            |way: &Pose| (way * Point3::from(self.known.target) - Point3::from(self.known.target)).norm_squared() / 3.0;
+        let Some(to_drawn) = &robots.to_drawn else {
             let share = of_geometry / (of_geometry + robots.of_all);
-            return Blend {
-                shares: [share, 0.0],
-                variance: share * share * robots.of_all + (1.0 - share).powi(2) * whole,
-            };
-        }
+            let between = share * (1.0 - share) * apart(&robots.to_averaged);
+            return Blend { shares: [share, 0.0], variance: share * robots.of_all + (1.0 - share) * whole + between };
+        };
         let weights = [1.0 / robots.of_all, 1.0 / of_drawing, 1.0 / whole];
         let sum = weights.iter().sum::<f64>();
-        Blend { shares: [weights[0] / sum, weights[1] / sum], variance: 1.0 / sum }
+        let [averaged, drawn] = [weights[0] / sum, weights[1] / sum];
+        let between =
+            averaged * (1.0 - averaged) * apart(&robots.to_averaged) + drawn * (1.0 - drawn) * apart(to_drawn);
+        Blend { shares: [averaged, drawn], variance: 3.0 / sum + between }
     }
 
     /// Expected error of the blend: root of the mean square of each axis, m, the noise of a measured row not in it.

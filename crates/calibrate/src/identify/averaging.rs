@@ -33,7 +33,7 @@ const PASSES: usize = 3;
 /// Steps of the search for sizes, in the first pass and in those after it.
 const STEPS: [usize; 2] = [40, 15];
 /// Values that sizes are found from, at most: the rows are spread evenly over the run.
-const VALUES_FOR_SIZES: usize = 900;
+const VALUES_FOR_SIZES: usize = 600;
 /// Values that the posterior is of, at most.
 const VALUES: usize = 12_000;
 /// Student's degrees of freedom of the weights of rows.
@@ -86,7 +86,7 @@ struct At {
     sizes: Sizes,
 }
 
-/// Averages over everything that may act in these rows. `named`: causes that the rows name, with the size that their numbers are counted in.
+/// Averages over everything that may act in these rows. `named`: terms of causes that the rows name.
 ///
 /// # Errors
 /// What it cannot do; the fit of geometry stays what is best then.
@@ -95,7 +95,7 @@ pub fn averaged(
     data: &Measurements,
     identification: &Identification,
     options: &IdentifyOptions,
-    named: &[(Term, f64)],
+    named: &[Term],
 ) -> Result<Averaging, NotAveraged> {
     let geometric = &identification.geometric;
     if statics.tips.several() {
@@ -108,7 +108,8 @@ pub fn averaged(
     if survey.moving().next().is_none() || !data.scene.channels.iter().any(|channel| channel.unit == "m") {
         return Err(NotAveraged::NothingMoves);
     }
-    let terms = terms(&survey, &options.tolerances, named);
+    let named: Vec<(Term, f64)> = named.iter().filter_map(|term| in_own_units(term, statics, data)).collect();
+    let terms = terms(&survey, &options.tolerances, &named);
     let chain = &geometric.arm.nominal;
     let freedom = Freedom::placement(chain.joints().len());
     let layout = Layout::new(chain, &data.scene, &freedom, &options.tolerances, terms.model.parameters());
@@ -126,6 +127,21 @@ pub fn averaged(
         all: spread(VALUES),
     };
     with_threads(|| averager.run(statics, &identification.nominal.arm, geometric)).ok_or(NotAveraged::Numbers)
+}
+
+/// A term with 1 over the root mean square of its driver in the data; none where it drives nothing.
+fn in_own_units(term: &Term, statics: &Statics, data: &Measurements) -> Option<(Term, f64)> {
+    let rows = data.evenly_spread(data.len().min(VALUES_FOR_SIZES));
+    let mut square = 0.0;
+    for &row in &rows {
+        let conditions = Conditions::of(Row::new(data, row));
+        let posture = statics.posture(statics.chain.joints(), &conditions, None);
+        let mut values = Vec::new();
+        term.driver.values_into(statics, &conditions, &posture, &mut values);
+        square += values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64;
+    }
+    let size = (square / rows.len().max(1) as f64).sqrt();
+    (size > 0.0 && size.is_finite()).then(|| (term.clone(), 1.0 / size))
 }
 
 /// Student's weight of each row by the residual that geometry leaves, beside the median: 5/(4 + s²).
@@ -172,8 +188,10 @@ impl Averager<'_> {
         let noise = &geometric.noise.levels;
         let of_geometry = |family: Family| matches!(family, Family::Geometry | Family::Zero);
         let start = |used: &dyn Fn(Family) -> bool| Sizes::start(noise, self.terms, used);
-        let mut plain = At { arm: nominal.clone(), model: self.terms.model.clone(), sizes: start(&of_geometry) };
-        for pass in 0..PASSES {
+        // Instruments and targets stand where the fit of the geometry has found them: from the drawing's the way may be half a metre.
+        let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
+        let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry) };
+        for pass in 0..PASSES + 1 {
             plain = self.pass(&plain, STEPS[usize::from(pass > 0)], &self.some)?;
         }
         let (plain_gram, of_geometry) = self.left_out(&plain)?;

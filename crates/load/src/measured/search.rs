@@ -50,7 +50,9 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         ..TraceOptions::new(identify.clone())
     });
     let curves = (asked.effects == ["curves"]).then(CurveOptions::default);
-    Ok(CalibrateOptions { identify, hold_out: asked.hold_out, trace, curves, noise: true, other_chains: Vec::new() })
+    let (hold_out, average) = (asked.hold_out, trace.is_some());
+    let other_chains = Vec::new();
+    Ok(CalibrateOptions { identify, hold_out, trace, curves, average, noise: true, other_chains })
 }
 
 /// What an earlier calibration knows of this chain.

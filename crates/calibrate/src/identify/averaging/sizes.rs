@@ -31,7 +31,7 @@ const NOISE: (f64, f64) = (5e-7, 3e-2);
 /// Values of which the evidence is taken at once: its cost grows with their cube.
 pub const AT_ONCE: usize = 300;
 /// -2 log of the likelihood that a step must gain.
-const LEAST_GAIN: f64 = 0.05;
+const LEAST_GAIN: f64 = 0.1;
 
 /// The sizes, as natural logarithms.
 #[derive(Debug, Clone, PartialEq)]
