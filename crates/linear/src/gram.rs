@@ -44,9 +44,8 @@ pub struct Gram {
 
 impl Problem {
     /// Factored; `None` where a covariance is not positive or a number not finite.
-    pub fn gram(&self) -> Option<Gram> {
-        let mut scaled = self.columns.clone();
-        let mut whitened = self.data.clone();
+    pub fn gram(self) -> Option<Gram> {
+        let (mut scaled, mut whitened) = (self.columns, self.data);
         let deviations = self.variances.map(f64::sqrt);
         for (mut column, deviation) in scaled.column_iter_mut().zip(deviations.iter()) {
             column.scale_mut(*deviation);
@@ -63,7 +62,7 @@ impl Problem {
         }
         let in_rows = scaled.nrows() < scaled.ncols();
         let factor = if in_rows { one_more(&scaled.transpose()) } else { one_more(&scaled) }?;
-        Some(Gram { scaled, whitened, deviations, rows: self.rows.clone(), noise, factor, in_rows })
+        Some(Gram { scaled, whitened, deviations, rows: self.rows, noise, factor, in_rows })
     }
 }
 
@@ -175,7 +174,7 @@ pub(crate) mod tests {
     fn noise_that_is_no_covariance_gives_no_gram() {
         let mut problem = example(3, 4);
         problem.noise[1] = -DMatrix::identity(2, 2);
-        assert!(problem.gram().is_none());
+        assert!(problem.clone().gram().is_none());
         problem = example(3, 4);
         problem.columns[(0, 0)] = f64::NAN;
         assert!(problem.gram().is_none());

@@ -60,7 +60,7 @@ mod tests {
             let problem = example(rows, coefficients);
             let prior = DMatrix::from_diagonal(&problem.variances);
             let gain = &prior * problem.columns.transpose() * covariance(&problem).try_inverse().unwrap();
-            let found = problem.gram().unwrap().posterior();
+            let found = problem.clone().gram().unwrap().posterior();
             assert!((&found.mean - &gain * &problem.data).norm() < 1e-10);
             let wanted = &prior - &gain * &problem.columns * &prior;
             assert!((&found.covariance - wanted).norm() < 1e-10);

@@ -290,7 +290,7 @@ pub struct Unidentifiable {
 /// Error after a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stage {
-    /// `nominal`, `geometric`, `geometric + <kind>(<where>)` …
+    /// `nominal`, `geometric`, `geometric + <kind>(<where>)` …, `averaged`.
     pub name: String,
     /// On the fitted rows, rejected ones left out.
     pub train: Errors,
@@ -307,7 +307,8 @@ pub struct Stage {
     pub converged: bool,
     /// Whether this is the calibrated robot that is handed on.
     pub adopted: bool,
-    /// Whether held-out rows came out worse than at the stage before, by more than chance; such a stage is not adopted.
+    /// Whether held-out rows came out worse than at the stage that was adopted before, by more than chance; such a stage is not adopted, but for the
+    /// averaged one, which no held-out row decides on.
     pub worse_on_held_out: bool,
 }
 

@@ -1,6 +1,7 @@
 //! A model all of whose numbers are free: the coefficients of its effects, then the weights of its curves, wave by wave.
 
 use crate::effects::carrier::Action;
+use crate::effects::curve::{Curve, Waves};
 use crate::effects::driver::Conditions;
 use crate::effects::model::{EffectModel, Standing, add_sensitivity};
 use crate::observation::arm::{Arm, Perturbation, Perturbed, Row, RowState};
@@ -26,6 +27,37 @@ impl Everything {
     /// Whether it has none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Without effects and last waves of which no number is kept (`kept` ascending), and for each number its place in what is left.
+    #[must_use]
+    pub fn pruned(&self, kept: &[usize]) -> (Self, Vec<Option<usize>>) {
+        let mut places = vec![None; self.len()];
+        let (mut first, mut next) = (0, 0);
+        let mut model = EffectModel { effects: Vec::new(), curves: Vec::new(), ..self.0.clone() };
+        for effect in &self.0.effects {
+            let own = first..first + effect.coefficients.len();
+            if own.clone().any(|number| kept.binary_search(&number).is_ok()) {
+                own.clone().for_each(|number| places[number] = Some(next + number - first));
+                next += own.len();
+                model.effects.push(effect.clone());
+            }
+            first = own.end;
+        }
+        for curve in &self.0.curves {
+            let own = first..first + curve.waves.len();
+            let last = own.clone().rev().find(|number| kept.binary_search(number).is_ok());
+            first = own.end;
+            let Some(last) = last else { continue };
+            let count = last + 1 - own.start;
+            if let Waves::Sines { low, width, .. } = curve.waves {
+                (0..count).for_each(|wave| places[own.start + wave] = Some(next + wave));
+                next += count;
+                let (waves, weights) = (Waves::Sines { low, width, count }, curve.weights[..count].to_vec());
+                model.curves.push(Curve { waves, weights, ..curve.clone() });
+            }
+        }
+        (Self(model), places)
     }
 
     /// How the tip moves per unit of each number, under these conditions and where the arm stands.

@@ -38,8 +38,6 @@ const VALUES_FOR_SIZES: usize = 600;
 const VALUES: usize = 12_000;
 /// Student's degrees of freedom of the weights of rows.
 const STUDENT: f64 = 4.0;
-/// Numbers of a smaller prior deviation are left out, rad or m.
-const NOTHING: f64 = 5e-8;
 
 /// Why there is no averaged prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -172,8 +170,11 @@ impl Averager<'_> {
         let some = self.linearised(&self.some, at);
         let sizes = fitted(&some, self.data, self.terms, &at.sizes, steps);
         let own = if rows == self.some { some } else { self.linearised(rows, at) };
-        let mean = problem(&own, self.terms, &sizes).gram()?.mean();
-        Some(self.stepped(at, sizes, mean.as_slice()))
+        let (problem, chosen) = problem(&own, self.terms, &sizes);
+        let mut mean = vec![0.0; own.columns.ncols()];
+        let found = problem.gram()?.mean();
+        chosen.iter().zip(found.iter()).for_each(|(&column, number)| mean[column] = *number);
+        Some(self.stepped(at, sizes, &mean))
     }
 
     fn stepped(&self, at: &At, sizes: Sizes, mean: &[f64]) -> At {
@@ -194,38 +195,32 @@ impl Averager<'_> {
         for pass in 0..PASSES + 1 {
             plain = self.pass(&plain, STEPS[usize::from(pass > 0)], &self.some)?;
         }
-        let (plain_gram, of_geometry) = self.left_out(&plain)?;
-        let of_plain = self.spread(&plain, &plain_gram);
+        let (of_plain, of_geometry) = self.left_out(&plain)?;
         let all = start(&|_| true);
         let mut at = At { sizes: Sizes { noise: all.noise.clone(), ..all }, ..plain };
         for pass in 0..PASSES {
             let rows = if pass + 1 < PASSES { &self.some } else { &self.all };
             at = self.pass(&at, STEPS[usize::from(pass > 0)], rows)?;
         }
-        let (gram, left_out) = self.left_out(&at)?;
-        Some(self.result(
-            statics,
-            (nominal, geometric),
-            &at,
-            [self.spread(&at, &gram), of_plain],
-            [of_geometry, left_out],
-        ))
+        let (spread, left_out) = self.left_out(&at)?;
+        Some(self.result(statics, (nominal, geometric), &at, [spread, of_plain], [of_geometry, left_out]))
     }
 
     /// The covariance of all numbers that have a prior worth the name, of the instrument's frame and of the target's place.
-    fn spread(&self, at: &At, gram: &Gram) -> Spread {
-        let variances = at.sizes.variances(self.terms);
-        let kept: Vec<usize> = (0..variances.len()).filter(|&k| variances[k].sqrt() > NOTHING).collect();
+    fn spread(&self, gram: &Gram, columns: &[usize]) -> Spread {
         let frame = self.layout.instruments.first().copied().flatten().into_iter().flat_map(|first| first..first + 6);
         let place = self.layout.places[0];
-        let chosen: Vec<usize> = kept.iter().copied().chain(frame).chain(place..place + 3).collect();
-        Spread { covariance: gram.posterior().marginal(&chosen).covariance, kept }
+        let numbers = columns.iter().take_while(|&&column| self.layout.effects.contains(&column)).count();
+        let beside = frame.chain(place..place + 3).filter_map(|column| columns.binary_search(&column).ok());
+        let chosen: Vec<usize> = (0..numbers).chain(beside).collect();
+        Spread { covariance: gram.posterior().marginal(&chosen).covariance, kept: columns[..numbers].to_vec() }
     }
 
     /// The model about where it stands, and the root mean square of what each posture is off by that all the others predict, m for each axis.
-    fn left_out(&self, at: &At) -> Option<(Gram, f64)> {
+    fn left_out(&self, at: &At) -> Option<(Spread, f64)> {
         let own = self.linearised(&self.all, at);
-        let gram = problem(&own, self.terms, &at.sizes).gram()?;
+        let (problem, columns) = problem(&own, self.terms, &at.sizes);
+        let gram = problem.gram()?;
         let (mut sum, mut count) = (0.0, 0.0);
         for (index, left) in gram.leave_out()?.iter().enumerate() {
             for (k, value) in own.rows[index].clone().enumerate() {
@@ -236,7 +231,7 @@ impl Averager<'_> {
                 }
             }
         }
-        Some((gram, (sum / count).sqrt()))
+        Some((self.spread(&gram, &columns), (sum / count).sqrt()))
     }
 
     fn result(
@@ -248,6 +243,15 @@ impl Averager<'_> {
         left_out: [f64; 2],
     ) -> Averaging {
         let has_instrument = self.layout.instruments.first().is_some_and(Option::is_some);
+        let mut kept = [&spread.kept[..], &geometric_spread.kept].concat();
+        kept.sort_unstable();
+        kept.dedup();
+        let (mean, places) = at.model.pruned(&kept);
+        let moved = |spread: Spread| Spread {
+            kept: spread.kept.iter().filter_map(|&number| places[number]).collect(),
+            ..spread
+        };
+        let (spread, geometric_spread) = (moved(spread), moved(geometric_spread));
         let drawn = Arm { instruments: Vec::new(), points: Vec::new(), ..at.arm.clone() };
         let (base, tip) = between(&at.arm, &geometric.arm, self.data);
         let (drawn_base, drawn_tip) = between(nominal, &geometric.arm, self.data);
@@ -283,8 +287,8 @@ impl Averager<'_> {
             noise: noise.iter().sum::<f64>() / noise.len().max(1) as f64,
             ranges: ranges(self.data),
         };
-        let averages = averages(&at.model.0, self.data, &self.some);
-        let averaged = Arc::new(Averaged::new(at.model.clone(), averages, known));
+        let averages = averages(&mean.0, self.data, &self.some);
+        let averaged = Arc::new(Averaged::new(mean, averages, known));
         let effects = EffectModel { averaged: Some(averaged), ..EffectModel::new(statics.clone(), Vec::new()) };
         let fit = Fit {
             squares: squares(&arm, &effects, self.data),

@@ -193,7 +193,13 @@ pub(super) fn not_adopted(report: &CalibrationReport) -> String {
     let mut text = String::new();
     let adopted = report.stages.iter().position(|stage| stage.adopted).unwrap_or(0);
     for stage in report.stages.iter().skip(adopted) {
-        if stage.worse_on_held_out {
+        if stage.worse_on_held_out && stage.adopted {
+            let _ = writeln!(
+                text,
+                "\"{}\" makes the held-out rows worse, by more than chance; it stays the result, because held-out rows choose no stage",
+                stage.name
+            );
+        } else if stage.worse_on_held_out {
             let _ = writeln!(
                 text,
                 "not adopted: \"{}\" makes the held-out rows worse, by more than chance; the result is the stage before",

@@ -30,6 +30,8 @@ const FAMILY: (f64, f64) = (1e-7, 1e-2);
 const NOISE: (f64, f64) = (5e-7, 3e-2);
 /// Values of which the evidence is taken at once: its cost grows with their cube.
 pub const AT_ONCE: usize = 300;
+/// Numbers of a smaller prior deviation are left out, rad or m.
+const NOTHING: f64 = 5e-8;
 /// -2 log of the likelihood that a step must gain.
 const LEAST_GAIN: f64 = 0.1;
 
@@ -137,10 +139,11 @@ fn density(frequency: f64, length: f64) -> f64 {
     TAU.sqrt() * length * (-0.5 * (frequency * length).powi(2)).exp()
 }
 
-/// The whole linear problem for these sizes; frames come after the numbers.
-pub fn problem(rows: &Linearised, terms: &Terms, sizes: &Sizes) -> Problem {
+/// The linear problem for these sizes, and which columns are in it: what may be large enough to count, then the frames.
+pub fn problem(rows: &Linearised, terms: &Terms, sizes: &Sizes) -> (Problem, Vec<usize>) {
     let mut variances = sizes.variances(terms);
     variances.resize(rows.columns.ncols(), PLACED * PLACED);
+    let chosen: Vec<usize> = (0..variances.len()).filter(|&k| variances[k] > NOTHING * NOTHING).collect();
     let mut noise = Vec::with_capacity(rows.rows.len());
     for (row, weight) in rows.rows.iter().zip(&rows.weights) {
         let mut block = DMatrix::zeros(row.len(), row.len());
@@ -156,13 +159,14 @@ pub fn problem(rows: &Linearised, terms: &Terms, sizes: &Sizes) -> Problem {
         }
         noise.push(block);
     }
-    Problem {
-        columns: rows.columns.clone(),
+    let problem = Problem {
+        columns: rows.columns.select_columns(&chosen),
         data: rows.data.clone(),
         rows: rows.rows.clone(),
         noise,
-        variances: DVector::from_vec(variances),
-    }
+        variances: DVector::from_fn(chosen.len(), |k, _| variances[chosen[k]]),
+    };
+    (problem, chosen)
 }
 
 /// What the evidence of some rows is made of: parts whose amounts alone change, and the curves.
