@@ -17,7 +17,7 @@ pub struct SearchAsked {
     pub scales: Vec<String>,
     /// Revolute joints whose pitch is fitted, too: names, or `all`.
     pub pitches: Vec<String>,
-    /// `none`, `curves`, `auto`, or kinds of effects.
+    /// `none`, `curves`, `auto`, `averaged` (as `auto`, and predict by averaging), or kinds of effects.
     pub effects: Vec<String>,
     /// No more effects than this.
     pub max_effects: usize,
@@ -39,7 +39,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
     let identify = IdentifyOptions { freedom, earlier, ..IdentifyOptions::axes(chain) };
     let trace = match asked.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["none" | "curves"] => None,
-        ["auto"] => Some(Vec::new()),
+        ["auto" | "averaged"] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, _>>()?),
     };
     let gear_ratios = gear_ratios(&asked.gear_ratios, chain)?;
@@ -50,7 +50,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         ..TraceOptions::new(identify.clone())
     });
     let curves = (asked.effects == ["curves"]).then(CurveOptions::default);
-    let (hold_out, average) = (asked.hold_out, trace.is_some());
+    let (hold_out, average) = (asked.hold_out, asked.effects == ["averaged"]);
     let other_chains = Vec::new();
     Ok(CalibrateOptions { identify, hold_out, trace, curves, average, noise: true, other_chains })
 }
@@ -116,7 +116,7 @@ fn kind(word: &str) -> Result<Kind, MeasuredError> {
     Kind::named(word).ok_or_else(|| {
         let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
         MeasuredError::Option(format!(
-            "‹effects›: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
+            "‹effects›: \"{word}\" is no kind of effect; write none, curves, auto, averaged, or of {}",
             names.join(", ")
         ))
     })
