@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
 
+mod averaging;
 mod bad_input;
 mod camera;
 mod contact;

@@ -301,7 +301,9 @@ impl Averager<'_> {
             parameters_used: geometric.parameters_used.clone(),
             values: geometric.values.clone(),
             iterations: 2 * PASSES,
+            jacobians: 2 * PASSES,
             converged: true,
+            unfinished: None,
         };
         Averaging { fit, sizes: at.sizes.clone(), left_out }
     }

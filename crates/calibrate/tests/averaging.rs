@@ -1,0 +1,111 @@
+//! The averaged prediction: better than geometry alone where effects act, unsure where nothing was measured, the same once it was saved.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
+
+use denavit_calibrate::Measurements;
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::calibration::adoption::Adopted;
+use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
+use denavit_calibrate::effects::{
+    Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term,
+};
+use denavit_calibrate::observation::arm::Row;
+use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
+use denavit_calibrate::observation::measurements::MissingColumn;
+use denavit_model::examples::puma_like;
+
+/// Gears that err with their own turn.
+fn gears(statics: &Statics) -> EffectModel {
+    let gear = |joint: usize, order: f64, size: f64| Effect {
+        term: Term {
+            kind: Kind::TransmissionError,
+            carrier: Carrier::Joint(joint),
+            driver: Driver::Harmonic { joint, order },
+            coupling: Coupling::Each,
+        },
+        coefficients: vec![size, -size],
+    };
+    EffectModel::new(statics.clone(), vec![gear(0, 1.0, 6e-4), gear(1, 2.3, 5e-4), gear(2, 3.0, 5e-4)])
+}
+
+/// Rows to fit and rows of the same arm to judge by.
+fn rows(kind: ObservationKind, count: usize, seed: u64) -> (Measurements, Measurements) {
+    let chain = puma_like();
+    let options = SimulationOptions { kind, rows: count + 100, seed, ..Default::default() };
+    let all = simulate(&chain, &options, &gears(&Statics::of_chain(&chain))).data;
+    let order: Vec<usize> = (0..all.len()).collect();
+    (all.subset(&order[..count]), all.subset(&order[count..]))
+}
+
+fn averaged(train: Measurements, test: Option<Measurements>) -> Calibration {
+    let chain = puma_like();
+    let options = CalibrateOptions { average: true, ..CalibrateOptions::geometry(&chain) };
+    calibrate(&chain, &Statics::of_chain(&chain), train, test, &options).unwrap()
+}
+
+#[test]
+fn every_kind_of_rows_is_predicted_better_than_by_geometry_alone() {
+    for (kind, count, word) in [(POSE, 25, "position"), (POSITION, 40, "position"), (DISTANCE, 120, "distance")] {
+        let (train, test) = rows(kind, count, 5);
+        let result = averaged(train, Some(test));
+        let stages = &result.report.stages;
+        let error = |name: &str| {
+            let stage = stages.iter().find(|stage| stage.name == name).unwrap();
+            stage.test.as_ref().unwrap().of(word).unwrap().rms
+        };
+        println!("{word} of {count}: geometric {:.6}, averaged {:.6}", error("geometric"), error("averaged"));
+        assert_eq!((result.report.adopted, stages.last().unwrap().name.as_str()), (Adopted::Averaged, "averaged"));
+        assert!(stages.last().unwrap().adopted && stages.iter().filter(|stage| stage.adopted).count() == 1);
+        assert!(error("averaged") < 0.9 * error("geometric"), "{word}: {} {}", error("averaged"), error("geometric"));
+        // The calibrated robot is that of the geometric fit: what was averaged comes on top of it.
+        assert_eq!(result.arm().joints, result.identification.geometric.arm.joints);
+    }
+}
+
+#[test]
+fn what_is_saved_predicts_the_same_and_goes_on_without_what_nobody_records() {
+    let (train, _) = rows(POSITION, 30, 8);
+    let result = averaged(train, None);
+    let chain = puma_like();
+    let statics = Statics::of_chain(&chain);
+    let model = result.effects(&statics);
+    let saved = SavedEffects::from_json("effects.json", &model.to_json(), &statics).unwrap();
+    assert!(saved.needed().is_empty(), "nothing must be given: {:?}", saved.needed());
+    let data = &result.train;
+    let bound = saved.clone().bound(&|name| data.column(name)).unwrap();
+    let absent = |name: &str| Err(MissingColumn::Absent { file: "none".into(), column: name.into() });
+    let plain = saved.bound(&absent).unwrap();
+    let calibrated = result.arm().chain_to(0);
+    for row in [0, 7, 29] {
+        let conditions = Conditions::of(Row::new(data, row));
+        let place = |model: &EffectModel| model.fk(&calibrated, &conditions).translation.vector;
+        assert!((place(&model) - place(&bound)).norm() < 1e-9, "{}", (place(&model) - place(&bound)).norm());
+        assert!((place(&model) - place(&plain)).norm() < 1e-3);
+        assert!((place(&model) - calibrated.fk(conditions.reading).translation.vector).norm() > 1e-6);
+    }
+}
+
+#[test]
+fn outside_of_what_was_measured_the_prediction_is_unsure_and_goes_back_to_geometry() {
+    let (train, _) = rows(POSITION, 60, 3);
+    // Joint 1 is measured in half of its range.
+    let near: Vec<usize> = (0..train.len()).filter(|&row| train.reading(row)[0] < 0.0).collect();
+    let result = averaged(train.subset(&near), None);
+    let expected = result.report.prediction.as_ref().unwrap();
+    let first = expected.outside.iter().find(|outside| outside.joint == train.joints[0]).unwrap();
+    assert!(first.error_m > 1.5 * expected.inside_m, "{first:?} {}", expected.inside_m);
+    let averaged = result.beyond_geometry().unwrap().effects.averaged.clone().unwrap();
+    let blend = |reading: &[f64]| {
+        let mut conditions = Conditions::of(Row::new(&result.train, 0));
+        conditions.reading = reading;
+        averaged.blend(&conditions)
+    };
+    let here = result.train.reading(0).to_vec();
+    let mut there = here.clone();
+    there[0] = 2.5;
+    assert!(blend(&there).shares[0] < blend(&here).shares[0]);
+    assert!(blend(&there).variance > blend(&here).variance);
+    assert!(
+        denavit_calibrate::report::text::calibration(&result).contains("expected error of the averaged prediction")
+    );
+}
