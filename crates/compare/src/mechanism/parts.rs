@@ -10,8 +10,10 @@ use std::collections::{BTreeMap, HashMap};
 
 /// What moves together, and where it is: bodies and frames by the names of links and joints.
 struct Places<'a> {
-    /// A joint's frame is that of its child link.
+    /// A joint's frame is that of its child link; where a link has the same name, that link's is meant.
     frames: HashMap<&'a str, (usize, Pose)>,
+    /// The bodies of names; where a joint and a link have one name, what is told of it is told of the joint.
+    bodies: HashMap<&'a str, usize>,
 }
 
 impl<'a> Places<'a> {
@@ -20,11 +22,12 @@ impl<'a> Places<'a> {
         let place = |link: usize| (body_of[placed.body(link)], *placed.pose(link));
         let joints = robot.joints.iter().map(|joint| (joint.name.as_str(), place(joint.child)));
         let links = robot.links.iter().enumerate().map(|(index, link)| (link.name.as_str(), place(index)));
-        Self { frames: joints.chain(links).collect() }
+        let bodies = links.clone().chain(joints.clone()).map(|(name, (body, _))| (name, body)).collect();
+        Self { frames: joints.chain(links).collect(), bodies }
     }
 
     fn body(&self, name: &str) -> Option<usize> {
-        Some(self.frames.get(name)?.0)
+        self.bodies.get(name).copied()
     }
 
     /// Something placed, in the root frame; `None` where its frame is not known.
