@@ -142,7 +142,11 @@ fn bad_files_get_one_clear_message() {
             .failed()
             .starts_with("error: <stdin>:1: file: not well-formed XML")
     );
-    assert!(denavit_with_input(&["table", "-"], "row,theta\n1,2").failed().contains("columns are row, theta"));
+    assert!(
+        denavit_with_input(&["table", "-"], "row,theta\n1,2")
+            .failed()
+            .contains("nor a table with columns theta, d, alpha, a")
+    );
 }
 
 #[test]

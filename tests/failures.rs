@@ -86,8 +86,6 @@ const REVIEWED: &[(&str, &str, &str)] = &[
         "standard input and git revisions have no folder; a file that cannot be opened fails when it is read",
     ),
     ("load/src/measured/content.rs", "path.metadata().is_ok_and(", "whether to show a size; opening the file reports"),
-    ("cli/src/commands/export.rs", "let Ok(table)", "the remark compares two tables: a robot without one needs none"),
-    ("cli/src/commands/export.rs", "let Ok(in_file)", "the remark compares two tables: a robot without one needs none"),
     (
         "cli/src/output/destination.rs",
         "metadata(path).ok()",

@@ -223,7 +223,7 @@ fn orientations_in_other_forms_are_the_same_poses() {
     }
     // Told wrongly, the data do not fit the robot; not told at all, the columns are an error.
     for (line, said) in [
-        ("fixed.csv --euler XYZ", "the robot as drawn misses what was measured by"),
+        ("fixed.csv --euler XYZ", "say --euler xyz"),
         ("fixed.csv", "columns roll, pitch, yaw"),
         ("four.csv", "columns q1, q2, q3, q4"),
         ("fixed.csv --euler XXY", "\"XXY\" names no order of angles"),

@@ -361,7 +361,8 @@ fn what_was_met_in_the_wild_is_said_rightly() {
         let said = run("orientation-convention/rotvec.csv", &format!("--euler {order}")).failed();
         assert!(said.contains("say --rotation-vector"), "{said}");
     }
-    for options in ["--rotation-vector", "--euler XYZ", "--euler ZYX"] {
+    // The columns rz, ry, rx in the order ZYX are the same rotation.
+    for options in ["--rotation-vector", "--euler XYZ"] {
         let said = run("orientation-convention/xyz_fixed.csv", options).failed();
         assert!(said.contains("say --euler xyz"), "{said}");
     }

@@ -110,8 +110,9 @@ impl CalibrateOptions {
 pub enum CalibrateError {
     /// Not enough to place the instrument.
     #[error(
-        "{file}: {rows} rows hold {values} measured numbers{}, but placing the instrument and the targets takes {needed} \
+        "{file}: {} {values} measured numbers{}, but placing the instrument and the targets takes {needed} \
          and a few to check them; measure more poses",
+        if *rows == 1 { "1 row holds".to_owned() } else { format!("{rows} rows hold") },
         in_postures(*rows, *postures)
     )]
     TooFewRows {

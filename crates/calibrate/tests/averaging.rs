@@ -56,7 +56,14 @@ fn every_kind_of_rows_is_predicted_better_than_by_geometry_alone() {
         println!("{word} of {count}: geometric {:.6}, averaged {:.6}", error("geometric"), error("averaged"));
         assert_eq!((result.report.adopted, stages.last().unwrap().name.as_str()), (Adopted::Averaged, "averaged"));
         assert!(stages.last().unwrap().adopted && stages.iter().filter(|stage| stage.adopted).count() == 1);
-        assert!(error("averaged") < 0.9 * error("geometric"), "{word}: {} {}", error("averaged"), error("geometric"));
+        // A distance tells one number of a posture, and less of the gears.
+        let at_most = if word == "distance" { 0.95 } else { 0.5 };
+        assert!(
+            error("averaged") < at_most * error("geometric"),
+            "{word}: {} {}",
+            error("averaged"),
+            error("geometric")
+        );
         // The calibrated robot is that of the geometric fit: what was averaged comes on top of it.
         assert_eq!(result.arm().joints, result.identification.geometric.arm.joints);
     }

@@ -99,8 +99,8 @@ fn sixty_equal_rows_are_one_posture() {
     let error = calibrate(&chain, &statics, equal, None, &CalibrateOptions::geometry(&chain)).unwrap_err().to_string();
     assert_eq!(
         error,
-        "simulation: 60 rows hold 3 measured numbers in one posture, measured again and again, but placing the instrument \
-         and the targets takes 9 and a few to check them; measure more poses"
+        "simulation: 1 row holds 3 measured numbers, but placing the instrument and the targets takes 9 and a few to check \
+         them; measure more poses"
     );
     let few = data.subset(&(0..60).map(|row| row % 10).collect::<Vec<usize>>());
     let result = calibrate(&chain, &statics, few, None, &CalibrateOptions::geometry(&chain)).unwrap();

@@ -67,11 +67,10 @@ fn what_the_model_misses_stands_out_of_the_pure_error() {
 }
 
 #[test]
-fn equal_repeats_have_no_f() {
+fn exact_copies_of_rows_are_no_repeats() {
     let (chain, data) = run(2, 2e-4);
     let data = data.subset(&(0..40).chain(0..40).collect::<Vec<_>>());
-    let position = geometry(&chain, data).report.repeats[0];
-    assert_eq!((position.f, position.pure_error, position.p_value), (None, 0.0, 0.0));
+    assert!(geometry(&chain, data).report.repeats.is_empty(), "a copy tells nothing of the noise");
 }
 
 #[test]

@@ -63,7 +63,10 @@ impl Plan {
         // The links of the old frames are new ones where the old names are to keep theirs.
         let is_end = |link: usize| options.link_frames == LinkFrames::Replace && !carries[link];
         let kept = (0..links).map(|link| {
-            !carried_by_axis(robot, bodies, link) || is_end(link) || options.base.is_some() && Some(link) == base
+            // The tip of the table keeps its frame, too: it is what one plans for.
+            let is_tip = options.link_frames == LinkFrames::Replace && Some(link) == tip;
+            let is_base = options.base.is_some() && Some(link) == base;
+            !carried_by_axis(robot, bodies, link) || is_end(link) || is_tip || is_base
         });
         let kept: Vec<bool> = kept.collect();
         let mut plan = Self {

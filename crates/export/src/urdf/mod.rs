@@ -9,7 +9,7 @@
 //! **Canonical form.** A joint's child link frame lies on the joint's axis (z), x along the common normal with the
 //! axis before, and the joint's origin is the row that leads there: rpy="alpha 0 theta", xyz="a·cos(theta)
 //! a·sin(theta) d". The axis before is that of the joint which carries the rigid body, or z of the root link. So
-//! - only links between two moving joints get new frames: the root link, links that carry nothing further (tips, fingers,
+//! - only links between two moving joints get new frames: the root link, the tip of the table, links that carry nothing further (tips, fingers,
 //!   wheels), links on fixed joints (flange, tool0, cameras, mounts), and links behind floating, planar and unknown joints
 //!   keep theirs;
 //! - a joint on a link that is fixed to the body has as its origin what leads from there to the end of the row;
@@ -179,8 +179,9 @@ pub enum ExportError {
 /// ```
 /// use denavit_export::urdf::{Options, canonical};
 /// let robot = denavit_model::urdf::read("slide.urdf", r#"<robot name="slide">
-///   <link name="base"/> <link name="tip"/>
-///   <joint name="rail" type="prismatic"> <parent link="base"/> <child link="tip"/> <axis xyz="0 1 0"/> </joint>
+///   <link name="base"/> <link name="carriage"/> <link name="tip"/>
+///   <joint name="rail" type="prismatic"> <parent link="base"/> <child link="carriage"/> <axis xyz="0 1 0"/> </joint>
+///   <joint name="turn" type="continuous"> <parent link="carriage"/> <child link="tip"/> <axis xyz="1 0 0"/> </joint>
 /// </robot>"#)?;
 /// let text = canonical(&robot, &Options::default())?.value;
 /// assert!(text.contains(r#"<axis xyz="0 0 1"/>"#));

@@ -55,6 +55,8 @@ pub(crate) fn write_xyz(source: &SourceText, edits: &mut Edits, node: Node, xyz:
 /// A joint's origin as numbers, put in where there is none; words stay that are exactly these numbers.
 pub fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, numbers: &Numbers) {
     match joint.children().find(|child| is(child, "origin")) {
+        // What stays, to rounding, keeps its text: the export of an export is the export.
+        Some(origin) if numbers_of(origin).is_some_and(|old| same_to_rounding(&old, numbers)) => {}
         Some(origin) => {
             write_xyz(source, edits, origin, numbers.xyz, 0.0);
             write_rpy(source, edits, origin, numbers.rpy, 0.0);
@@ -62,6 +64,14 @@ pub fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, numbers
         None if *numbers == Numbers::default() => {}
         None => edits.first_child(source, joint, &numbers.element()),
     }
+}
+
+/// Whether two origins are alike to the rounding of the products that lead to them.
+fn same_to_rounding(one: &Numbers, other: &Numbers) -> bool {
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    let (a, b) = (Vector3::from(one.xyz), Vector3::from(other.xyz));
+    let back = se3::rotation_from_rpy(one.rpy).inverse() * se3::rotation_from_rpy(other.rpy);
+    (a - b).amax() <= ROUNDING * (1.0 + a.amax()) && se3::rotation_angle(&back) <= ROUNDING
 }
 
 /// A joint's axis as it was meant, where that is another than is written.

@@ -335,7 +335,8 @@ impl Work<'_> {
         let of = |word: &str, words: &[(&str, f64)]| {
             words.iter().find(|(known, _)| *known == word).map(|(_, factor)| *factor)
         };
-        let Some(unit) = unit else {
+        // A dash in a row of units states none.
+        let Some(unit) = unit.filter(|unit| !matches!(*unit, "-" | "–" | "—")) else {
             return Ok(match counts {
                 Counts::Length => self.units.length,
                 Counts::Angle => self.units.angle,
