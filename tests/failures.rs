@@ -113,7 +113,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 /// The statements of a file, tests and comments left out, blanks made one.
 fn statements(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]").next().unwrap_or(text);
-    let lines = code.lines().map(|line| line.trim()).filter(|line| !line.starts_with("//"));
+    let lines = code.lines().map(str::trim).filter(|line| !line.starts_with("//"));
     let code = lines.collect::<Vec<_>>().join(" ");
     code.split([';', '{', '}']).map(|part| part.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
 }

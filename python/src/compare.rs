@@ -30,6 +30,7 @@ impl Comparison {
 #[pyclass(frozen, module = "denavit._denavit")]
 pub struct Findings {
     files: Vec<String>,
+    #[expect(clippy::struct_field_names, reason = "that is what it holds")]
     findings: Vec<denavit_compare::Finding>,
     inventories: Vec<report::FileInventory>,
 }

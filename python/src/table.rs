@@ -2,10 +2,10 @@
 
 use crate::errors::{Class, Spot, argument, error, said};
 use crate::robot::stated;
-use denavit_export::numbers::{AngleUnit, LengthUnit};
 use denavit_export::{Sheet, Units, formats, matched, sources};
 use denavit_load::Made;
 use denavit_model::Chain;
+use denavit_model::units::Unit;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -20,9 +20,8 @@ pub fn table_columns(headings: Vec<String>) -> Vec<Option<&'static str>> {
 #[pyfunction]
 pub fn table_units(given: &str) -> PyResult<String> {
     let stated = stated(None, given)?;
-    let usual = Units { length: LengthUnit::Metre, angle: AngleUnit::Radian };
-    let units = Units { length: stated.length.unwrap_or(usual.length), angle: stated.angle.unwrap_or(usual.angle) };
-    Ok(format!("{},{}", units.length_word(), units.angle_word()))
+    let (length, angle) = (stated.length.unwrap_or(Unit::Metre), stated.angle.unwrap_or(Unit::Radian));
+    Ok(format!("{},{}", length.word(), angle.word()))
 }
 
 /// A table.

@@ -10,10 +10,11 @@ fn plant(nights: u32) -> Trial {
     for night in 1..=nights {
         for robot in ["SN-1", "SN-2"] {
             let data = if (robot, night) == ("SN-2", nights) { "cut.csv" } else { "data.csv" };
-            manifest += &format!("{robot},arm.urdf,{data},2026-11-{night:02},none\n");
+            let date = format!("2026-11-{night:02}");
+            manifest.push_str(&[robot, "arm.urdf", data, &date, "none\n"].join(","));
         }
     }
-    let cut: String = trial.text("data.csv").lines().take(4).map(|line| format!("{line}\n")).collect();
+    let cut: String = trial.text("data.csv").split_inclusive('\n').take(4).collect();
     trial.with("cut.csv", &cut).with("plant.csv", &manifest)
 }
 

@@ -27,7 +27,7 @@ fn every_branch_of_a_pose_leads_back_to_it() {
 
 #[test]
 fn a_path_is_followed_and_what_is_out_of_reach_is_said() {
-    let path: String = (0..10).map(|k| format!("400,{},500,180,0,0\n", -200 + 40 * k)).collect();
+    let path = (0..10).map(|k| format!("400,{},500,180,0,0\n", -200 + 40 * k)).collect::<Vec<_>>().concat();
     let trial = Trial::new().with("path.csv", &format!("x,y,z,roll,pitch,yaw\n{path}"));
     let text = trial.run("ik arm.urdf --poses path.csv --near 0,-90,90,0,90,0 --units mm,deg").succeeded();
     let rows: Vec<Vec<f64>> = text.lines().filter(|line| line.contains("reached")).map(columns).collect();

@@ -175,9 +175,9 @@ impl Sums {
             self.squares[1] += (y - mean[1]).powi(2);
         }
         self.products += share * off[0] * off[1];
-        for k in 0..2 {
-            self.squares[k] += share * off[k].powi(2);
-            self.mean[k] += off[k] * own / count;
+        for (k, off) in off.into_iter().enumerate() {
+            self.squares[k] += share * off.powi(2);
+            self.mean[k] += off * own / count;
         }
         self.count = count;
     }

@@ -158,14 +158,14 @@ fn table_line(word: &str, outcomes: &[&Outcome], way: usize) {
     }
     let mut ratios: Vec<f64> = judged.iter().map(|o| error(o) / o.geometric).collect();
     ratios.sort_by(f64::total_cmp);
-    let at = |share: f64| ratios[((share * ratios.len() as f64) as usize).min(ratios.len() - 1)];
+    let at = |per_cent: usize| ratios[(per_cent * ratios.len() / 100).min(ratios.len() - 1)];
     let harmed = ratios.iter().filter(|ratio| **ratio > 1.1).count() as f64 / ratios.len() as f64;
     let beyond_drawing = judged.iter().filter(|o| error(o) > 1.1 * o.nominal).count() as f64 / ratios.len() as f64;
     println!(
         "| {word} | {:.2} | {:.2} | {:.2} | {:.1} % | {:.1} % | {} | {:.3} | {} |",
-        at(0.5),
-        at(0.9),
-        at(1.0),
+        at(50),
+        at(90),
+        at(100),
         100.0 * harmed,
         100.0 * beyond_drawing,
         outcomes.len() - judged.len(),

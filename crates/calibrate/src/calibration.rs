@@ -286,6 +286,7 @@ pub fn calibrate(
 ///
 /// # Errors
 /// As [`calibrate`]; [`CalibrateError::Stopped`].
+#[expect(clippy::too_many_lines, reason = "the stages one after the other")]
 pub fn calibrate_and_tell(
     chain: &Chain,
     statics: &Statics,
@@ -519,10 +520,8 @@ fn rows_of(
     };
     tips::check(&train, statics, options)?;
     enough(&train)?;
-    if let Some(test) = &test {
-        if options.trace.is_some() {
-            recorded_too(&train, test, |name| has_a_meaning(&train, name))?;
-        }
+    if let (Some(test), Some(_)) = (&test, &options.trace) {
+        recorded_too(&train, test, |name| has_a_meaning(&train, name))?;
     }
     Ok((train, test))
 }
@@ -639,7 +638,9 @@ fn split(data: &Measurements, hold_out: HoldOut) -> Result<(Measurements, Option
     // Rows of one posture go together: a fit that has seen the posture is not tested by it.
     let first = data.first_of_posture();
     let mut size = vec![0usize; data.len()];
-    first.iter().for_each(|&posture| size[posture] += 1);
+    for posture in &first {
+        size[*posture] += 1;
+    }
     let mut order: Vec<usize> = (0..data.len()).filter(|&row| first[row] == row).collect();
     order.sort_by(|a, b| drawn[*a].total_cmp(&drawn[*b]));
     let mut is_test = vec![false; data.len()];

@@ -435,6 +435,7 @@ pub struct DescribeArguments {
 /// Arguments of `denavit diff`.
 #[derive(Debug, Args)]
 #[command(after_long_help = what_is_compared())]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct DiffArguments {
     /// The robot as it was: any source
     pub a: String,
@@ -605,6 +606,7 @@ pub struct FingerprintArguments {
 
 /// Arguments of `denavit check`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct CheckArguments {
     /// Any sources, or folders for all robots that are in them; SRDF files beside their URDF. NAME:=VALUE are arguments of
     /// the xacro files among them

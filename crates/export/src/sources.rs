@@ -350,7 +350,7 @@ fn content<'a>(file: &'a str, text: &str, given: Stated) -> Result<Content<'a>, 
 fn as_headed(rows: &rows::Rows, read_as: ReadAs) -> ReadAs {
     let unit = |name| rows.heading(name).and_then(|heading| heading.unit);
     let (angle, length) = (unit("alpha").unwrap_or(read_as.angle), unit("a").unwrap_or(read_as.length));
-    ReadAs { angle, length, ..read_as }
+    ReadAs { length, angle, ..read_as }
 }
 
 /// A table to match a robot against, read in one of the ways that it can be read.

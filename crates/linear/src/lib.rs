@@ -11,6 +11,8 @@
 //! of them. The crate knows matrices, and nothing of robots. Below: products of columns and Cholesky factors in vectors of the machine
 //! ([`products`], [`triangle`], [`panel`]), on all cores ([`threads`]), until somebody asks to stop ([`stop`]).
 
+#![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
+
 pub mod components;
 mod evidence;
 pub mod gram;

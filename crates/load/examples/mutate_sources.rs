@@ -128,7 +128,7 @@ fn main() {
         let text = changed(text, &seeds, &mut random);
         let start = Instant::now();
         let mut options = Options::default();
-        if name.ends_with(".conf") {
+        if std::path::Path::new(&name).extension().is_some_and(|ending| ending == "conf") {
             options.arguments.push(("ur_type".into(), "ur5e".into()));
         }
         match from_text(name, &text, &options) {

@@ -118,9 +118,12 @@ fn line(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).trim_end_matches(['\n', '\r']).to_owned()
 }
 
+/// A working tree, what its revision is called, and the files of that.
+type Listed = (PathBuf, Vec<u8>, Arc<Held>);
+
 thread_local! {
     /// The revision that was listed last: a source is looked at several times.
-    static LAST: RefCell<Option<(PathBuf, Vec<u8>, Arc<Held>)>> = const { RefCell::new(None) };
+    static LAST: RefCell<Option<Listed>> = const { RefCell::new(None) };
 }
 
 /// Every file of a revision by its name in the working tree; of the index where the name is empty.
@@ -146,8 +149,7 @@ fn files_of(revision: &str, top: &Path) -> Result<Arc<Held>, String> {
         let Some((head, path)) = entry.split_once('\t') else { continue };
         let words: Vec<&str> = head.split(' ').collect();
         let (mode, id) = match words[..] {
-            [mode, "blob" | "commit", id] => (mode, id.to_owned()),
-            [mode, id, "0"] => (mode, id.to_owned()),
+            [mode, "blob" | "commit", id] | [mode, id, "0"] => (mode, id.to_owned()),
             _ => continue,
         };
         let name = top.join(path);

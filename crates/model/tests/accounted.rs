@@ -1,5 +1,7 @@
 //! The reader says of everything in a file what became of it.
 
+#![allow(clippy::unwrap_used, clippy::format_collect)] // Tests: a panic is a failure.
+
 use denavit_model::{Note, Outcome, Reading, Robot, UrdfError, se3, urdf, write};
 use proptest::prelude::*;
 

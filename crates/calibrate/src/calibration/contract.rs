@@ -205,7 +205,7 @@ impl ReadAs {
         let joints = mistakes.iter().flat_map(|mistake| mistake.joints());
         Self {
             supposed: mistakes.iter().map(ToString::to_string).collect(),
-            correction: mistakes.iter().map(|mistake| mistake.mend()).collect(),
+            correction: mistakes.iter().map(super::diagnosis::mistakes::Mistake::mend).collect(),
             joints: joints.map(str::to_owned).collect(),
             misfit_m: [corrected.before[0], corrected.after[0]],
             misfit_rad: [corrected.before[1], corrected.after[1]],

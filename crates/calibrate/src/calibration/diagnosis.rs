@@ -13,7 +13,7 @@
 
 mod conventions;
 pub mod explained;
-mod mistakes;
+pub(super) mod mistakes;
 mod mixed;
 mod zeros;
 

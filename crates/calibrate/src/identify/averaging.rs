@@ -192,7 +192,7 @@ impl Averager<'_> {
         // Instruments and targets stand where the fit of the geometry has found them: from the drawing's the way may be half a metre.
         let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
         let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry) };
-        for pass in 0..PASSES + 1 {
+        for pass in 0..=PASSES {
             plain = self.pass(&plain, STEPS[usize::from(pass > 0)], &self.some)?;
         }
         let (of_plain, of_geometry) = self.left_out(&plain)?;

@@ -80,10 +80,8 @@ fn wanted(arguments: &IkArguments, chain: &Chain) -> Result<Vec<(usize, Pose)>, 
         return Ok(vec![(1, se3::pose(rotation, place.into()))]);
     };
     let list = measured::pose_list(file, chain, &arguments.units, None)?;
-    let poses = match list.poses.is_empty() {
-        true => list.joints.iter().map(|joints| chain.fk(joints)).collect(),
-        false => list.poses,
-    };
+    let poses =
+        if list.poses.is_empty() { list.joints.iter().map(|joints| chain.fk(joints)).collect() } else { list.poses };
     Ok(list.lines.into_iter().zip(poses).collect())
 }
 

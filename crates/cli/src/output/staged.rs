@@ -166,13 +166,12 @@ fn before(target: &Path) -> io::Result<Before> {
     }
     let folder = target.parent().unwrap_or(Path::new("."));
     let second = tempfile::Builder::new().prefix(".denavit-").make_in(folder, |name| std::fs::hard_link(target, name));
-    let second = match second {
-        Ok(linked) => linked.into_temp_path(),
-        Err(_) => {
-            let copy = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder)?.into_temp_path();
-            std::fs::copy(target, &copy)?;
-            copy
-        }
+    let second = if let Ok(linked) = second {
+        linked.into_temp_path()
+    } else {
+        let copy = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder)?.into_temp_path();
+        std::fs::copy(target, &copy)?;
+        copy
     };
     Ok(Before::File(second))
 }

@@ -64,7 +64,7 @@ impl Matching<'_> {
             .iter()
             .filter_map(|of| self.product.places.iter().position(|place| *place == (of.label, of.number)))
             .collect();
-        let left = self.fit(&self.senses_of(explanation)).errors(state, &self.arm.samples).0;
+        let left = self.fit(&Self::senses_of(explanation)).errors(state, &self.arm.samples).0;
         // No worse than what was found, but for rounding.
         let enough = (2.0 * left).max(LEFT * self.arm.size);
         let mut free = self.only(&support);
@@ -85,7 +85,7 @@ impl Matching<'_> {
         Some((trial, Explanation { differences, placement }))
     }
 
-    fn senses_of(&self, explanation: &Explanation) -> Vec<f64> {
+    fn senses_of(explanation: &Explanation) -> Vec<f64> {
         explanation.placement.joints.iter().map(|joint| joint.sense.sign()).collect()
     }
 

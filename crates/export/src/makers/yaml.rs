@@ -197,8 +197,7 @@ impl Scalars {
             (Some(_), Some(_)) => (Some("!"), text),
         };
         let unit = match word {
-            None => Some(1.0),
-            Some("float" | "int") => Some(1.0),
+            None | Some("float" | "int") => Some(1.0),
             Some(word) => Unit::of(word, quantity).map(Unit::in_si),
         };
         let value = digits.trim().parse::<f64>().ok().zip(unit).map(|(number, unit)| number * unit);

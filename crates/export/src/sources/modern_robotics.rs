@@ -137,7 +137,7 @@ pub(super) fn of_value(file: &str, text: &str, value: &Value, given: Stated) -> 
         (None, Some((_, body))) => moved(body),
         (Some((_, space)), Some((key, body))) => {
             let body = moved(body);
-            let size = space.iter().map(|axis| axis.amax()).fold(1.0, f64::max);
+            let size = space.iter().map(denavit_model::nalgebra::Matrix::amax).fold(1.0, f64::max);
             let same = space.len() == body.len()
                 && space.iter().zip(&body).all(|(one, other)| (one - other).amax() <= SAME * size);
             if !same {

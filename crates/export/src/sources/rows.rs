@@ -159,8 +159,8 @@ impl<'a> Rows<'a> {
     }
 
     /// Reports something in a row, where it stands.
-    pub fn report_in(&mut self, line: usize, element: String, what: &str) {
-        self.report(line, &element, what);
+    pub fn report_in(&mut self, line: usize, element: &str, what: &str) {
+        self.report(line, element, what);
     }
 
     /// A row of units below the header gives them to the headings.

@@ -262,7 +262,7 @@ pub(super) fn of_rows(mut rows: Rows, given: Stated) -> Result<Read, SourceError
     let (read_as, mut sentences) = assumed(&rows, stated(&rows, given)?)?;
     let layout = Layout::of(&Numbers::of(&rows, read_as, true), read_as.convention)?;
     for (line, element, what) in layout.unknown.clone() {
-        rows.report_in(line, element, &what);
+        rows.report_in(line, &element, &what);
     }
     sentences.extend(layout.assumed.iter().cloned());
     let source = match layout.table(read_as.convention) {
@@ -454,21 +454,20 @@ fn joint_of(
     let by_symbol = symbol.as_ref().and_then(|symbol| known.symbols.iter().find(|(other, _)| other == symbol));
     let by_name = known.all.iter().position(|coordinate| coordinate.name == name);
     let mut limit = Limit::NotStated;
-    let coordinate = match by_symbol.map(|(_, index)| *index).or(by_name) {
-        Some(coordinate) => coordinate,
-        None => {
-            let quantity = if motion == Motion::Prismatic { Quantity::Length } else { Quantity::Angle };
-            let of_file = if quantity == Quantity::Length { numbers.length } else { numbers.angle };
-            let mut coordinate = Coordinate::unlimited(name.clone(), quantity);
-            limit = limits::of_row(row, numbers.rows, quantity, of_file)?;
-            match limit {
-                Limit::Range(lower, upper) => coordinate.limits.range = Some((lower, upper)),
-                Limit::Endless => coordinate.continuous = true,
-                _ => {}
-            }
-            known.all.push(coordinate);
-            known.all.len() - 1
+    let coordinate = if let Some(coordinate) = by_symbol.map(|(_, index)| *index).or(by_name) {
+        coordinate
+    } else {
+        let quantity = if motion == Motion::Prismatic { Quantity::Length } else { Quantity::Angle };
+        let of_file = if quantity == Quantity::Length { numbers.length } else { numbers.angle };
+        let mut coordinate = Coordinate::unlimited(name.clone(), quantity);
+        limit = limits::of_row(row, numbers.rows, quantity, of_file)?;
+        match limit {
+            Limit::Range(lower, upper) => coordinate.limits.range = Some((lower, upper)),
+            Limit::Endless => coordinate.continuous = true,
+            _ => {}
         }
+        known.all.push(coordinate);
+        known.all.len() - 1
     };
     known.symbols.extend(symbol.map(|symbol| (symbol, coordinate)));
     Ok((TableJoint { name, motion, coordinate, scale }, limit))

@@ -149,12 +149,11 @@ impl Account {
         let mut known: HashMap<&str, usize> = HashMap::new();
         for unknown in &self.unknown {
             let Some(note) = &unknown.note else { continue };
-            match known.get(unknown.kind.as_str()) {
-                Some(kind) => kinds[*kind].2 += 1,
-                None => {
-                    known.insert(&unknown.kind, kinds.len());
-                    kinds.push((unknown, note, 1));
-                }
+            if let Some(kind) = known.get(unknown.kind.as_str()) {
+                kinds[*kind].2 += 1;
+            } else {
+                known.insert(&unknown.kind, kinds.len());
+                kinds.push((unknown, note, 1));
             }
         }
         let more_kinds = kinds.len().saturating_sub(KINDS);

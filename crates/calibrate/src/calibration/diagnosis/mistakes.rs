@@ -234,7 +234,7 @@ impl Mistake {
                     .map(|coordinate| if coordinate.quantity == Quantity::Length { *lengths } else { *angles })
                     .collect();
                 each_row(&mut altered, n, |row| {
-                    row.iter_mut().zip(&factors).for_each(|(cell, factor)| *cell *= factor)
+                    row.iter_mut().zip(&factors).for_each(|(cell, factor)| *cell *= factor);
                 });
                 for observation in 0..altered.observations() {
                     let count = altered.series_of(observation).kind.lengths();

@@ -71,7 +71,9 @@ impl<'a> Distances<'a> {
         let mut reading = vec![0.0; self.data.joints.len()];
         let at = |row: usize| {
             reading.copy_from_slice(self.data.reading(row));
-            zeros.iter().for_each(|(joint, zero)| reading[*joint] += zero);
+            for (joint, zero) in zeros {
+                reading[*joint] += zero;
+            }
             tips[self.data.tip_of(row)].fk(self.chain, &reading)
         };
         (0..self.data.len()).map(at).collect()

@@ -301,7 +301,9 @@ fn surroundings(b: &mut Builder<'_>, moving: &[usize], moment: f64) {
 fn curve(survey: &Survey, joint: usize) -> Curve {
     let range = survey.ranges[joint];
     let (low, width) = (range.0 - BEYOND, range.1 - range.0 + 2.0 * BEYOND);
-    let count = ((FASTEST * width / PI).ceil() as usize).clamp(3, MOST_WAVES);
+    // As many waves as reach the fastest.
+    let reaches = |count: &usize| *count as f64 >= FASTEST * width / PI;
+    let count = (3..MOST_WAVES).find(reaches).unwrap_or(MOST_WAVES);
     let waves = Waves::Sines { low, width, count };
     Curve { joint, weights: vec![0.0; waves.len()], waves, range, size: 0.0, length: 0.0, spread: Vec::new() }
 }

@@ -66,7 +66,9 @@ impl Measurements {
     #[must_use]
     pub fn without(&self, rows: &[usize]) -> Self {
         let mut left_out = vec![false; self.len()];
-        rows.iter().for_each(|&row| left_out[row] = true);
+        for row in rows {
+            left_out[*row] = true;
+        }
         let kept: Vec<usize> = (0..self.len()).filter(|&row| !left_out[row]).collect();
         self.subset(&kept).pruned()
     }
