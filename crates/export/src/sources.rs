@@ -490,15 +490,12 @@ fn json(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
     Ok(Read { source, assumed: Vec::new(), notes, inventory })
 }
 
-/// The coordinates of a JSON file.
+/// The coordinates of a JSON file; limits stand in the order of the robot that it was made of, whichever is above.
 fn coordinates_of(file: &str, entries: &[CoordinateEntry]) -> Result<Vec<Coordinate>, SourceError> {
     let coordinate = |entry: &CoordinateEntry| {
         let at = || place(file, 1, format!("coordinate \"{}\"", entry.name));
         if !["angle", "length"].contains(&entry.quantity.as_str()) {
             return Err(SourceError::at(at(), SourceErrorKind::Quantity(entry.quantity.clone())));
-        }
-        if entry.limits.as_ref().is_some_and(|limits| limits.lower > limits.upper) {
-            return Err(SourceError::at(at(), SourceErrorKind::Limits));
         }
         Ok(entry.coordinate())
     };

@@ -163,7 +163,7 @@ fn same_tree(before: Node, after: Node, kept: bool) {
     assert!(twins.iter().all(new), "<{tag}> got another child");
 }
 
-/// Links that carry nothing, and links that no joint with an axis carries.
+/// Links that carry nothing (the tip of the table keeps its frame as well), and links that no joint with an axis carries.
 fn keeps_its_frame(robot: &Robot, link: usize) -> bool {
     let has_axis = |joint: usize| robot.joints[joint].kind.has_one_value();
     robot.joints_from(link).next().is_none() || !robot.joint_to(link).is_some_and(has_axis)
@@ -173,7 +173,8 @@ fn keeps_its_frame(robot: &Robot, link: usize) -> bool {
 fn odd_joints(robot: &Robot, notes: &[Note], link_frames: LinkFrames) -> Vec<String> {
     let mut odd = Vec::new();
     for joint in &robot.joints {
-        let on_its_own = link_frames == LinkFrames::Replace && keeps_its_frame(robot, joint.child);
+        let is_tip = robot.links[joint.child].name == robot.default_chain().tip;
+        let on_its_own = link_frames == LinkFrames::Replace && (is_tip || keeps_its_frame(robot, joint.child));
         if on_its_own || !matches!(joint.kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic) {
             continue;
         }
