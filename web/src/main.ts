@@ -27,7 +27,7 @@ const files = h("input", { type: "file", multiple: true, id: "files", "aria-labe
 const folder = h("input", { type: "file", webkitdirectory: true, id: "folder", "aria-label": "Folder of a robot", change: () => void chosen(folder) });
 // In a notebook's frame no script may read a dropped folder: while something is dragged an unseen input for folders lies over the page,
 // and the browser itself puts the folder's files into it, where its events are left alone.
-const caught = h("input", { type: "file", webkitdirectory: true, class: "catcher", hidden: true, tabindex: -1, "aria-hidden": "true", change: () => void chosen(caught) });
+const caught = h("input", { type: "file", webkitdirectory: true, class: "catcher", hidden: true, tabindex: -1, "aria-hidden": "true", "aria-label": "Folder that is dropped", change: () => void chosen(caught) });
 const dropping = (going: boolean) => {
     document.body.classList.toggle("dropping", going);
     caught.hidden = !(going && sandboxed);
