@@ -61,8 +61,8 @@ class Solutions:
     """What `Chain.ik` found: for each pose all branches, nearest to the start first, those outside of the limits last.
 
     Attributes:
-        q: Joint values, rad and m, shape ``(..., branches, n)``; NaN where a pose has fewer branches than another. A pose that is not
-            reached has the nearest that was found.
+        q: Joint values, rad and m, shape ``(..., branches, n)``; NaN where a pose has fewer branches than another. A pose that
+            is not reached has the nearest that was found.
         mask: Which of them reach their pose within the limits, shape ``(..., branches)``.
         reached: Which poses are reached, within the limits or not, shape ``(...,)``.
         names: Name of each branch, or ``None`` where the arm's class has no names; shape ``(..., branches)``.
@@ -260,7 +260,7 @@ class Chain(Shown, Frozen):
         rotation = matrices[..., :3, :3]
         skewed = np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)).max(initial=0.0)
         if skewed > _NO_ROTATION or (np.linalg.det(rotation) < 0).any():
-            raise ArgumentError("the upper left 3 × 3 of a pose is no rotation; its columns must be of length 1 and at right angles")
+            raise ArgumentError("the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles")
         n = len(self.joints)
         near = np.zeros(n) if q0 is None else np.asarray(joint_values("q0", q0, self.joints), dtype=np.float64)
         if near.shape != (n,) or not np.isfinite(near).all():

@@ -41,7 +41,8 @@ def test_the_store_says_what_calibrate_says(manifest: Path, chain: dn.Chain) -> 
     fit = dn.calibrate(chain, dn.Measurements.read(manifest.parent / "data.csv"), effects=None)
     assert stored == {(one.joint, one.name.split(".")[-1]): one.change for one in fit.parameters}
     again = dn.fleet.run(manifest, store, set={"effects": "none"}, threads=1)
-    assert (again.done, again.known, again.ok) == (0, 7, True)
+    # What failed is tried again.
+    assert (again.done, again.known, again.ok) == (1, 6, False)
 
 
 def test_a_run_that_is_broken_off_goes_on(manifest: Path) -> None:

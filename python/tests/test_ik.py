@@ -41,7 +41,7 @@ def test_what_is_no_pose_is_refused_and_what_is_far_has_a_nearest(chain: dn.Chai
     found = chain.ik(far)
     assert not found.reached and not found.mask.any() and np.isfinite(found.best).all()
     for wrong in (np.eye(3), "x", np.full((4, 4), np.nan), np.diag([1.0, 2.0, 1.0, 1.0]), [[1, 2], [3]]):
-        with pytest.raises(dn.ArgumentError, match="poses|pose"):
+        with pytest.raises(dn.ArgumentError, match="pose"):
             chain.ik(wrong)
     with pytest.raises(dn.ArgumentError, match="q0"):
         chain.ik(far, q0=[1.0, 2.0])

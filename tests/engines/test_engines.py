@@ -94,7 +94,8 @@ def test_a_worker_is_killed_and_a_node_is_lost(connected, embedded, folder):
     assert [failed.serial for failed in run.failures] == ["SN-lost"] and "lost.csv" in run.failures[0].error
     assert plant.everything(folder / "on_ray") == embedded
     again = dn.fleet.run("plant.csv", "on_ray", engine="ray")
-    assert (again.done, again.known) == (0, plant.ROBOTS)
+    # What failed is tried again.
+    assert (again.done, again.known) == (1, plant.ROBOTS - 1)
 
 
 def test_the_driver_is_killed_and_started_again(cluster, embedded, folder):
@@ -117,7 +118,8 @@ def test_the_driver_is_killed_and_started_again(cluster, embedded, folder):
     assert kills >= 1, "the run was over before its driver could be killed"
     subprocess.run(command, check=True)
     last = json.loads((folder / "driver.json").read_text(encoding="utf-8"))
-    assert last["known"] >= len(finished) and last["known"] + last["done"] == plant.ROBOTS
+    # What failed is tried again, and may be among the finished.
+    assert last["known"] >= len(finished) - 1 and last["known"] + last["done"] == plant.ROBOTS
     assert plant.everything(store) == embedded
     assert not list(store.rglob(".denavit-*"))
 
@@ -136,7 +138,7 @@ def test_a_job_whose_workers_die_each_time_is_lost_and_done_by_the_next_run(conn
     assert "its siblings were lost" in run.lost[1].error
     assert run.done == plant.ROBOTS - 1 - plant.LEARNING and not run.ok
     again = dn.fleet.run("plant.csv", "with_a_loss", engine="ray")
-    assert (again.done, again.known) == (1 + plant.LEARNING, plant.ROBOTS - 1 - plant.LEARNING)
+    assert (again.done, again.known) == (2 + plant.LEARNING, plant.ROBOTS - 2 - plant.LEARNING)
     assert plant.everything(folder / "with_a_loss") == embedded
 
 
