@@ -56,7 +56,7 @@ export class Joints {
                 typed.value = number(q * per, 2);
                 typed.classList.remove("wrong");
                 // The slider itself counts rad and m.
-                input.setAttribute("aria-valuetext", `${typed.value} ${unit}`);
+                input.setAttribute("aria-valuetext", unit === "°" ? `${typed.value}°` : `${typed.value} ${unit}`);
             };
             const input = h("input", {
                 type: "range", min: Math.min(lower, upper), max: Math.max(lower, upper), step: "any", value, "data-joint": joint.name, "aria-label": joint.name,
