@@ -52,7 +52,7 @@ def test_every_call_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytes
     chain.simulate(3, camera="webcam.yaml", board="7x5:30mm").data.save("corners.csv")
     Path("plant.csv").write_text("serial,robot\nSN-1,ur5e.urdf\n")
     np.savetxt("front_0.csv", chain.sample(5), delimiter=",")
-    some = {"robot": chain.robot, "chain": chain, "Q": chain.sample(10), "N": 5, "seed": 1, "q": np.zeros(2), "data": run.data}
+    some = {"robot": chain.robot, "chain": chain, "Q": chain.sample(10), "N": 5, "seed": 1, "positions": chain.tips(chain.sample(10)), "q": np.zeros(2), "data": run.data}
     some |= {"table": chain.table(), "source": "ur5e.urdf", "base": "base", "tip": "tool0", "convention": "distal"}
     some |= {"a": "ur5e.urdf", "b": "arm.urdf", "file": "run.csv", "units": "m,rad", "frame": frame, "later": run.test}
     some |= {"fit": denavit.calibrate(chain, run.data)}
