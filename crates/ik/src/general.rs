@@ -104,11 +104,7 @@ impl Elimination {
             axis.point /= size;
         }
         scaled.home.translation.vector /= size;
-        Self::of_scaled(&scaled)
-    }
-
-    fn of_scaled(arm: &SixR) -> Self {
-        let [one, two, three, four, five, six] = &arm.axes;
+        let [one, two, three, four, five, six] = &scaled.axes;
         let third = turn(three, 1.0, SHIFTS[0]);
         let fourth = turn(four, 1.0, SHIFTS[1]);
         let fifth = turn(five, 1.0, SHIFTS[2]);
@@ -122,7 +118,8 @@ impl Elimination {
                 }
             }
         }
-        Self { arm: arm.clone(), left, first: turn(one, -1.0, 0.0), second: turn(two, -1.0, 0.0) }
+        let (first, second) = (turn(one, -1.0, 0.0), turn(two, -1.0, 0.0));
+        Self { left, first, second, arm: scaled }
     }
 
     /// Candidates for all real solutions, joint values in rad; `target` with lengths in units of the arm.
