@@ -10,6 +10,7 @@ pub mod compiled;
 pub mod element;
 pub mod examples;
 mod fk;
+pub mod formats;
 pub mod forms;
 pub mod intended;
 pub mod inventory;

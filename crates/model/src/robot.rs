@@ -2,6 +2,7 @@
 
 use crate::chain::Limits;
 use crate::element::Element;
+use crate::formats::{Format, Kept, Translation};
 use crate::intended::{self, IntendedAngle, IntendedAxis};
 use crate::inventory::Inventory;
 use crate::loops::Loop;
@@ -44,6 +45,8 @@ pub struct SourceText {
     pub dropped_before: String,
     /// The piece of `text` that was put in to declare unbound namespace prefixes; not part of the original.
     pub declared: std::ops::Range<usize>,
+    /// The description in another format that `text` was made of; its places then are those of that one.
+    pub translation: Option<Box<Translation>>,
     /// Where lines end in `text`, found when a line is first asked for.
     ends: OnceLock<Vec<usize>>,
 }
@@ -51,7 +54,19 @@ pub struct SourceText {
 impl SourceText {
     /// A text of which nothing was dropped and to which nothing was added.
     pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
-        Self { file: file.into(), text: text.into(), ..Self::default() }
+        let text = text.into();
+        let translation = Translation::of_text(&text).map(Box::new);
+        Self { file: file.into(), text, translation, ..Self::default() }
+    }
+
+    /// The format of the description that the robot was read from.
+    pub fn format(&self) -> Format {
+        self.translation.as_ref().map_or(Format::Urdf, |translation| translation.format)
+    }
+
+    /// What the description says and URDF cannot.
+    pub fn kept(&self) -> &[Kept] {
+        self.translation.as_ref().map_or(&[], |translation| &translation.kept)
     }
 
     /// Puts a piece into the text.
@@ -62,6 +77,12 @@ impl SourceText {
 
     /// The line (counted from 1) of a byte offset into `text`, as it stands in the original.
     pub fn line(&self, offset: usize) -> usize {
+        let line = self.own_line(offset);
+        self.translation.as_ref().map_or(line, |translation| translation.origin(line).1)
+    }
+
+    /// The line of `text` itself.
+    fn own_line(&self, offset: usize) -> usize {
         let newlines = |text: &str| text.match_indices('\n').map(|(at, _)| at).collect::<Vec<usize>>();
         let ends = self.ends.get_or_init(|| newlines(&self.text));
         1 + newlines(&self.dropped_before).len() + ends.partition_point(|end| *end < offset)
@@ -69,7 +90,12 @@ impl SourceText {
 
     /// The place of an element that starts at a byte offset.
     pub fn place(&self, offset: usize, element: impl Into<String>) -> Place {
-        Place { file: self.file.clone(), line: self.line(offset), element: element.into() }
+        let line = self.own_line(offset);
+        let (file, line) = match &self.translation {
+            Some(translation) => translation.origin(line),
+            None => (self.file.as_str(), line),
+        };
+        Place { file: file.to_owned(), line, element: element.into() }
     }
 }
 
@@ -412,6 +438,13 @@ impl Robot {
             let local = tag.rsplit(':').next().unwrap_or(tag);
             if !reported.contains(&(place.line, format!("<{local}>"))) {
                 inventory.carry(place, format!("<{tag}>"));
+            }
+        }
+        for Kept { loss, understood, .. } in self.source.kept() {
+            if *understood {
+                inventory.carry(loss.place.clone(), loss.what.clone());
+            } else {
+                inventory.report(loss.place.clone(), loss.what.clone());
             }
         }
         inventory.items.sort_by_key(|item| item.place.line);

@@ -61,7 +61,11 @@ pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
     let Parts { name, links, joints, root, elements } = parts;
     let account = Account::of(document.root_element());
     notes.extend(account.notes(&source));
-    let read = account.inventory(&source);
+    let mut read = account.inventory(&source);
+    if let Some(translation) = &source.translation {
+        read.understood = translation.understood;
+        notes.extend(translation.reader_notes());
+    }
     let mut robot = Robot { name, links, joints, root, elements, notes, read, source };
     let unused = robot.unused();
     robot.notes.extend(unused);

@@ -1,0 +1,444 @@
+//! Descriptions in other formats than URDF: what their readers and writers have in common.
+//!
+//! A reader of another format (MJCF, SDF) makes URDF text of it, with a line of the source for each line of that text, and a list
+//! of what URDF cannot say. Both travel inside the text, in one processing instruction behind the XML declaration, as a C
+//! compiler's `#line` does: whoever reads the text as URDF names the places of the source, and what was kept is in the robot's
+//! [inventory](crate::Robot::inventory).
+//!
+//! ```text
+//! MJCF, SDF ──► Builder: URDF text + places + kept ──► urdf::read ──► Robot     Robot ──► Written: text + losses + sidecar
+//! ```
+
+use crate::notes::{Note, Place};
+use std::fmt::{self, Write as _};
+use thiserror::Error;
+
+/// A format for whole trees of links and joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// `<robot>`.
+    Urdf,
+    /// `<mujoco>`: MuJoCo's models.
+    Mjcf,
+    /// `<sdf>`: Gazebo's and Drake's models.
+    Sdf,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 3] = [Self::Urdf, Self::Mjcf, Self::Sdf];
+
+    /// The name that people use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Urdf => "URDF",
+            Self::Mjcf => "MJCF",
+            Self::Sdf => "SDF",
+        }
+    }
+
+    /// The word on a command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Urdf => "urdf",
+            Self::Mjcf => "mjcf",
+            Self::Sdf => "sdf",
+        }
+    }
+
+    /// The format of a file name's ending where that says it: `.xml` is MJCF's.
+    pub fn of_file_name(name: &str) -> Option<Self> {
+        match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
+            "urdf" => Some(Self::Urdf),
+            "xml" | "mjcf" => Some(Self::Mjcf),
+            "sdf" | "world" => Some(Self::Sdf),
+            _ => None,
+        }
+    }
+
+    /// The format by the root element of a text; `None` where that is another or there is none.
+    ///
+    /// # Examples
+    /// ```
+    /// use denavit_model::formats::Format;
+    /// assert_eq!(Format::of_text("<?xml version='1.0'?><!-- <sdf> --> <mujoco model='arm'/>"), Some(Format::Mjcf));
+    /// assert_eq!(Format::of_text("joint,d,a"), None);
+    /// ```
+    pub fn of_text(text: &str) -> Option<Self> {
+        match root_element(text)? {
+            "robot" => Some(Self::Urdf),
+            "mujoco" | "mujocoinclude" => Some(Self::Mjcf),
+            "sdf" | "gazebo" => Some(Self::Sdf),
+            _ => None,
+        }
+    }
+}
+
+/// The name of a text's first element, comments, declarations and instructions before it skipped.
+pub fn root_element(text: &str) -> Option<&str> {
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    loop {
+        let behind = if rest.starts_with("<?") {
+            rest.split_once("?>")?.1
+        } else if rest.starts_with("<!--") {
+            rest.split_once("-->")?.1
+        } else if rest.starts_with("<!") {
+            rest.split_once('>')?.1
+        } else {
+            break;
+        };
+        rest = behind.trim_start();
+    }
+    let name = rest.strip_prefix('<')?;
+    let end = name.find(|c: char| c.is_whitespace() || c == '>' || c == '/')?;
+    (end > 0).then(|| &name[..end])
+}
+
+/// Something that one format says and another cannot.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Loss {
+    /// Where it stands in the source.
+    pub place: Place,
+    /// What it is, such as `<tendon> "split"`.
+    pub what: String,
+    /// Why the other format has no word for it, and what that means, a clause.
+    pub why: String,
+}
+
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}: {}", self.place, self.what, self.why)
+    }
+}
+
+/// Something of a source that URDF cannot say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Kept {
+    /// What, where and why.
+    pub loss: Loss,
+    /// The element, with every default written out; empty where it is an attribute of an element that was translated.
+    pub text: String,
+    /// Whether the reader knows what it means; otherwise a note says that it does not.
+    pub understood: bool,
+}
+
+/// Where a translated text comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Translation {
+    /// The format of the source.
+    pub format: Format,
+    /// The source, and what it includes.
+    pub files: Vec<String>,
+    /// For each line of the text behind the instruction: which file, which line (from 1).
+    pub lines: Vec<(usize, usize)>,
+    /// What URDF cannot say, in the order of the source.
+    pub kept: Vec<Kept>,
+    /// What was read otherwise than it is written, or needs a word: place and sentence.
+    pub notes: Vec<(Place, String)>,
+    /// How many elements and attributes were understood.
+    pub understood: usize,
+    /// How many lines of the text stand up to the end of the instruction.
+    header: usize,
+}
+
+const OPENS: &str = "<?denavit-source ";
+const XML: &str = "<?xml version=\"1.0\"?>\n";
+
+impl Translation {
+    /// Of a source, as yet without content.
+    pub fn new(format: Format, file: impl Into<String>) -> Self {
+        Self {
+            format,
+            files: vec![file.into()],
+            lines: Vec::new(),
+            kept: Vec::new(),
+            notes: Vec::new(),
+            understood: 0,
+            header: 0,
+        }
+    }
+
+    /// The place of the source for a line (from 1) of the text.
+    pub fn origin(&self, line: usize) -> (&str, usize) {
+        let place = line.checked_sub(self.header + 1).and_then(|line| self.lines.get(line));
+        let &(file, line) = place.unwrap_or(&(0, 1));
+        (self.files.get(file).map_or("", String::as_str), line)
+    }
+
+    /// The translation that a text carries; `None` where it carries none that is whole.
+    pub fn of_text(text: &str) -> Option<Self> {
+        let (_, before, inside) = instruction(text)?;
+        let mut records = inside.lines();
+        let word = records.next()?;
+        let format = Format::ALL.into_iter().find(|format| format.word() == word)?;
+        let mut result = Self::new(format, "");
+        result.files.clear();
+        for record in records {
+            let fields: Vec<String> = record.split('\t').map(plain).collect();
+            let words: Vec<&str> = fields.iter().map(String::as_str).collect();
+            let place = |file: &str, line: &str, element: &str| {
+                Some(Place { file: file.to_owned(), line: line.parse().ok()?, element: element.to_owned() })
+            };
+            match words[..] {
+                ["file", name] => result.files.push(name.to_owned()),
+                ["understood", count] => result.understood = count.parse().ok()?,
+                ["lines", ref pairs @ ..] => {
+                    for pair in pairs {
+                        let (file, line) = pair.split_once(':')?;
+                        result.lines.push((file.parse().ok()?, line.parse().ok()?));
+                    }
+                }
+                ["note", file, line, element, what] => {
+                    result.notes.push((place(file, line, element)?, what.to_owned()))
+                }
+                [kind @ ("kept" | "unknown"), file, line, element, what, why, text] => result.kept.push(Kept {
+                    loss: Loss { place: place(file, line, element)?, what: what.to_owned(), why: why.to_owned() },
+                    text: text.to_owned(),
+                    understood: kind == "kept",
+                }),
+                _ => return None,
+            }
+        }
+        let ends = before + inside.len();
+        result.header = text[..ends].matches('\n').count() + 1;
+        Some(result)
+    }
+
+    /// What must be said of the reading: the notes, then one for each kind of thing that is not understood.
+    pub(crate) fn reader_notes(&self) -> Vec<Note> {
+        let own = self.notes.iter().map(|(place, what)| Note::Mended { place: place.clone(), what: what.clone() });
+        let mut notes: Vec<Note> = own.collect();
+        let unknown: Vec<&Kept> = self.kept.iter().filter(|kept| !kept.understood).collect();
+        let kind = |kept: &Kept| kept.loss.what.split('=').next().unwrap_or_default().to_owned();
+        let mut seen: Vec<String> = Vec::new();
+        for kept in &unknown {
+            let own = kind(kept);
+            if seen.contains(&own) {
+                continue;
+            }
+            let count = unknown.iter().filter(|other| kind(other) == own).count();
+            let others = if count > 1 { format!(" ({count} times)") } else { String::new() };
+            let what = format!("{}{others} {}", kept.loss.what, kept.loss.why);
+            notes.push(Note::NotUnderstood { place: kept.loss.place.clone(), what });
+            seen.push(own);
+        }
+        notes
+    }
+
+    fn instruction(&self) -> String {
+        let mut out = format!("{OPENS}{}\n", self.format.word());
+        let mut record = |fields: &[&str]| {
+            let fields: Vec<String> = fields.iter().map(|field| quoted(field)).collect();
+            let _ = writeln!(out, "{}", fields.join("\t"));
+        };
+        for file in &self.files {
+            record(&["file", file]);
+        }
+        record(&["understood", &self.understood.to_string()]);
+        for (place, what) in &self.notes {
+            record(&["note", &place.file, &place.line.to_string(), &place.element, what]);
+        }
+        for Kept { loss: Loss { place, what, why }, text, understood } in &self.kept {
+            let kind = if *understood { "kept" } else { "unknown" };
+            record(&[kind, &place.file, &place.line.to_string(), &place.element, what, why, text]);
+        }
+        out.push_str("lines");
+        for (file, line) in &self.lines {
+            let _ = write!(out, "\t{file}:{line}");
+        }
+        out.push_str("\n?>\n");
+        out
+    }
+}
+
+/// Where the instruction stands in a text, where its content starts, and its content.
+fn instruction(text: &str) -> Option<(std::ops::Range<usize>, usize, &str)> {
+    let first = if text.starts_with("<?xml") { text.find("?>")? + "?>".len() } else { 0 };
+    let start = first + (text[first..].len() - text[first..].trim_start().len());
+    let inside = text[start..].strip_prefix(OPENS)?;
+    let end = inside.find("?>")?;
+    let before = start + OPENS.len();
+    let ends = before + end + "?>".len();
+    let ends = ends + usize::from(text[ends..].starts_with('\n'));
+    Some((start..ends, before, &inside[..end]))
+}
+
+/// A translated text as a URDF that stands for itself: without the places of its source.
+pub fn as_urdf(text: &str) -> String {
+    match instruction(text) {
+        Some((range, ..)) => format!("{}{}", &text[..range.start], &text[range.end..]),
+        None => text.to_owned(),
+    }
+}
+
+/// Text inside the instruction: no end of it, no field's or record's end, no tag.
+fn quoted(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\\' => out.push_str("\\\\"),
+            '\n' => out.push_str("\\n"),
+            '\r' => out.push_str("\\r"),
+            '\t' => out.push_str("\\t"),
+            '<' => out.push_str("\\l"),
+            '>' => out.push_str("\\g"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn plain(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut chars = text.chars();
+    while let Some(c) = chars.next() {
+        if c != '\\' {
+            out.push(c);
+            continue;
+        }
+        match chars.next() {
+            Some('n') => out.push('\n'),
+            Some('r') => out.push('\r'),
+            Some('t') => out.push('\t'),
+            Some('l') => out.push('<'),
+            Some('g') => out.push('>'),
+            Some(other) => out.push(other),
+            None => {}
+        }
+    }
+    out
+}
+
+/// Builds the URDF text of a description in another format, line by line.
+///
+/// # Examples
+/// ```
+/// use denavit_model::formats::{Builder, Format};
+/// let mut builder = Builder::new(Format::Mjcf, "arm.xml");
+/// builder.line((0, 1), "<robot name=\"arm\">");
+/// builder.line((0, 7), "  <link name=\"base\"/>");
+/// builder.line((0, 9), "</robot>");
+/// let robot = denavit_model::urdf::read("arm.xml", &builder.text())?;
+/// assert_eq!(robot.source.place(robot.links[0].at, "base").to_string(), "arm.xml:7: base");
+/// # Ok::<(), denavit_model::UrdfError>(())
+/// ```
+#[derive(Debug)]
+pub struct Builder {
+    /// Files, places, what is kept and noted.
+    pub translation: Translation,
+    body: String,
+}
+
+impl Builder {
+    /// For a source, as yet without text.
+    pub fn new(format: Format, file: impl Into<String>) -> Self {
+        Self { translation: Translation::new(format, file), body: String::new() }
+    }
+
+    /// Adds a line of URDF, which comes from this file (an index into the translation's files) and line of the source. Line
+    /// breaks in the text, which only stand between attributes or in them, become spaces.
+    pub fn line(&mut self, origin: (usize, usize), text: &str) {
+        self.translation.lines.push(origin);
+        let first = self.body.len();
+        self.body.push_str(text);
+        if text.contains(['\n', '\r']) {
+            let flat = self.body.split_off(first).replace(['\n', '\r'], " ");
+            self.body.push_str(&flat);
+        }
+        self.body.push('\n');
+    }
+
+    /// The URDF text, with its places inside.
+    pub fn text(&self) -> String {
+        format!("{XML}{}{}", self.translation.instruction(), self.body)
+    }
+}
+
+/// A robot as text in some format, and what that could not say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The description.
+    pub text: String,
+    /// What the format has no word for, with its place in the source.
+    pub losses: Vec<Loss>,
+    /// What brings the losses back on the way home, JSON; `None` where nothing is lost.
+    pub sidecar: Option<String>,
+    /// What was checked of the text, a line each, with the largest differences.
+    pub proof: Vec<String>,
+}
+
+/// Why a description is no robot, or a robot cannot be written: each with its place and the fix.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub struct FormatError {
+    /// At least one: place and a sentence that says what to do.
+    pub problems: Vec<(Place, String)>,
+}
+
+impl FormatError {
+    /// One problem.
+    pub fn one(place: Place, what: impl Into<String>) -> Self {
+        Self { problems: vec![(place, what.into())] }
+    }
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (place, what)) in self.problems.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{place}: {what}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn builder() -> Builder {
+        let mut builder = Builder::new(Format::Sdf, "a \\ file.sdf");
+        builder.translation.files.push("part?>.sdf".into());
+        builder.translation.understood = 12;
+        let place = Place { file: "part?>.sdf".into(), line: 3, element: "plugin \"p\"".into() };
+        builder.translation.notes.push((place.clone(), "a\ttab".into()));
+        builder.translation.kept.push(Kept {
+            loss: Loss { place, what: "<plugin>".into(), why: "no word".into() },
+            text: "<plugin\n a:b=\"?>\"/>".into(),
+            understood: false,
+        });
+        builder.line((0, 4), "<robot name=\"r\">");
+        builder.line((1, 8), "<link\nname=\"a\"/>");
+        builder.line((0, 5), "</robot>");
+        builder
+    }
+
+    #[test]
+    fn a_translation_travels_in_its_text() {
+        let builder = builder();
+        let text = builder.text();
+        let read = Translation::of_text(&text).unwrap();
+        assert_eq!(Translation { header: 0, ..read.clone() }, builder.translation);
+        let robot = crate::urdf::read("shown", &text).unwrap();
+        assert_eq!(robot.source.place(robot.links[0].at, "x").to_string(), "part?>.sdf:8: x");
+        let inventory = robot.inventory();
+        assert_eq!(inventory.reported().map(|item| item.what.as_str()).collect::<Vec<_>>(), ["<plugin>"]);
+        assert_eq!(robot.notes.len(), 2, "{:?}", robot.notes);
+    }
+
+    #[test]
+    fn a_urdf_of_its_own_has_no_places_of_another() {
+        let text = as_urdf(&builder().text());
+        assert!(Translation::of_text(&text).is_none() && text.starts_with(XML) && text.ends_with("</robot>\n"));
+        assert_eq!(as_urdf("<robot/>"), "<robot/>");
+    }
+
+    #[test]
+    fn what_is_no_translation_is_none() {
+        for text in ["", "<?xml", "<?denavit-source mjcf", "<?denavit-source mjcf\nlines\tx\n?><robot/>", "<robot/>"] {
+            assert_eq!(Translation::of_text(text), None, "{text}");
+        }
+    }
+}
