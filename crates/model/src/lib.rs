@@ -28,7 +28,7 @@ pub mod units;
 pub mod urdf;
 #[cfg(feature = "urdf-rs")]
 pub mod urdf_rs_robot;
-mod well_formed;
+pub mod well_formed;
 pub mod words;
 pub mod write;
 

@@ -41,7 +41,7 @@ fn root_name_end(text: &str) -> Option<usize> {
 }
 
 /// Prefixes of tags and attributes that no `xmlns:` in the text declares, in order of first use.
-fn unbound_prefixes(text: &str) -> Vec<&str> {
+pub fn unbound_prefixes(text: &str) -> Vec<&str> {
     let mut unbound: Vec<&str> = Vec::new();
     let mut declared: Vec<&str> = vec!["xml", "xmlns"];
     let names = |piece: &'_ str| {
