@@ -10,6 +10,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-dh", &["denavit-model"]),
     ("denavit-ik", &["denavit-model"]),
     ("denavit-xacro", &[]),
+    ("denavit-sdf", &["denavit-model"]),
     ("denavit-bag", &[]),
     ("denavit-export", &["denavit-model", "denavit-dh"]),
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
@@ -17,7 +18,15 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export", "denavit-linear", "denavit-ik"]),
     (
         "denavit-load",
-        &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-xacro"],
+        &[
+            "denavit-model",
+            "denavit-dh",
+            "denavit-export",
+            "denavit-compare",
+            "denavit-calibrate",
+            "denavit-sdf",
+            "denavit-xacro",
+        ],
     ),
     (
         "denavit-fleet",

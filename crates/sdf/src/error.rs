@@ -45,7 +45,9 @@ pub(crate) enum SdfProblemKind {
     #[error("the attribute `type` is missing; write type=\"revolute\", \"prismatic\", \"fixed\", …")]
     MissingType,
     /// A joint type that SDF does not know.
-    #[error("the joint type \"{0}\" is unknown; SDF knows revolute, continuous, prismatic, screw, fixed, universal, revolute2, ball and gearbox")]
+    #[error(
+        "the joint type \"{0}\" is unknown; SDF knows revolute, continuous, prismatic, screw, fixed, universal, revolute2, ball and gearbox"
+    )]
     UnknownType(String),
     /// A frame that is not there.
     #[error("{what} \"{name}\" does not exist in this model{}", did_you_mean(.near.as_deref()))]
@@ -67,7 +69,9 @@ pub(crate) enum SdfProblemKind {
     #[error("parent and child are both on link \"{0}\"; a joint needs two links")]
     SameLink(String),
     /// A joint below an included model that was not found.
-    #[error("its parent is in the model {uri}, which was not found ({reason}); add the folder that holds it to ‹package-path›")]
+    #[error(
+        "its parent is in the model {uri}, which was not found ({reason}); add the folder that holds it to ‹package-path›"
+    )]
     MissingInclude {
         /// As written.
         uri: String,

@@ -10,6 +10,7 @@
 
 use crate::pose::Step;
 use denavit_model::Pose;
+use denavit_model::nalgebra::Rotation3;
 use std::collections::HashMap;
 
 /// Index of a frame.
@@ -35,7 +36,7 @@ pub(crate) struct Frame {
 
 /// All frames.
 pub(crate) struct Frames {
-    pub frames: Vec<Frame>,
+    pub all: Vec<Frame>,
     names: HashMap<String, FrameId>,
     /// root_from_frame, once known.
     poses: Vec<Option<Pose>>,
@@ -47,16 +48,16 @@ pub(crate) struct Cycle(pub FrameId, pub String);
 
 impl Frames {
     pub fn new() -> Self {
-        let mut frames = Self { frames: Vec::new(), names: HashMap::new(), poses: Vec::new() };
+        let mut frames = Self { all: Vec::new(), names: HashMap::new(), poses: Vec::new() };
         frames.add("world".to_owned());
         frames
     }
 
     /// A frame at the origin of the world, to be placed later; the first of a name has the name.
     pub fn add(&mut self, name: String) -> FrameId {
-        let id = self.frames.len();
+        let id = self.all.len();
         self.names.entry(name.clone()).or_insert(id);
-        self.frames.push(Frame { name, base: WORLD, step: Step::identity(), places: None, body: id });
+        self.all.push(Frame { name, base: WORLD, step: Step::identity(), places: None, body: id });
         id
     }
 
@@ -71,40 +72,40 @@ impl Frames {
 
     /// Names that start with a prefix, without it.
     pub fn names_in<'a>(&'a self, prefix: &'a str) -> impl Iterator<Item = &'a str> {
-        let names = self.frames.iter().filter_map(move |frame| frame.name.strip_prefix(prefix));
+        let names = self.all.iter().filter_map(move |frame| frame.name.strip_prefix(prefix));
         names.filter(|name| !name.starts_with("__"))
     }
 
     /// Places every frame in the world and finds the link of each.
     pub fn resolve(&mut self) -> Result<(), Cycle> {
-        self.poses = vec![None; self.frames.len()];
+        self.poses = vec![None; self.all.len()];
         self.poses[WORLD] = Some(Pose::identity());
-        for id in 0..self.frames.len() {
+        for id in 0..self.all.len() {
             let mut way = Vec::new();
             let mut at = id;
             while self.poses[at].is_none() {
                 way.push(at);
-                if way.len() > self.frames.len() {
+                if way.len() > self.all.len() {
                     return Err(self.cycle(&way));
                 }
-                at = self.frames[at].base;
+                at = self.all[at].base;
             }
             for frame in way.into_iter().rev() {
-                let base = self.poses[self.frames[frame].base].unwrap_or_else(Pose::identity);
+                let base = self.poses[self.all[frame].base].unwrap_or_else(Pose::identity);
                 self.poses[frame] = Some(base * self.own_step(frame)?);
             }
         }
-        for id in 0..self.frames.len() {
+        for id in 0..self.all.len() {
             let mut at = id;
             let mut way = Vec::new();
-            while self.frames[at].body != at {
+            while self.all[at].body != at {
                 way.push(at);
-                if way.len() > self.frames.len() {
+                if way.len() > self.all.len() {
                     return Err(self.cycle(&way));
                 }
-                at = self.frames[at].body;
+                at = self.all[at].body;
             }
-            self.frames[id].body = at;
+            self.all[id].body = at;
         }
         Ok(())
     }
@@ -112,22 +113,22 @@ impl Frames {
     fn cycle(&self, way: &[FrameId]) -> Cycle {
         let last = way[way.len() - 1];
         let before = way[..way.len() - 1].iter().rposition(|frame| *frame == last).map_or(0, |at| at + 1);
-        let names: Vec<String> = way[before..].iter().map(|frame| format!("\"{}\"", self.frames[*frame].name)).collect();
+        let names: Vec<String> = way[before..].iter().map(|frame| format!("\"{}\"", self.all[*frame].name)).collect();
         Cycle(last, names.join(", "))
     }
 
     /// base_from_frame: of a model that is placed by a frame in it, that frame sits at the step.
     fn own_step(&self, id: FrameId) -> Result<Pose, Cycle> {
-        let frame = &self.frames[id];
+        let frame = &self.all[id];
         let Some(placed) = frame.places else { return Ok(frame.step.pose) };
         let (mut inside, mut at, mut way) = (Pose::identity(), placed, Vec::new());
         while at != id {
             way.push(at);
-            if at == WORLD || way.len() > self.frames.len() {
+            if at == WORLD || way.len() > self.all.len() {
                 return Err(self.cycle(&way));
             }
-            inside = self.frames[at].step.pose * inside;
-            at = self.frames[at].base;
+            inside = self.all[at].step.pose * inside;
+            at = self.all[at].base;
         }
         Ok(frame.step.pose * inside.inverse())
     }
@@ -143,30 +144,30 @@ impl Frames {
             return Step::identity();
         }
         // Frames that are the same as `from`, above it.
-        let moves = |id: FrameId| !self.frames[id].step.is_identity() || self.frames[id].places.is_some();
+        let moves = |id: FrameId| !self.all[id].step.is_identity() || self.all[id].places.is_some();
         let mut same = vec![from];
         while let Some(last) = same.last().copied().filter(|last| *last != WORLD && !moves(*last)) {
-            same.push(self.frames[last].base);
+            same.push(self.all[last].base);
         }
         if same.contains(&to) {
             return Step::identity();
         }
         // Up from `to`: at most one step that moves anything.
         let (mut found, mut at) = (None, to);
-        while at != WORLD && self.frames[at].places.is_none() {
+        while at != WORLD && self.all[at].places.is_none() {
             if moves(at) && found.replace(at).is_some() {
                 break;
             }
-            at = self.frames[at].base;
+            at = self.all[at].base;
             if same.contains(&at) {
-                return found.map_or_else(Step::identity, |step| self.frames[step].step.clone());
+                return found.map_or_else(Step::identity, |step| self.all[step].step.clone());
             }
         }
         let (from, to) = (self.pose(from), self.pose(to));
         if from.rotation == to.rotation {
             // No rounding of a rotation with its own inverse.
             let moved = from.rotation.inverse() * (to.translation.vector - from.translation.vector);
-            return Step::computed(Pose::from_parts(moved.into(), Default::default()));
+            return Step::computed(Pose::from_parts(moved.into(), Rotation3::identity()));
         }
         Step::computed(from.inverse() * to)
     }

@@ -56,7 +56,7 @@ fn coupling<'a>(
         }
         None => 1.0,
     };
-    let body = |frame: FrameId| frames.frames[frame].body;
+    let body = |frame: FrameId| frames.all[frame].body;
     let mut angle = |end: FrameId, tag: &'static str| -> Option<(usize, f64)> {
         let axis = gearbox.part.child(tag).or(gearbox.part.child("axis"))?;
         let xyz = joints::direction(reader, model, gearbox, axis)?;

@@ -8,6 +8,7 @@ use denavit_model::Pose;
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::se3;
 use std::f64::consts::PI;
+use std::fmt::Write as _;
 
 const ENTRIES: [(&str, &str); 6] = [("ixx", "1"), ("ixy", "0"), ("ixz", "0"), ("iyy", "1"), ("iyz", "0"), ("izz", "1")];
 /// kg/m³: SDF's default of `density`, that of water.
@@ -60,8 +61,11 @@ fn value<'a>(reader: &mut Reader<'a>, part: Part<'a>) -> Option<String> {
 
 fn element(step: &Step, mass: &str, entries: &[String; 6]) -> String {
     let origin = if step.is_identity() { String::new() } else { format!("<origin {}/>", step.origin) };
-    let tensor: String = ENTRIES.iter().zip(entries).map(|((tag, _), value)| format!(" {tag}=\"{value}\"")).collect();
-    format!("<inertial>{origin}<mass value=\"{mass}\"/><inertia{tensor}/></inertial>")
+    let mut out = format!("<inertial>{origin}<mass value=\"{mass}\"/><inertia");
+    for ((tag, _), value) in ENTRIES.iter().zip(entries) {
+        let _ = write!(out, " {tag}=\"{value}\"");
+    }
+    out + "/></inertial>"
 }
 
 /// What the collisions weigh: `<inertial auto="true">` of SDF 1.11.
@@ -88,15 +92,16 @@ fn automatic<'a>(
             None => density,
         };
         let pose = within(reader, model, link.frame, link.scope, collision)?.pose;
-        let shape = collision.child("geometry").and_then(|geometry| geometry.node.children().find(|node| node.is_element()));
+        let shape =
+            collision.child("geometry").and_then(|geometry| geometry.node.children().find(roxmltree::Node::is_element));
         let Some(shape) = shape.map(|node| Part { node, file: collision.file }) else { continue };
-        match solid(reader, shape)? {
-            Some((volume, tensor)) => solids.push((volume * own, tensor * own, pose)),
-            None => {
-                let name = shape.node.tag_name().name().to_owned();
-                reader.note(shape, format!("the mass of a <{name}> is not computed here, so that the link has no inertial"));
-                return None;
-            }
+        if let Some((volume, tensor)) = solid(reader, shape)? {
+            solids.push((volume * own, tensor * own, pose));
+        } else {
+            let name = shape.node.tag_name().name().to_owned();
+            reader
+                .note(shape, format!("the mass of a <{name}> is not computed here, so that the link has no inertial"));
+            return None;
         }
     }
     let mass: f64 = solids.iter().map(|(mass, ..)| mass).sum();
@@ -111,7 +116,8 @@ fn automatic<'a>(
         .map(|(part, own, pose)| {
             let turn = pose.rotation.matrix();
             let away = pose.translation.vector - centre;
-            turn * own * turn.transpose() + (Matrix3::identity() * away.norm_squared() - away * away.transpose()) * *part
+            turn * own * turn.transpose()
+                + (Matrix3::identity() * away.norm_squared() - away * away.transpose()) * *part
         })
         .sum();
     let entry = |row, column| tensor[(row, column)].to_string();
@@ -150,8 +156,7 @@ fn solid<'a>(reader: &mut Reader<'a>, shape: Part<'a>) -> Option<Option<(f64, Ma
             let (tube, ball) = (PI * r * r * l, 4.0 / 3.0 * PI * r.powi(3));
             let along = tube * r * r / 2.0 + 0.4 * ball * r * r;
             // Two half balls, their centres 3r/8 beyond the ends of the tube.
-            let across = tube * (3.0 * r * r + l * l) / 12.0
-                + ball * (0.4 * r * r + l * l / 4.0 + 3.0 * l * r / 8.0);
+            let across = tube * (3.0 * r * r + l * l) / 12.0 + ball * (0.4 * r * r + l * l / 4.0 + 3.0 * l * r / 8.0);
             Some((tube + ball, diagonal(across, across, along)))
         }
         "box" | "ellipsoid" => {

@@ -8,6 +8,7 @@ use denavit_model::nalgebra::Vector3;
 use denavit_model::problems::nearest_name;
 use denavit_model::write::escaped;
 use std::f64::consts::TAU;
+use std::fmt::Write as _;
 
 /// How a joint moves.
 pub(crate) enum Motion {
@@ -49,14 +50,15 @@ impl Axis {
 
     /// What the URDF's joint says of it. Reversed: child and parent are exchanged.
     pub fn urdf(&self, reversed: bool, coupled: Option<&str>) -> String {
-        let xyz = if reversed { numbers(&self.direction.map(|part| 0.0 - part).as_slice().to_vec()) } else { self.xyz.clone() };
-        let element = |tag: &str, inside: &str| if inside.is_empty() { String::new() } else { format!("<{tag}{inside}/>") };
+        let xyz = if reversed { numbers(self.direction.map(|part| 0.0 - part).as_slice()) } else { self.xyz.clone() };
+        let element =
+            |tag: &str, inside: &str| if inside.is_empty() { String::new() } else { format!("<{tag}{inside}/>") };
         let mut out = format!("<axis xyz=\"{xyz}\"/>");
         out.push_str(&element("limit", &self.limit));
         out.push_str(&element("dynamics", &self.dynamics));
         out.push_str(self.mimic.as_deref().or(coupled).unwrap_or_default());
         if let Some(lead) = &self.lead {
-            out.push_str(&format!("<drake:screw_thread_pitch value=\"{lead}\"/>"));
+            let _ = write!(out, "<drake:screw_thread_pitch value=\"{lead}\"/>");
         }
         out
     }
@@ -106,10 +108,6 @@ pub(crate) fn motion<'a>(reader: &mut Reader<'a>, model: &Model<'a>, joint: &Joi
             return None;
         }
     };
-    if axes.len() > 1 {
-        let names: Vec<String> = axes.iter().map(|axis| format!("\"{}\"", axis.name)).collect();
-        reader.note(joint.part, format!("a {kind} joint stands here as {} joints one after the other: {}", axes.len(), names.join(", ")));
-    }
     Some(Motion::Axes(axes))
 }
 
@@ -226,7 +224,13 @@ pub(crate) fn frame_named<'a>(
 }
 
 /// Where a part of a link is, in the link's frame.
-pub(crate) fn within<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: FrameId, scope: usize, part: Part<'a>) -> Option<Step> {
+pub(crate) fn within<'a>(
+    reader: &mut Reader<'a>,
+    model: &Model<'a>,
+    link: FrameId,
+    scope: usize,
+    part: Part<'a>,
+) -> Option<Step> {
     let Some(found) = part.child("pose") else { return Some(Step::identity()) };
     let step = pose::step(found.node);
     let step = reader.take(found, step)?;
@@ -262,7 +266,7 @@ fn limit<'a>(reader: &mut Reader<'a>, axis: Part<'a>) -> Option<Bounds> {
     for (name, value) in [("effort", effort), ("velocity", velocity)] {
         // -1 and infinity: no limit.
         if let Some((_, word)) = value.filter(|(value, _)| *value != -1.0 && value.abs() < UNLIMITED) {
-            out.push_str(&format!(" {name}=\"{word}\""));
+            let _ = write!(out, " {name}=\"{word}\"");
         }
     }
     Some((lower.map(|(value, _)| value), upper.map(|(value, _)| value), out))
@@ -275,7 +279,7 @@ fn dynamics<'a>(reader: &mut Reader<'a>, axis: Part<'a>) -> Option<String> {
         if let Some(part) = dynamics.child(tag) {
             let checked = number(part.node);
             reader.take(part, checked)?;
-            out.push_str(&format!(" {tag}=\"{}\"", text_of(part.node)));
+            let _ = write!(out, " {tag}=\"{}\"", text_of(part.node));
         }
     }
     Some(out)
@@ -313,7 +317,8 @@ pub(crate) fn mimic_element(joint: &str, multiplier: f64, offset: f64) -> String
 /// Drake's own element, which older files have.
 fn drake_mimic(model: &Model, joint: &Joint) -> Option<String> {
     let node = joint.part.node.children().find(|node| node.is_element() && node.tag_name().name() == "mimic")?;
-    let value = |name: &str, default: f64| node.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
+    let value =
+        |name: &str, default: f64| node.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
     let leader = format!("{}{}", model.scopes[joint.scope].prefix, node.attribute("joint")?);
     Some(mimic_element(&leader, value("multiplier", 1.0), value("offset", 0.0)))
 }

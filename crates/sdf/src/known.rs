@@ -32,12 +32,12 @@ const fn value(tag: &'static str) -> Known {
     Known { value: true, ..node(tag, &[], &[], &[]) }
 }
 
-const fn many(known: Known) -> Known {
-    Known { once: false, ..known }
+const fn many(mut known: Known) -> Known {
+    known.once = false;
+    known
 }
 
-static POSE: Known =
-    Known { attributes: &["relative_to", "frame", "degrees", "rotation_format"], ..value("pose") };
+static POSE: Known = Known { attributes: &["relative_to", "frame", "degrees", "rotation_format"], ..value("pose") };
 static MASS: Known = value("mass");
 static DENSITY: Known = value("density");
 static INERTIA: Known = node("inertia", &[], &[&IXX, &IXY, &IXZ, &IYY, &IYZ, &IZZ], &[]);
@@ -47,12 +47,8 @@ static IXZ: Known = value("ixz");
 static IYY: Known = value("iyy");
 static IYZ: Known = value("iyz");
 static IZZ: Known = value("izz");
-static INERTIAL: Known = node(
-    "inertial",
-    &["auto"],
-    &[&POSE, &MASS, &INERTIA, &DENSITY],
-    &["fluid_added_mass", "auto_inertia_params"],
-);
+static INERTIAL: Known =
+    node("inertial", &["auto"], &[&POSE, &MASS, &INERTIA, &DENSITY], &["fluid_added_mass", "auto_inertia_params"]);
 
 static SIZE: Known = value("size");
 static RADIUS: Known = value("radius");
@@ -63,7 +59,8 @@ static BOX: Known = node("box", &[], &[&SIZE], &[]);
 static SPHERE: Known = node("sphere", &[], &[&RADIUS], &[]);
 static CYLINDER: Known = node("cylinder", &[], &[&RADIUS, &LENGTH], &[]);
 static CAPSULE: Known = node("capsule", &[], &[&RADIUS, &LENGTH], &[]);
-static MESH: Known = node("mesh", &["optimization"], &[&URI, &SCALE], &["submesh", "convex_decomposition", "drake:declare_convex"]);
+static MESH: Known =
+    node("mesh", &["optimization"], &[&URI, &SCALE], &["submesh", "convex_decomposition", "drake:declare_convex"]);
 /// Shapes without a word in URDF are kept with the whole visual or collision.
 static GEOMETRY: Known = node(
     "geometry",
@@ -125,8 +122,7 @@ static DAMPING: Known = value("damping");
 static FRICTION: Known = value("friction");
 static SPRING_REFERENCE: Known = value("spring_reference");
 static SPRING_STIFFNESS: Known = value("spring_stiffness");
-static DYNAMICS: Known =
-    node("dynamics", &[], &[&DAMPING, &FRICTION, &SPRING_REFERENCE, &SPRING_STIFFNESS], &[]);
+static DYNAMICS: Known = node("dynamics", &[], &[&DAMPING, &FRICTION, &SPRING_REFERENCE, &SPRING_STIFFNESS], &[]);
 static MULTIPLIER: Known = value("multiplier");
 static OFFSET: Known = value("offset");
 static REFERENCE: Known = value("reference");

@@ -5,9 +5,9 @@ use crate::frames::{FrameId, Frames, WORLD};
 use crate::known::{INCLUDE, Known, MODEL, Unknown};
 use crate::pose::{self, Step};
 use crate::sources::{Sources, element_of};
-use denavit_model::problems::nearest_name;
 use denavit_model::Place;
 use denavit_model::formats::{Kept, Loss};
+use denavit_model::problems::nearest_name;
 use roxmltree::{Document, Node};
 
 /// An element and the file that it stands in.
@@ -159,7 +159,8 @@ impl<'a> Reader<'a> {
 
     /// Where something in a link or joint stands, called by that.
     pub fn place_in(&self, part: Part) -> Place {
-        let owner = part.node.ancestors().find(|above| ["link", "joint", "frame", "model"].contains(&above.tag_name().name()));
+        let owner =
+            part.node.ancestors().find(|above| ["link", "joint", "frame", "model"].contains(&above.tag_name().name()));
         self.sources.place(part.file, part.node.range().start, element_of(owner.unwrap_or(part.node)))
     }
 
@@ -249,9 +250,8 @@ impl<'a> Reader<'a> {
         for part in further {
             self.left_out(part, "the file");
         }
-        let moving = |model: &&Part<'a>| {
-            !model.child("static").is_some_and(|part| pose::boolean(part.node) == Ok(true))
-        };
+        let moving =
+            |model: &&Part<'a>| !model.child("static").is_some_and(|part| pose::boolean(part.node) == Ok(true));
         let moving: Vec<&Part<'a>> = models.iter().filter(moving).collect();
         match (&models[..], &moving[..]) {
             ([], _) => {
@@ -321,15 +321,15 @@ impl<'a> Reader<'a> {
     /// The frame of a part that has a name and a pose, given in `base` unless its pose says otherwise.
     fn frame(&mut self, model: &mut Model<'a>, part: Part<'a>, scope: usize, name: String, base: FrameId) -> FrameId {
         let id = model.frames.add(name);
-        model.frames.frames[id].base = base;
+        model.frames.all[id].base = base;
         let Some(found) = part.child("pose") else { return id };
         let step = pose::step(found.node);
-        model.frames.frames[id].step = self.take(found, step).unwrap_or_else(Step::identity);
-        if let Some(relative_to) = found.node.attribute("relative_to").or(found.node.attribute("frame")) {
-            if !relative_to.is_empty() {
-                let name = relative_to.to_owned();
-                self.wanted.push(Wanted { part: found, what: "relative_to", name, scope, set: Set::Base(id) });
-            }
+        model.frames.all[id].step = self.take(found, step).unwrap_or_else(Step::identity);
+        if let Some(relative_to) = found.node.attribute("relative_to").or(found.node.attribute("frame"))
+            && !relative_to.is_empty()
+        {
+            let name = relative_to.to_owned();
+            self.wanted.push(Wanted { part: found, what: "relative_to", name, scope, set: Set::Base(id) });
         }
         id
     }
@@ -346,15 +346,15 @@ impl<'a> Reader<'a> {
     fn collect(&mut self, model: &mut Model<'a>, part: Part<'a>, scope: Scope, parent: FrameId) {
         self.account(part, &MODEL);
         let own = scope.model;
-        model.frames.frames[own].base = parent;
+        model.frames.all[own].base = parent;
         let index = model.scopes.len();
         let prefix = scope.prefix.clone();
         model.scopes.push(scope);
-        if parent == WORLD {
-            if let Some(found) = part.child("pose") {
-                let step = pose::step(found.node);
-                model.frames.frames[own].step = self.take(found, step).unwrap_or_else(Step::identity);
-            }
+        if parent == WORLD
+            && let Some(found) = part.child("pose")
+        {
+            let step = pose::step(found.node);
+            model.frames.all[own].step = self.take(found, step).unwrap_or_else(Step::identity);
         }
         if let Some(found) = part.child("static") {
             let is_static = pose::boolean(found.node);
@@ -383,7 +383,7 @@ impl<'a> Reader<'a> {
                     let frame = self.frame(model, child, index, format!("{prefix}{name}"), own);
                     let has_pose = child.child("pose").is_some();
                     model.explicit.push(Explicit { part: child, frame, attached_to: own, has_pose });
-                    model.frames.frames[frame].body = own;
+                    model.frames.all[frame].body = own;
                     if let Some(name) = node.attribute("attached_to").filter(|name| !name.is_empty()) {
                         let set = Set::Attached(model.explicit.len() - 1);
                         let (name, what) = (name.to_owned(), "attached_to");
@@ -401,16 +401,13 @@ impl<'a> Reader<'a> {
             }
         }
         // The model's frame is fixed to its canonical link: the first one where none is named.
-        match part.node.attribute("canonical_link").filter(|name| !name.is_empty()) {
-            Some(name) => {
-                let (name, what) = (name.to_owned(), "canonical_link");
-                self.wanted.push(Wanted { part, what, name, scope: index, set: Set::Canonical(own) });
-            }
-            None => {
-                let direct = model.links[first_link..].iter().find(|link| link.scope == index);
-                if let Some(link) = direct.or(model.links.get(first_link)) {
-                    model.frames.frames[own].body = link.frame;
-                }
+        if let Some(name) = part.node.attribute("canonical_link").filter(|name| !name.is_empty()) {
+            let (name, what) = (name.to_owned(), "canonical_link");
+            self.wanted.push(Wanted { part, what, name, scope: index, set: Set::Canonical(own) });
+        } else {
+            let direct = model.links[first_link..].iter().find(|link| link.scope == index);
+            if let Some(link) = direct.or(model.links.get(first_link)) {
+                model.frames.all[own].body = link.frame;
             }
         }
     }
@@ -448,7 +445,10 @@ impl<'a> Reader<'a> {
             Err(reason) => {
                 let last = uri.trim_end_matches('/').rsplit('/').next().unwrap_or(uri);
                 let name = named.unwrap_or(last);
-                self.note(part, format!("the model {uri} was not found ({reason}), so that its links are missing here"));
+                self.note(
+                    part,
+                    format!("the model {uri} was not found ({reason}), so that its links are missing here"),
+                );
                 self.missing.push((format!("{prefix}{name}::"), uri.to_owned(), reason));
                 return;
             }
@@ -494,17 +494,18 @@ impl<'a> Reader<'a> {
     /// Gives every name its frame.
     fn connect(&mut self, model: &mut Model<'a>) {
         let wanted = std::mem::take(&mut self.wanted);
-        let mut given: Vec<bool> = vec![false; model.frames.frames.len()];
+        let mut given: Vec<bool> = vec![false; model.frames.all.len()];
         for Wanted { part, what, name, scope, set } in wanted {
             let Scope { prefix, model: own, .. } = &model.scopes[scope];
             let full = format!("{prefix}{name}");
-            let found = if name == "__model__" { Some(*own) } else { model.frames.find(&full).filter(|id| *id != WORLD) };
+            let found =
+                if name == "__model__" { Some(*own) } else { model.frames.find(&full).filter(|id| *id != WORLD) };
             let Some(id) = found else {
-                if let Some(missing) = self.missing.iter().position(|(prefix, ..)| full.starts_with(prefix.as_str())) {
-                    if let Set::Parent(joint) | Set::Child(joint) = set {
-                        self.into_missing.push((joint, matches!(set, Set::Parent(_)), missing));
-                        continue;
-                    }
+                if let Some(missing) = self.missing.iter().position(|(prefix, ..)| full.starts_with(prefix.as_str()))
+                    && let Set::Parent(joint) | Set::Child(joint) = set
+                {
+                    self.into_missing.push((joint, matches!(set, Set::Parent(_)), missing));
+                    continue;
                 }
                 let near = nearest_name(&name, model.frames.names_in(prefix)).map(str::to_owned);
                 self.problem(part, Kind::UnknownFrame { what, name, near });
@@ -512,28 +513,28 @@ impl<'a> Reader<'a> {
             };
             match set {
                 Set::Base(frame) => {
-                    model.frames.frames[frame].base = id;
+                    model.frames.all[frame].base = id;
                     given[frame] = true;
                 }
-                Set::Canonical(frame) => model.frames.frames[frame].body = id,
+                Set::Canonical(frame) => model.frames.all[frame].body = id,
                 Set::Attached(index) => {
                     let explicit = &mut model.explicit[index];
                     explicit.attached_to = id;
-                    model.frames.frames[explicit.frame].body = id;
+                    model.frames.all[explicit.frame].body = id;
                     if !given[explicit.frame] {
-                        model.frames.frames[explicit.frame].base = id;
+                        model.frames.all[explicit.frame].base = id;
                     }
                 }
                 Set::Parent(joint) => model.joints[joint].parent = id,
                 Set::Child(joint) => {
                     let joint = &mut model.joints[joint];
                     joint.child = id;
-                    model.frames.frames[joint.frame].body = id;
+                    model.frames.all[joint.frame].body = id;
                     if !given[joint.frame] {
-                        model.frames.frames[joint.frame].base = id;
+                        model.frames.all[joint.frame].base = id;
                     }
                 }
-                Set::Places(frame) => model.frames.frames[frame].places = Some(id),
+                Set::Places(frame) => model.frames.all[frame].places = Some(id),
             }
         }
         self.drop_joints_into_missing(model);
@@ -541,11 +542,12 @@ impl<'a> Reader<'a> {
             let links = model.links.iter().map(|link| (link.frame, link.part));
             let joints = model.joints.iter().map(|joint| (joint.frame, joint.part));
             let explicit = model.explicit.iter().map(|explicit| (explicit.frame, explicit.part));
-            let part = links.chain(joints).chain(explicit).find(|(id, _)| *id == frame).map_or(model.part, |(_, part)| part);
+            let part =
+                links.chain(joints).chain(explicit).find(|(id, _)| *id == frame).map_or(model.part, |(_, part)| part);
             self.problem(part, Kind::FrameCycle(names));
             return;
         }
-        model.canonical = model.frames.frames[model.scopes[0].model].body;
+        model.canonical = model.frames.all[model.scopes[0].model].body;
     }
 
     /// A joint to a model that was not found is left out where the rest of the robot does not hang on it.

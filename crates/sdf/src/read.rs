@@ -56,8 +56,10 @@ pub fn read(file: &str, text: &str, fetch: &mut Fetch) -> Result<String, FormatE
     };
     body.map_err(|reader| {
         let mut problems = reader.problems;
-        problems.sort_by(|a, b| (a.place.file != file, a.place.line).cmp(&(b.place.file != file, b.place.line)));
-        FormatError { problems: problems.into_iter().map(|problem| (problem.place, problem.kind.to_string())).collect() }
+        problems.sort_by_key(|a| (a.place.file != file, a.place.line));
+        FormatError {
+            problems: problems.into_iter().map(|problem| (problem.place, problem.kind.to_string())).collect(),
+        }
     })
 }
 
@@ -94,7 +96,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         let frames = &model.frames;
         let bodies: Vec<FrameId> = model.links.iter().map(|link| link.frame).collect();
         for link in &model.links {
-            let name = frames.frames[link.frame].name.clone();
+            let name = frames.all[link.frame].name.clone();
             self.names.insert(link.frame, name.clone());
             self.links.insert(name);
         }
@@ -103,7 +105,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         if !self.reader.problems.is_empty() {
             return Err(self.reader);
         }
-        let body = |frame: FrameId| frames.frames[frame].body;
+        let body = |frame: FrameId| frames.all[frame].body;
         let in_tree: Vec<usize> =
             (0..model.joints.len()).filter(|joint| !matches!(motions[*joint], None | Some(Motion::Gearbox))).collect();
         let edges: Vec<Edge> = in_tree
@@ -120,10 +122,10 @@ impl<'a, 'm> Translator<'a, 'm> {
             self.link(link);
         }
         self.frames();
-        let mut mimics = gearbox::couplings(model, &motions, &mut self.reader);
+        let mimics = gearbox::couplings(model, &motions, &mut self.reader);
         for (joint, role) in in_tree.iter().zip(&tree.roles) {
             if let Some(motion) = &motions[*joint] {
-                self.joint(&model.joints[*joint], motion, *role, mimics.remove(joint));
+                self.joint(&model.joints[*joint], motion, *role, mimics.get(joint).map(String::as_str));
             }
         }
         for (joint, motion) in model.joints.iter().zip(&motions) {
@@ -145,10 +147,8 @@ impl<'a, 'm> Translator<'a, 'm> {
         builder.translation.kept = std::mem::take(&mut self.reader.kept);
         builder.translation.understood = self.reader.understood;
         let first = self.line_of(self.model.part);
-        let text: String = self.further.iter().map(|(_, line)| format!("{line}\n")).collect();
-        let declared: String =
-            unbound_prefixes(&text).iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
-        let declared = declared.replace("urn:unbound:drake", "http://drake.mit.edu");
+        let text = self.further.iter().fold(String::new(), |text, (_, line)| text + line + "\n");
+        let declared = crate::sources::declarations(&unbound_prefixes(&text));
         let screws = self.lines.iter().any(|(_, line)| line.contains("<drake:"));
         let drake = if screws && !declared.contains(":drake=") { " xmlns:drake=\"http://drake.mit.edu\"" } else { "" };
         builder.line(first, &format!("<robot name=\"{}\"{declared}{drake}>", escaped(&self.model.name)));
@@ -225,7 +225,11 @@ impl<'a, 'm> Translator<'a, 'm> {
     fn copy(&self, out: &mut Vec<(Line, String)>, part: Part) {
         let (file, first) = self.line_of(part);
         let text = &self.reader.sources.files[file].text[part.node.range()];
-        out.extend(text.split('\n').enumerate().map(|(index, line)| ((file, first + index), line.trim_end_matches('\r').to_owned())));
+        out.extend(
+            text.split('\n')
+                .enumerate()
+                .map(|(index, line)| ((file, first + index), line.trim_end_matches('\r').to_owned())),
+        );
     }
 
     /// What of an element is not understood, as it stands in the file, inside the tags that lead there.
@@ -236,10 +240,11 @@ impl<'a, 'm> Translator<'a, 'm> {
         }
         let line = self.line_of(part);
         if tagged {
-            let name = part.node.attribute("name").map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
+            let name =
+                part.node.attribute("name").map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
             out.push((line, format!("<{}{name}>", known.tag)));
         }
-        for node in part.node.children().filter(|child| child.is_element()) {
+        for node in part.node.children().filter(roxmltree::Node::is_element) {
             let tag = tag_of(node, text);
             let child = Part { node, file: part.file };
             match known.child(tag) {
@@ -256,7 +261,7 @@ impl<'a, 'm> Translator<'a, 'm> {
     /// How a joint moves; nothing where that is wrong.
     fn motion(&mut self, joint: &Joint<'a>) -> Option<Motion> {
         self.reader.account(joint.part, &JOINT);
-        let frames = &self.model.frames.frames;
+        let frames = &self.model.frames.all;
         let (parent, child) = (frames[joint.parent].body, frames[joint.child].body);
         if parent == child {
             let name = frames[child].name.clone();
@@ -286,7 +291,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         }
         for explicit in &model.explicit {
             if !joints.contains_key(&explicit.frame) {
-                let wanted = model.frames.frames[explicit.frame].name.clone();
+                let wanted = model.frames.all[explicit.frame].name.clone();
                 let name = Self::fresh(&mut self.links, &wanted);
                 self.names.insert(explicit.frame, name);
             }
@@ -299,12 +304,12 @@ impl<'a, 'm> Translator<'a, 'm> {
             let (holder, joint) = if carrier {
                 let above = model.explicit.iter().find(|other| other.frame == explicit.attached_to);
                 let above = above.unwrap_or(explicit);
-                (above.attached_to, model.frames.frames[above.frame].name.clone())
+                (above.attached_to, model.frames.all[above.frame].name.clone())
             } else {
-                (explicit.attached_to, format!("{}_frame", model.frames.frames[explicit.frame].name))
+                (explicit.attached_to, format!("{}_frame", model.frames.all[explicit.frame].name))
             };
             // A frame of a joint or of a model stands for the link that it is fixed to.
-            let holder = if self.names.contains_key(&holder) { holder } else { model.frames.frames[holder].body };
+            let holder = if self.names.contains_key(&holder) { holder } else { model.frames.all[holder].body };
             let step = model.frames.between(holder, explicit.frame);
             let child = self.names[&explicit.frame].clone();
             let Some(parent) = self.names.get(&holder).cloned() else { continue };
@@ -332,7 +337,7 @@ impl<'a, 'm> Translator<'a, 'm> {
     }
 
     /// A joint of the tree, or one that closes a loop.
-    fn joint(&mut self, joint: &Joint<'a>, motion: &Motion, role: Role, coupled: Option<String>) {
+    fn joint(&mut self, joint: &Joint<'a>, motion: &Motion, role: Role, coupled: Option<&str>) {
         if role == Role::Loop {
             self.carry_joint(joint);
             return;
@@ -340,11 +345,11 @@ impl<'a, 'm> Translator<'a, 'm> {
         let frames = &self.model.frames;
         let reversed = role == Role::Reversed;
         // A frame that is a link of the URDF is the parent itself.
-        let holder = |frame: FrameId| if self.names.contains_key(&frame) { frame } else { frames.frames[frame].body };
+        let holder = |frame: FrameId| if self.names.contains_key(&frame) { frame } else { frames.all[frame].body };
         let (near, far) = if reversed {
-            (holder(joint.child), frames.frames[joint.parent].body)
+            (holder(joint.child), frames.all[joint.parent].body)
         } else {
-            (holder(joint.parent), frames.frames[joint.child].body)
+            (holder(joint.parent), frames.all[joint.child].body)
         };
         let (near_name, far_name) = (self.names[&near].clone(), self.names[&far].clone());
         let axes = match motion {
@@ -357,6 +362,12 @@ impl<'a, 'm> Translator<'a, 'm> {
             Motion::Gearbox => return,
             Motion::Axes(axes) => axes,
         };
+        if axes.len() > 1 {
+            let names: Vec<String> = axes.iter().map(|axis| format!("\"{}\"", axis.name)).collect();
+            let kind = joint.part.node.attribute("type").unwrap_or_default();
+            let what = format!("a {kind} joint stands here as joints one after the other: {}", names.join(", "));
+            self.reader.note(joint.part, what);
+        }
         if reversed {
             let what = "the tree runs from its child to its parent here; its axis is reversed, so that its values mean the same";
             self.reader.note(joint.part, what);
@@ -371,12 +382,12 @@ impl<'a, 'm> Translator<'a, 'm> {
             let child = if index + 1 == count && last.is_identity() {
                 far_name.clone()
             } else {
-                let wanted = if index + 1 == count { format!("{}_frame", joint.name) } else { format!("{}_link", name) };
+                let wanted = if index + 1 == count { format!("{}_frame", joint.name) } else { format!("{name}_link") };
                 let link = Self::fresh(&mut self.links, &wanted);
                 self.line(joint.part, format!("  <link name=\"{}\"/>", escaped(&link)));
                 link
             };
-            let inside = axis.urdf(reversed, coupled.as_deref());
+            let inside = axis.urdf(reversed, coupled);
             self.one_joint(joint.part, &name, axis.kind, &parent, &child, &step, &inside);
             (parent, step) = (child, Step::identity());
         }
@@ -396,10 +407,13 @@ impl<'a, 'm> Translator<'a, 'm> {
     /// A joint that the tree has no place for, in SDF's words, its pose given in its child's link.
     fn carry_joint(&mut self, joint: &Joint<'a>) {
         let frames = &self.model.frames;
-        let body = |frame: FrameId| frames.frames[frame].body;
+        let body = |frame: FrameId| frames.all[frame].body;
         let name = |frame: FrameId| self.names.get(&body(frame)).map_or("world", String::as_str);
         let (parent, child) = (escaped(name(joint.parent)), escaped(name(joint.child)));
-        let within = pose::Step { pose: frames.pose(body(joint.child)).inverse() * frames.pose(joint.frame), origin: String::new() };
+        let within = pose::Step {
+            pose: frames.pose(body(joint.child)).inverse() * frames.pose(joint.frame),
+            origin: String::new(),
+        };
         let line = self.line_of(joint.part);
         let kind = joint.part.node.attribute("type").unwrap_or_default();
         let xyz: Vec<f64> = within.pose.translation.vector.iter().copied().collect();
@@ -409,7 +423,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             (line, format!("<pose>{} {}</pose>", numbers(&xyz), numbers(&rpy))),
             (line, format!("<parent>{parent}</parent><child>{child}</child>")),
         ];
-        for node in joint.part.node.children().filter(|node| node.is_element()) {
+        for node in joint.part.node.children().filter(roxmltree::Node::is_element) {
             let part = Part { node, file: joint.part.file };
             let tag = node.tag_name().name();
             match tag {
@@ -419,7 +433,7 @@ impl<'a, 'm> Translator<'a, 'm> {
                     let line = self.line_of(part);
                     let direction = direction.map_or_else(String::new, |xyz| format!("<xyz>{xyz}</xyz>"));
                     lines.push((line, format!("<{tag}>{direction}")));
-                    for inner in node.children().filter(|inner| inner.is_element()) {
+                    for inner in node.children().filter(roxmltree::Node::is_element) {
                         if !["xyz", "use_parent_model_frame"].contains(&inner.tag_name().name()) {
                             self.copy(&mut lines, Part { node: inner, file: part.file });
                         }
@@ -448,7 +462,8 @@ impl<'a, 'm> Translator<'a, 'm> {
             let joint = Self::fresh(&mut self.joints, &format!("{name}_{kind}"));
             let step = self.model.frames.between(tree.root, *body);
             self.one_joint(part, &joint, kind, &root, &name, &step, "");
-            let moves = if self.model.is_static { "the model is static, so that it is fixed to" } else { "it floats from" };
+            let moves =
+                if self.model.is_static { "the model is static, so that it is fixed to" } else { "it floats from" };
             self.reader.note(part, format!("no joint carries the link; {moves} \"{root}\" here"));
         }
     }

@@ -10,7 +10,7 @@ use denavit_model::write::escaped;
 pub(crate) fn shape<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Link<'a>, part: Part<'a>) -> Option<String> {
     let tag = part.node.tag_name().name();
     let geometry = part.child("geometry");
-    let shape = geometry.and_then(|geometry| geometry.node.children().find(|child| child.is_element()));
+    let shape = geometry.and_then(|geometry| geometry.node.children().find(roxmltree::Node::is_element));
     let Some(shape) = shape.map(|node| Part { node, file: part.file }) else {
         reader.problem(part, Kind::MissingElement("geometry"));
         return None;
@@ -40,7 +40,10 @@ pub(crate) fn shape<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Link<
         }
         _ => {
             if name != "empty" {
-                reader.note(shape, format!("the shape <{name}> of a {tag} has no word here; it is carried along and not drawn"));
+                reader.note(
+                    shape,
+                    format!("the shape <{name}> of a {tag} has no word here; it is carried along and not drawn"),
+                );
             }
             return None;
         }
@@ -94,7 +97,7 @@ fn coloured<'a>(reader: &mut Reader<'a>, material: Part<'a>) -> String {
     let inside: String = material
         .node
         .children()
-        .filter(|child| child.is_element())
+        .filter(roxmltree::Node::is_element)
         .map(|node| flat(reader, Part { node, file: material.file }))
         .collect();
     format!("<material{name}>{}{inside}</material>", diffuse.unwrap_or_default())

@@ -2,11 +2,12 @@
 
 use crate::error::{SdfProblem, SdfProblemKind};
 use crate::includes::Fetch;
-use denavit_model::well_formed::unbound_prefixes;
 use denavit_model::Place;
+use denavit_model::well_formed::unbound_prefixes;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::fmt::Write as _;
 
 /// Every text, and which include is which of them.
 #[derive(Default)]
@@ -155,11 +156,21 @@ fn well_formed(original: &str) -> (Cow<'_, str>, Vec<(usize, String)>) {
     let unbound = unbound_prefixes(&text);
     let root = ["<sdf", "<gazebo", "<model"].iter().find_map(|tag| Some(text.find(tag)? + tag.len()));
     if let (Some(at), false) = (root, unbound.is_empty()) {
-        let declared: String = unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
+        let declared = declarations(&unbound);
         fixed.push((0, format!("namespace prefix {} is not declared; taken as a name", unbound.join(", "))));
         text.to_mut().insert_str(at, &declared);
     }
     (text, fixed)
+}
+
+/// Attributes that declare namespace prefixes.
+pub(crate) fn declarations(prefixes: &[&str]) -> String {
+    let mut out = String::new();
+    for prefix in prefixes {
+        let uri = if *prefix == "drake" { "http://drake.mit.edu" } else { &format!("urn:unbound:{prefix}") };
+        let _ = write!(out, " xmlns:{prefix}=\"{uri}\"");
+    }
+    out
 }
 
 fn only_comments(mut text: &str) -> bool {
