@@ -24,34 +24,34 @@ const FLEET: &[&str] = &[SIMULATE, "fleet run plant.csv -o store"];
 
 /// Every kind of JSON that a command makes, but for a history in git, which `tests/oracle/fleet` makes.
 const KINDS: &[Kind] = &[
-    printed("denavit.table/1", "a D-H table; a source, too", "table arm.urdf --json"),
-    printed("denavit.poe/1", "screw axes and home pose; a source, too", "poe arm.urdf --json"),
+    printed("denavit.table/1", "a D-H table, readable as a source", "table arm.urdf --json"),
+    printed("denavit.poe/1", "screw axes and home pose, readable as a source", "poe arm.urdf --json"),
     printed("denavit.match/1", "a robot against a vendor's table", "table arm.urdf --match arm_dh.csv --json"),
     printed("denavit.chains/1", "the chains of a tree", "chains arm.urdf --json"),
-    printed("denavit.fk/1", "where the tip is", "fk arm.urdf --q 0,-1.57,1.57,0,0,0 --json"),
+    printed("denavit.fk/1", "pose of the tip", "fk arm.urdf --q 0,-1.57,1.57,0,0,0 --json"),
     printed("denavit.ik/1", "joint values that reach poses", "ik arm.urdf --pose 0.4,0.2,0.5,3.14,0,0 --json"),
     printed("denavit.diff/1", "how two robots differ", "diff arm.urdf longer.urdf --json"),
-    printed("denavit.check/1", "what breaks a rule", "check bent.urdf --json"),
-    printed("denavit.fingerprint/1", "a short hash of what the robot is", "fingerprint arm.urdf --json"),
-    printed("denavit.identifiability/1", "what measurements can tell", "identify arm.urdf --json"),
+    printed("denavit.check/1", "findings", "check bent.urdf --json"),
+    printed("denavit.fingerprint/1", "a short hash of the robot", "fingerprint arm.urdf --json"),
+    printed("denavit.identifiability/1", "number and rank of parameters", "identify arm.urdf --json"),
     printed("denavit.plan/1", "poses to measure", "plan arm.urdf --count 10 --spread 100 --json"),
     Kind {
         schema: "denavit.tell_apart/1",
-        purpose: "poses that settle what a run left open",
+        purpose: "poses that distinguish causes",
         before: &["simulate arm.urdf --rows 60 --seed 6 -o run.csv --effect joint_compliance@elbow_joint=0.05mm"],
         command: "plan arm.urdf --tell-apart run.csv --count 10 --spread 100 --json",
         file: None,
     },
     Kind {
         schema: "denavit.measure/1",
-        purpose: "each row while one measures, a line of JSON a row",
+        purpose: "each row while measuring, a line of JSON per row",
         before: &["simulate arm.urdf --rows 20 -o data.csv"],
         command: "measure arm.urdf --data data.csv --spread 100 --json",
         file: None,
     },
     Kind {
         schema: "denavit.simulation/1",
-        purpose: "what simulated files were made of",
+        purpose: "the simulated robot",
         before: &[],
         command: "simulate arm.urdf --rows 60 -o data.csv --truth truth.json --effect joint_compliance@elbow_joint=0.5mm",
         file: Some("truth.json"),
@@ -93,14 +93,14 @@ const KINDS: &[Kind] = &[
     },
     Kind {
         schema: "denavit.fleet.robots/1",
-        purpose: "what became of each robot",
+        purpose: "history of each robot",
         before: FLEET,
         command: "fleet history store --json",
         file: None,
     },
     Kind {
         schema: "denavit.fleet.siblings/1",
-        purpose: "what robots share, and who stands out",
+        purpose: "common parameters and outliers",
         before: FLEET,
         command: "fleet siblings store --json",
         file: None,
@@ -132,12 +132,19 @@ fn made(trial: &Trial, kind: &Kind) -> Value {
     last.last().unwrap_or_else(|| panic!("{}: nothing", kind.command))
 }
 
-/// Lists cut to two entries where they are longer than four, numbers to six digits.
+/// Lists of objects and of lists cut to their first entry, other lists longer than four to two; numbers to six digits.
 fn shortened(value: &Value) -> Value {
     match value {
         Value::Array(list) => {
-            let shown = if list.len() > 4 { 2 } else { list.len() };
-            list[..shown].iter().map(shortened).collect()
+            let nested = list.iter().any(|entry| entry.is_array() || entry.is_object());
+            let shown = if nested {
+                1
+            } else if list.len() > 4 {
+                2
+            } else {
+                list.len()
+            };
+            list.iter().take(shown).map(shortened).collect()
         }
         Value::Object(map) => map.iter().map(|(key, value)| (key.clone(), shortened(value))).collect(),
         Value::Number(number) if number.is_f64() => {
@@ -145,6 +152,27 @@ fn shortened(value: &Value) -> Value {
         }
         other => other.clone(),
     }
+}
+
+/// JSON in which what fits into 140 columns is one line.
+fn laid_out(value: &Value, indent: usize, before: usize) -> String {
+    let line = value.to_string();
+    if indent + before + line.chars().count() <= 140 {
+        return line;
+    }
+    let (open, close, entries): (_, _, Vec<String>) = match value {
+        Value::Array(list) => ("[", "]", list.iter().map(|entry| laid_out(entry, indent + 2, 0)).collect()),
+        Value::Object(map) => {
+            let entry = |(key, value): (&String, &Value)| {
+                let key = format!("{}:", Value::from(key.as_str()));
+                format!("{key}{}", laid_out(value, indent + 2, key.chars().count()))
+            };
+            ("{", "}", map.iter().map(entry).collect())
+        }
+        _ => return line,
+    };
+    let margin = " ".repeat(indent + 2);
+    format!("{open}\n{margin}{}\n{}{close}", entries.join(&format!(",\n{margin}")), " ".repeat(indent))
 }
 
 /// What a value is made of, whatever its numbers and texts are: keys, and kinds of values.
@@ -164,28 +192,28 @@ fn shape(value: &Value) -> Value {
 const INTRODUCTION: &str = "\
 # JSON
 
-Every JSON that a command writes begins with its `schema`: `denavit.<thing>/<version>`. A field may be added within a
-version; where a field goes or changes its meaning, the version counts up. Lengths are in m, angles in rad, whatever
-`--units` says, at full precision.
+For a programmer who reads the results. Every JSON begins with its `schema`, `denavit.<thing>/<version>`. Fields may be added
+within a version; a removed or changed field counts it up. Lengths are m, angles rad, whatever `--units` says, at full precision.
 
-`--json` means the same in every command: alone, JSON on standard output instead of the text; with a file, JSON into that
-file beside the text. The file's name ends in `.json` (`--json report.json`); any other needs `--json=FILE`. `-` is standard
-output.
+`--json` alone prints JSON instead of the text; `--json report.json` writes it beside the text (another name: `--json=FILE`; `-` is
+standard output).
 
 ";
 
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 fn page(examples: &[(&Kind, Value)]) -> String {
     let mut page = INTRODUCTION.to_owned();
-    page.push_str("| schema | what for | made by |\n|---|---|---|\n");
-    for (kind, _) in examples {
-        let _ = writeln!(page, "| `{}` | {} | `denavit {}` |", kind.schema, kind.purpose, kind.command);
-    }
     page.push_str(
-        "\nThe examples are real output; lists longer than four are cut to two entries, numbers to six digits.\n",
+        "Real output; lists of objects are cut to one entry, other lists longer than four to two, numbers to six digits.\n",
     );
     for (kind, value) in examples {
-        let text = serde_json::to_string_pretty(&shortened(value)).unwrap();
-        let _ = write!(page, "\n## {}\n\n`denavit {}`\n\n```json\n{text}\n```\n", kind.schema, kind.command);
+        let text = laid_out(&shortened(value), 0, 0);
+        let Kind { schema, purpose, command, .. } = kind;
+        let _ = write!(page, "\n## {schema}\n\n{}: `denavit {command}`\n\n```json\n{text}\n```\n", capital(purpose));
     }
     page
 }

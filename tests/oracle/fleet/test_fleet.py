@@ -251,7 +251,7 @@ def test_the_page_shows_the_tables_of_the_store(uninterrupted):
             uninterrupted, table) else []
         for name, kind, *_ in described:
             kind = {"VARCHAR": "text", "BIGINT": "int64"}.get(kind, kind.lower())
-            assert re.search(rf"^\| `{name}` \| {kind} \|", page, re.M), f"{table}.{name} {kind}"
+            assert re.search(rf"^- `{name}` {kind}[,:]", page, re.M), f"{table}.{name} {kind}"
 
 
 WRITTEN = {

@@ -242,7 +242,7 @@ impl Kind {
     }
 }
 
-/// The catalogue as a table in Markdown: the one in `docs/effects.md`.
+/// The catalogue as a table in Markdown: the one in `docs/effects-tables.md`.
 pub fn markdown() -> String {
     let mut table = String::from("| kind | model | unit of c | source |\n|---|---|---|---|\n");
     for entry in KINDS {
@@ -541,8 +541,8 @@ mod tests {
 
     #[test]
     fn docs_show_this_catalogue() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/effects.md");
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/effects-tables.md");
         let docs = std::fs::read_to_string(path).unwrap();
-        assert!(docs.contains(&markdown()), "put this into docs/effects.md:\n{}", markdown());
+        assert!(docs.contains(&markdown()), "put this into docs/effects-tables.md:\n{}", markdown());
     }
 }

@@ -82,7 +82,7 @@ use Kind::{Count, Day, Flag, Real, Text};
 
 /// What every row begins with.
 pub const COMMON: &[Column] = &[
-    column("key", Text, "", "SHA-256 of inputs, options and version: the run that the row is of"),
+    column("key", Text, "", "SHA-256 of inputs, options and version: identifies the run"),
     column("serial", Text, "", "the robot"),
     column("date", Day, "", "the night"),
     column("task", Text, "", "calibrate, table, check, fingerprint or diff"),
@@ -91,38 +91,33 @@ pub const COMMON: &[Column] = &[
 /// One row a run.
 pub const RUNS: TableKind = TableKind {
     name: "runs",
-    row: "a robot, a night, a task: finished or failed",
+    row: "one robot, night and task, finished or failed",
     own: &[
-        column("robot", Text, "", "the robot's file as the manifest names it"),
-        column("name", Text, "", "the name that the file gives the robot"),
-        column("data", Text, "", "the files of measurements, joined by ;"),
-        column("event", Text, "", "what happened before this night, as the manifest says: collision, gear exchanged"),
-        column("version", Text, "", "of denavit"),
-        column("ok", Flag, "", "whether it was done"),
-        column("error", Text, "", "why not"),
+        column("robot", Text, "", "file of the robot"),
+        column("name", Text, "", "the robot's name in its file"),
+        column("data", Text, "", "measurement files, joined by ;"),
+        column("event", Text, "", "event before this night (manifest)"),
+        column("version", Text, "", "version of denavit"),
+        column("ok", Flag, "", "succeeded"),
+        column("error", Text, "", "error message"),
         column(
             "verdict",
             Text,
             "",
             "calibrate: the stage adopted; check: clean, warned or failed; diff: same or different",
         ),
-        column("fingerprint", Text, "", "of the robot as drawn"),
-        column("rows_fitted", Count, "", "rows of measurements fitted"),
-        column("rows_held_out", Count, "", "rows held out"),
-        column("nominal_rms", Real, "m", "error of the drawing on the rows held out, else on those fitted"),
-        column("geometric_rms", Real, "m", "the same with the geometry fitted"),
-        column("rms", Real, "m", "the same at the stage adopted"),
-        column("structured", Flag, "", "whether what is left has structure that no effect explains"),
-        added("base", Text, "", "link that the calibrated chain starts at"),
-        added("tip", Text, "", "link that it ends at"),
-        added("prior", Text, "", "what the fit went on from: siblings, or a file as the manifest names it"),
-        added("prior_weight", Real, "1", "how much of that counted, as the rows bear it out"),
-        column(
-            "seconds",
-            Real,
-            "s",
-            "computing time; the one number that another run of the same work does not repeat",
-        ),
+        column("fingerprint", Text, "", "fingerprint of the drawn robot"),
+        column("rows_fitted", Count, "", "training rows"),
+        column("rows_held_out", Count, "", "held-out rows"),
+        column("nominal_rms", Real, "m", "error of the drawing on held-out rows (training rows if there are none)"),
+        column("geometric_rms", Real, "m", "with fitted geometry"),
+        column("rms", Real, "m", "at the adopted stage"),
+        column("structured", Flag, "", "residuals have unexplained structure"),
+        added("base", Text, "", "first link of the chain"),
+        added("tip", Text, "", "last link"),
+        added("prior", Text, "", "prior: siblings, or a file"),
+        added("prior_weight", Real, "1", "weight of the prior"),
+        column("seconds", Real, "s", "computing time; not reproducible"),
     ],
 };
 
@@ -131,74 +126,69 @@ pub const PARAMETERS: TableKind = TableKind {
     name: "parameters",
     row: "a parameter of a joint: its change from the drawing (calibrate), or a number of the D-H table (table)",
     own: &[
-        column("joint", Text, "", "the joint; base and tool have none"),
+        column("joint", Text, "", "joint; empty for base and tool"),
         column("parameter", Text, "", "turn_x … move_z, pitch, scale; theta, d, alpha, a, beta"),
         column("value", Real, "unit", "the number"),
         column("std", Real, "unit", "standard deviation, the prior included"),
-        column("half_interval_95", Real, "unit", "half the interval that holds the true value with 95 %"),
+        column("half_interval_95", Real, "unit", "half of the 95 % interval"),
         column("unit", Text, "", "rad, m, m/rad or 1"),
-        column("held_by_prior", Real, "1", "how much of the spread is the prior's: 1 where the data say nothing"),
+        column("held_by_prior", Real, "1", "share of the variance from the prior: 1 if not identifiable"),
     ],
 };
 
 /// One row an axis.
 pub const AXES: TableKind = TableKind {
     name: "axes",
-    row: "the screw axis of a joint as drawn, which parameters are counted from, in the base frame",
+    row: "the drawn screw axis of a joint, base frame; parameters are changes from it",
     own: &[
         column("joint", Text, "", "the joint"),
-        column("omega_x", Real, "1", "direction; 0 of a slide"),
-        column("omega_y", Real, "1", "the same"),
-        column("omega_z", Real, "1", "the same"),
-        column("v_x", Real, "m", "speed of the point at the origin, for 1 rad/s; direction of a slide"),
-        column("v_y", Real, "m", "the same"),
-        column("v_z", Real, "m", "the same"),
+        column("omega_x", Real, "1", "direction; 0 if prismatic"),
+        column("omega_y", Real, "1", "as above"),
+        column("omega_z", Real, "1", "as above"),
+        column("v_x", Real, "m", "velocity at the origin for 1 rad/s; direction if prismatic"),
+        column("v_y", Real, "m", "as above"),
+        column("v_z", Real, "m", "as above"),
     ],
 };
 
 /// One row two parameters.
 pub const INFORMATION: TableKind = TableKind {
     name: "information",
-    row: "what the rows alone, no prior, say of two parameters together; instrument, target and effects are left free",
+    row: "information of the rows about two parameters, without prior; instrument, target and effects free",
     own: &[
         column("parameter", Text, "", "such as elbow_joint.turn_x"),
-        column("other", Text, "", "such as this one itself; each two stand together once; empty: the pull"),
-        column(
-            "value",
-            Real,
-            "1/unit²",
-            "inverse covariance Λ of the two; with nothing (1/unit): the pull η, so that the rows' likelihood is exp(-½ θᵀΛθ + ηᵀθ)",
-        ),
+        column("other", Text, "", "second parameter, each pair once; empty: η"),
+        column("value", Real, "1/unit²", "Λ; η (1/unit) if `other` is empty: likelihood exp(-½ θᵀΛθ + ηᵀθ)"),
     ],
 };
 
 /// One row a number of an effect.
 pub const EFFECTS: TableKind = TableKind {
     name: "effects",
-    row: "a number of an effect that the data ask for",
+    row: "a coefficient of a selected effect",
     own: &[
         column("kind", Text, "", "joint_compliance, backlash, …"),
-        column("place", Text, "", "the joint, or base, target, instrument"),
-        column("driven_by", Text, "", "the recorded quantity or the other joint that drives it"),
-        column("parameter", Text, "", "which number of the effect"),
+        column("place", Text, "", "joint, base, target, instrument"),
+        column("driven_by", Text, "", "recorded quantity or joint that drives it"),
+        column("parameter", Text, "", "name of the coefficient"),
         column("value", Real, "unit", "the number"),
         column("std", Real, "unit", "standard deviation"),
         column("unit", Text, "", "of value and std"),
-        column("probability", Real, "1", "posterior probability that this kind acts here"),
-        column("found_again", Real, "1", "share of resampled runs that find it"),
-        column("named", Flag, "", "false: it stays in the model, but another cause may explain the same"),
+        column("probability", Real, "1", "posterior probability"),
+        column("found_again", Real, "1", "share of half-sample refits that select it"),
+        column("named", Flag, "", "false: included in the model, cause uncertain"),
     ],
 };
 
 /// One row a point of a curve.
 pub const CURVES: TableKind = TableKind {
     name: "curves",
-    row: "a point of a joint's error curve, no cause claimed",
+    row: "a point of a joint's error curve",
     own: &[
         column("joint", Text, "", "the joint"),
         column("reading", Real, "unit", "the joint's reading"),
-        column("value", Real, "unit", "what is added to the reading"),
-        column("std", Real, "unit", "standard deviation of that"),
+        column("value", Real, "unit", "error added to the reading"),
+        column("std", Real, "unit", "standard deviation"),
         column("unit", Text, "", "rad or m"),
     ],
 };
@@ -206,38 +196,33 @@ pub const CURVES: TableKind = TableKind {
 /// One row an observation.
 pub const RESIDUALS: TableKind = TableKind {
     name: "residuals",
-    row: "what the adopted model leaves of one observation",
+    row: "the residual of one observation",
     own: &[
         column("line", Count, "", "line of the row in its file"),
         column("setup", Text, "", "where there are several"),
         column("target", Text, "", "where there are several"),
-        column("held_out", Flag, "", "kept for the test"),
-        column("rejected", Flag, "", "left out as a gross error"),
-        column(
-            "x",
-            Real,
-            "m",
-            "measured less predicted, base frame; the distance or the only number where there is one",
-        ),
-        column("y", Real, "m", "the same"),
-        column("z", Real, "m", "the same"),
-        column("rx", Real, "rad", "of the orientation, a rotation vector in the base frame"),
-        column("ry", Real, "rad", "the same"),
-        column("rz", Real, "rad", "the same"),
+        column("held_out", Flag, "", "held out"),
+        column("rejected", Flag, "", "excluded as a gross error"),
+        column("x", Real, "m", "measured minus predicted, base frame; a distance is in `x`"),
+        column("y", Real, "m", "as above"),
+        column("z", Real, "m", "as above"),
+        column("rx", Real, "rad", "rotation vector, base frame"),
+        column("ry", Real, "rad", "as above"),
+        column("rz", Real, "rad", "as above"),
     ],
 };
 
 /// One row a remark.
 pub const NOTES: TableKind = TableKind {
     name: "notes",
-    row: "what must be said of a run: a rule that is broken, a difference, what no row tells",
+    row: "findings: a rule, a difference, a parameter that is not identifiable",
     own: &[
         column("kind", Text, "", "rule, difference, reading, unidentifiable, unexplained, drawing"),
-        column("code", Text, "", "of the rule, of the parameter, of the change"),
+        column("code", Text, "", "rule, parameter or change"),
         column("level", Text, "", "error, warning, note"),
         column("place", Text, "", "joint, link, or file:line"),
         column("message", Text, "", "the sentence"),
-        column("value", Real, "unit", "how much, where it has a number"),
+        column("value", Real, "unit", "size, if any"),
         column("unit", Text, "", "of value"),
     ],
 };
@@ -249,18 +234,18 @@ pub const TABLES: [&TableKind; 8] = [&INFORMATION, &AXES, &PARAMETERS, &EFFECTS,
 pub fn markdown() -> String {
     use std::fmt::Write as _;
     let mut text = String::new();
-    let row = |text: &mut String, column: &Column| {
-        let _ = writeln!(text, "| `{}` | {} | {} | {} |", column.name, column.kind.name(), column.unit, column.meaning);
+    let line = |text: &mut String, column: &Column| {
+        let unit = if column.unit.is_empty() { String::new() } else { format!(", {}", column.unit) };
+        let _ = writeln!(text, "- `{}` {}{unit}: {}", column.name, column.kind.name(), column.meaning);
     };
-    let head = "| column | type | unit | what it says |\n|---|---|---|---|\n";
-    let _ = write!(text, "Every row begins with\n\n{head}");
+    text.push_str("Every row begins with\n\n");
     for column in COMMON {
-        row(&mut text, column);
+        line(&mut text, column);
     }
     for table in TABLES.iter().rev() {
-        let _ = write!(text, "\n`{}/*.parquet`: {}.\n\n{head}", table.name, table.row);
+        let _ = write!(text, "\n`{}/*.parquet`: {}.\n\n", table.name, table.row);
         for column in table.own {
-            row(&mut text, column);
+            line(&mut text, column);
         }
     }
     text
