@@ -18,5 +18,7 @@ mod read;
 mod shapes;
 mod sources;
 mod tree;
+mod write;
 
 pub use read::read;
+pub use write::write;

@@ -5,6 +5,7 @@ use crate::joints::within;
 use crate::model::{Link, Model, Part, Reader};
 use crate::pose::{number, several, text_of};
 use denavit_model::write::escaped;
+use roxmltree::Node;
 
 /// A visual or collision as URDF says it; nothing where URDF has no word for its shape.
 pub(crate) fn shape<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Link<'a>, part: Part<'a>) -> Option<String> {
@@ -84,7 +85,7 @@ fn flat(reader: &Reader, part: Part) -> String {
 }
 
 /// A material: its diffuse colour in URDF's words, and everything that it says.
-fn coloured<'a>(reader: &mut Reader<'a>, material: Part<'a>) -> String {
+fn coloured<'a>(reader: &Reader<'a>, material: Part<'a>) -> String {
     let diffuse = material.child("diffuse").map(|part| {
         let mut colour: Vec<&str> = text_of(part.node).split_whitespace().collect();
         if colour.len() == 3 {
@@ -92,6 +93,12 @@ fn coloured<'a>(reader: &mut Reader<'a>, material: Part<'a>) -> String {
         }
         format!("<color rgba=\"{}\"/>", escaped(&colour.join(" ")))
     });
+    // A colour and nothing else.
+    let same = |tag: &'static str| material.child(tag).map(|part| text_of(part.node).to_owned());
+    let plain = material.node.children().filter(Node::is_element).count() == 2 && same("ambient") == same("diffuse");
+    if let (Some(colour), true) = (&diffuse, plain) {
+        return format!("<material>{colour}</material>");
+    }
     let script = material.child("script").and_then(|script| script.child("name"));
     let name = script.map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(text_of(name.node))));
     let inside: String = material

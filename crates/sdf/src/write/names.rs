@@ -1,0 +1,66 @@
+//! Names: links, joints and frames of an SDF model share one set of them.
+
+use super::Part;
+use denavit_model::Robot;
+use denavit_model::formats::Loss;
+use std::collections::HashSet;
+
+/// What links and joints are called in the SDF.
+pub(crate) struct Names {
+    pub links: Vec<String>,
+    pub joints: Vec<String>,
+}
+
+impl Names {
+    pub fn of(robot: &Robot, parts: &[Part]) -> Self {
+        let mut known: HashSet<String> = HashSet::from(["world".to_owned()]);
+        let links = robot.links.iter().zip(parts).map(|(link, part)| {
+            if *part == Part::World { "world".to_owned() } else { fresh(&mut known, &allowed(&link.name, "link")) }
+        });
+        let links = links.collect();
+        let joints = robot.joints.iter().map(|joint| {
+            let name = allowed(&joint.name, "joint");
+            let name = if known.contains(&name) { format!("{name}_joint") } else { name };
+            fresh(&mut known, &name)
+        });
+        Self { links, joints: joints.collect() }
+    }
+
+    /// What is called otherwise than in the robot.
+    pub fn losses(&self, robot: &Robot) -> Vec<Loss> {
+        let why = |name: &String| {
+            format!("names of links, joints and frames are one set in SDF: it is called \"{name}\" there")
+        };
+        let links = robot.links.iter().zip(&self.links).filter(|(link, name)| link.name != **name);
+        let links = links.map(|(link, name)| {
+            let place = robot.source.place(link.at, format!("link \"{}\"", link.name));
+            Loss { place, what: format!("name of link \"{}\"", link.name), why: why(name) }
+        });
+        let joints = robot.joints.iter().zip(&self.joints).enumerate();
+        let joints = joints.filter(|(_, (joint, name))| joint.name != **name).map(|(index, (joint, name))| {
+            let what = format!("name of joint \"{}\"", joint.name);
+            Loss { place: robot.joint_place(index), what, why: why(name) }
+        });
+        links.chain(joints).collect()
+    }
+}
+
+/// A name that SDF allows: none of its own, and without its separator of scopes.
+fn allowed(name: &str, tag: &str) -> String {
+    let name = name.replace("::", "__");
+    if name.is_empty() || name == "world" || name.starts_with("__") && name.ends_with("__") {
+        return format!("{}_{tag}", name.trim_matches('_'));
+    }
+    name
+}
+
+/// The name, or with a number where it is taken.
+pub(crate) fn fresh(known: &mut HashSet<String>, wanted: &str) -> String {
+    let mut name = wanted.to_owned();
+    let mut count = 2;
+    while !known.insert(name.clone()) {
+        name = format!("{wanted}_{count}");
+        count += 1;
+    }
+    name
+}
