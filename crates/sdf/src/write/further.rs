@@ -62,7 +62,7 @@ impl<'a> Further<'a> {
                 match (reference, link, joint) {
                     (None, ..) if in_model => further.model.push(child),
                     (Some(_), _, Some(joint)) if in_joint && (link.is_none() || !in_link) => {
-                        further.joints.push((&joint.name, child))
+                        further.joints.push((&joint.name, child));
                     }
                     (Some(_), Some(link), _) if in_link => further.links.push((&link.name, child)),
                     _ => {
