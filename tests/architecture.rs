@@ -8,6 +8,7 @@ use std::process::Command;
 const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-model", &[]),
     ("denavit-dh", &["denavit-model"]),
+    ("denavit-mjcf", &["denavit-model"]),
     ("denavit-ik", &["denavit-model"]),
     ("denavit-xacro", &[]),
     ("denavit-sdf", &["denavit-model"]),
@@ -20,6 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "denavit-load",
         &[
             "denavit-model",
+            "denavit-mjcf",
             "denavit-dh",
             "denavit-export",
             "denavit-compare",

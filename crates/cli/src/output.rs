@@ -48,7 +48,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 pub fn complain(failure: &Failure) {
     let text = failure.to_string();
     let text = with_flags(&text);
-    let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_)));
+    let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_) | LoadError::Format(_)));
     for (index, line) in readable(&text).lines().enumerate() {
         // A URDF's problems stand a line each; other messages go on in their own lines.
         let mark = if each_line || index == 0 { "error: " } else { "" };

@@ -24,7 +24,7 @@ pub enum LoadError {
     },
     /// Text that is none of the sources.
     #[error(
-        "{file}: this is no robot that is known here: neither XML (URDF, xacro), nor a table with columns theta, d, alpha, a, nor \
+        "{file}: this is no robot that is known here: neither XML (URDF, MJCF, xacro), nor a table with columns theta, d, alpha, a, nor \
          JSON, nor a maker's kinematics file; it begins with \"{begins}\""
     )]
     NoRobot {
@@ -36,6 +36,9 @@ pub enum LoadError {
     /// A URDF that is none.
     #[error(transparent)]
     Urdf(#[from] denavit_model::UrdfError),
+    /// A description in another format that is no robot.
+    #[error(transparent)]
+    Format(#[from] denavit_model::formats::FormatError),
     /// A chain that is not there.
     #[error(transparent)]
     Tree(#[from] denavit_model::TreeError),

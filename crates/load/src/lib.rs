@@ -1,4 +1,4 @@
-//! Any source to a robot: URDF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a maker's
+//! Any source to a robot: URDF, MJCF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a maker's
 //! kinematics file, a revision in git.
 //!
 //! ```text
@@ -26,6 +26,7 @@ mod read;
 mod revision;
 mod robot;
 mod table;
+mod translate;
 mod urdf_text;
 
 pub use canonical::canonical;

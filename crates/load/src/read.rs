@@ -1,6 +1,7 @@
 //! From a name to text, and from text to what it is.
 
 use crate::revision::Home;
+use crate::translate::{Translated, translated};
 use crate::{LoadError, Loaded, Opened, Options};
 use denavit_export::kinematics_yaml::AngleOrder;
 use denavit_export::makers::{self, ur_conf};
@@ -64,6 +65,10 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
     if !is_markup_by_name(file) && !start.starts_with('<') && !text.contains("<robot") && !start.is_empty() {
         let first = start.lines().next().unwrap_or_default();
         return Err(LoadError::NoRobot { file: file.to_owned(), begins: quoted(&one_line(first)).into_owned() });
+    }
+    if let Some(Translated { urdf, files }) = translated(file, text, options)? {
+        let robot = denavit_model::urdf::read(file, &urdf)?;
+        return Ok(Opened { includes: files, ..plain(Loaded::Robot(Box::new(robot)))? });
     }
     let is_xacro = denavit_xacro::is_xacro(text);
     let is_meant = is_xacro && (file.to_ascii_lowercase().ends_with(".xacro") || !options.arguments.is_empty());

@@ -1,6 +1,7 @@
 //! Any source as URDF text, for what looks at the text and not at the robot alone.
 
 use crate::read::{Expanded, expanded, from_text};
+use crate::translate::{Translated, translated};
 use crate::{LoadError, Options, canonical};
 use denavit_export::urdf;
 use denavit_model::{Problem, ProblemKind};
@@ -21,7 +22,8 @@ pub struct UrdfText {
     pub includes: Vec<PathBuf>,
 }
 
-/// A source as URDF text. URDF stays as it is, broken or not; xacro is expanded; what a table or screw axes stand for is
+/// A source as URDF text. URDF stays as it is, broken or not; xacro is expanded; another format is translated, with its places
+/// inside; what a table or screw axes stand for is
 /// made as `written` says.
 ///
 /// # Errors
@@ -43,6 +45,9 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
             is_xacro: opened.is_xacro,
             ..plain(format!("{file} (as URDF)"), urdf)
         });
+    }
+    if let Some(Translated { urdf, files }) = translated(file, &text, options)? {
+        return Ok(UrdfText { includes: files, ..plain(format!("{file} (as URDF)"), urdf) });
     }
     let is_meant =
         || is_named(file, ".xacro") || !options.arguments.is_empty() || denavit_model::urdf::read(file, &text).is_err();

@@ -1,0 +1,61 @@
+//! Descriptions in other formats than URDF, by what they hold and not by their names, as URDF text.
+
+use crate::revision::Home;
+use crate::{LoadError, Options};
+use denavit_model::formats::{Format, FormatError};
+use denavit_xacro::files;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+/// A description in another format as URDF text, which carries the places of its source.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Translated {
+    pub urdf: String,
+    /// Files that it made us read.
+    pub files: Vec<PathBuf>,
+}
+
+/// A reader of a format: the file's name, its text, and what gives the files that it names.
+type Reader = fn(&str, &str, &mut dyn FnMut(&str) -> Result<Vec<u8>, String>) -> Result<String, FormatError>;
+
+fn reader(format: Format) -> Option<Reader> {
+    match format {
+        Format::Mjcf => Some(|file, text, files| denavit_mjcf::read(file, text, files)),
+        _ => None,
+    }
+}
+
+/// Endings of files that a description may include without `allow_any_file`: nothing else is put before anybody's eyes.
+const DESCRIPTIONS: [&str; 4] = ["xml", "mjcf", "sdf", "urdf"];
+
+/// Endings of mesh files, whose volume may give a mass.
+const MESHES: [&str; 3] = ["stl", "obj", "msh"];
+
+/// A text as URDF, where it is in another format that is read here; `None` where it is in none.
+pub(crate) fn translated(file: &str, text: &str, options: &Options) -> Result<Option<Translated>, LoadError> {
+    let Some(read) = Format::of_text(text).and_then(reader) else { return Ok(None) };
+    let home = Home::of(file).map_err(|reason| LoadError::Read { file: file.to_owned(), reason })?;
+    let found = RefCell::new(Vec::new());
+    let urdf = home.within(|| {
+        read(file, text, &mut |name| {
+            let (path, bytes) = content(&home.path, name, options)?;
+            found.borrow_mut().push(path);
+            Ok(bytes)
+        })
+    });
+    let urdf = urdf?;
+    Ok(Some(Translated { urdf, files: found.into_inner().into_iter().filter(|path| !home.holds(path)).collect() }))
+}
+
+/// A file that a description names, beside the description or in a package.
+fn content(from: &Path, name: &str, options: &Options) -> Result<(PathBuf, Vec<u8>), String> {
+    let packages = denavit_xacro::PackagePath::new(&options.package_path, &crate::read::environment()).near(from);
+    let path = packages.resolve(name, Some(from)).map_err(|error| error.to_string())?;
+    let real = files::canonical(&path).map_err(|_| format!("there is no file {}", path.display()))?;
+    let ending = real.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    if !options.allow_any_file && ![&DESCRIPTIONS[..], &MESHES[..]].concat().contains(&ending.as_str()) {
+        return Err(format!("{} is neither a description nor a mesh; ‹allow-any-file› reads it", path.display()));
+    }
+    let bytes = files::read(&real).map_err(|error| format!("{}: {error}", path.display()))?;
+    Ok((path, bytes))
+}

@@ -1,0 +1,772 @@
+//! The bodies of a model with everything that they carry, their classes, angles and masses resolved.
+
+mod settings;
+mod shape;
+
+use crate::Files;
+use crate::document::{Document, Item};
+use crate::known::{self, KEPT_ASSETS, KEPT_OF_BODY, KEPT_SECTIONS, MAKE_BODIES, OF_DEFAULT, SECTIONS};
+use crate::mass::{Mass, is_possible};
+use crate::place::{self, from_to, number, numbers, vector};
+use denavit_model::formats::{FormatError, Kept, Loss};
+use denavit_model::nalgebra::{Matrix3, Vector3};
+use denavit_model::notes::Place;
+use denavit_model::problems::nearest_name;
+use denavit_model::se3::Pose;
+use settings::{FromGeoms, Settings};
+use shape::Meshes;
+pub use shape::Shape;
+use std::collections::HashMap;
+
+/// A line of a file, by its index.
+pub type At = (usize, usize);
+
+/// How a joint moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Hinge,
+    Slide,
+    Ball,
+    Free,
+}
+
+/// A joint of a body.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    pub name: String,
+    pub kind: Kind,
+    /// In the body's frame: a point of the axis, and its direction.
+    pub pos: Vector3<f64>,
+    pub axis: Vector3<f64>,
+    /// The joint's value at which the body stands as it is written, rad or m.
+    pub zero: f64,
+    pub range: Option<(f64, f64)>,
+    pub damping: f64,
+    pub friction: f64,
+    pub effort: Option<f64>,
+    pub velocity: Option<f64>,
+    /// Driver, multiplier, offset.
+    pub mimic: Option<(String, f64, f64)>,
+    pub at: At,
+}
+
+/// A frame without mass.
+#[derive(Debug, Clone)]
+pub struct Site {
+    pub name: String,
+    pub pose: Pose,
+    pub at: At,
+}
+
+/// A body.
+#[derive(Debug, Clone)]
+pub struct Body {
+    pub name: String,
+    pub parent: Option<usize>,
+    /// parent_from_body at the joints' zeros.
+    pub pose: Pose,
+    pub mass: Option<(Mass, At)>,
+    pub shapes: Vec<Shape>,
+    pub joints: Vec<Joint>,
+    pub sites: Vec<Site>,
+    pub at: At,
+}
+
+/// A model.
+#[derive(Debug)]
+pub struct Model {
+    pub name: String,
+    pub bodies: Vec<Body>,
+    pub kept: Vec<Kept>,
+    pub notes: Vec<(Place, String)>,
+    pub understood: usize,
+}
+
+/// Reads the bodies.
+pub fn model(document: &Document, files: &mut Files) -> Result<Model, FormatError> {
+    let mut reader = Reader {
+        document,
+        settings: Settings::default(),
+        meshes: Meshes::default(),
+        kept: Vec::new(),
+        notes: Vec::new(),
+        problems: Vec::new(),
+        understood: 0,
+        bodies: Vec::new(),
+        unnamed: HashMap::new(),
+    };
+    reader.model(files);
+    let Reader { mut kept, notes, problems, understood, bodies, .. } = reader;
+    if !problems.is_empty() {
+        return Err(FormatError { problems });
+    }
+    let file = |kept: &Kept| document.files.iter().position(|file| *file == kept.loss.place.file);
+    kept.sort_by_key(|kept| (file(kept), kept.loss.place.line));
+    let name = document.root.get("model").unwrap_or_default().to_owned();
+    Ok(Model { name, bodies, kept, notes, understood })
+}
+
+struct Reader<'a> {
+    document: &'a Document,
+    settings: Settings,
+    meshes: Meshes,
+    kept: Vec<Kept>,
+    notes: Vec<(Place, String)>,
+    problems: Vec<(Place, String)>,
+    understood: usize,
+    bodies: Vec<Body>,
+    unnamed: HashMap<String, usize>,
+}
+
+/// Where a walk stands: the body, the frame inside it, the class of its children.
+#[derive(Clone)]
+struct Stand {
+    body: usize,
+    body_from_here: Pose,
+    childclass: Option<String>,
+}
+
+impl Reader<'_> {
+    fn model(&mut self, files: &mut Files) {
+        let document = self.document;
+        self.account(&document.root);
+        for section in &document.root.children {
+            let tag = section.tag.as_str();
+            if KEPT_SECTIONS.contains(&tag) {
+                continue;
+            }
+            if !SECTIONS.contains(&tag) {
+                self.unknown(section, KEPT_SECTIONS.iter().chain(SECTIONS).copied());
+            }
+        }
+        for compiler in document.sections("compiler") {
+            self.account(compiler);
+            match self.settings.read(compiler) {
+                Ok(()) => {}
+                Err(what) => self.problem(compiler, what),
+            }
+        }
+        for section in document.sections("default") {
+            self.default(section);
+        }
+        for section in document.sections("asset") {
+            for asset in &section.children {
+                match asset.tag.as_str() {
+                    "mesh" => self.mesh(asset),
+                    tag if KEPT_ASSETS.contains(&tag) => {
+                        if tag == "material" {
+                            self.material(asset);
+                        }
+                        self.keep(
+                            asset,
+                            "URDF has no such asset; it changes how the robot looks, or what it stands on",
+                        );
+                    }
+                    _ => self.unknown(asset, KEPT_ASSETS.iter().copied().chain(["mesh"])),
+                }
+            }
+        }
+        self.bodies.push(Body {
+            name: "world".into(),
+            parent: None,
+            pose: Pose::identity(),
+            mass: None,
+            shapes: Vec::new(),
+            joints: Vec::new(),
+            sites: Vec::new(),
+            at: document.sections("worldbody").next().map_or(document.root.at, |world| world.at),
+        });
+        for world in document.sections("worldbody") {
+            self.account(world);
+            let stand = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
+            self.inside(world, &stand, files);
+        }
+        if self.problems.is_empty() && self.bodies.len() == 1 && self.bodies[0].shapes.is_empty() {
+            self.problem(&document.root, "has no <body> in its <worldbody>; name the file that holds the robot");
+        }
+        self.totals();
+        self.others();
+        self.unique_names();
+    }
+
+    // What the reader says.
+
+    fn problem(&mut self, item: &Item, what: impl Into<String>) {
+        self.problems.push((self.document.place(item), what.into()));
+    }
+
+    fn note(&mut self, item: &Item, what: impl Into<String>) {
+        self.notes.push((self.document.place(item), what.into()));
+    }
+
+    /// The value, or nothing where it is wrong, which is then reported.
+    fn good<T>(&mut self, item: &Item, value: Result<T, String>) -> Option<T> {
+        match value {
+            Ok(value) => Some(value),
+            Err(what) => {
+                self.problem(item, what);
+                None
+            }
+        }
+    }
+
+    fn keep(&mut self, item: &Item, why: &str) {
+        self.keep_as(item, item.xml(), why);
+    }
+
+    fn keep_as(&mut self, item: &Item, text: String, why: &str) {
+        let what = format!("<{}>", item.tag);
+        let loss = Loss { place: self.document.place(item), what, why: why.to_owned() };
+        self.kept.push(Kept { loss, text, understood: true });
+    }
+
+    fn unknown<'n>(&mut self, item: &Item, names: impl Iterator<Item = &'n str>) {
+        let advice = match nearest_name(&item.tag, names) {
+            Some(near) => format!("did you mean <{near}>?"),
+            None => "remove it, or correct its name".into(),
+        };
+        let why = format!("is not understood and changes nothing here; {advice}");
+        let loss = Loss { place: self.document.place(item), what: format!("<{}>", item.tag), why };
+        self.kept.push(Kept { loss, text: item.xml(), understood: false });
+    }
+
+    /// Counts what is understood of an element that is translated, keeps what is known, reports what is not.
+    fn account(&mut self, item: &Item) {
+        self.account_as(item, &item.tag, item.get("name"));
+    }
+
+    fn account_as(&mut self, item: &Item, tag: &str, name: Option<&str>) {
+        self.understood += 1;
+        let Some(known) = known::known(tag) else { return };
+        for (attribute, value) in &item.attributes {
+            if known.read.contains(&attribute.as_str()) {
+                self.understood += 1;
+                continue;
+            }
+            let is_known = known.kept.contains(&attribute.as_str());
+            let why = if is_known {
+                "URDF has no such attribute; it changes no pose, mass or limit".to_owned()
+            } else {
+                let names = known.read.iter().chain(known.kept).copied();
+                let advice = match nearest_name(attribute, names) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => "remove it, or correct its name".into(),
+                };
+                format!("is not understood and changes nothing here; {advice}")
+            };
+            let own = Item {
+                tag: tag.to_owned(),
+                attributes: name
+                    .map(|name| ("name".to_owned(), name.to_owned()))
+                    .into_iter()
+                    .chain([(attribute.clone(), value.clone())])
+                    .collect(),
+                ..Item::default()
+            };
+            let what = format!("attribute {attribute}=\"{value}\" of <{tag}>");
+            let loss = Loss { place: self.document.place(item), what, why };
+            self.kept.push(Kept { loss, text: own.xml(), understood: is_known });
+        }
+        if !item.text.is_empty() {
+            let what = format!("text \"{}\" in <{tag}>", item.text);
+            let why = "is not understood and changes nothing here; remove it".to_owned();
+            let loss = Loss { place: self.document.place(item), what, why };
+            self.kept.push(Kept { loss, text: item.text.clone(), understood: false });
+        }
+    }
+
+    /// Defaults are read with the elements that they are of; here only what nobody would read is found.
+    fn default(&mut self, item: &Item) {
+        self.understood += 1;
+        for (attribute, _) in item.attributes.iter().filter(|(name, _)| name != "class") {
+            let what = format!("attribute {attribute} of <default>");
+            let why = "is not understood and changes nothing here; a class has the attribute class alone".to_owned();
+            let loss = Loss { place: self.document.place(item), what, why };
+            self.kept.push(Kept { loss, text: String::new(), understood: false });
+        }
+        for child in &item.children {
+            match child.tag.as_str() {
+                "default" => self.default(child),
+                tag if !OF_DEFAULT.contains(&tag) => self.unknown(child, OF_DEFAULT.iter().copied()),
+                tag => {
+                    if let Some(known) = known::known(tag) {
+                        let words = known.read.iter().chain(known.kept);
+                        let unknown =
+                            child.attributes.iter().filter(|(name, _)| words.clone().all(|word| word != name));
+                        for (attribute, value) in unknown {
+                            let what = format!("attribute {attribute}=\"{value}\" of <{tag}>");
+                            let why =
+                                "is not understood and changes nothing here; remove it, or correct its name".into();
+                            let loss = Loss { place: self.document.place(child), what, why };
+                            self.kept.push(Kept { loss, text: String::new(), understood: false });
+                        }
+                    }
+                    self.understood += 1;
+                    for inner in &child.children {
+                        self.unknown(inner, std::iter::empty());
+                    }
+                }
+            }
+        }
+    }
+
+    // Bodies.
+
+    fn inside(&mut self, parent: &Item, stand: &Stand, files: &mut Files) {
+        for item in &parent.children {
+            match item.tag.as_str() {
+                "body" => self.body(item, stand, files),
+                "frame" => {
+                    self.account(item);
+                    let Some(pose) = self.pose(item) else { continue };
+                    let childclass = item.get("childclass").map(str::to_owned).or_else(|| stand.childclass.clone());
+                    let inner = Stand { body_from_here: stand.body_from_here * pose, childclass, ..*stand };
+                    self.inside(item, &inner, files);
+                }
+                "inertial" => self.inertial(item, stand),
+                "joint" | "freejoint" => self.joint(item, stand),
+                "geom" => self.geom(item, stand, files),
+                "site" => self.site(item, stand),
+                tag if MAKE_BODIES.contains(&tag) => self.problem(
+                    item,
+                    format!("<{tag}> makes bodies of its own, which are not made here; have MuJoCo write the whole model (mj_saveLastXML) and read that"),
+                ),
+                tag if KEPT_OF_BODY.contains(&tag) => {
+                    let resolved = self.resolved(item, stand);
+                    let body = self.bodies[stand.body].name.clone();
+                    if let Some(resolved) = resolved {
+                        let text = format!("<body name=\"{}\">{}</body>", denavit_model::write::escaped(&body), resolved.xml());
+                        self.keep_as(item, text, "URDF has no such part of a body; it changes no pose, mass or limit");
+                    }
+                }
+                _ => {
+                    let known = ["body", "frame", "inertial", "joint", "freejoint", "geom", "site"];
+                    self.unknown(item, known.into_iter().chain(KEPT_OF_BODY.iter().copied()));
+                }
+            }
+        }
+    }
+
+    fn pose(&mut self, item: &Item) -> Option<Pose> {
+        let pose = place::pose(item, &self.settings.angles);
+        self.good(item, pose)
+    }
+
+    fn resolved(&mut self, item: &Item, stand: &Stand) -> Option<Item> {
+        match self.document.resolved(item, stand.childclass.as_deref()) {
+            Ok(resolved) => Some(resolved),
+            Err(error) => {
+                self.problems.extend(error.problems);
+                None
+            }
+        }
+    }
+
+    /// A name for what has none: the n-th of its kind.
+    fn numbered(&mut self, kind: &str) -> String {
+        let count = self.unnamed.entry(kind.to_owned()).or_insert(0);
+        *count += 1;
+        format!("{kind}_{count}")
+    }
+
+    fn body(&mut self, item: &Item, stand: &Stand, files: &mut Files) {
+        let name = match item.get("name") {
+            Some(name) => name.to_owned(),
+            None => self.numbered("body"),
+        };
+        self.account_as(item, "body", Some(&name));
+        let Some(pose) = self.pose(item) else { return };
+        let childclass = item.get("childclass").map(str::to_owned).or_else(|| stand.childclass.clone());
+        let body = self.bodies.len();
+        self.bodies.push(Body {
+            name,
+            parent: Some(stand.body),
+            pose: stand.body_from_here * pose,
+            mass: None,
+            shapes: Vec::new(),
+            joints: Vec::new(),
+            sites: Vec::new(),
+            at: item.at,
+        });
+        let inner = Stand { body, body_from_here: Pose::identity(), childclass };
+        let stated = item.children.iter().filter(|child| child.tag == "inertial").count();
+        if stated > 1 {
+            self.problem(item, format!("has {stated} <inertial>; keep one"));
+        }
+        self.inside(item, &inner, files);
+        self.mass_of(item, body);
+    }
+
+    fn inertial(&mut self, item: &Item, stand: &Stand) {
+        self.account(item);
+        let read = || -> Result<Mass, String> {
+            let mass = number(item, "mass")?.ok_or("has no mass; write mass=\"…\" in kg")?;
+            if mass < 0.0 {
+                return Err(format!("mass=\"{mass}\" is negative; write 0 or more"));
+            }
+            let pose = place::pose(item, &self.settings.angles)?;
+            let tensor = match (vector(item, "diaginertia")?, numbers(item, "fullinertia", 6..=6)?) {
+                (Some(_), Some(_)) => return Err("states diaginertia and fullinertia; keep one of them".into()),
+                (Some(diagonal), None) => Matrix3::from_diagonal(&diagonal),
+                (None, Some(m)) => {
+                    let turned =
+                        ["quat", "axisangle", "euler", "xyaxes", "zaxis"].iter().any(|name| item.get(name).is_some());
+                    if turned {
+                        return Err(
+                            "states fullinertia and an orientation, which MuJoCo refuses; keep one of them".into()
+                        );
+                    }
+                    Matrix3::new(m[0], m[3], m[4], m[3], m[1], m[5], m[4], m[5], m[2])
+                }
+                (None, None) => Matrix3::zeros(),
+            };
+            Ok(Mass { mass, centre: Vector3::zeros(), tensor }.placed(&pose))
+        };
+        let read = read();
+        if let Some(mass) = self.good(item, read) {
+            if stand.body == 0 {
+                self.problem(item, "stands in <worldbody>, which has no mass; put it into a <body>");
+                return;
+            }
+            self.bodies[stand.body].mass = Some((mass.placed(&stand.body_from_here), item.at));
+        }
+    }
+
+    /// The mass of a body by what the compiler asks for: stated, or that of its geoms.
+    fn mass_of(&mut self, item: &Item, body: usize) {
+        let stated = self.bodies[body].mass;
+        let from_geoms = match self.settings.from_geoms {
+            FromGeoms::Never => false,
+            FromGeoms::Always => true,
+            FromGeoms::WhereNoneIsStated => stated.is_none(),
+        };
+        if from_geoms {
+            let parts: Vec<Mass> = self.bodies[body].shapes.iter().filter_map(|shape| shape.mass).collect();
+            let whole = Mass::together(&parts);
+            if stated.is_some() {
+                self.note(item, "the stated <inertial> is replaced by that of the geoms, as inertiafromgeom asks");
+            }
+            self.bodies[body].mass = whole.map(|mass| (mass, item.at));
+        }
+        let Some((mut mass, at)) = self.bodies[body].mass else { return };
+        let [a, b, c] = mass.moments();
+        if !is_possible([a, b, c]) && self.settings.balance {
+            let mean = (a + b + c) / 3.0;
+            mass.tensor = Matrix3::identity() * mean;
+            self.note(
+                item,
+                format!("its moments of inertia {a:e}, {b:e}, {c:e} kg·m² become their mean, as balanceinertia asks"),
+            );
+        }
+        if mass.mass < self.settings.least_mass {
+            self.note(
+                item,
+                format!("its mass of {} kg is raised to {}, as boundmass asks", mass.mass, self.settings.least_mass),
+            );
+            mass.mass = self.settings.least_mass;
+        }
+        if mass.moments()[0] < self.settings.least_inertia {
+            let eigen = mass.tensor.symmetric_eigen();
+            let raised = eigen.eigenvalues.map(|value| value.max(self.settings.least_inertia));
+            mass.tensor = eigen.eigenvectors * Matrix3::from_diagonal(&raised) * eigen.eigenvectors.transpose();
+            self.note(item, "a moment of inertia is raised, as boundinertia asks");
+        }
+        self.bodies[body].mass = Some((mass, at));
+    }
+
+    /// Scales every mass where the compiler asks for a total.
+    fn totals(&mut self) {
+        let Some(total) = self.settings.total_mass else { return };
+        let sum: f64 = self.bodies.iter().filter_map(|body| Some(body.mass?.0.mass)).sum();
+        if sum <= 0.0 {
+            return;
+        }
+        let root = self.document.root.clone();
+        self.note(&root, format!("every mass is scaled by {}, as settotalmass asks", total / sum));
+        for (mass, _) in self.bodies.iter_mut().filter_map(|body| body.mass.as_mut()) {
+            mass.mass *= total / sum;
+            mass.tensor *= total / sum;
+        }
+    }
+
+    fn joint(&mut self, item: &Item, stand: &Stand) {
+        let resolved = if item.tag == "joint" { self.resolved(item, stand) } else { Some(item.clone()) };
+        let Some(resolved) = resolved else { return };
+        if stand.body == 0 {
+            self.problem(item, "stands in <worldbody>, which does not move; put it into a <body>");
+            return;
+        }
+        let read = self.joint_of(&resolved, stand);
+        let Some(mut joint) = self.good(item, read) else { return };
+        if joint.name.is_empty() {
+            let owner = self.bodies[stand.body].name.clone();
+            let word = match joint.kind {
+                Kind::Hinge => "hinge",
+                Kind::Slide => "slide",
+                Kind::Ball => "ball",
+                Kind::Free => "free",
+            };
+            let count = self.bodies[stand.body].joints.len();
+            let number = if count == 0 { String::new() } else { format!("_{}", count + 1) };
+            joint.name = format!("{owner}_{word}{number}");
+        }
+        if joint.kind == Kind::Free
+            && (self.bodies[stand.body].parent != Some(0) || !self.bodies[stand.body].joints.is_empty())
+        {
+            self.problem(item, "a free joint stands alone in a body of <worldbody>; move it there");
+        }
+        // Angles in what is kept count in rad, as everything that is written here.
+        let mut in_rad = resolved.clone();
+        if matches!(joint.kind, Kind::Hinge | Kind::Ball) {
+            for (name, value) in &mut in_rad.attributes {
+                if name == "springref"
+                    && let Ok(angle) = value.trim().parse::<f64>()
+                {
+                    *value = (angle * self.settings.angles.unit).to_string();
+                }
+            }
+        }
+        let name = joint.name.clone();
+        self.account_as(&in_rad, &item.tag, Some(&name));
+        self.bodies[stand.body].joints.push(joint);
+    }
+
+    fn joint_of(&self, item: &Item, stand: &Stand) -> Result<Joint, String> {
+        let kind = match (item.tag.as_str(), item.get("type")) {
+            ("freejoint", _) | (_, Some("free")) => Kind::Free,
+            (_, None | Some("hinge")) => Kind::Hinge,
+            (_, Some("slide")) => Kind::Slide,
+            (_, Some("ball")) => Kind::Ball,
+            (_, Some(word)) => {
+                return Err(format!("type=\"{word}\" is no kind of joint; write hinge, slide, ball or free"));
+            }
+        };
+        let pos = vector(item, "pos")?.unwrap_or_default();
+        let axis = vector(item, "axis")?.unwrap_or_else(Vector3::z);
+        if axis.norm() < 1e-14 && matches!(kind, Kind::Hinge | Kind::Slide) {
+            return Err("its axis has length 0; write a direction such as 0 0 1".into());
+        }
+        let scale = if kind == Kind::Slide { 1.0 } else { self.settings.angles.unit };
+        let range = numbers(item, "range", 2..=2)?.map(|range| (range[0] * scale, range[1] * scale));
+        let limited = self.settings.limited(item, "limited", range.is_some_and(|(lower, upper)| lower < upper))?;
+        if limited && range.is_none() {
+            return Err("is limited and has no range; write range=\"LOWER UPPER\"".into());
+        }
+        if let (true, Some((lower, upper))) = (limited, range)
+            && lower >= upper
+            && kind != Kind::Ball
+        {
+            return Err(format!("its range ends at {upper} before it starts at {lower}; write the lower bound first"));
+        }
+        let force = numbers(item, "actuatorfrcrange", 2..=2)?.map(|range| range[0].abs().max(range[1].abs()));
+        let has_force = self.settings.limited(item, "actuatorfrclimited", force.is_some_and(|force| force > 0.0))?;
+        let here = &stand.body_from_here;
+        Ok(Joint {
+            name: item.get("name").unwrap_or_default().to_owned(),
+            kind,
+            pos: here.rotation * pos + here.translation.vector,
+            axis: here.rotation * axis,
+            zero: number(item, "ref")?.unwrap_or(0.0) * scale,
+            range: range.filter(|_| limited && kind != Kind::Ball),
+            damping: number(item, "damping")
+                .or_else(|_| numbers(item, "damping", 1..=3).map(|d| d.map(|d| d[0])))?
+                .unwrap_or(0.0),
+            friction: number(item, "frictionloss")?.unwrap_or(0.0),
+            effort: force.filter(|_| has_force),
+            velocity: None,
+            mimic: None,
+            at: item.at,
+        })
+    }
+
+    fn site(&mut self, item: &Item, stand: &Stand) {
+        let Some(resolved) = self.resolved(item, stand) else { return };
+        let along = from_to(&resolved);
+        let Some(along) = self.good(item, along) else { return };
+        let pose = match along {
+            Some((pose, _)) => Some(pose),
+            None => self.pose(&resolved),
+        };
+        let (Some(pose), Some(name)) = (pose, resolved.get("name")) else {
+            self.keep(item, "a site without a name is no frame that anybody could ask for");
+            return;
+        };
+        self.account(&resolved);
+        let site = Site { name: name.to_owned(), pose: stand.body_from_here * pose, at: item.at };
+        self.bodies[stand.body].sites.push(site);
+    }
+
+    // What acts on the bodies.
+
+    fn others(&mut self) {
+        let document = self.document;
+        for section in document.sections("equality") {
+            for item in &section.children {
+                self.equality(item);
+            }
+        }
+        for section in document.root.children.iter().filter(|section| KEPT_SECTIONS.contains(&section.tag.as_str())) {
+            let tag = section.tag.clone();
+            let nowhere = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
+            if ["option", "size", "visual", "statistic"].contains(&tag.as_str()) {
+                self.keep(section, "URDF says nothing of how a simulator works");
+                continue;
+            }
+            for item in &section.children {
+                let Some(resolved) = self.resolved(item, &nowhere) else { continue };
+                if tag == "actuator" {
+                    self.actuator(&resolved);
+                }
+                let why = match tag.as_str() {
+                    "tendon" => "URDF has no tendons; what they couple moves freely",
+                    "actuator" => "URDF has no actuators; force and speed are in the joint's limits where they follow",
+                    "sensor" => "URDF has no sensors of joints and sites",
+                    "keyframe" => "URDF has no named states",
+                    "contact" => "URDF has no list of contacts; an SRDF has",
+                    _ => "URDF has no such element; it changes no pose, mass or limit",
+                };
+                let text = format!("<{tag}>{}</{tag}>", resolved.xml());
+                self.keep_as(item, text, why);
+            }
+        }
+    }
+
+    fn joint_named(&mut self, name: &str) -> Option<&mut Joint> {
+        self.bodies.iter_mut().flat_map(|body| &mut body.joints).find(|joint| joint.name == name)
+    }
+
+    fn equality(&mut self, item: &Item) {
+        let nowhere = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
+        let Some(resolved) = self.resolved(item, &nowhere) else { return };
+        let known = ["connect", "weld", "joint", "tendon", "flex", "flexvert", "flexstrain"];
+        if !known.contains(&item.tag.as_str()) {
+            self.unknown(item, known.into_iter());
+            return;
+        }
+        let why = match self.coupled(&resolved) {
+            Ok(true) => {
+                self.understood += 1;
+                let physics = ["solref", "solimp", "name"].iter().any(|name| resolved.get(name).is_some());
+                if !physics {
+                    return;
+                }
+                "the coupling is translated; that it is soft, and its name, URDF cannot say"
+            }
+            Ok(false) => match item.tag.as_str() {
+                "joint" => "URDF couples joints by a factor and an offset alone; both move freely",
+                "connect" | "weld" => "URDF is a tree and closes no loop; every joint moves freely",
+                _ => "URDF has no such constraint; what it couples moves freely",
+            },
+            Err(what) => {
+                self.problem(item, what);
+                return;
+            }
+        };
+        let text = format!("<equality>{}</equality>", resolved.xml());
+        self.keep_as(item, text, why);
+    }
+
+    /// Whether an equality couples a joint to another by a line, which is then the joint's mimic.
+    fn coupled(&mut self, item: &Item) -> Result<bool, String> {
+        if item.tag != "joint" || item.get("active") == Some("false") {
+            return Ok(false);
+        }
+        let first = item.get("joint1").ok_or("has no joint1; name the joint that follows")?.to_owned();
+        let Some(second) = item.get("joint2").map(str::to_owned) else { return Ok(false) };
+        let p = numbers(item, "polycoef", 1..=5)?.unwrap_or_else(|| vec![0.0, 1.0, 0.0, 0.0, 0.0]);
+        let mut coefficients = [0.0, 1.0, 0.0, 0.0, 0.0];
+        coefficients[..p.len()].copy_from_slice(&p);
+        for (attribute, name) in [("joint1", &first), ("joint2", &second)] {
+            if self.joint_named(name).is_none() {
+                let names: Vec<&str> =
+                    self.bodies.iter().flat_map(|body| &body.joints).map(|joint| joint.name.as_str()).collect();
+                let near = nearest_name(name, names.into_iter());
+                let advice =
+                    near.map_or("name a joint of this model".into(), |near| format!("did you mean \"{near}\"?"));
+                return Err(format!("{attribute} \"{name}\" does not exist; {advice}"));
+            }
+        }
+        if coefficients[2..].iter().any(|c| *c != 0.0) || first == second {
+            return Ok(false);
+        }
+        // Whom joint2 follows in the end: not joint1.
+        let mut at = second.clone();
+        for _ in 0..self.bodies.len() {
+            match self.joint_named(&at).and_then(|joint| joint.mimic.clone()) {
+                Some((next, ..)) if next == first => return Ok(false),
+                Some((next, ..)) => at = next,
+                None => break,
+            }
+        }
+        let driver_zero = self.joint_named(&second).map_or(0.0, |joint| joint.zero);
+        let one_valued = |kind: Kind| matches!(kind, Kind::Hinge | Kind::Slide);
+        if !self.joint_named(&second).is_some_and(|joint| one_valued(joint.kind)) {
+            return Ok(false);
+        }
+        let Some(joint) = self.joint_named(&first) else { return Ok(false) };
+        if joint.mimic.is_some() || !one_valued(joint.kind) {
+            return Ok(false);
+        }
+        // y - y0 = c0 + c1 (x - x0)
+        let offset = coefficients[0] + joint.zero - coefficients[1] * driver_zero;
+        joint.mimic = Some((second, coefficients[1], offset));
+        Ok(true)
+    }
+
+    /// An actuator's bounds, where they bound a joint.
+    fn actuator(&mut self, item: &Item) {
+        let read = || -> Result<Option<(String, Option<f64>, Option<f64>)>, String> {
+            let Some(joint) = item.get("joint").or_else(|| item.get("jointinparent")) else { return Ok(None) };
+            let gear = numbers(item, "gear", 1..=6)?.map_or(1.0, |gear| gear[0].abs());
+            let bound = |range: &str, limited: &str| -> Result<Option<f64>, String> {
+                let found = numbers(item, range, 2..=2)?.filter(|range| range[0] < range[1]);
+                let found = found.map(|range| range[0].abs().max(range[1].abs()));
+                let holds = self.settings.limited(item, limited, found.is_some())?;
+                Ok(found.filter(|_| holds))
+            };
+            let force = bound("forcerange", "forcelimited")?;
+            let control = bound("ctrlrange", "ctrllimited")?;
+            let effort = match (force, item.tag.as_str()) {
+                (Some(force), _) => Some(force * gear),
+                (None, "motor") => control.map(|control| control * gear),
+                _ => None,
+            };
+            let velocity =
+                if item.tag == "velocity" && gear > 0.0 { control.map(|control| control / gear) } else { None };
+            Ok(Some((joint.to_owned(), effort, velocity)))
+        };
+        let read = read();
+        let Some(Some((name, effort, velocity))) = self.good(item, read) else { return };
+        let Some(joint) = self.joint_named(&name) else {
+            self.problem(item, format!("acts on joint \"{name}\", which does not exist; name a joint of this model"));
+            return;
+        };
+        joint.effort = joint.effort.or(effort);
+        joint.velocity = joint.velocity.or(velocity);
+    }
+
+    /// Bodies and sites share URDF's one space of link names.
+    fn unique_names(&mut self) {
+        let mut seen: HashMap<String, At> = HashMap::new();
+        let mut problems = Vec::new();
+        for body in self.bodies.iter().skip(1) {
+            if let Some((_, line)) = seen.insert(body.name.clone(), body.at) {
+                let place = self.document.place_of(body.at, format!("body \"{}\"", body.name));
+                problems.push((place, format!("the name is already taken in line {line}; rename one of the two")));
+            }
+        }
+        self.problems.extend(problems);
+        seen.insert("world".into(), (0, 0));
+        for body in &mut self.bodies {
+            for site in &mut body.sites {
+                let own = site.name.clone();
+                let mut number = 1;
+                while seen.contains_key(&site.name) {
+                    site.name = if number == 1 { format!("{own}_site") } else { format!("{own}_site_{number}") };
+                    number += 1;
+                }
+                seen.insert(site.name.clone(), site.at);
+            }
+        }
+    }
+}

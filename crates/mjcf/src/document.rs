@@ -1,0 +1,234 @@
+//! The elements of a model, those of included files in their place, and its classes of defaults.
+
+use crate::Files;
+use denavit_model::formats::FormatError;
+use denavit_model::notes::Place;
+use denavit_model::problems::nearest_name;
+use denavit_model::write::escaped;
+use roxmltree::{Document as Xml, Node, ParsingOptions};
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write as _;
+
+/// Deeper trees are refused: no robot has them, and every walk over them is a call of itself.
+const DEEPEST: usize = 500;
+
+/// An element.
+#[derive(Debug, Clone, Default)]
+pub struct Item {
+    pub tag: String,
+    pub attributes: Vec<(String, String)>,
+    pub children: Vec<Item>,
+    pub text: String,
+    /// File, as an index, and line.
+    pub at: (usize, usize),
+}
+
+impl Item {
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
+    }
+
+    /// How messages call it: `joint "elbow"`, `<option>`.
+    pub fn label(&self) -> String {
+        match self.get("name").or_else(|| self.get("class").filter(|_| self.tag == "default")) {
+            Some(name) => format!("{} \"{name}\"", self.tag),
+            None => format!("<{}>", self.tag),
+        }
+    }
+
+    /// As text, with everything in it.
+    pub fn xml(&self) -> String {
+        let mut out = format!("<{}", self.tag);
+        for (name, value) in &self.attributes {
+            let _ = write!(out, " {name}=\"{}\"", escaped(value));
+        }
+        if self.children.is_empty() && self.text.is_empty() {
+            out.push_str("/>");
+            return out;
+        }
+        out.push('>');
+        out.push_str(&escaped(&self.text));
+        for child in &self.children {
+            out.push_str(&child.xml());
+        }
+        let _ = write!(out, "</{}>", self.tag);
+        out
+    }
+}
+
+/// Attributes by the tag that they are defaults of.
+type Class = BTreeMap<String, Vec<(String, String)>>;
+
+/// A model's elements and classes.
+#[derive(Debug)]
+pub struct Document {
+    pub root: Item,
+    pub files: Vec<String>,
+    classes: HashMap<String, Class>,
+}
+
+/// Reads a model and what it includes.
+pub fn read(file: &str, text: &str, files: &mut Files) -> Result<Document, FormatError> {
+    let mut names = vec![file.to_owned()];
+    let root = parsed(text, 0, &mut names, files)?;
+    let mut document = Document { root, files: names, classes: HashMap::new() };
+    if document.root.tag != "mujoco" {
+        let what = format!(
+            "the root element is <{}>, which is a part of a model; name the file that includes it, whose root is <mujoco>",
+            document.root.tag
+        );
+        return Err(FormatError::one(document.place(&document.root), what));
+    }
+    document.collect_classes()?;
+    Ok(document)
+}
+
+fn parsed(text: &str, file: usize, names: &mut Vec<String>, files: &mut Files) -> Result<Item, FormatError> {
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let xml = Xml::parse_with_options(text, options).map_err(|error| {
+        let place = Place { file: names[file].clone(), line: error.pos().row as usize, element: "file".into() };
+        FormatError::one(place, format!("not well-formed XML: {error}; correct it in this line"))
+    })?;
+    let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+    item(xml.root_element(), file, &ends, names, files, 0)
+}
+
+fn item(
+    node: Node,
+    file: usize,
+    ends: &[usize],
+    names: &mut Vec<String>,
+    files: &mut Files,
+    depth: usize,
+) -> Result<Item, FormatError> {
+    let line = 1 + ends.partition_point(|end| *end < node.range().start);
+    let own = |attribute: roxmltree::Attribute| (attribute.name().to_owned(), attribute.value().to_owned());
+    let mut result = Item {
+        tag: node.tag_name().name().to_owned(),
+        attributes: node.attributes().map(own).collect(),
+        at: (file, line),
+        ..Item::default()
+    };
+    if depth > DEEPEST {
+        let place = Place { file: names[file].clone(), line, element: result.label() };
+        return Err(FormatError::one(
+            place,
+            format!("stands more than {DEEPEST} elements deep; no model is read that deep"),
+        ));
+    }
+    for child in node.children() {
+        if child.is_text() {
+            result.text.push_str(child.text().unwrap_or_default().trim());
+        }
+        if !child.is_element() {
+            continue;
+        }
+        let child = item(child, file, ends, names, files, depth + 1)?;
+        if child.tag != "include" {
+            result.children.push(child);
+            continue;
+        }
+        let place = Place { file: names[file].clone(), line: child.at.1, element: "<include>".into() };
+        let Some(name) = child.get("file") else {
+            return Err(FormatError::one(place, "the attribute `file` is missing; name the file to include"));
+        };
+        if names.iter().any(|known| known == name) {
+            let what = format!("includes {name} a second time, which MuJoCo refuses; include it once");
+            return Err(FormatError::one(place, what));
+        }
+        let bytes = files(name).map_err(|why| {
+            FormatError::one(place.clone(), format!("includes {name}, which cannot be read: {why}; put the file there"))
+        })?;
+        let text = String::from_utf8(bytes).map_err(|_| {
+            FormatError::one(place, format!("includes {name}, which is no UTF-8 text; save it as UTF-8"))
+        })?;
+        names.push(name.to_owned());
+        let index = names.len() - 1;
+        let included = parsed(&text, index, names, files)?;
+        result.children.extend(included.children);
+    }
+    Ok(result)
+}
+
+impl Document {
+    pub fn place_of(&self, at: (usize, usize), element: impl Into<String>) -> Place {
+        Place { file: self.files.get(at.0).cloned().unwrap_or_default(), line: at.1, element: element.into() }
+    }
+
+    pub fn place(&self, item: &Item) -> Place {
+        self.place_of(item.at, item.label())
+    }
+
+    /// Sections of this name, in the order of the file.
+    pub fn sections<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Item> {
+        self.root.children.iter().filter(move |child| child.tag == tag)
+    }
+
+    fn collect_classes(&mut self) -> Result<(), FormatError> {
+        let mut classes: HashMap<String, Class> = HashMap::new();
+        classes.insert("main".into(), Class::new());
+        let mut open: Vec<(&Item, Option<String>)> = self.sections("default").map(|item| (item, None)).collect();
+        open.reverse();
+        while let Some((item, parent)) = open.pop() {
+            let name = match (item.get("class"), &parent) {
+                (Some(name), _) => name.to_owned(),
+                (None, None) => "main".to_owned(),
+                (None, Some(_)) => {
+                    let what = "a class inside another needs a name; write <default class=\"…\">";
+                    return Err(FormatError::one(self.place(item), what));
+                }
+            };
+            // The outermost class is the main one under whatever name.
+            let mut class = match &parent {
+                Some(parent) => classes.get(parent).cloned().unwrap_or_default(),
+                None => classes.get("main").cloned().unwrap_or_default(),
+            };
+            for child in item.children.iter().filter(|child| child.tag != "default") {
+                let known = class.entry(child.tag.clone()).or_default();
+                for (attribute, value) in &child.attributes {
+                    known.retain(|(other, _)| other != attribute);
+                    known.push((attribute.clone(), value.clone()));
+                }
+            }
+            if parent.is_none() {
+                classes.insert("main".into(), class.clone());
+            }
+            classes.insert(name.clone(), class);
+            let inner = item.children.iter().filter(|child| child.tag == "default");
+            let first = open.len();
+            open.extend(inner.map(|child| (child, Some(name.clone()))));
+            open[first..].reverse();
+        }
+        self.classes = classes;
+        Ok(())
+    }
+
+    /// An element with its defaults written out: its own class, that of the bodies that it stands in, or the main one.
+    pub fn resolved(&self, item: &Item, childclass: Option<&str>) -> Result<Item, FormatError> {
+        let name = item.get("class").or(childclass).unwrap_or("main");
+        let Some(class) = self.classes.get(name) else {
+            let near = nearest_name(name, self.classes.keys().map(String::as_str));
+            let advice = near.map_or("define it in <default>".into(), |near| format!("did you mean \"{near}\"?"));
+            return Err(FormatError::one(self.place(item), format!("there is no class \"{name}\"; {advice}")));
+        };
+        let mut result = item.clone();
+        result.attributes.retain(|(name, _)| name != "class");
+        for (attribute, value) in class.get(&item.tag).into_iter().flatten() {
+            if result.get(attribute).is_none() && !overruled(item, attribute) {
+                result.attributes.push((attribute.clone(), value.clone()));
+            }
+        }
+        Ok(result)
+    }
+}
+
+/// Whether a default is overruled by an attribute of another name that says the same of the element.
+fn overruled(item: &Item, attribute: &str) -> bool {
+    const TURNS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
+    let stands = |names: &[&str]| names.iter().any(|name| item.get(name).is_some());
+    match attribute {
+        turn if TURNS.contains(&turn) => stands(&TURNS),
+        "diaginertia" => stands(&["fullinertia"]),
+        _ => false,
+    }
+}

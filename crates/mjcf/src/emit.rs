@@ -1,0 +1,233 @@
+//! Bodies as URDF text, each line with the line of the model that it says.
+
+use crate::bodies::{At, Body, Joint, Kind, Model, Shape, Site};
+use crate::document::Document;
+use denavit_model::formats::{Builder, Format};
+use denavit_model::nalgebra::Vector3;
+use denavit_model::robot::Geometry;
+use denavit_model::se3::{self, Pose};
+use denavit_model::write::escaped;
+use std::collections::HashSet;
+
+/// A turn or place closer to none is none: what rounding leaves.
+const NOTHING: f64 = 1e-15;
+
+/// The text, with its places.
+pub fn urdf(document: &Document, model: Model) -> String {
+    let mut builder = Builder::new(Format::Mjcf, document.files[0].clone());
+    builder.translation.files.clone_from(&document.files);
+    let Model { name, bodies, kept, notes, understood } = model;
+    builder.translation.kept = kept;
+    builder.translation.notes = notes;
+    builder.translation.understood = understood;
+    let links = bodies
+        .iter()
+        .flat_map(|body| std::iter::once(body.name.clone()).chain(body.sites.iter().map(|site| site.name.clone())));
+    let joints = bodies.iter().flat_map(|body| body.joints.iter().map(|joint| joint.name.clone()));
+    let mut text = Text { builder, links: links.collect(), joints: joints.collect() };
+    text.line(document.root.at, &format!("<robot name=\"{}\">", escaped(&name)));
+    let skipped = world_is_no_link(&bodies);
+    for (index, body) in bodies.iter().enumerate() {
+        if index == 0 && skipped {
+            continue;
+        }
+        text.body(&bodies, body, skipped);
+    }
+    text.line(document.root.at, "</robot>");
+    text.builder.text()
+}
+
+/// Whether the world is no link of its own: it holds one body and nothing else, and that body does not move in it.
+fn world_is_no_link(bodies: &[Body]) -> bool {
+    let world = &bodies[0];
+    let mut held = bodies.iter().filter(|body| body.parent == Some(0));
+    let (Some(only), None) = (held.next(), held.next()) else { return false };
+    world.shapes.is_empty() && world.sites.is_empty() && only.joints.is_empty() && is_nothing(&only.pose)
+}
+
+fn is_nothing(pose: &Pose) -> bool {
+    pose.translation.vector.amax() <= NOTHING && se3::rotation_angle(&pose.rotation) <= NOTHING
+}
+
+fn numbers(values: &[f64]) -> String {
+    // -0 is 0.
+    values.iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
+}
+
+fn origin(pose: &Pose) -> String {
+    if is_nothing(pose) {
+        return String::new();
+    }
+    let rpy = se3::written_rpy(&pose.rotation);
+    format!("<origin xyz=\"{}\" rpy=\"{}\"/>", numbers(pose.translation.vector.as_slice()), numbers(&rpy))
+}
+
+struct Text {
+    builder: Builder,
+    links: HashSet<String>,
+    joints: HashSet<String>,
+}
+
+impl Text {
+    fn line(&mut self, at: At, text: &str) {
+        self.builder.line(at, text);
+    }
+
+    /// A name that no link or joint has.
+    fn new_name(taken: &mut HashSet<String>, wanted: String) -> String {
+        let mut name = wanted.clone();
+        let mut number = 2;
+        while taken.contains(&name) {
+            name = format!("{wanted}_{number}");
+            number += 1;
+        }
+        taken.insert(name.clone());
+        name
+    }
+
+    fn body(&mut self, bodies: &[Body], body: &Body, world_is_skipped: bool) {
+        let name = escaped(&body.name);
+        self.line(body.at, &format!("<link name=\"{name}\">"));
+        if let Some((mass, at)) = &body.mass {
+            let t = &mass.tensor;
+            let place = if mass.centre == Vector3::zeros() {
+                String::new()
+            } else {
+                format!("<origin xyz=\"{}\"/>", numbers(mass.centre.as_slice()))
+            };
+            let entries = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
+            let entries = entries.map(|(name, row, column)| format!(" {name}=\"{}\"", t[(row, column)] + 0.0)).concat();
+            let inertial = format!("<inertial>{place}<mass value=\"{}\"/><inertia{entries}/></inertial>", mass.mass);
+            self.line(*at, &inertial);
+        }
+        for shape in &body.shapes {
+            self.shape(shape);
+        }
+        self.line(body.at, "</link>");
+        if let Some(parent) = body.parent.filter(|parent| !(*parent == 0 && world_is_skipped)) {
+            self.joints_of(&bodies[parent].name, body);
+        }
+        for site in &body.sites {
+            self.site(&body.name, site);
+        }
+    }
+
+    fn shape(&mut self, shape: &Shape) {
+        let Some(geometry) = &shape.geometry else { return };
+        let name = shape.name.as_ref().map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
+        let geometry = match geometry {
+            Geometry::Box(edges) => format!("<box size=\"{}\"/>", numbers(edges)),
+            Geometry::Cylinder { radius, length } => format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>"),
+            Geometry::Capsule { radius, length } => format!("<capsule radius=\"{radius}\" length=\"{length}\"/>"),
+            Geometry::Sphere(radius) => format!("<sphere radius=\"{radius}\"/>"),
+            Geometry::Mesh { filename, scale } if *scale == [1.0; 3] => {
+                format!("<mesh filename=\"{}\"/>", escaped(filename))
+            }
+            Geometry::Mesh { filename, scale } => {
+                format!("<mesh filename=\"{}\" scale=\"{}\"/>", escaped(filename), numbers(scale))
+            }
+            _ => return,
+        };
+        let content = format!("{}<geometry>{geometry}</geometry>", origin(&shape.pose));
+        if shape.seen {
+            let colour = shape.rgba.map_or_else(String::new, |rgba| {
+                format!("<material name=\"\"><color rgba=\"{}\"/></material>", numbers(&rgba))
+            });
+            self.line(shape.at, &format!("<visual{name}>{content}{colour}</visual>"));
+        }
+        if shape.collides {
+            self.line(shape.at, &format!("<collision{name}>{content}</collision>"));
+        }
+    }
+
+    /// The joints of a body one behind another, with a link without mass between two, and one fixed joint behind the last where
+    /// its axis does not go through the body's origin.
+    fn joints_of(&mut self, parent: &str, body: &Body) {
+        if body.joints.is_empty() {
+            self.fixed(body.at, parent, &body.name, &body.pose);
+            return;
+        }
+        let mut parent = parent.to_owned();
+        let mut here = body.pose;
+        let mut offset = Vector3::zeros();
+        for (index, joint) in body.joints.iter().enumerate() {
+            let turns = matches!(joint.kind, Kind::Hinge | Kind::Ball);
+            let point = if turns { joint.pos } else { offset };
+            let mut place = here * se3::translation(point - offset);
+            if joint.zero != 0.0 {
+                let axis = joint.axis.normalize();
+                place *= match joint.kind {
+                    Kind::Hinge => se3::pose(se3::rotation_about(&axis, -joint.zero), Vector3::zeros()),
+                    Kind::Slide => se3::translation(axis * -joint.zero),
+                    _ => Pose::identity(),
+                };
+            }
+            offset = point;
+            let is_last = index + 1 == body.joints.len();
+            let child = if is_last && offset == Vector3::zeros() {
+                body.name.clone()
+            } else {
+                let wanted = format!("{}_{}", body.name, joint.name);
+                let name = Self::new_name(&mut self.links, wanted);
+                self.line(joint.at, &format!("<link name=\"{}\"/>", escaped(&name)));
+                name
+            };
+            self.joint(joint, &parent, &child, &place);
+            parent = child;
+            here = Pose::identity();
+        }
+        if offset != Vector3::zeros() {
+            self.fixed(body.at, &parent, &body.name, &se3::translation(-offset));
+        }
+    }
+
+    fn fixed(&mut self, at: At, parent: &str, child: &str, pose: &Pose) {
+        let name = Self::new_name(&mut self.joints, format!("{child}_fixed"));
+        let (name, parent, child, place) = (escaped(&name), escaped(parent), escaped(child), origin(pose));
+        self.line(at, &format!(
+            "<joint name=\"{name}\" type=\"fixed\">{place}<parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
+        ));
+    }
+
+    fn joint(&mut self, joint: &Joint, parent: &str, child: &str, place: &Pose) {
+        let kind = match joint.kind {
+            Kind::Hinge if joint.range.is_some() => "revolute",
+            Kind::Hinge => "continuous",
+            Kind::Slide => "prismatic",
+            Kind::Ball => "ball",
+            Kind::Free => "floating",
+        };
+        let (name, parent, child) = (escaped(&joint.name), escaped(parent), escaped(child));
+        let mut text = format!("<joint name=\"{name}\" type=\"{kind}\">{}", origin(place));
+        text.push_str(&format!("<parent link=\"{parent}\"/><child link=\"{child}\"/>"));
+        if matches!(joint.kind, Kind::Hinge | Kind::Slide) {
+            text.push_str(&format!("<axis xyz=\"{}\"/>", numbers(joint.axis.as_slice())));
+        }
+        let bounds = [
+            ("lower", joint.range.map(|range| range.0)),
+            ("upper", joint.range.map(|range| range.1)),
+            ("effort", joint.effort),
+            ("velocity", joint.velocity),
+        ];
+        let bounds: String =
+            bounds.iter().filter_map(|(name, value)| Some(format!(" {name}=\"{}\"", (*value)? + 0.0))).collect();
+        if !bounds.is_empty() {
+            text.push_str(&format!("<limit{bounds}/>"));
+        }
+        if let Some((driver, factor, offset)) = &joint.mimic {
+            let driver = escaped(driver);
+            let offset = offset + 0.0;
+            text.push_str(&format!("<mimic joint=\"{driver}\" multiplier=\"{factor}\" offset=\"{offset}\"/>"));
+        }
+        if joint.damping != 0.0 || joint.friction != 0.0 {
+            text.push_str(&format!("<dynamics damping=\"{}\" friction=\"{}\"/>", joint.damping, joint.friction));
+        }
+        text.push_str("</joint>");
+        self.line(joint.at, &text);
+    }
+
+    fn site(&mut self, body: &str, site: &Site) {
+        self.line(site.at, &format!("<link name=\"{}\"/>", escaped(&site.name)));
+        self.fixed(site.at, body, &site.name, &site.pose);
+    }
+}

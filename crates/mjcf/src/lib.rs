@@ -1,0 +1,47 @@
+//! MJCF, the models of MuJoCo, to and from the one tree of links and joints.
+//!
+//! ```text
+//! MJCF text ──► document (includes, classes) ──► bodies ──► URDF text with the places of the MJCF ──► Robot
+//! ```
+//! The crate opens no files: what a model includes, and meshes whose volume gives a mass, come through a function of the
+//! caller's. Lengths are m, angles rad; degrees, which MJCF counts in unless it says otherwise, end in the reader.
+//!
+//! # Source
+//! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>
+//!
+//! # Examples
+//! ```
+//! let text = r#"<mujoco model="arm"><worldbody><body name="base"> <geom size=".1" mass="2"/>
+//!   <body name="tip" pos="0 0 .5"> <joint name="j" axis="0 1 0" range="-90 90"/> <geom size=".1"/> </body> </body>
+//!   </worldbody></mujoco>"#;
+//! let urdf = denavit_mjcf::read("arm.xml", text, &mut |name| Err(format!("{name} is not there")))?;
+//! let robot = denavit_model::urdf::read("arm.xml", &urdf)?;
+//! assert_eq!(robot.joints[0].limits.range.unwrap().1, std::f64::consts::FRAC_PI_2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod bodies;
+mod document;
+mod emit;
+mod known;
+mod mass;
+mod mesh;
+mod place;
+
+use denavit_model::formats::FormatError;
+
+/// A file that a model names, relative to the model's own folder: its content, or why there is none.
+pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// The URDF text of a model, which carries the places of its lines and what URDF cannot say: see
+/// [`formats`](denavit_model::formats).
+///
+/// `file` is used in messages; `files` gives what the model includes, and meshes where their volume gives a mass.
+///
+/// # Errors
+/// Everything that is wrong with the model, each with file, line, element and what to do.
+pub fn read(file: &str, text: &str, files: &mut Files) -> Result<String, FormatError> {
+    let document = document::read(file, text, files)?;
+    let model = bodies::model(&document, files)?;
+    Ok(emit::urdf(&document, model))
+}

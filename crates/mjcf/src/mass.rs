@@ -1,0 +1,105 @@
+//! Mass, centre and inertia tensor: of solids, of parts together, and as a model's compiler asks to change them.
+
+use denavit_model::nalgebra::{Matrix3, Vector3};
+use denavit_model::se3::Pose;
+use std::f64::consts::PI;
+
+/// Mass properties in some frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mass {
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub centre: Vector3<f64>,
+    /// About the centre, along the frame's axes, kg·m².
+    pub tensor: Matrix3<f64>,
+}
+
+/// A solid's volume (m³) and its inertia tensor about its centre for a density of 1 kg/m³.
+#[derive(Debug, Clone, Copy)]
+pub struct Solid {
+    pub volume: f64,
+    pub centre: Vector3<f64>,
+    pub tensor: Matrix3<f64>,
+}
+
+impl Solid {
+    fn new(volume: f64, diagonal: [f64; 3]) -> Self {
+        let tensor = Matrix3::from_diagonal(&Vector3::from(diagonal));
+        Self { volume, centre: Vector3::zeros(), tensor }
+    }
+
+    /// Half-axes a, b, c (m).
+    pub fn ellipsoid([a, b, c]: [f64; 3]) -> Self {
+        let volume = 4.0 / 3.0 * PI * a * b * c;
+        let k = volume / 5.0;
+        Self::new(volume, [k * (b * b + c * c), k * (a * a + c * c), k * (a * a + b * b)])
+    }
+
+    /// Half-edges a, b, c (m).
+    pub fn cuboid([a, b, c]: [f64; 3]) -> Self {
+        let volume = 8.0 * a * b * c;
+        let k = volume / 3.0;
+        Self::new(volume, [k * (b * b + c * c), k * (a * a + c * c), k * (a * a + b * b)])
+    }
+
+    /// Radius and half-length along z (m).
+    pub fn cylinder(radius: f64, half: f64) -> Self {
+        let volume = PI * radius * radius * 2.0 * half;
+        let across = volume * (radius * radius / 4.0 + half * half / 3.0);
+        Self::new(volume, [across, across, volume * radius * radius / 2.0])
+    }
+
+    /// Radius and half-length along z without the caps (m).
+    pub fn capsule(radius: f64, half: f64) -> Self {
+        let middle = Self::cylinder(radius, half);
+        let ball = 4.0 / 3.0 * PI * radius.powi(3);
+        // A half ball's centre is 3/8 of the radius from its flat side; both halves are `half` from the middle.
+        let own = ball * 2.0 / 5.0 * radius * radius;
+        let across = own + ball * (half * half + 0.75 * half * radius);
+        let [x, z] = [middle.tensor[(0, 0)] + across, middle.tensor[(2, 2)] + own];
+        Self::new(middle.volume + ball, [x, x, z])
+    }
+
+    /// The solid with this mass (kg), placed.
+    pub fn of_mass(&self, mass: f64, pose: &Pose) -> Mass {
+        let scale = if self.volume > 0.0 { mass / self.volume } else { 0.0 };
+        Mass { mass, centre: self.centre, tensor: self.tensor * scale }.placed(pose)
+    }
+}
+
+impl Mass {
+    /// The same in the frame that `pose` places this one in.
+    pub fn placed(&self, pose: &Pose) -> Self {
+        let r = pose.rotation.matrix();
+        let centre = pose.rotation * self.centre + pose.translation.vector;
+        Self { mass: self.mass, centre, tensor: r * self.tensor * r.transpose() }
+    }
+
+    /// Parts as one body; `None` where they have no mass.
+    pub fn together(parts: &[Self]) -> Option<Self> {
+        let mass: f64 = parts.iter().map(|part| part.mass).sum();
+        if mass <= 0.0 {
+            return None;
+        }
+        let centre = parts.iter().map(|part| part.centre * part.mass).sum::<Vector3<f64>>() / mass;
+        let tensor = parts.iter().map(|part| {
+            let d = part.centre - centre;
+            part.tensor + (Matrix3::identity() * d.dot(&d) - d * d.transpose()) * part.mass
+        });
+        Some(Self { mass, centre, tensor: tensor.sum() })
+    }
+
+    /// The principal moments, ascending, kg·m².
+    pub fn moments(&self) -> [f64; 3] {
+        let mut moments: Vec<f64> = self.tensor.symmetric_eigenvalues().iter().copied().collect();
+        moments.sort_by(f64::total_cmp);
+        [moments[0], moments[1], moments[2]]
+    }
+}
+
+/// Whether a body can have these principal moments (ascending): A + B ≥ C, but for the digits that were written.
+pub fn is_possible([a, b, c]: [f64; 3]) -> bool {
+    // MuJoCo's own slack is 1e-6 of the largest.
+    a >= 0.0 && a + b >= c * (1.0 - 1e-6)
+}
