@@ -190,7 +190,7 @@ impl Translation {
                     }
                 }
                 ["note", file, line, element, what] => {
-                    result.notes.push((place(file, line, element)?, what.to_owned()))
+                    result.notes.push((place(file, line, element)?, what.to_owned()));
                 }
                 [kind @ ("kept" | "unknown"), file, line, element, what, why, text] => result.kept.push(Kept {
                     loss: Loss { place: place(file, line, element)?, what: what.to_owned(), why: why.to_owned() },
