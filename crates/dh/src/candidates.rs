@@ -47,17 +47,22 @@ impl Target {
                 placed_after: 0,
             });
         }
-        let rotation = chain.home().rotation.matrix();
-        targets.push(Self {
+        targets.push(Self::tool(chain.home()));
+        Self::look_ahead(&mut targets);
+        targets
+    }
+
+    /// The tool's z, with nothing ahead of it.
+    pub fn tool(pose: &Pose) -> Self {
+        let rotation = pose.rotation.matrix();
+        Self {
             direction: rotation.column(2).into_owned(),
-            point: chain.home().translation.vector,
+            point: pose.translation.vector,
             place_is_free: false,
             tool_x: Some(rotation.column(0).into_owned()),
             turns_after: 0,
             placed_after: 0,
-        });
-        Self::look_ahead(&mut targets);
-        targets
+        }
     }
 }
 

@@ -152,6 +152,27 @@ fn rows(chain: &Chain, options: &Options) -> (Vec<Row>, ToolPart) {
     (rows, tool)
 }
 
+/// The last row and the tool part of a table of `chain`, from the frame on its last joint's axis to the tip: what
+/// [`table`] would choose if the frames before it were given.
+///
+/// # Shape and units
+/// `flange` is the tip's pose in that frame, whose z is the last joint's axis; rad and m.
+pub fn last_row(chain: &Chain, flange: &Pose, gauge: Gauge) -> (Row, ToolPart) {
+    let weigher = Weigher::new(gauge, chain);
+    let options = Options { gauge, ..Options::default() };
+    let target = Target::tool(flange);
+    let mut best: Option<(f64, Row, ToolPart)> = None;
+    for row in candidates(&Pose::identity(), &Vector3::z(), &[target], &options, weigher.size()) {
+        let tool = tool_part(&row.pose(), flange, weigher.size());
+        let cost = weigher.row(chain.joints().len(), &row) + weigher.tool(&tool);
+        if best.is_none_or(|(least, ..)| cost < least) {
+            best = Some((cost, row, tool));
+        }
+    }
+    let (_, row, tool) = best.expect("every axis has a candidate");
+    (row, tool)
+}
+
 fn tool_part(frame: &Pose, home: &Pose, size: f64) -> ToolPart {
     let step = frame.inverse() * home;
     let r = step.rotation.matrix();

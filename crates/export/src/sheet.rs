@@ -183,6 +183,6 @@ impl Sheet<'_> {
     pub fn displacement_bound(&self) -> (f64, usize) {
         let read = |note: &&Note| matches!(note, Note::IntendedAngle { .. } | Note::TreatedAsParallel { .. });
         let moving: Vec<f64> = self.notes.iter().filter(read).map(Note::tip_moves).collect();
-        (moving.iter().sum(), moving.len())
+        (moving.iter().sum::<f64>() + 0.0, moving.len())
     }
 }

@@ -66,7 +66,7 @@ pub fn fk(noted: &Noted<Chain>, q: &[f64], pose: &Pose) -> String {
         xyz: pose.translation.vector.into(),
         rpy: se3::rpy_from_rotation(&pose.rotation),
         quaternion_xyzw: [quaternion.i, quaternion.j, quaternion.k, quaternion.w],
-        tip_moves_at_most: noted.notes.iter().map(denavit_model::Note::tip_moves).sum(),
+        tip_moves_at_most: noted.notes.iter().map(denavit_model::Note::tip_moves).sum::<f64>() + 0.0,
     })
 }
 

@@ -29,7 +29,7 @@ mod table;
 mod translate;
 mod urdf_text;
 
-pub use canonical::canonical;
+pub use canonical::{canonical, same_table};
 pub use checked::{CheckError, CheckOptions, Rules};
 pub use error::LoadError;
 pub use meshes::{MeshFile, Meshes, meshes};

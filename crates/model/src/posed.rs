@@ -100,6 +100,9 @@ pub enum How {
     NewPose,
     /// Into the attributes `xyz` and `rpy` of a new first child `<origin>`: three numbers and three.
     NewOrigin,
+    /// Into the text of a new element behind the node: a plugin's `<rpyOffset>` behind its `<xyzOffset>`, or the other way
+    /// round, spelt alike.
+    OtherOffset,
 }
 
 impl Posed {
@@ -145,8 +148,12 @@ impl Posed {
                 changes
             }
             Notation::Offsets { xyz: at, rpy: turned } => {
-                let moved = at.map(|node| change(node, How::Text, &xyz));
-                moved.into_iter().chain(turned.map(|node| change(node, How::Text, &rpy))).collect()
+                let written = |node: Option<usize>, numbers: &[f64; 3]| match node {
+                    Some(node) => Some(change(node, How::Text, numbers)),
+                    None if *numbers == [0.0; 3] => None,
+                    None => Some(change(self.node, How::OtherOffset, numbers)),
+                };
+                written(*at, &xyz).into_iter().chain(written(*turned, &rpy)).collect()
             }
             Notation::Text => vec![change(self.node, How::Text, &xyz)],
             Notation::Attribute(name) => vec![change(self.node, How::Attribute(name), &xyz)],
@@ -437,6 +444,7 @@ mod tests {
         for change in changes {
             let mark = match change.how {
                 How::Attribute(name) => name.to_owned(),
+                How::OtherOffset => "other".to_owned(),
                 _ => "text".to_owned(),
             };
             let numbers: Vec<String> = change.numbers.iter().map(ToString::to_string).collect();
@@ -474,6 +482,14 @@ mod tests {
                 (
                     "<gazebo><plugin><bodyName>a</bodyName><xyzOffset>0 0 0</xyzOffset><rpyOffset>0 0 0</rpyOffset></plugin></gazebo>",
                     "<gazebo><plugin><bodyName>a</bodyName><xyzOffset>[text]</xyzOffset><rpyOffset>[text]</rpyOffset></plugin></gazebo>",
+                ),
+                (
+                    "<gazebo><plugin><bodyName>a</bodyName><xyz_offset>0 0 0</xyz_offset></plugin></gazebo>",
+                    "<gazebo><plugin><bodyName>a</bodyName><xyz_offset>[text]</xyz_offset><rpy_offset>[other]</rpy_offset></plugin></gazebo>",
+                ),
+                (
+                    "<gazebo><plugin><bodyName>a</bodyName><rpyOffset>0 0 0</rpyOffset></plugin></gazebo>",
+                    "<gazebo><plugin><bodyName>a</bodyName><xyzOffset>[other]</xyzOffset><rpyOffset>[text]</rpyOffset></plugin></gazebo>",
                 ),
             ] {
                 let changes = found(first)[0].rewritten(&Placed::Pose(pose));

@@ -5,23 +5,22 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::{self, Status};
 use crate::source::{self, Loaded};
-use denavit_dh::table::Row;
 use denavit_dh::{Gauge, Parallelism};
 use denavit_export::urdf::{Frames, LinkFrames, Options};
 use denavit_load::TableOptions;
 use denavit_model::Reading;
-
-/// Numbers of two tables that are closer than this, relative to 1 or their size, are one number.
-const SAME_NUMBER: f64 = 1e-9;
 
 /// Runs the command.
 pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     let robot = &arguments.robot;
     let delivery = Delivery::plain(arguments.output.as_deref(), robot.files())?;
     let loaded = source::load(&robot.robot, &robot.source)?;
-    let exported = denavit_load::canonical(&loaded, &robot.robot, &options(arguments))?;
+    let options = options(arguments);
+    let exported = denavit_load::canonical(&loaded, &robot.robot, &options)?;
     output::remark(&exported.notes);
-    if other_numbers_than_the_table(&loaded, &exported.value, arguments)? {
+    let how = TableOptions { convention: None, gauge: None, tolerance: robot.tolerance };
+    let replaced = matches!(loaded, Loaded::Robot(_)) && options.link_frames == LinkFrames::Replace;
+    if replaced && !denavit_load::same_table(&loaded, &exported.value, &robot.selection(), &how)? {
         output::mention(
             "the table of the source has other numbers of the same robot than the table of this export: the geometry leaves free \
              how lengths along one axis are split",
@@ -29,26 +28,6 @@ pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     }
     delivery.text(exported.value)?;
     Ok(Status::Same)
-}
-
-/// Whether the table of the file that is written differs from that of its source, both as `denavit table` prints them.
-fn other_numbers_than_the_table(loaded: &Loaded, text: &str, arguments: &ExportArguments) -> Result<bool, Failure> {
-    if !matches!(loaded, Loaded::Robot(_)) || options(arguments).link_frames != LinkFrames::Replace {
-        return Ok(false);
-    }
-    let selection = arguments.robot.selection();
-    let how = TableOptions { convention: None, gauge: None, tolerance: arguments.robot.tolerance };
-    let exported = denavit_load::from_text("exported.urdf", text, &denavit_load::Options::default())?.robot;
-    let (table, in_file) = (loaded.table(&selection, &how)?.table.value, exported.table(&selection, &how)?.table.value);
-    let near = |a: f64, b: f64| (a - b).abs() <= SAME_NUMBER * a.abs().max(1.0);
-    let same = table.rows.len() == in_file.rows.len()
-        && table.rows.iter().zip(&in_file.rows).all(|rows| match rows {
-            (Row::Dh(a), Row::Dh(b)) => {
-                near(a.theta, b.theta) && near(a.d, b.d) && near(a.alpha, b.alpha) && near(a.a, b.a)
-            }
-            (a, b) => a == b,
-        });
-    Ok(!same || !near(table.tool.theta, in_file.tool.theta) || !near(table.tool.d, in_file.tool.d))
 }
 
 fn options(arguments: &ExportArguments) -> Options {

@@ -36,7 +36,7 @@ impl Edits {
         let text = &source.text;
         let Some(open) = open_tag_end(text, node.range().start) else { return };
         if text[..open].ends_with("/>") {
-            let tag = text[name_start(node)..name_end(text, node.range().start)].to_owned();
+            let tag = written_tag(source, node);
             self.replace(open - 2..open, format!(">{element}</{tag}>"));
             return;
         }
@@ -100,6 +100,11 @@ fn last_line_break(space: &str) -> &str {
 
 fn name_start(node: Node) -> usize {
     node.range().start + 1
+}
+
+/// A tag as it is written, prefix included.
+pub fn written_tag<'a>(source: &'a SourceText, node: Node) -> &'a str {
+    &source.text[name_start(node)..name_end(&source.text, node.range().start)]
 }
 
 /// Byte offset behind the name of the tag that opens at `start`.

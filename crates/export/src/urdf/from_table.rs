@@ -7,6 +7,7 @@ use denavit_dh::conventions::Convention;
 use denavit_dh::table::{DhRow, Motion, Row, Table, TableJoint};
 use denavit_model::chain::{Coordinate, Limits};
 use denavit_model::nalgebra::Vector3;
+use denavit_model::robot::Robot;
 use denavit_model::se3;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
@@ -39,7 +40,7 @@ pub fn from_table(table: &Table, convention: Convention) -> Result<String, Expor
     table.chain().map_err(|source| ExportError::Chain { file: table.name.clone(), source })?;
     let writer = Writer::new(table);
     let mut text = format!(
-        "<?xml version=\"1.0\"?>\n<!-- Made from the {} Denavit-Hartenberg table; each joint's origin is \
+        "<?xml version=\"1.0\"?>\n<!-- {MADE_FROM}{} Denavit-Hartenberg table; each joint's origin is \
          rpy=\"alpha 0 theta\" xyz=\"a·cos(theta) a·sin(theta) d\". -->\n<robot name=\"{}\">\n",
         convention.word(),
         escaped(&table.name)
@@ -67,6 +68,15 @@ pub fn from_table(table: &Table, convention: Convention) -> Result<String, Expor
     text.push_str(&writer.tip());
     text.push_str("</robot>\n");
     Ok(text)
+}
+
+/// How the comment begins that names the table in the file.
+const MADE_FROM: &str = "Made from the ";
+
+/// Whether a file says that it was made from a table, so that its last row and tool part are the table's own.
+pub(super) fn is_made_from_table(robot: &Robot) -> bool {
+    let before = robot.source.text.split("<robot").next().unwrap_or_default();
+    before.contains(MADE_FROM) && before.contains("Denavit-Hartenberg table")
 }
 
 const COLOURS: [(&str, &str); 5] = [

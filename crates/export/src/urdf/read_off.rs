@@ -1,21 +1,24 @@
 //! The table that stands in a canonical URDF.
 
 use super::bodies::{Bodies, has_axis};
+use super::from_table::is_made_from_table;
 use super::shape::{row_of, row_within};
 use super::written::Numbers;
-use denavit_dh::convert;
 use denavit_dh::table::{DhRow, Motion, Row, Table, TableJoint, ToolPart};
+use denavit_dh::{Gauge, convert};
 use denavit_model::chain::Chain;
 use denavit_model::robot::{JointKind, Robot};
 use denavit_model::se3::Pose;
 use denavit_model::tree::Reading;
+use std::f64::consts::{PI, TAU};
 
 /// The Denavit-Hartenberg numbers as joint origins have them, where every joint from base to tip is in canonical form;
 /// `None` where one is not.
 ///
-/// Digit for digit what the file has: the gauge is the file's. The part from the last joint to the tip is a row and a tool
-/// part where the file has it so (one or two fixed joints); else, a flange with six numbers, it is found as in
-/// [`denavit_dh::convert::table`]. `None`, too, where the last joint carries the tip itself.
+/// What the file has, angles within half a turn (of a file that [`super::from_table`] made digit for digit): the gauge is the
+/// file's. The part from the last joint to the tip is a row and a tool
+/// part as they stand where [`super::from_table`] made the file; else they are chosen as in a table of the robot
+/// ([`denavit_dh::convert::last_row`]). `None`, too, where the last joint carries the tip itself.
 pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Option<Table> {
     let chain = robot.chain(base, tip, reading).ok()?.value;
     let bodies = Bodies::of(robot, reading);
@@ -61,8 +64,11 @@ pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: R
     if left.peek().is_some() || between.is_empty() && !joints.is_empty() {
         return None;
     }
-    let (last, tool) = tail(&between, &chain, bodies.size, (turn, slide))?;
+    let (last, tool) = tail(&between, is_made_from_table(robot), &chain, bodies.size, (turn, slide))?;
     rows.push(last);
+    if !is_made_from_table(robot) {
+        rows.iter_mut().for_each(within_half_a_turn);
+    }
     Some(Table {
         name: chain.name().to_owned(),
         base: chain.base().to_owned(),
@@ -72,6 +78,17 @@ pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: R
         rows,
         tool,
     })
+}
+
+/// Angles as tables have them, in (-π, π].
+fn within_half_a_turn(row: &mut Row) {
+    let within = |angle: f64| {
+        let turned = if angle > -PI && angle <= PI { angle } else { angle - TAU * (angle / TAU).round() };
+        if turned <= -PI { turned + TAU } else { turned }
+    };
+    if let Row::Dh(row) = row {
+        (row.theta, row.alpha) = (within(row.theta), within(row.alpha));
+    }
 }
 
 /// Joints from base down to tip; `None` where the chain runs up the tree.
@@ -108,30 +125,24 @@ fn taken_in(row: Row, (turn, slide): (f64, f64)) -> Option<Row> {
     }
 }
 
-/// The last row and the tool part.
-fn tail(between: &[Numbers], chain: &Chain, size: f64, offset: (f64, f64)) -> Option<(Row, ToolPart)> {
+/// The last row and the tool part: as they stand in a file that was made from a table, else as in a table of the robot.
+fn tail(
+    between: &[Numbers],
+    made_from_table: bool,
+    chain: &Chain,
+    size: f64,
+    offset: (f64, f64),
+) -> Option<(Row, ToolPart)> {
     let turned = |numbers: &Numbers| match row_of(numbers, size) {
         Some(Row::Dh(DhRow { theta, d, alpha: 0.0, a: 0.0 })) => Some(ToolPart { theta, d }),
         _ => None,
     };
     let as_it_stands = match between {
-        [] => Some((Row::Dh(DhRow::default()), ToolPart::default())),
-        [last] => row_of(last, size).map(|row| (row, ToolPart::default())),
-        [last, tool] => row_of(last, size).zip(turned(tool)),
+        [last] if made_from_table => row_of(last, size).map(|row| (row, ToolPart::default())),
+        [last, tool] if made_from_table => row_of(last, size).zip(turned(tool)),
         _ => None,
     };
-    if let Some((row, tool)) = as_it_stands {
-        return Some((taken_in(row, offset)?, tool));
-    }
-    let home = between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose());
-    let names = (chain.name(), chain.base(), chain.tip());
-    let flange = Chain::new(names, Vec::new(), Vec::new(), home).ok()?;
-    let Table { rows, mut tool, .. } = convert::table(&flange, &convert::Options::default()).ok()?.value;
-    let mut row = *rows.first()?;
-    // Where the row ends along the axis that it begins on, its offset is the whole way there, as in a table of the robot
-    // itself.
-    if let Row::Dh(DhRow { d, alpha: 0.0, a: 0.0, .. }) = &mut row {
-        *d += std::mem::take(&mut tool.d);
-    }
+    let flange = || between.iter().fold(Pose::identity(), |pose, numbers| pose * numbers.pose());
+    let (row, tool) = as_it_stands.unwrap_or_else(|| convert::last_row(chain, &flange(), Gauge::Simple));
     Some((taken_in(row, offset)?, tool))
 }

@@ -1,7 +1,7 @@
 //! Everything that a text gives in the frame of a link, given in the link's new frame.
 
 use super::bodies::{Bodies, has_axis};
-use super::edit::Edits;
+use super::edit::{Edits, written_tag};
 use super::frames::{Plan, STAYS};
 use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_as, write};
 use super::written::{Numbers, clean, three_over, word};
@@ -129,6 +129,11 @@ impl<'a> Moves<'a> {
                 let [x, y, z, roll, pitch, yaw] = *numbers else { return Err(self.unfaithful(node.range().start)) };
                 let origin = Numbers { xyz: [x, y, z], rpy: [roll, pitch, yaw] };
                 edits.first_child(self.source, node, &origin.element());
+            }
+            How::OtherOffset => {
+                let tag = written_tag(self.source, node);
+                let other = if tag.contains("xyz") { tag.replace("xyz", "rpy") } else { tag.replace("rpy", "xyz") };
+                edits.lines_behind(self.source, node, &[format!("<{other}>{text}</{other}>")]);
             }
         }
         Ok(())
