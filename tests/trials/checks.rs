@@ -204,6 +204,20 @@ fn the_account_of_a_file_is_shown_in_every_format() {
 }
 
 #[test]
+fn a_file_that_cannot_be_read_keeps_nobody_from_the_findings_of_the_others() {
+    let trial = Trial::new().with("r.urdf", &arm(&format!("<origin rpi=\"0 0 0\"/>{LIMIT}"), ""));
+    let broken = "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\" name=\"r\"><xacro:nowhere/></robot>";
+    std::fs::write(trial.path("b.urdf.xacro"), broken).unwrap();
+    for files in ["b.urdf.xacro r.urdf", "r.urdf not_there.urdf"] {
+        let run = trial.run(&format!("check {files}"));
+        assert_eq!(run.code, 2, "{files}: {}", run.stderr);
+        assert!(run.stdout.contains("rpi"), "{files}: {}", run.stdout);
+        assert!(run.stderr.contains("files could not be read; the others are checked"), "{files}: {}", run.stderr);
+    }
+    trial.refuses("check b.urdf.xacro", "there is no macro");
+}
+
+#[test]
 fn with_a_baseline_only_what_is_new_fails() {
     let bad = arm("<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>", "");
     let trial = Trial::new().with("bad.urdf", &bad);
@@ -362,6 +376,19 @@ fn a_xacro_of_a_revision_is_expanded_with_what_that_revision_has() {
     let linked = "mkdir z && ln -s ../y/urdf/r.urdf.xacro z/l.urdf.xacro && git add . && git commit -qm 2 && rm -r y z";
     assert!(sh(&trial, linked));
     assert_eq!(trial.run("chains git:HEAD:y/urdf/r.urdf.xacro").code, 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_in_a_revision_is_the_file_that_it_leads_to() {
+    let Some(trial) = xacro_repository() else { return };
+    let commit = "git add . && git -c user.name=a -c user.email=a@b commit -q -m link";
+    assert!(sh(&trial, &format!("ln -s r.urdf.xacro x/urdf/l.urdf.xacro && ln -s nowhere broken.urdf && {commit}")));
+    let same = trial.run("diff git:HEAD:x/urdf/l.urdf.xacro x/urdf/r.urdf.xacro").succeeded();
+    assert!(same.contains("the same robot"), "{same}");
+    let run = trial.run("chains git:HEAD:broken.urdf");
+    assert_eq!(run.code, 2, "{}", run.stdout);
+    assert!(run.stderr.contains("git:HEAD:broken.urdf"), "{}", run.stderr);
 }
 
 #[test]

@@ -30,6 +30,7 @@ const KINDS: &[Kind] = &[
     printed("denavit.chains/1", "the chains of a tree", "chains arm.urdf --json"),
     printed("denavit.fk/1", "pose of the tip", "fk arm.urdf --q 0,-1.57,1.57,0,0,0 --json"),
     printed("denavit.ik/1", "joint values that reach poses", "ik arm.urdf --pose 0.4,0.2,0.5,3.14,0,0 --json"),
+    printed("denavit.hand_eye/1", "where the instrument and the target are", "hand-eye --data pairs.csv --json"),
     printed("denavit.diff/1", "how two robots differ", "diff arm.urdf longer.urdf --json"),
     printed("denavit.check/1", "findings", "check bent.urdf --json"),
     printed("denavit.fingerprint/1", "a short hash of the robot", "fingerprint arm.urdf --json"),
@@ -116,7 +117,11 @@ fn trial() -> Trial {
     assert!(longer != arm && bent != arm);
     let plant = "serial,robot,data,date,effects\nSN-1,arm.urdf,data.csv,2026-11-20,none\nSN-1,arm.urdf,data.csv,2026-11-21,none\n\
                  SN-2,longer.urdf,data.csv,2026-11-21,none\n";
-    trial.with("longer.urdf", &longer).with("bent.urdf", &bent).with("plant.csv", plant)
+    trial
+        .with("longer.urdf", &longer)
+        .with("bent.urdf", &bent)
+        .with("plant.csv", plant)
+        .with("pairs.csv", &super::hand_eye::pairs(6))
 }
 
 fn made(trial: &Trial, kind: &Kind) -> Value {

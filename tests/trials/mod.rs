@@ -4,6 +4,7 @@ mod checks;
 mod commands;
 mod fleet_nights;
 mod git;
+mod hand_eye;
 mod ik;
 mod json;
 mod large;

@@ -71,6 +71,20 @@ fn rows_that_fit_are_not_blamed_and_are_as_far_off_as_is_said() {
 }
 
 #[test]
+fn a_row_that_is_logged_twice_is_counted_once() {
+    let chain = examples::puma_like();
+    let data = run(&chain, POSITION, 40, 1).data;
+    let rows: Vec<usize> = (0..40).flat_map(|row| if row < 30 { vec![row] } else { vec![row, row] }).collect();
+    let (once, twice) = (watched(&chain, &data), watched(&chain, &data.subset(&rows)));
+    let copies: Vec<usize> = twice.iter().filter(|status| status.copy).map(|status| status.row).collect();
+    assert_eq!(copies, (0..10).map(|copy| 32 + 2 * copy).collect::<Vec<_>>());
+    let noise = |statuses: &[RowStatus]| statuses.last().unwrap().noise[0].error;
+    assert!((noise(&once) / noise(&twice) - 1.0).abs() < 1e-3, "{} {}", noise(&once), noise(&twice));
+    let units = denavit_calibrate::observation::measurements::Units::default();
+    assert!(line(&twice[31], &chain, units).contains("an exact copy of an earlier row, not counted again"));
+}
+
+#[test]
 fn another_reflector_is_seen_at_once_and_named_with_the_second_row() {
     let chain = examples::puma_like();
     let Simulation { arm, mut data, .. } = run(&chain, POSITION, 30, 5);

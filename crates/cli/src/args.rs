@@ -57,6 +57,8 @@ pub enum Command {
     Fk(FkArguments),
     /// Print the joint values that reach a pose: every branch of the arm
     Ik(IkArguments),
+    /// Where the camera and the marker are, from pairs of poses alone (AX = XB, AX = YB)
+    HandEye(HandEyeArguments),
     /// Print the screw axes and the home pose (product of exponentials)
     Poe(PoeArguments),
     /// Say how two robots differ: per joint, and at the tips
@@ -356,6 +358,69 @@ pub struct IkArguments {
     /// Units of poses and of joint values: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
+    /// JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+const HAND_EYE_EXAMPLES: &str = "\
+The file has a row per standstill: the robot's pose (tip in the base frame) in robot_x,robot_y,robot_z and robot_rx,robot_ry,\
+robot_rz, beside what the instrument saw (target in the instrument's frame) in x,y,z,qx,qy,qz,qw. Either orientation may be a \
+quaternion qx,qy,qz,qw, a rotation vector rx,ry,rz, or roll,pitch,yaw. A row whose target was not seen has empty cells. Ten poses or \
+more that turn about two axes by 30° or more make a good file. No robot description is needed.
+
+Examples:
+  denavit hand-eye --data poses.csv                        camera beside the robot, marker on the hand
+  denavit hand-eye --data poses.csv --on-hand --json       camera on the hand
+  denavit hand-eye --data kuka.csv --units mm,deg --robot-angles ZYX
+  denavit hand-eye --data poses.csv --format ros-launch --parent base_link --child camera_link -o camera.launch.xml";
+
+/// Formats of a hand-eye calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum HandEyeFormat {
+    /// For a terminal
+    Text,
+    /// Everything, m and rad
+    Json,
+    /// Launch file of ROS 2 with a static transform
+    RosLaunch,
+    /// A transform as geometry_msgs/TransformStamped writes it
+    RosYaml,
+    /// A link and a fixed joint for a URDF
+    Urdf,
+}
+
+/// Arguments of `denavit hand-eye`.
+#[derive(Debug, Args)]
+#[command(after_help = HAND_EYE_EXAMPLES)]
+pub struct HandEyeArguments {
+    /// Pairs of poses, a CSV, or - for standard input
+    #[arg(long, value_name = "FILE")]
+    pub data: String,
+    /// The instrument is on the hand, and the target stands; without it the other way round
+    #[arg(long)]
+    pub on_hand: bool,
+    /// Units of the file: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
+    pub units: String,
+    /// What robot_rx,robot_ry,robot_rz are: vector, or an order of turns such as xyz or ZYX
+    #[arg(long, value_name = "ANGLES", default_value = "vector")]
+    pub robot_angles: String,
+    /// What rx,ry,rz are
+    #[arg(long, value_name = "ANGLES", default_value = "vector")]
+    pub angles: String,
+    /// Output format
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    pub format: HandEyeFormat,
+    /// What the instrument's frame is placed in, in ROS and URDF [default: base, or tip with --on-hand]
+    #[arg(long, value_name = "NAME")]
+    pub parent: Option<String>,
+    /// What the instrument's frame is called there
+    #[arg(long, value_name = "NAME", default_value = "instrument")]
+    pub child: String,
     /// JSON.
     #[command(flatten)]
     pub json: JsonArguments,

@@ -18,6 +18,8 @@ pub mod fk;
 #[cfg(feature = "fleet")]
 pub mod fleet;
 #[cfg(feature = "calibrate")]
+pub mod hand_eye;
+#[cfg(feature = "calibrate")]
 pub mod identify;
 #[cfg(feature = "calibrate")]
 pub mod ik;

@@ -70,6 +70,15 @@ pub enum Failure {
     /// A calibration that a maker's form cannot hold.
     #[error(transparent)]
     Maker(#[from] denavit_export::makers::MakerError),
+    /// Pairs of poses that give no placement.
+    #[cfg(feature = "calibrate")]
+    #[error("{file}: {source}")]
+    HandEye {
+        /// As given.
+        file: String,
+        /// Why.
+        source: denavit_hand_eye::HandEyeError,
+    },
     /// Parts that make no chain.
     #[error("{file}: {source}")]
     Chain {

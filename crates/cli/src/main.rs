@@ -40,6 +40,8 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Fk(arguments) => commands::fk::run(&arguments),
         #[cfg(feature = "calibrate")]
         Command::Ik(arguments) => commands::ik::run(&arguments),
+        #[cfg(feature = "calibrate")]
+        Command::HandEye(arguments) => commands::hand_eye::run(&arguments),
         Command::Poe(arguments) => commands::poe::run(&arguments),
         Command::Describe(arguments) => commands::describe::run(&arguments),
         Command::Diff(arguments) => commands::diff::run(&arguments),
@@ -65,6 +67,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Fleet(arguments) => commands::fleet::run(&arguments),
         #[cfg(not(feature = "calibrate"))]
         Command::Ik(_)
+        | Command::HandEye(_)
         | Command::Calibrate(_)
         | Command::Identify(_)
         | Command::Measure(_)

@@ -217,9 +217,16 @@ fn from_git(object: &str) -> Result<Vec<u8>, String> {
     }
     let shown = std::process::Command::new("git").args(["cat-file", "--end-of-options", "blob", object]).output();
     let shown = shown.map_err(|error| format!("git could not be run: {error}"))?;
-    if shown.status.success() {
-        Ok(shown.stdout)
-    } else {
-        Err(String::from_utf8_lossy(&shown.stderr).trim().to_owned())
+    if !shown.status.success() {
+        return Err(String::from_utf8_lossy(&shown.stderr).trim().to_owned());
     }
+    // Git keeps a link as a file with the name that it leads to.
+    if shown.stdout.len() < LONGEST_LINK && !shown.stdout.contains(&b'\n') {
+        let home = Home::of(&format!("git:{object}"))?;
+        return home.within(|| denavit_xacro::files::read(&home.path)).map_err(|error| error.to_string());
+    }
+    Ok(shown.stdout)
 }
+
+/// PATH_MAX of Linux, bytes.
+const LONGEST_LINK: usize = 4096;

@@ -113,6 +113,9 @@ pub struct RowStatus {
     pub line: usize,
     /// Whether the rows before it could predict it well enough to judge it.
     pub judged: bool,
+    /// Whether it is an exact copy of an earlier row, which is not counted again.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub copy: bool,
     /// Measured less predicted; empty while nothing can be predicted.
     pub off: Vec<Off>,
     /// Why it is out of line, if it is.
@@ -155,6 +158,8 @@ pub struct Monitor {
     fit: Option<Fitted>,
     /// Rows that are out of line.
     out: BTreeSet<usize>,
+    /// Rows that are exact copies of earlier ones.
+    copies: BTreeSet<usize>,
 }
 
 #[derive(Debug, Clone)]
@@ -173,7 +178,15 @@ impl Monitor {
     /// Candidates that are no postures of the chain.
     pub fn new(chain: &Chain, options: MonitorOptions) -> Result<Self, PlanError> {
         let candidates = within_limits(chain, &options.plan)?;
-        Ok(Self { chain: chain.clone(), options, candidates, rows: 0, fit: None, out: BTreeSet::new() })
+        Ok(Self {
+            chain: chain.clone(),
+            options,
+            candidates,
+            rows: 0,
+            fit: None,
+            out: BTreeSet::new(),
+            copies: BTreeSet::new(),
+        })
     }
 
     /// Lines of the rows that are out of line.
@@ -202,7 +215,12 @@ impl Monitor {
         let row = data.len() - 1;
         let mut off = Vec::new();
         let (mut judged, mut why) = (false, None);
-        if let Some(fitted) = self.fit.as_ref().filter(|fitted| fitted.fits(data) && !data.locate[row]) {
+        let copy = data.copies(None).contains(&row);
+        if copy {
+            self.copies.insert(row);
+        }
+        let fitted = self.fit.as_ref().filter(|fitted| !copy && fitted.fits(data) && !data.locate[row]);
+        if let Some(fitted) = fitted {
             let prediction = Prediction::of(&fitted.fit, data, &[row]);
             off = prediction.off(&fitted.fit, data);
             judged = fitted.judges;
@@ -236,6 +254,7 @@ impl Monitor {
             row: row + 1,
             line: data.lines[row],
             judged,
+            copy,
             off,
             out_of_line: why,
             lines_out_of_line: self.lines_out_of_line(data),
@@ -246,12 +265,17 @@ impl Monitor {
         })
     }
 
-    /// Fits all rows but those out of line, and lets rows back in that the fit then predicts.
+    /// Whether a row is fitted.
+    fn counts(&self, row: &usize) -> bool {
+        !self.out.contains(row) && !self.copies.contains(row)
+    }
+
+    /// Fits all rows but copies and those out of line, and lets rows back in that the fit then predicts.
     fn refit(&mut self, data: &Measurements) {
         let options = self.options.identify.for_data(&self.chain, data);
         let weights: Vec<f64> = (0..data.len())
             .flat_map(|row| data.of_row(row).map(move |_| row))
-            .map(|row| f64::from(u8::from(!self.out.contains(&row))))
+            .map(|row| f64::from(u8::from(self.counts(&row))))
             .collect();
         let warm = self.fit.as_ref().filter(|fitted| fitted.judges && fitted.data.scene == data.scene);
         let start = warm.map_or_else(
@@ -277,7 +301,7 @@ impl Monitor {
         if !data.len().is_multiple_of(ROWS_TO_DIAGNOSE) || !parts.is_power_of_two() {
             return Ok(());
         }
-        let kept: Vec<usize> = (0..data.len()).filter(|row| !self.out.contains(row)).collect();
+        let kept: Vec<usize> = (0..data.len()).filter(|row| self.counts(row)).collect();
         let kept = data.subset(&kept).pruned();
         let found = identify(&self.chain, &kept, &self.options.identify);
         // Rows that are judged as they come are not read anew: whoever measures corrects the column and goes on.

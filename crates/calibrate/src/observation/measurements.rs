@@ -11,6 +11,7 @@ mod measurement_error;
 mod near_miss;
 mod observations;
 mod plausible;
+pub mod pose_pairs;
 pub mod poses;
 mod postures;
 mod read;

@@ -44,7 +44,9 @@ pub fn row(status: &RowStatus) -> String {
             let _ = write!(text, "target {}, ", why.targets.join(", "));
         }
     }
-    if status.off.is_empty() {
+    if status.copy {
+        text.push_str("an exact copy of an earlier row, not counted again");
+    } else if status.off.is_empty() {
         text.push_str(match status.missing_numbers {
             0 => "nothing to hold it against yet",
             _ => "too few rows to place the instrument and the target",

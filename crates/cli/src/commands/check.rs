@@ -53,14 +53,22 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     };
     let mut checked = Checked::new(arguments, &source, &beside);
     checked.all(&names)?;
-    let Checked { files, fixed, any_is_xacro, .. } = checked;
+    let Checked { files, fixed, any_is_xacro, unread, .. } = checked;
+    if unread == names.len() {
+        return Err(Failure::Argument(format!("none of {unread} files can be read; nothing was checked")));
+    }
     source.are_of_use(any_is_xacro)?;
     fixed.write()?;
-    if let Some(recorded) = recorded {
-        return recorded.write(&files);
+    let status = match (recorded, delivery) {
+        (Some(recorded), _) => recorded.write(&files)?,
+        (None, Some(delivery)) => report(&delivery, arguments, files, baseline.as_ref())?,
+        (None, None) => Status::Same,
+    };
+    if unread == 0 {
+        return Ok(status);
     }
-    let Some(delivery) = delivery else { return Ok(Status::Same) };
-    report(&delivery, arguments, files, baseline.as_ref())
+    output::mention(format!("{unread} of {} files could not be read; the others are checked", names.len()));
+    Ok(Status::Trouble)
 }
 
 /// Delivers what was found, less what a baseline knows.
@@ -126,24 +134,39 @@ struct Checked<'a> {
     robots: Vec<Robot>,
     fixed: Fixed,
     any_is_xacro: bool,
+    /// How many files could not be read.
+    unread: usize,
 }
 
 impl<'a> Checked<'a> {
     fn new(arguments: &'a CheckArguments, source: &'a SourceArguments, beside: &'a [String]) -> Self {
         let (files, robots) = (Vec::new(), Vec::new());
-        Self { arguments, source, beside, files, robots, fixed: Fixed::new(), any_is_xacro: false }
+        Self { arguments, source, beside, files, robots, fixed: Fixed::new(), any_is_xacro: false, unread: 0 }
     }
 
     fn all(&mut self, names: &[String]) -> Result<(), Failure> {
         let mut later = Vec::new();
         for name in names {
-            let (file, written) = source::read_text(name)?;
+            let (file, written) = match source::read_text(name) {
+                Ok(read) => read,
+                Err(failure) => {
+                    self.go_on_without(failure, names)?;
+                    continue;
+                }
+            };
             if self.arguments.robots_only && self.is_part(&file, &written) {
                 continue;
             }
-            let urdf = source::urdf_text(&file, written, self.source)?;
-            self.any_is_xacro |= urdf.is_xacro;
             let rules = Rules::of(&file, &self.options())?;
+            let urdf = match source::urdf_text(&file, written, self.source) {
+                Ok(urdf) => urdf,
+                Err(failure) => {
+                    self.any_is_xacro = true;
+                    self.go_on_without(failure, names)?;
+                    continue;
+                }
+            };
+            self.any_is_xacro |= urdf.is_xacro;
             // What an SRDF names is in robots that may be named behind it.
             if srdf::is_srdf(&urdf.shown, &urdf.text) {
                 later.push((name, urdf, rules));
@@ -160,6 +183,16 @@ impl<'a> Checked<'a> {
                 self.files.push(File { name: name.clone(), findings, inventory: Some(inventory) });
             }
         }
+        Ok(())
+    }
+
+    /// A file that cannot be read keeps nobody from the findings of the others.
+    fn go_on_without(&mut self, failure: Failure, names: &[String]) -> Result<(), Failure> {
+        if names.len() == 1 {
+            return Err(failure);
+        }
+        self.unread += 1;
+        output::complain(&failure);
         Ok(())
     }
 

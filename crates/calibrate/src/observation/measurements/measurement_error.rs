@@ -121,6 +121,19 @@ pub enum MeasurementError {
         /// The group.
         group: String,
     },
+    /// A column of a pair of poses is missing.
+    #[error(
+        "column \"{missing}\" is missing; a pair of poses needs {group}, and the columns are {present}; an orientation is qx, qy, \
+         qz, qw, or a rotation vector rx, ry, rz, or roll, pitch, yaw"
+    )]
+    NoPosePair {
+        /// The first that is missing.
+        missing: String,
+        /// What belongs together.
+        group: String,
+        /// The columns of the file.
+        present: String,
+    },
     /// A row of a bare file of readings with another number of values.
     #[error(
         "the row has {found} values; a file of readings without a header has one for each of {expected} joints: {joints}"

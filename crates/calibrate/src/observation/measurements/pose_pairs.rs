@@ -1,0 +1,248 @@
+//! Reading pairs of poses: where the robot's tip was, and what an instrument saw there, without joint readings.
+
+use super::QUATERNION_TOLERANCE;
+use super::header::naming;
+use super::import::AngleConvention;
+use super::measurement_error::{DataError, MeasurementError};
+use super::read::{Problems, header_row, line_of, number, rows_of, unreadable};
+use super::units::Units;
+use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use denavit_model::{Pose, se3};
+use std::io::Read;
+
+/// Pairs of poses, row by row.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PosePairs {
+    /// base_from_tip, m.
+    pub robot: Vec<Pose>,
+    /// instrument_from_target, m.
+    pub seen: Vec<Pose>,
+    /// The line of each row, counted from 1.
+    pub lines: Vec<usize>,
+    /// Lines of rows in which nothing was seen.
+    pub unseen: Vec<usize>,
+}
+
+/// What three numbers of an orientation mean, of the robot and of what was seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PairAngles {
+    /// Of `robot_rx,robot_ry,robot_rz`.
+    pub robot: AngleConvention,
+    /// Of `rx,ry,rz`.
+    pub seen: AngleConvention,
+}
+
+impl Default for PairAngles {
+    /// Rotation vectors, as a UR controller and OpenCV write them.
+    fn default() -> Self {
+        Self { robot: AngleConvention::RotationVector, seen: AngleConvention::RotationVector }
+    }
+}
+
+/// What begins the names of the robot's columns.
+const ROBOT: &str = "robot_";
+
+const PLACE: [&str; 3] = ["x", "y", "z"];
+const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
+const TURN: [&str; 3] = ["rx", "ry", "rz"];
+const RPY: [&str; 3] = ["roll", "pitch", "yaw"];
+
+/// Where the columns of one pose are.
+struct Columns {
+    place: [usize; 3],
+    turn: Turn,
+}
+
+enum Turn {
+    Quaternion([usize; 4]),
+    Angles([usize; 3], AngleConvention),
+    Rpy([usize; 3]),
+}
+
+/// Reads pairs of poses.
+///
+/// # Shape and units
+/// CSV with a header row; `#` lines are comments. `robot_x, robot_y, robot_z` and the robot's orientation beside `x, y, z` and
+/// that of what was seen; an orientation is `qx, qy, qz, qw`, or `rx, ry, rz` (a rotation vector unless `angles` says
+/// otherwise), or `roll, pitch, yaw`. `units` are the file's. A row without any cell of what was seen is one in which nothing was
+/// seen. Other columns are left alone.
+///
+/// # Errors
+/// All problems found, each with file and line.
+pub fn read(source: &str, input: impl Read, units: Units, angles: PairAngles) -> Result<PosePairs, DataError> {
+    let mut reader = rows_of(input);
+    let mut problems = Problems::new(source);
+    let (names, header_line) = header_row(&mut reader, source)?;
+    let columns = naming(&names).and_then(|twice| {
+        let (robot, seen) = (columns(&names, ROBOT, angles.robot), columns(&names, "", angles.seen));
+        match (twice.is_empty(), robot, seen) {
+            (true, Ok(robot), Ok(seen)) => Ok([robot, seen]),
+            (_, robot, seen) => Err(twice.into_iter().chain(robot.err()).chain(seen.err()).collect()),
+        }
+    });
+    let [robot, seen] = match columns {
+        Ok(columns) => columns,
+        Err(found) => {
+            found.into_iter().for_each(|problem| problems.add(header_line, problem));
+            return Err(problems.error());
+        }
+    };
+    let mut pairs = PosePairs::default();
+    let mut record = csv::StringRecord::new();
+    loop {
+        match reader.read_record(&mut record) {
+            Ok(true) => {
+                let line = reader.position().line() - 1;
+                let at = usize::try_from(line).unwrap_or(usize::MAX);
+                if record.len() != names.len() {
+                    problems.add(line, MeasurementError::Ragged { found: record.len(), expected: names.len() });
+                } else if seen.are_empty(&record) {
+                    pairs.unseen.push(at);
+                } else {
+                    let mut pose = |columns: &Columns| {
+                        columns.pose(&record, &names, units).unwrap_or_else(|problem| {
+                            problems.add(line, problem);
+                            Pose::identity()
+                        })
+                    };
+                    pairs.robot.push(pose(&robot));
+                    pairs.seen.push(pose(&seen));
+                    pairs.lines.push(at);
+                }
+            }
+            Ok(false) => break,
+            Err(error) => {
+                problems.add(line_of(&error), unreadable(&error));
+                break;
+            }
+        }
+    }
+    if pairs.lines.is_empty() && problems.found.is_empty() {
+        problems.add(0, MeasurementError::NoRows);
+    }
+    if problems.found.is_empty() { Ok(pairs) } else { Err(problems.error()) }
+}
+
+fn columns(names: &[String], prefix: &str, angles: AngleConvention) -> Result<Columns, MeasurementError> {
+    let at = |name: &str| names.iter().position(|known| *known == format!("{prefix}{name}"));
+    let any = |group: &[&str]| group.iter().any(|name| at(name).is_some());
+    let turn: &[&str] = if any(&QUATERNION) {
+        &QUATERNION
+    } else if any(&RPY) && !any(&TURN) {
+        &RPY
+    } else {
+        &TURN
+    };
+    let group: Vec<&str> = PLACE.iter().chain(turn).copied().collect();
+    if let Some(missing) = group.iter().find(|name| at(name).is_none()) {
+        let full = |name: &str| format!("{prefix}{name}");
+        return Err(MeasurementError::NoPosePair {
+            missing: full(missing),
+            group: group.iter().map(|name| full(name)).collect::<Vec<_>>().join(", "),
+            present: names.join(", "),
+        });
+    }
+    let three = |names: [&str; 3]| names.map(|name| at(name).unwrap_or(0));
+    Ok(Columns {
+        place: three(PLACE),
+        turn: match turn.len() {
+            4 => Turn::Quaternion(QUATERNION.map(|name| at(name).unwrap_or(0))),
+            _ if turn == TURN => Turn::Angles(three(TURN), angles),
+            _ => Turn::Rpy(three(RPY)),
+        },
+    })
+}
+
+impl Columns {
+    fn all(&self) -> impl Iterator<Item = usize> {
+        let turn: &[usize] = match &self.turn {
+            Turn::Quaternion(columns) => columns,
+            Turn::Angles(columns, _) | Turn::Rpy(columns) => columns,
+        };
+        self.place.iter().chain(turn).copied()
+    }
+
+    fn are_empty(&self, record: &csv::StringRecord) -> bool {
+        self.all().all(|column| record.get(column).is_none_or(|cell| cell.trim().is_empty()))
+    }
+
+    fn pose(&self, record: &csv::StringRecord, names: &[String], units: Units) -> Result<Pose, MeasurementError> {
+        let cell = |column: usize| number(&names[column], record.get(column).unwrap_or_default());
+        let three = |[a, b, c]: [usize; 3], unit: f64| Ok([cell(a)? * unit, cell(b)? * unit, cell(c)? * unit]);
+        let place = three(self.place, units.length)?;
+        let rotation = match &self.turn {
+            Turn::Quaternion([x, y, z, w]) => rotation([cell(*x)?, cell(*y)?, cell(*z)?, cell(*w)?])?,
+            Turn::Angles(columns, convention) => convention.rotation(three(*columns, units.angle)?, false),
+            Turn::Rpy(columns) => se3::rotation_from_rpy(three(*columns, units.angle)?),
+        };
+        Ok(se3::pose(rotation, Vector3::from(place)))
+    }
+}
+
+fn rotation([x, y, z, w]: [f64; 4]) -> Result<Rotation3<f64>, MeasurementError> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    let length = quaternion.norm();
+    if (length - 1.0).abs() > QUATERNION_TOLERANCE {
+        return Err(MeasurementError::NotAUnitQuaternion { length });
+    }
+    Ok(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(text: &str, angles: PairAngles) -> Result<PosePairs, String> {
+        read("p.csv", text.as_bytes(), "mm,deg".parse().unwrap(), angles).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn orientations_are_one_in_every_form() {
+        let seen = "x,y,z,qx,qy,qz,qw";
+        let rows = |robot: &str, turn: &str| format!("{robot},{seen}\n1000,0,0,{turn},1,2,3,0,0,0,1\n");
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let place = "robot_x,robot_y,robot_z";
+        let texts = [
+            rows(&format!("{place},robot_qx,robot_qy,robot_qz,robot_qw"), &format!("0,0,{half},{half}")),
+            rows(&format!("{place},robot_rx,robot_ry,robot_rz"), "0,0,90"),
+            rows(&format!("{place},robot_roll,robot_pitch,robot_yaw"), "0,0,90"),
+        ];
+        let expected = se3::rotation_from_rpy([0.0, 0.0, std::f64::consts::FRAC_PI_2]);
+        for text in &texts {
+            let pairs = read_text(text, PairAngles::default()).unwrap();
+            assert!(se3::rotation_angle(&(pairs.robot[0].rotation.inverse() * expected)) < 1e-15, "{text}");
+            assert_eq!((pairs.robot[0].translation.x, pairs.seen[0].translation.z), (1.0, 0.003));
+            assert_eq!(pairs.lines, [2]);
+        }
+        // KUKA's A, B, C.
+        let robot = AngleConvention::Euler("ZYX".parse().unwrap());
+        let pairs = read_text(
+            &rows(&format!("{place},robot_rx,robot_ry,robot_rz"), "90,0,0"),
+            PairAngles { robot, ..PairAngles::default() },
+        );
+        assert!(se3::rotation_angle(&(pairs.unwrap().robot[0].rotation.inverse() * expected)) < 1e-15);
+    }
+
+    #[test]
+    fn rows_in_which_nothing_was_seen_are_kept_apart() {
+        let head = "robot_x,robot_y,robot_z,robot_rx,robot_ry,robot_rz,x,y,z,rx,ry,rz,image";
+        let text = format!("{head}\n1,2,3,0,0,0,,,,,,,a.png\n1,2,3,0,0,0,1,1,1,0,0,0,b.png\n");
+        let pairs = read_text(&text, PairAngles::default()).unwrap();
+        assert_eq!((pairs.unseen, pairs.lines), (vec![2], vec![3]));
+    }
+
+    #[test]
+    fn problems_are_named_with_their_line() {
+        let failed = |text: &str| read_text(text, PairAngles::default()).unwrap_err();
+        assert_eq!(
+            failed("x,y,z,rx,ry,rz\n1,2,3,0,0,0\n"),
+            "p.csv:1: column \"robot_x\" is missing; a pair of poses needs robot_x, robot_y, robot_z, robot_rx, robot_ry, \
+             robot_rz, and the columns are x, y, z, rx, ry, rz; an orientation is qx, qy, qz, qw, or a rotation vector rx, ry, rz, \
+             or roll, pitch, yaw"
+        );
+        let head = "robot_x,robot_y,robot_z,robot_rx,robot_ry,robot_rz,x,y,z,qx,qy,qz,qw";
+        assert!(failed(&format!("{head}\n0,0,0,0,0,0,0,0,0,0,0,1,1\n")).contains("p.csv:2: the quaternion has length"));
+        assert!(failed(&format!("{head}\n0,0,0,0,0,0,0,0,0,0,0,a,1\n")).contains("p.csv:2: column \"qz\""));
+        assert!(failed(&format!("{head}\n")).contains("no rows"));
+    }
+}
