@@ -34,6 +34,7 @@ from denavit.errors import (
     StoreError,
 )
 from denavit.fit import Fit, calibrate
+from denavit.handeye import HandEye, hand_eye
 from denavit.measurements import Measurements, Told
 from denavit.records import Records
 from denavit.results import (
@@ -79,6 +80,7 @@ __all__ = [
     "Finding",
     "Fingerprint",
     "Fit",
+    "HandEye",
     "JointDifference",
     "Leftover",
     "ManifestError",
@@ -109,6 +111,7 @@ __all__ = [
     "explore",
     "fingerprint",
     "fleet",
+    "hand_eye",
     "load",
     "show_explorer",
 ]

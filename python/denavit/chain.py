@@ -56,6 +56,24 @@ class Coordinate:
     continuous: bool = False
 
 
+def pose_matrices(name: str, poses: ArrayLike) -> Array:
+    """Homogeneous matrices, shape ``(..., 4, 4)``, or what is wrong with them."""
+    try:
+        matrices = np.ascontiguousarray(poses, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name} is no array of numbers ({error})") from error
+    if matrices.ndim < 2 or matrices.shape[-2:] != (4, 4):
+        raise ArgumentError(f"{name} has shape {matrices.shape}; give homogeneous matrices, shape (..., 4, 4)")
+    if not np.isfinite(matrices).all():
+        raise ArgumentError(f"{name} has a number that is not finite")
+    rotation = matrices[..., :3, :3]
+    skewed = np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)).max(initial=0.0)
+    if skewed > _NO_ROTATION or (np.linalg.det(rotation) < 0).any():
+        what = "the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles"
+        raise ArgumentError(what)
+    return matrices
+
+
 @dataclass(frozen=True, slots=True)
 class Solutions:
     """What `Chain.ik` found: for each pose all branches, nearest to the start first, those outside of the limits last.
@@ -249,18 +267,7 @@ class Chain(Shown, Frozen):
             >>> found.q.shape, bool(found.reached)
             ((8, 6), True)
         """
-        try:
-            matrices = np.ascontiguousarray(poses, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise ArgumentError(f"poses is no array of numbers ({error})") from error
-        if matrices.ndim < 2 or matrices.shape[-2:] != (4, 4):
-            raise ArgumentError(f"poses has shape {matrices.shape}; give homogeneous matrices, shape (..., 4, 4)")
-        if not np.isfinite(matrices).all():
-            raise ArgumentError("poses has a number that is not finite")
-        rotation = matrices[..., :3, :3]
-        skewed = np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)).max(initial=0.0)
-        if skewed > _NO_ROTATION or (np.linalg.det(rotation) < 0).any():
-            raise ArgumentError("the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles")
+        matrices = pose_matrices("poses", poses)
         n = len(self.joints)
         near = np.zeros(n) if q0 is None else np.asarray(joint_values("q0", q0, self.joints), dtype=np.float64)
         if near.shape != (n,) or not np.isfinite(near).all():

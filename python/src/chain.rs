@@ -54,7 +54,7 @@ impl Chain {
 }
 
 /// The work, with the interpreter unlocked where there is much of it.
-fn worked(py: Python<'_>, count: usize, work: impl FnOnce() + Send) {
+pub(crate) fn worked(py: Python<'_>, count: usize, work: impl FnOnce() + Send) {
     if count < FEW { work() } else { py.detach(work) }
 }
 

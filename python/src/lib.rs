@@ -10,6 +10,7 @@ mod errors;
 mod fleet;
 mod given;
 mod given_file;
+mod hand_eye;
 mod interruptible;
 mod measured;
 mod robot;
@@ -33,6 +34,8 @@ mod _denavit {
     const COLUMNS_IN_WORDS: &str = crate::given_file::COLUMNS_IN_WORDS;
     #[pymodule_export]
     use crate::given_file::{bag_rows, cells, columns_draft, read_bytes};
+    #[pymodule_export]
+    use crate::hand_eye::hand_eye;
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
     #[pymodule_export]

@@ -45,7 +45,7 @@ fn both_places_come_out_of_pairs_of_poses() {
     assert!(apart(&json, "base_from_instrument", &base) < 1e-6 && apart(&json, "tip_from_target", &tip) < 1e-6);
     assert_eq!((&json["arrangement"], &json["unknown"]), (&"instrument_stands".into(), &Value::Null));
     let text = trial.run("hand-eye --data pairs.csv").succeeded();
-    assert!(text.contains("hand-eye calibration of 20 pairs of poses: instrument beside the robot"), "{text}");
+    assert!(text.contains("hand-eye calibration of 20 pairs of poses\ninstrument beside the robot"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     // The other arrangement does not fit, and is refused.
     let wrong = trial.run("hand-eye --data pairs.csv --on-hand");
@@ -69,11 +69,12 @@ fn the_file_of_a_forum_gives_the_answer_beside_it() {
     let trial = Trial::new();
     let json: Value =
         serde_json::from_str(&trial.run(&format!("hand-eye --data {} --json", file.display())).succeeded()).unwrap();
-    let [base, _] = truth();
-    let moved = apart(&json, "base_from_instrument", &base);
+    // What stands beside the file is instrument_from_base.
+    let [beside, _] = truth();
+    let moved = apart(&json, "base_from_instrument", &beside.inverse());
     let std: Vec<f64> = serde_json::from_value(json["base_from_instrument"]["std"].clone()).unwrap();
     let most = std.iter().take(3).copied().fold(0.0, f64::max);
-    assert!(moved < 4.0 * most && moved < 1e-3, "{moved} {most}");
+    assert!(moved < 4.0 * most && moved < 2e-3, "{moved} {most}");
 }
 
 #[test]

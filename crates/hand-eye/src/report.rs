@@ -30,7 +30,7 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
         Arrangement::InstrumentStands => "instrument beside the robot, target on the hand",
         Arrangement::InstrumentOnHand => "instrument on the hand, target beside the robot",
     };
-    let mut text = format!("hand-eye calibration of {used} pairs of poses: {where_it_is}\n");
+    let mut text = format!("hand-eye calibration of {used} pairs of poses\n{where_it_is}\n");
     if let Some(unknown) = &found.unknown {
         let _ = writeln!(text, "WARNING: {unknown}");
     }

@@ -168,7 +168,9 @@ impl Columns {
 
     fn pose(&self, record: &csv::StringRecord, names: &[String], units: Units) -> Result<Pose, MeasurementError> {
         let cell = |column: usize| number(&names[column], record.get(column).unwrap_or_default());
-        let three = |[a, b, c]: [usize; 3], unit: f64| Ok([cell(a)? * unit, cell(b)? * unit, cell(c)? * unit]);
+        let three = |[a, b, c]: [usize; 3], unit: f64| -> Result<[f64; 3], MeasurementError> {
+            Ok([cell(a)? * unit, cell(b)? * unit, cell(c)? * unit])
+        };
         let place = three(self.place, units.length)?;
         let rotation = match &self.turn {
             Turn::Quaternion([x, y, z, w]) => rotation([cell(*x)?, cell(*y)?, cell(*z)?, cell(*w)?])?,
