@@ -25,6 +25,7 @@ pub enum Shown {
 /// Every setting that a message names, in alphabetical order.
 pub const SETTINGS: &[&str] = &[
     "allow",
+    "allow-any-file",
     "base",
     "board",
     "box",
