@@ -36,6 +36,14 @@ impl Part {
         Self::All(DMatrix::from_vec(n, n, gram_of(across.as_slice(), across.nrows())))
     }
 
+    /// Sum of the variances that it adds per unit of its amount.
+    pub fn trace(&self) -> f64 {
+        match self {
+            Self::All(all) => all.trace(),
+            Self::Rows(blocks) => blocks.iter().map(|(_, block)| block.trace()).sum(),
+        }
+    }
+
     fn add_to(&self, amount: f64, all: &mut DMatrix<f64>) {
         match self {
             Self::All(part) => all.iter_mut().zip(part.iter()).for_each(|(cell, own)| *cell += amount * own),
@@ -65,20 +73,31 @@ impl Components {
 
     /// How the evidence rises per unit of a part's amount: tr(K⁻¹ C) - yᵀ K⁻¹ C K⁻¹ y.
     pub fn slope(&self, part: &Part) -> f64 {
+        let [wide, narrow] = self.pulls(part);
+        wide - narrow
+    }
+
+    /// The two sides of that slope: tr(K⁻¹ C), by which a smaller amount is better, and yᵀ K⁻¹ C K⁻¹ y, by which a larger one is. Neither is
+    /// negative where C is a covariance.
+    pub fn pulls(&self, part: &Part) -> [f64; 2] {
         let of = |block: &DMatrix<f64>, first: usize| {
-            let mut sum = 0.0;
+            let mut sums = [0.0; 2];
             for (k, column) in block.column_iter().enumerate() {
                 let inverse = self.inverse.column(first + k);
                 let own = self.solved[first + k];
                 for (i, cell) in column.iter().enumerate() {
-                    sum += cell * (inverse[first + i] - own * self.solved[first + i]);
+                    sums[0] += cell * inverse[first + i];
+                    sums[1] += cell * own * self.solved[first + i];
                 }
             }
-            sum
+            sums
         };
         match part {
             Part::All(all) => of(all, 0),
-            Part::Rows(blocks) => blocks.iter().map(|(row, block)| of(block, row.start)).sum(),
+            Part::Rows(blocks) => blocks.iter().fold([0.0; 2], |sums, (row, block)| {
+                let own = of(block, row.start);
+                [sums[0] + own[0], sums[1] + own[1]]
+            }),
         }
     }
 }

@@ -11,12 +11,15 @@ const HALVINGS: usize = 12;
 /// Share of the promised decrease that a step must bring (Armijo).
 const ARMIJO: f64 = 1e-4;
 
+/// Steps in turn that lower the value by less than asked, after which the search ends.
+const IDLE: usize = 3;
+
 /// What to minimise: value and gradient; `None` where there is none, which no step goes to.
 pub type Objective<'f> = dyn FnMut(&[f64]) -> Option<(f64, Vec<f64>)> + 'f;
 
 /// The best point found from `start` on within `bounds`, and its value; `None` where the start has none.
 ///
-/// Ends after `most` steps, or where a step lowers the value by less than `least`.
+/// Ends after `most` steps, or where [`IDLE`] steps in turn each lower the value by less than `least`.
 pub fn minimise(
     objective: &mut Objective<'_>,
     start: &[f64],
@@ -31,6 +34,7 @@ pub fn minimise(
     let mut slope = DVector::from_vec(slope);
     let first = |slope: &DVector<f64>| DMatrix::identity(n, n) * (1.0 / slope.norm().max(1.0));
     let mut inverse = first(&slope);
+    let (mut fresh, mut idle) = (true, 0);
     for _ in 0..most {
         // What presses against its bound stays.
         let free = |i: usize| !(x[i] <= bounds[i].0 && slope[i] > 0.0 || x[i] >= bounds[i].1 && slope[i] < 0.0);
@@ -42,7 +46,7 @@ pub fn minimise(
             step = &inverse * &downhill;
         }
         let promise = step.dot(&downhill);
-        if promise < least {
+        if promise <= 0.0 {
             break;
         }
         let mut share = 1.0;
@@ -63,12 +67,19 @@ pub fn minimise(
         (x, value, slope) = (there, lower, new_slope);
         let along = moved.dot(&changed);
         if along > 1e-10 * moved.norm() * changed.norm() {
+            if fresh {
+                // The size of the curvature, before anything is known of its shape (Nocedal, Wright 2006, equation 6.20).
+                inverse = DMatrix::identity(n, n) * (along / changed.norm_squared());
+                fresh = false;
+            }
             let curved = &inverse * &changed;
             let factor = (1.0 + changed.dot(&curved) / along) / along;
             inverse += &moved * moved.transpose() * factor
                 - (&curved * moved.transpose() + &moved * curved.transpose()) / along;
         }
-        if gain < least {
+        // A short step may follow from a matrix that does not know the valley yet: only several in turn are an end.
+        idle = if gain < least { idle + 1 } else { 0 };
+        if idle == IDLE {
             break;
         }
     }

@@ -47,8 +47,9 @@ pub struct Known {
     pub tip: Pose,
     /// Where errors are judged: tip frame, m.
     pub target: Vector3<f64>,
-    /// Whether the frame of an instrument is among what is unsure.
-    pub has_instrument: bool,
+    /// Where an instrument with a frame of its own stands, instrument_from_base of the averaged robot: its frame, its metre and what it reads
+    /// along its line of sight are among what is unsure.
+    pub instrument: Option<Pose>,
     /// How unsure everything is.
     pub spread: Spread,
     /// How unsure geometry is where it acts alone.
@@ -173,17 +174,27 @@ impl Averaged {
         standing: &mut Standing,
         state: &RowState,
     ) -> [f64; 2] {
-        let Known { spread, geometric_spread, has_instrument, target, tip, of_curves, .. } = &self.known;
+        let Known { spread, geometric_spread, instrument, target, tip, of_curves, .. } = &self.known;
         let mut sensitivities = vec![Sensitivity::default(); model.len()];
         model.sensitivities_of(conditions, &self.known.drawn.joints, standing, state, &mut sensitivities);
         let on_tip = tip.rotation * target + tip.translation.vector;
         let p = (state.tip * Point3::from(on_tip)).coords;
+        let there = instrument.map(|instrument| instrument.rotation * p + instrument.translation.vector);
         let moved = |twist: &Vector6<f64>| {
             Vector3::new(twist[0], twist[1], twist[2]).cross(&p) + Vector3::new(twist[3], twist[4], twist[5])
         };
         let variance = |spread: &Spread| {
-            let number = |k: &usize| moved(&sensitivities[*k].twist) + state.tip.rotation * sensitivities[*k].target;
-            let frame = (0..6).filter(|_| *has_instrument).map(|k| moved(&Vector6::ith(k, 1.0)));
+            // What is read of the target: an instrument's metre and its frame make up for each other.
+            let number = |k: &usize| {
+                let by = &sensitivities[*k];
+                let of_arm = moved(&by.twist) + state.tip.rotation * by.target;
+                instrument.as_ref().zip(there).map_or(of_arm, |(instrument, there)| {
+                    of_arm
+                        + instrument.rotation.inverse() * there * by.scale
+                        + by.sight.beyond(&there, instrument, &state.tip)
+                })
+            };
+            let frame = (0..6).filter(|_| instrument.is_some()).map(|k| moved(&Vector6::ith(k, 1.0)));
             let placed = (0..3).map(|k| state.tip.rotation * Vector3::ith(k, 1.0));
             let columns: Vec<Vector3<f64>> = spread.kept.iter().map(number).chain(frame).chain(placed).collect();
             let rows = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);

@@ -166,9 +166,9 @@ impl Averager<'_> {
     }
 
     /// Sizes found anew, everything at its posterior mean.
-    fn pass(&self, at: &At, steps: usize, rows: &[usize]) -> Option<At> {
+    fn pass(&self, at: &At, pass: usize, rows: &[usize]) -> Option<At> {
         let some = self.linearised(&self.some, at);
-        let sizes = fitted(&some, self.data, self.terms, &at.sizes, steps);
+        let sizes = fitted(&some, self.data, self.terms, &at.sizes, (STEPS[usize::from(pass > 0)], pass == 0));
         let own = if rows == self.some { some } else { self.linearised(rows, at) };
         let (problem, chosen) = problem(&own, self.terms, &sizes);
         let mut mean = vec![0.0; own.columns.ncols()];
@@ -188,19 +188,19 @@ impl Averager<'_> {
     fn run(&self, statics: &Statics, nominal: &Arm, geometric: &Fit<NoEffects>) -> Option<Averaging> {
         let noise = &geometric.noise.levels;
         let of_geometry = |family: Family| matches!(family, Family::Geometry | Family::Zero);
-        let start = |used: &dyn Fn(Family) -> bool| Sizes::start(noise, self.terms, used);
+        let start = |used: &dyn Fn(Family) -> bool, as_tolerated| Sizes::start(noise, self.terms, used, as_tolerated);
         // Instruments and targets stand where the fit of the geometry has found them: from the drawing's the way may be half a metre.
         let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
-        let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry) };
+        let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry, true) };
         for pass in 0..=PASSES {
-            plain = self.pass(&plain, STEPS[usize::from(pass > 0)], &self.some)?;
+            plain = self.pass(&plain, pass, &self.some)?;
         }
         let (of_plain, of_geometry) = self.left_out(&plain)?;
-        let all = start(&|_| true);
-        let mut at = At { sizes: Sizes { noise: all.noise.clone(), ..all }, ..plain };
+        let all = start(&|_| true, false);
+        let mut at = At { sizes: all, ..plain };
         for pass in 0..PASSES {
             let rows = if pass + 1 < PASSES { &self.some } else { &self.all };
-            at = self.pass(&at, STEPS[usize::from(pass > 0)], rows)?;
+            at = self.pass(&at, pass, rows)?;
         }
         let (spread, left_out) = self.left_out(&at)?;
         Some(self.result(statics, (nominal, geometric), &at, [spread, of_plain], [of_geometry, left_out]))
@@ -243,6 +243,7 @@ impl Averager<'_> {
         left_out: [f64; 2],
     ) -> Averaging {
         let has_instrument = self.layout.instruments.first().is_some_and(Option::is_some);
+        let instrument = at.arm.instruments.first().copied().filter(|_| has_instrument);
         let mut kept = [&spread.kept[..], &geometric_spread.kept].concat();
         kept.sort_unstable();
         kept.dedup();
@@ -276,7 +277,7 @@ impl Averager<'_> {
             base,
             tip,
             target: arm.targets[0].translation.vector,
-            has_instrument,
+            instrument,
             spread,
             geometric_spread,
             drawn_base,

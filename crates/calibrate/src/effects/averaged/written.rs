@@ -26,7 +26,8 @@ pub struct WrittenAveraged {
     base: [f64; 6],
     tip: [f64; 6],
     target: [f64; 3],
-    has_instrument: bool,
+    /// Twist of the instrument's frame, instrument_from_base, where there is one.
+    instrument: Option<[f64; 6]>,
     /// Of all numbers: coefficients of the effects one after another, then waves.
     spread: WrittenSpread,
     /// Of those that are geometry, where that acts alone.
@@ -92,7 +93,7 @@ impl WrittenAveraged {
             base: twist(&known.base),
             tip: twist(&known.tip),
             target: known.target.into(),
-            has_instrument: known.has_instrument,
+            instrument: known.instrument.as_ref().map(twist),
             spread: WrittenSpread::of(&known.spread),
             geometric_spread: WrittenSpread::of(&known.geometric_spread),
             drawn_base: twist(&known.drawn_base),
@@ -136,7 +137,7 @@ impl WrittenAveraged {
         }
         let numbers = effects.iter().map(|effect| effect.coefficients.len()).sum::<usize>()
             + self.curves.iter().map(|curve| curve.waves.len()).sum::<usize>();
-        let beside = if self.has_instrument { 9 } else { 3 };
+        let beside = if self.instrument.is_some() { 9 } else { 3 };
         let fits = || "averaged: covariance, kept numbers and ranges do not fit the effects and the robot".to_owned();
         if self.ranges.len() != statics.chain.coordinates().len() {
             return Err(fits());
@@ -145,7 +146,10 @@ impl WrittenAveraged {
         let geometric_spread = self.geometric_spread.spread(numbers, beside).ok_or_else(fits)?;
         let twists = [&self.base, &self.tip, &self.drawn_base, &self.drawn_tip];
         let all = effects.iter().flat_map(|effect| &effect.coefficients).chain(twists.into_iter().flatten());
-        let all = all.chain(self.curves.iter().flat_map(|curve| &curve.weights)).chain(&self.target);
+        let all = all
+            .chain(self.curves.iter().flat_map(|curve| &curve.weights))
+            .chain(&self.target)
+            .chain(self.instrument.iter().flatten());
         let variances = [&self.curve_variance, &self.geometric_variance_m2, &self.noise_m2, &self.drawn_variance_m2];
         if !all.chain(variances).all(|number| number.is_finite()) {
             return Err("averaged: a number is not finite".into());
@@ -157,7 +161,7 @@ impl WrittenAveraged {
             base: se3::exp(&Vector6::from(self.base)),
             tip: se3::exp(&Vector6::from(self.tip)),
             target: Vector3::from(self.target),
-            has_instrument: self.has_instrument,
+            instrument: self.instrument.map(|twist| se3::exp(&Vector6::from(twist))),
             spread,
             geometric_spread,
             drawn_base: se3::exp(&Vector6::from(self.drawn_base)),

@@ -2,8 +2,8 @@
 //!
 //! Prior of each number: N(0, τ² scale²), one τ for each family; waves: times the spectral density of a squared exponential,
 //! √(2π) l exp(-(ω l)²/2). Noise of a row: [σ² for each channel + ρ² Σ_j J_j J_jᵀ]/w, ρ the repeatability of joints, w the row's weight. Minimised
-//! is the evidence plus what is expected of the sizes: half-Cauchy of a milliradian (or millimetre) on each τ and ρ, a normal distribution on
-//! ln κ (geometry, zeros) and ln l.
+//! is the evidence plus what is expected of the sizes: half-Cauchy of a milliradian (or millimetre) on each τ and ρ, normal distributions
+//! on ln κ (geometry, zeros), ln l and, about what geometry leaves, ln σ.
 
 use crate::effects::curve::Curve;
 use crate::identify::averaging::linearised::Linearised;
@@ -23,17 +23,23 @@ const USUAL: f64 = 1e-3;
 const KAPPA: (f64, f64) = (0.0, 0.7);
 const ZERO: (f64, f64) = (-1.5, 1.0);
 const LENGTH: (f64, f64) = (-1.2, 0.8);
+/// Deviation of ln σ from what geometry leaves: fifteen rows can be fitted without any noise.
+const LEVEL: f64 = 1.0;
 /// Frames and targets are known to this, m or rad, once a fit has placed them: as good as nothing.
 const PLACED: f64 = 0.1;
 /// Smallest and largest size of a family, and of noise.
 const FAMILY: (f64, f64) = (1e-7, 1e-2);
+/// The same of κ.
+const SHARE: (f64, f64) = (0.03, 20.0);
 const NOISE: (f64, f64) = (5e-7, 3e-2);
 /// Values of which the evidence is taken at once: its cost grows with their cube.
 pub const AT_ONCE: usize = 300;
 /// Numbers of a smaller prior deviation are left out, rad or m.
 const NOTHING: f64 = 5e-8;
 /// -2 log of the likelihood that a step must gain.
-const LEAST_GAIN: f64 = 0.1;
+const LEAST_GAIN: f64 = 0.03;
+/// Steps of minorisation and maximisation before those of the search.
+const WARM_UP: usize = 10;
 
 /// The sizes, as natural logarithms.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +52,10 @@ pub struct Sizes {
     pub length: f64,
     /// τ or κ of each family at hand.
     pub families: Vec<(Family, f64)>,
+    /// Whether tolerances are taken as they are given, κ = 1: so is the fit of geometry alone.
+    pub as_tolerated: bool,
+    /// What is expected of the noise of each channel.
+    levels: Vec<f64>,
 }
 
 /// A family whose size is a share of tolerances, and what is expected of its logarithm.
@@ -59,16 +69,23 @@ fn tolerated(family: Family) -> Option<(f64, f64)> {
 
 impl Sizes {
     /// Where the search begins: noise of a fit of geometry alone, by channel.
-    pub fn start(noise: &[f64], terms: &Terms, used: impl Fn(Family) -> bool) -> Self {
+    pub fn start(noise: &[f64], terms: &Terms, used: impl Fn(Family) -> bool, as_tolerated: bool) -> Self {
         let mut families: Vec<Family> = terms.families.iter().copied().filter(|family| used(*family)).collect();
         families.sort_unstable();
         families.dedup();
-        let start = |family: Family| tolerated(family).map_or(f64::ln(5e-5), |(mean, _)| mean);
+        let start = |family: Family| match tolerated(family) {
+            Some(_) if as_tolerated => 0.0,
+            Some((mean, _)) => mean,
+            None => f64::ln(5e-5),
+        };
+        let levels: Vec<f64> = noise.iter().map(|level| (0.7 * level).clamp(NOISE.0, NOISE.1).ln()).collect();
         Self {
-            noise: noise.iter().map(|level| (0.7 * level).clamp(NOISE.0, NOISE.1).ln()).collect(),
+            noise: levels.clone(),
             joints: f64::ln(3e-5),
             length: LENGTH.0,
             families: families.into_iter().map(|family| (family, start(family))).collect(),
+            as_tolerated,
+            levels,
         }
     }
 
@@ -89,13 +106,18 @@ impl Sizes {
             joints: numbers[channels],
             length: numbers[channels + 1],
             families: families.collect(),
+            as_tolerated: self.as_tolerated,
+            levels: self.levels.clone(),
         }
     }
 
     fn bounds(&self) -> Vec<(f64, f64)> {
         let ln = |(low, high): (f64, f64)| (low.ln(), high.ln());
-        let family =
-            |(family, _): &(Family, f64)| if tolerated(*family).is_some() { ln((0.03, 20.0)) } else { ln(FAMILY) };
+        let family = |(family, size): &(Family, f64)| match tolerated(*family) {
+            Some(_) if self.as_tolerated => (*size, *size),
+            Some(_) => ln(SHARE),
+            None => ln(FAMILY),
+        };
         let noise = self.noise.iter().map(|_| ln(NOISE));
         noise.chain([ln((1e-7, 3e-3)), ln((0.05, 2.0))]).chain(self.families.iter().map(family)).collect()
     }
@@ -112,7 +134,8 @@ impl Sizes {
         };
         let of =
             |(family, size): &(Family, f64)| tolerated(*family).map_or_else(|| cauchy(*size), |by| normal(*size, by));
-        let each = self.noise.iter().map(|_| (0.0, 0.0)).chain([cauchy(self.joints), normal(self.length, LENGTH)]);
+        let noise = self.noise.iter().zip(&self.levels).map(|(size, level)| normal(*size, (*level, LEVEL)));
+        let each = noise.chain([cauchy(self.joints), normal(self.length, LENGTH)]);
         let each: Vec<(f64, f64)> = each.chain(self.families.iter().map(of)).collect();
         (each.iter().map(|(value, _)| value).sum(), each.into_iter().map(|(_, slope)| slope).collect())
     }
@@ -282,60 +305,126 @@ impl Parts {
         both.map(Part::All)
     }
 
-    /// -2 log p(y) and its derivatives by the logarithms of the sizes.
-    fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>)> {
+    /// -2 log p(y), and of each size the two sides of half its derivative by the size's logarithm: see [`Components::pulls`].
+    fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<[f64; 2]>)> {
         let amount = |size: f64| (2.0 * size).exp();
         let curves = (!self.curves.is_empty()).then(|| self.curves(sizes.length.exp()));
-        let part = |(own, (_, size)): (&'_ Option<Part>, &(Family, f64))| (own.is_some(), amount(*size));
-        let mut parts: Vec<(&Part, f64)> = vec![(&self.frames, PLACED * PLACED), (&self.known, 1.0)];
-        parts.extend(self.channels.iter().zip(&sizes.noise).map(|(part, size)| (part, amount(*size))));
-        parts.push((&self.joints, amount(sizes.joints)));
-        for (own, size) in self.families.iter().zip(&sizes.families) {
-            let (_, amount) = part((own, size));
-            match (own, &curves) {
-                (Some(own), _) => parts.push((own, amount)),
-                (None, Some([curves, _])) => parts.push((curves, amount)),
-                (None, None) => {}
-            }
-        }
-        let found = Components::of(&self.data, parts)?;
-        let slope = |part: &Part, size: f64| 2.0 * amount(size) * found.slope(part);
-        let mut slopes: Vec<f64> =
-            self.channels.iter().zip(&sizes.noise).map(|(part, size)| slope(part, *size)).collect();
-        slopes.push(slope(&self.joints, sizes.joints));
-        let size = sizes.of(Family::Curve);
-        slopes.push(
-            curves.as_ref().zip(size).map_or(0.0, |([_, by_length], size)| amount(size) * found.slope(by_length)),
-        );
+        let mut parts: Vec<(Option<&Part>, f64)> = Vec::new();
+        parts.extend(self.channels.iter().zip(&sizes.noise).map(|(part, size)| (Some(part), amount(*size))));
+        parts.push((Some(&self.joints), amount(sizes.joints)));
+        // The length is no amount: its place is kept.
+        parts.push((None, 0.0));
         for (own, (_, size)) in self.families.iter().zip(&sizes.families) {
-            slopes.push(match (own, &curves) {
-                (Some(own), _) => slope(own, *size),
-                (None, Some([curves, _])) => slope(curves, *size),
-                (None, None) => 0.0,
-            });
+            parts.push((own.as_ref().or(curves.as_ref().map(|[curves, _]| curves)), amount(*size)));
         }
-        Some((found.evidence, slopes))
+        let always = [(&self.frames, PLACED * PLACED), (&self.known, 1.0)];
+        let all = parts.iter().filter_map(|(part, amount)| Some(((*part)?, *amount))).chain(always);
+        let found = Components::of(&self.data, all)?;
+        let pulls = |(part, amount): &(Option<&Part>, f64)| {
+            part.map_or([0.0; 2], |part| found.pulls(part).map(|pull| pull * amount))
+        };
+        let mut pulls: Vec<[f64; 2]> = parts.iter().map(pulls).collect();
+        if let (Some([_, by_length]), Some(size)) = (&curves, sizes.of(Family::Curve)) {
+            pulls[sizes.noise.len() + 1][0] = 0.5 * amount(size) * found.slope(by_length);
+        }
+        Some((found.evidence, pulls))
+    }
+
+    /// The sum of the variances that a family adds per unit of its amount.
+    fn trace(&self, family: usize, length: f64) -> f64 {
+        self.families[family].as_ref().map_or_else(|| self.curves(length)[0].trace(), Part::trace)
     }
 }
 
-/// The most probable sizes for some rows of the data, part by part; `start` where there are none better.
-pub fn fitted(rows: &Linearised, data: &Measurements, terms: &Terms, start: &Sizes, most: usize) -> Sizes {
+/// The most probable sizes for some rows of the data, part by part; `start` where there are none better. `anew`: whether `start` knows nothing of
+/// the rows yet.
+pub fn fitted(
+    rows: &Linearised,
+    data: &Measurements,
+    terms: &Terms,
+    start: &Sizes,
+    (most, anew): (usize, bool),
+) -> Sizes {
     let parts: Vec<Parts> = rows.parts().iter().map(|rows| Parts::of(rows, terms, start, data)).collect();
-    let objective = |numbers: &[f64]| {
-        let sizes = start.with(numbers);
-        let (mut value, mut slopes) = sizes.expected();
-        for found in each_alone(&parts, |part| part.evidence(&sizes)) {
+    let evidence = |sizes: &Sizes| {
+        let (mut value, mut pulls) = (0.0, vec![[0.0; 2]; sizes.numbers().len()]);
+        for found in each_alone(&parts, |part| part.evidence(sizes)) {
             let (own, of_part) = found?;
             value += own;
-            slopes.iter_mut().zip(of_part).for_each(|(slope, own)| *slope += own);
+            pulls.iter_mut().zip(of_part).for_each(|(pull, own)| *pull = [pull[0] + own[0], pull[1] + own[1]]);
         }
-        Some((value, slopes))
+        Some((value, pulls))
     };
+    let objective = |numbers: &[f64]| {
+        let sizes = start.with(numbers);
+        let (value, pulls) = evidence(&sizes)?;
+        let (expected, slopes) = sizes.expected();
+        let slopes = slopes.iter().zip(&pulls).map(|(slope, [wide, narrow])| slope + 2.0 * (wide - narrow));
+        Some((value + expected, slopes.collect()))
+    };
+    let search = |start: &Sizes| {
+        let mut from = start.clone();
+        if anew {
+            for _ in 0..WARM_UP {
+                from = from.balanced(&evidence(&from)?.1);
+            }
+        }
+        minimise(&mut |numbers: &[f64]| objective(numbers), &from.numbers(), &start.bounds(), most, LEAST_GAIN)
+    };
+    let mut starts = vec![start.clone()];
+    if anew {
+        starts.push(start.as_large_as_noise(&parts));
+    }
     // Small matrices: a thread for each part, none for a part's own.
-    let mut alone =
-        |numbers: &[f64]| if parts.len() > 1 { objective(numbers) } else { on_this_thread(|| objective(numbers)) };
-    let found = minimise(&mut alone, &start.numbers(), &start.bounds(), most, LEAST_GAIN);
-    found.map_or_else(|| start.clone(), |(numbers, _)| start.with(&numbers))
+    let found: Vec<_> = starts
+        .iter()
+        .filter_map(|start| if parts.len() > 1 { search(start) } else { on_this_thread(|| search(start)) })
+        .collect();
+    let best = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map_or_else(|| start.clone(), |(numbers, _)| start.with(&numbers))
+}
+
+impl Sizes {
+    /// Every family and the joints' repeatability adding as much variance as a tenth of the noise. From sizes far below the noise there is no
+    /// slope to follow.
+    fn as_large_as_noise(&self, parts: &[Parts]) -> Self {
+        let sum = |of: &dyn Fn(&Parts) -> f64| parts.iter().map(of).sum::<f64>();
+        let noise = sum(&|part| {
+            let channels = part.channels.iter().zip(&self.noise);
+            channels.map(|(part, size)| part.trace() * (2.0 * size).exp()).sum()
+        });
+        let size = |own: f64, otherwise: f64| {
+            if own > 0.0 { (0.1 * noise / own).sqrt().clamp(FAMILY.0, USUAL).ln() } else { otherwise }
+        };
+        let mut large = self.clone();
+        large.joints = size(sum(&|part| part.joints.trace()), self.joints);
+        for (k, (family, own)) in large.families.iter_mut().enumerate() {
+            if tolerated(*family).is_none() {
+                *own = size(sum(&|part| part.trace(k, self.length.exp())), *own);
+            }
+        }
+        large
+    }
+
+    /// A step of minorisation and maximisation, which follows no slope and so leaves plateaus: each amount times the root of what pulls it up
+    /// over what pulls it down (Zhou, Hu, Zhou, Lange 2019, Journal of Computational and Graphical Statistics 28, 350). Shares of tolerances
+    /// and the length stay.
+    fn balanced(&self, pulls: &[[f64; 2]]) -> Self {
+        let (_, expected) = self.expected();
+        let (mut numbers, bounds) = (self.numbers(), self.bounds());
+        let channels = self.noise.len();
+        for (k, number) in numbers.iter_mut().enumerate() {
+            let family = k.checked_sub(channels + 2).map(|at| self.families[at].0);
+            let amount = k <= channels || family.is_some_and(|family| tolerated(family).is_none());
+            let [wide, narrow] = pulls[k];
+            let wide = wide + 0.5 * expected[k];
+            if amount && wide > 0.0 {
+                let step = 0.25 * (narrow.max(f64::MIN_POSITIVE) / wide).ln();
+                *number = (*number + step).clamp(bounds[k].0, bounds[k].1);
+            }
+        }
+        self.with(&numbers)
+    }
 }
 
 /// Waves of a joint's curve over each row.

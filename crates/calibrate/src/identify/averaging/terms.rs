@@ -220,9 +220,12 @@ fn of_joint(b: &mut Builder<'_>, i: usize, moving: &[usize], moment: f64) {
         b.each(Kind::JointCompliance, Carrier::Joint(i), driver, Family::Moments, per_moment);
     }
     if !slides(i) && moment > 0.0 {
-        let across = (Kind::LinkCompliance, Carrier::AxisBasis(i), Driver::MomentAcross(i));
-        b.each(across.0, across.1, across.2, Family::Link, 1.0 / moment);
         let of = [(Family::Link, 1.0 / moment)];
+        // What bends under a joint that stands on the base is the base.
+        if statics.carrier(i).is_some() {
+            let driver = Driver::MomentAcross(i);
+            b.add(Kind::LinkCompliance, Carrier::AxisBasis(i), driver, Coupling::Paired, &of);
+        }
         b.add(Kind::LinkCompliance, Carrier::LinkEndTurn(i), Driver::EndMoment(i), Coupling::Paired, &of);
     }
     for order in [1.0, 2.0] {
