@@ -11,7 +11,7 @@ use denavit_calibrate::effects::{
 };
 use denavit_calibrate::observation::arm::Row;
 use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
-use denavit_calibrate::observation::measurements::MissingColumn;
+use denavit_calibrate::observation::measurements::{MissingColumn, Units, read};
 use denavit_model::examples::puma_like;
 
 /// Gears that err with their own turn.
@@ -90,6 +90,32 @@ fn what_is_saved_predicts_the_same_and_goes_on_without_what_nobody_records() {
         assert!((place(&model) - place(&plain)).norm() < 1e-3);
         assert!((place(&model) - calibrated.fk(conditions.reading).translation.vector).norm() > 1e-6);
     }
+}
+
+/// The same rows from an instrument that stands so much farther away along its x axis.
+fn from_farther(data: &Measurements, by: f64) -> Measurements {
+    let mut text = format!("{},x,y,z\n", data.joints.join(","));
+    for row in 0..data.len() {
+        let [x, y, z]: [f64; 3] = data.observed.values(row).try_into().unwrap();
+        let cells = data.reading(row).iter().copied().chain([x + by, y, z]);
+        text += &(cells.map(|cell| cell.to_string()).collect::<Vec<_>>().join(",") + "\n");
+    }
+    read("farther.csv", text.as_bytes(), &puma_like(), Units::default()).unwrap().data
+}
+
+#[test]
+fn a_prediction_is_as_sure_from_an_instrument_far_away() {
+    // The farther the instrument, the more its metre and the place of its frame make up for each other: neither is an error of a prediction.
+    let (train, test) = rows(POSITION, 30, 4);
+    let judged = |by: f64| {
+        let result = averaged(from_farther(&train, by), Some(from_farther(&test, by)));
+        let error = result.report.stages.last().unwrap().test.as_ref().unwrap().of("position").unwrap().rms;
+        (result.report.prediction.as_ref().unwrap().inside_m, error)
+    };
+    let ((near, near_error), (far, far_error)) = (judged(0.0), judged(6.0));
+    println!("expected {near:.6} and {far:.6}, found {near_error:.6} and {far_error:.6}");
+    assert!((far / near - 1.0).abs() < 0.25, "{near} {far}");
+    assert!((far_error / near_error - 1.0).abs() < 0.25, "{near_error} {far_error}");
 }
 
 #[test]

@@ -11,15 +11,13 @@ const HALVINGS: usize = 12;
 /// Share of the promised decrease that a step must bring (Armijo).
 const ARMIJO: f64 = 1e-4;
 
-/// Steps in turn that lower the value by less than asked, after which the search ends.
-const IDLE: usize = 3;
-
 /// What to minimise: value and gradient; `None` where there is none, which no step goes to.
 pub type Objective<'f> = dyn FnMut(&[f64]) -> Option<(f64, Vec<f64>)> + 'f;
 
 /// The best point found from `start` on within `bounds`, and its value; `None` where the start has none.
 ///
-/// Ends after `most` steps, or where [`IDLE`] steps in turn each lower the value by less than `least`.
+/// Ends after `most` steps, or where the value falls by less than `least` per unit of any number. That a step gains little is no end: it may be a
+/// short one, by a matrix that does not know the valley yet.
 pub fn minimise(
     objective: &mut Objective<'_>,
     start: &[f64],
@@ -34,7 +32,7 @@ pub fn minimise(
     let mut slope = DVector::from_vec(slope);
     let first = |slope: &DVector<f64>| DMatrix::identity(n, n) * (1.0 / slope.norm().max(1.0));
     let mut inverse = first(&slope);
-    let (mut fresh, mut idle) = (true, 0);
+    let mut fresh = true;
     for _ in 0..most {
         // What presses against its bound stays.
         let free = |i: usize| !(x[i] <= bounds[i].0 && slope[i] > 0.0 || x[i] >= bounds[i].1 && slope[i] < 0.0);
@@ -46,7 +44,7 @@ pub fn minimise(
             step = &inverse * &downhill;
         }
         let promise = step.dot(&downhill);
-        if promise <= 0.0 {
+        if promise <= 0.0 || downhill.amax() < least {
             break;
         }
         let mut share = 1.0;
@@ -63,7 +61,6 @@ pub fn minimise(
         }
         let Some((there, lower, new_slope)) = next else { break };
         let (moved, changed) = (&there - &x, &new_slope - &slope);
-        let gain = value - lower;
         (x, value, slope) = (there, lower, new_slope);
         let along = moved.dot(&changed);
         if along > 1e-10 * moved.norm() * changed.norm() {
@@ -76,11 +73,6 @@ pub fn minimise(
             let factor = (1.0 + changed.dot(&curved) / along) / along;
             inverse += &moved * moved.transpose() * factor
                 - (&curved * moved.transpose() + &moved * curved.transpose()) / along;
-        }
-        // A short step may follow from a matrix that does not know the valley yet: only several in turn are an end.
-        idle = if gain < least { idle + 1 } else { 0 };
-        if idle == IDLE {
-            break;
         }
     }
     Some((x.as_slice().to_vec(), value))
@@ -101,6 +93,13 @@ mod tests {
         assert!(value < 1e-10 && (x[0] - 1.0).abs() < 1e-4, "{x:?} {value}");
         let (x, _) = minimise(&mut valley, &[-1.2, 1.0], &[(-5.0, 0.5), (-5.0, 5.0)], 200, 1e-14).unwrap();
         assert!((x[0] - 0.5).abs() < 1e-12 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
+        // Steep one way and shallow another: the first steps gain little, the way is long.
+        let mut trough = |x: &[f64]| {
+            let (a, b) = (x[0], x[1] - 3.0);
+            Some((5e3 * a * a + 0.5 * b * b, vec![1e4 * a, b]))
+        };
+        let (x, _) = minimise(&mut trough, &[1e-3, 0.0], &free, 40, 0.1).unwrap();
+        assert!((x[1] - 3.0).abs() < 0.5, "{x:?}");
         assert_eq!(minimise(&mut |_| None, &[0.0], &[(-1.0, 1.0)], 5, 1e-9), None);
     }
 }

@@ -36,8 +36,8 @@ const NOISE: (f64, f64) = (5e-7, 3e-2);
 pub const AT_ONCE: usize = 300;
 /// Numbers of a smaller prior deviation are left out, rad or m.
 const NOTHING: f64 = 5e-8;
-/// -2 log of the likelihood that a step must gain.
-const LEAST_GAIN: f64 = 0.03;
+/// The search ends where -2 log of the likelihood falls by less than this per unit of any logarithm.
+const LEAST_SLOPE: f64 = 0.1;
 /// Steps of minorisation and maximisation before those of the search.
 const WARM_UP: usize = 10;
 
@@ -369,7 +369,7 @@ pub fn fitted(
                 from = from.balanced(&evidence(&from)?.1);
             }
         }
-        minimise(&mut |numbers: &[f64]| objective(numbers), &from.numbers(), &start.bounds(), most, LEAST_GAIN)
+        minimise(&mut |numbers: &[f64]| objective(numbers), &from.numbers(), &start.bounds(), most, LEAST_SLOPE)
     };
     let mut starts = vec![start.clone()];
     if anew {
