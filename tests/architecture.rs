@@ -16,6 +16,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-bag", &[]),
     ("denavit-export", &["denavit-model", "denavit-dh"]),
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
+    ("denavit-edit", &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare"]),
     ("denavit-linear", &[]),
     ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export", "denavit-linear", "denavit-ik"]),
     (

@@ -1,5 +1,6 @@
 //! The command line: what can be asked for, and the help that teaches it.
 
+mod edit;
 mod fleet;
 mod json;
 mod measured;
@@ -9,6 +10,7 @@ mod program;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use denavit_model::Reading;
 use denavit_model::settings::{Shown, shown};
+pub use edit::{EditArguments, EditOutputs, OperationArguments, Step, with_steps_joined};
 pub use fleet::{
     FleetArguments, FleetCommand, FleetCorpusArguments, FleetHistoryArguments, FleetReportArguments, FleetRunArguments,
     FleetSiblingsArguments, FleetWatchArguments,
@@ -69,6 +71,8 @@ pub enum Command {
     Expand(ExpandArguments),
     /// Write the canonical URDF, whose link frames are the D-H frames; or a URDF from a D-H table
     Export(ExportArguments),
+    /// Edit a URDF in place: flip, re-zero, re-root, rename and more, each with its proof
+    Edit(EditArguments),
     /// Make a page of each robot: figures, tables, a 3-D view
     Doc(DocArguments),
     /// Open robots in a browser: tables, comparison and calibration on a page that works offline

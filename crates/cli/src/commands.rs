@@ -10,6 +10,7 @@ pub mod completions;
 pub mod describe;
 pub mod diff;
 pub mod doc;
+pub mod edit;
 pub mod expand;
 pub mod explore;
 pub mod export;

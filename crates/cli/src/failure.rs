@@ -28,6 +28,9 @@ pub enum Failure {
     /// A robot that cannot be exported.
     #[error(transparent)]
     Export(#[from] denavit_export::urdf::ExportError),
+    /// An edit that cannot be made, or does not hold what it says.
+    #[error(transparent)]
+    Edit(#[from] denavit_edit::EditError),
     /// A configuration file that is none.
     #[error(transparent)]
     Check(#[from] denavit_load::CheckError),

@@ -15,14 +15,14 @@ mod output;
 mod progress;
 mod source;
 
-use args::{Arguments, Command, with_json_files_joined};
+use args::{Arguments, Command, with_json_files_joined, with_steps_joined};
 use clap::Parser as _;
 use failure::Failure;
 use output::Status;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(with_json_files_joined(std::env::args_os()));
+    let arguments = Arguments::parse_from(with_steps_joined(with_json_files_joined(std::env::args_os())));
     match run(arguments.command) {
         Ok(status) => ExitCode::from(status as u8),
         Err(Failure::ClosedPipe) => ExitCode::SUCCESS,
@@ -47,6 +47,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Diff(arguments) => commands::diff::run(&arguments),
         Command::Expand(arguments) => commands::expand::run(&arguments),
         Command::Export(arguments) => commands::export::run(&arguments),
+        Command::Edit(arguments) => commands::edit::run(&arguments),
         Command::Doc(arguments) => commands::doc::run(&arguments),
         Command::Explore(arguments) => commands::explore::run(&arguments),
         Command::Fingerprint(arguments) => commands::fingerprint::run(&arguments),

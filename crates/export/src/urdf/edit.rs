@@ -60,6 +60,20 @@ impl Edits {
         self.replace(end..end, lines.iter().flat_map(|line| [space, line]).collect::<String>());
     }
 
+    /// Puts lines in front of the end of an element that has children, each indented like the last of them.
+    pub fn lines_at_end(&mut self, source: &SourceText, node: Node, lines: &[String]) {
+        match node.last_element_child() {
+            Some(last) => self.lines_behind(source, last, lines),
+            None => self.first_child(source, node, &lines.concat()),
+        }
+    }
+
+    /// Takes an element out, with the white space from the last line break before it: what [`Edits::lines_behind`] puts in.
+    pub fn remove(&mut self, source: &SourceText, node: Node) {
+        let range = with_line_break(&source.text, node);
+        self.replace(range, "");
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
@@ -96,6 +110,13 @@ fn last_line_break(space: &str) -> &str {
         Some(at) => &space[at..],
         None => space,
     }
+}
+
+/// The bytes of an element and of the white space from the last line break before it.
+pub fn with_line_break(text: &str, node: Node) -> Range<usize> {
+    let before = &text[..node.range().start];
+    let space = last_line_break(&before[before.trim_end().len()..]);
+    node.range().start - space.len()..node.range().end
 }
 
 fn name_start(node: Node) -> usize {

@@ -36,11 +36,12 @@ mod written;
 
 /// Edits of a URDF's text, for crates that make others than these.
 pub mod text {
-    pub use super::edit::{Edits, escaped};
+    pub use super::edit::{Edits, escaped, with_line_break};
     pub use super::nodes::Nodes;
-    pub use super::origin::joint_origin;
+    pub use super::origin::{joint_origin, numbers_of};
     pub use super::parse;
-    pub use super::written::{Numbers, clean, word};
+    pub use super::reframe::Moves;
+    pub use super::written::{Numbers, clean, three, word};
 }
 
 pub use calibrated::{with_chain, with_chains};

@@ -121,7 +121,7 @@ pub(crate) fn numbers_as(node: Node, reading: Reading) -> Option<Numbers> {
 }
 
 /// The attributes `xyz` and `rpy` or `quat_xyzw`, 0 where missing; `None` where they are no numbers.
-pub(crate) fn numbers_of(node: Node) -> Option<Numbers> {
+pub fn numbers_of(node: Node) -> Option<Numbers> {
     let three = |name| node.attribute(name).map_or(Some([0.0; 3]), several_of);
     let rpy = match node.attribute("quat_xyzw") {
         Some(written) => {

@@ -16,8 +16,8 @@ use denavit_model::tree::Reading;
 use roxmltree::{Document, Node};
 use std::collections::{BTreeMap, HashSet};
 
-/// Frames by link.
-pub(crate) struct Moves<'a> {
+/// Links that get other frames, and the text that is given in the old ones.
+pub struct Moves<'a> {
     source: &'a SourceText,
     /// How angles of shapes and centres of mass are read.
     reading: Reading,
@@ -28,7 +28,7 @@ pub(crate) struct Moves<'a> {
 
 impl<'a> Moves<'a> {
     /// `poses`: root_from_frame of each link's new frame.
-    pub fn of(robot: &'a Robot, bodies: &Bodies, poses: &[Pose]) -> Self {
+    pub(crate) fn of(robot: &'a Robot, bodies: &Bodies, poses: &[Pose]) -> Self {
         let new_from_old: Vec<Option<Pose>> = poses
             .iter()
             .zip(&bodies.poses)
@@ -38,6 +38,11 @@ impl<'a> Moves<'a> {
                 (turned > STAYS || moved > STAYS * bodies.size).then_some(step)
             })
             .collect();
+        Self::by_steps(robot, bodies.reading, new_from_old)
+    }
+
+    /// `new_from_old` of each link, `None` where the frame stays; `reading`: how angles of shapes and centres of mass are read.
+    pub fn by_steps(robot: &'a Robot, reading: Reading, new_from_old: Vec<Option<Pose>>) -> Self {
         let named = robot.links.iter().zip(&new_from_old);
         let mut by_name: BTreeMap<&str, Pose> =
             named.filter_map(|(link, step)| Some((link.name.as_str(), (*step)?))).collect();
@@ -46,7 +51,7 @@ impl<'a> Moves<'a> {
         for joint in robot.joints.iter().filter(|joint| !links.contains(joint.name.as_str())) {
             by_name.extend(new_from_old[joint.child].map(|step| (joint.name.as_str(), step)));
         }
-        Self { source: &robot.source, reading: bodies.reading, new_from_old, by_name }
+        Self { source: &robot.source, reading, new_from_old, by_name }
     }
 
     /// The `<origin>` children of an element, moved; one is put in where there is none.
@@ -64,7 +69,8 @@ impl<'a> Moves<'a> {
         }
     }
 
-    fn link(&self, edits: &mut Edits, link: Node, step: &Pose) {
+    /// The shapes and the mass of a link, given in a frame that `step` leads to.
+    pub fn shapes(&self, edits: &mut Edits, link: Node, step: &Pose) {
         let shape =
             |part: &Node| part.is_element() && matches!(part.tag_name().name(), "inertial" | "visual" | "collision");
         for part in link.children().filter(shape) {
@@ -156,6 +162,41 @@ impl<'a> Moves<'a> {
         Ok(())
     }
 
+    /// Everything that stands in a link whose frame moves, written anew: shapes, centres of mass, and what other elements
+    /// place there. Joints are not touched.
+    ///
+    /// # Errors
+    /// A place that cannot be written anew.
+    pub fn contents(
+        &self,
+        robot: &Robot,
+        document: &Document,
+        nodes: &Nodes,
+        edits: &mut Edits,
+    ) -> Result<(), ExportError> {
+        for (index, step) in self.new_from_old.iter().enumerate() {
+            if let (Some(step), Some(node)) = (step, nodes.link(index)) {
+                self.shapes(edits, node, step);
+            }
+        }
+        let by_start: BTreeMap<usize, Node> = document
+            .root_element()
+            .children()
+            .chain(nodes.links().flat_map(|link| link.children()))
+            .filter(Node::is_element)
+            .map(|node| (node.range().start, node))
+            .collect();
+        let own = robot.elements.iter().map(|element| (element, None));
+        let of_links =
+            robot.links.iter().flat_map(|link| link.elements.iter().map(|element| (element, Some(link.name.as_str()))));
+        for (element, owner) in own.chain(of_links) {
+            if let Some(node) = by_start.get(&element.at) {
+                self.element(edits, *node, element, owner)?;
+            }
+        }
+        Ok(())
+    }
+
     fn unfaithful(&self, at: usize) -> ExportError {
         ExportError::Unfaithful {
             file: self.source.file.clone(),
@@ -211,26 +252,7 @@ pub(crate) fn edit(
             axis_as_meant(&robot.source, edits, node, bodies.axes[index].into_inner().into());
         }
     }
-    for (index, step) in moves.new_from_old.iter().enumerate() {
-        if let (Some(step), Some(node)) = (step, nodes.link(index)) {
-            moves.link(edits, node, step);
-        }
-    }
-    let by_start: BTreeMap<usize, Node> = document
-        .root_element()
-        .children()
-        .chain(nodes.links().flat_map(|link| link.children()))
-        .filter(Node::is_element)
-        .map(|node| (node.range().start, node))
-        .collect();
-    let own = robot.elements.iter().map(|element| (element, None));
-    let of_links =
-        robot.links.iter().flat_map(|link| link.elements.iter().map(|element| (element, Some(link.name.as_str()))));
-    for (element, owner) in own.chain(of_links) {
-        if let Some(node) = by_start.get(&element.at) {
-            moves.element(edits, *node, element, owner)?;
-        }
-    }
+    moves.contents(robot, document, &nodes, edits)?;
     Ok(plugins_that_name(robot, document, &moves))
 }
 

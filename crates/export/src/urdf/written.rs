@@ -16,8 +16,8 @@ pub fn word(value: f64) -> String {
     if value.abs() < 1e-5 { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// Three words.
-pub(crate) fn three(values: [f64; 3]) -> String {
+/// Three words, with blanks between them.
+pub fn three(values: [f64; 3]) -> String {
     values.map(word).join(" ")
 }
 

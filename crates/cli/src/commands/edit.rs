@@ -1,0 +1,164 @@
+//! `denavit edit`: operations on a URDF's text, each proved.
+
+use crate::args::{EditArguments, EditOutputs, OperationArguments, SourceArguments, Step};
+use crate::failure::Failure;
+use crate::output::{self, Outputs, Status};
+use crate::source::{self, Loaded};
+use denavit_dh::{Convention, Table};
+use denavit_edit::{Actual, Files, Frames, Operation, Text, Words, apply, unified_diff};
+use denavit_export::makers::ur_conf;
+use denavit_load::Selection;
+use denavit_model::Reading;
+use std::path::Path;
+
+/// Runs the command.
+pub fn run(arguments: &EditArguments) -> Result<Status, Failure> {
+    let (mut steps, outputs) = arguments
+        .steps()
+        .map_err(|error| Failure::Argument(error.to_string().trim_start_matches("error: ").to_owned()))?;
+    let mut source = SourceArguments {
+        package_path: outputs.package_path.clone(),
+        allow_any_file: outputs.allow_any_file,
+        ..SourceArguments::default()
+    };
+    for step in &mut steps {
+        let (values, words) = std::mem::take(&mut step.words).into_iter().partition(|word| word.contains(":="));
+        step.words = words;
+        source.values.extend::<Vec<String>>(values);
+    }
+    let inputs = [arguments.robot.as_str()].into_iter().chain(outputs.srdf.as_deref()).chain(source.files());
+    let mut places = Outputs::beside(inputs);
+    let urdf_place = places.add("--output", outputs.output.as_deref().unwrap_or(Path::new("-")))?;
+    let srdf_place = places.add_if("--srdf-out", outputs.srdf_out.as_deref())?;
+    let files = files(&arguments.robot, &outputs, &source)?;
+    let operations =
+        steps.iter().map(|step| operation(step, &outputs, &source)).collect::<Result<Vec<Operation>, Failure>>()?;
+    let done = apply(&files, &operations)?;
+    let in_the_way = outputs.dry_run || places.take_standard_output();
+    let said: Vec<String> = done.reports.iter().map(ToString::to_string).collect();
+    done.reports.iter().flat_map(|report| &report.notes).for_each(output::mention);
+    if in_the_way {
+        said.iter().for_each(output::mention);
+    }
+    if outputs.dry_run {
+        let mut diff = unified_diff(&files.urdf, &done.files.urdf);
+        if let (Some(before), Some(after)) = (&files.srdf, &done.files.srdf) {
+            diff.push_str(&unified_diff(before, after));
+        }
+        output::print(&diff)?;
+        return Ok(Status::Same);
+    }
+    let mut texts = vec![(urdf_place, done.files.urdf.text)];
+    match (srdf_place, done.files.srdf) {
+        (Some(place), Some(srdf)) => texts.push((place, srdf.text)),
+        (None, Some(after)) if files.srdf.as_ref() != Some(&after) => {
+            output::mention(format!("{}: the SRDF changes, too; --srdf-out FILE writes it", after.file));
+        }
+        _ => {}
+    }
+    places.write(&texts)?;
+    if !in_the_way {
+        output::print(&(said.join("\n") + "\n"))?;
+    }
+    Ok(Status::Same)
+}
+
+/// The text of a URDF, or what a xacro file stands for where it may be expanded.
+fn urdf(name: &str, outputs: &EditOutputs, source: &SourceArguments) -> Result<Text, Failure> {
+    let (file, written) = source::read_text(name)?;
+    if !denavit_load::is_markup(&file, &written) {
+        return Err(Failure::Argument(format!(
+            "{file}: this is no URDF, and edits are made to the text of one; `denavit export {file}` makes a URDF of it first"
+        )));
+    }
+    let urdf = source::urdf_text(&file, written, source)?;
+    if urdf.is_xacro && !outputs.expand {
+        return Err(Failure::Argument(format!(
+            "{file}: this is xacro: one line of it may stand for several joints, so that an edit has no one place; --expand \
+             edits the URDF that it stands for"
+        )));
+    }
+    Ok(Text { file, text: urdf.text })
+}
+
+fn files(robot: &str, outputs: &EditOutputs, source: &SourceArguments) -> Result<Files, Failure> {
+    let urdf = urdf(robot, outputs, source)?;
+    let srdf = outputs.srdf.as_deref().map(source::read_text).transpose()?;
+    let srdf = srdf.map(|(file, text)| Text { file, text });
+    Ok(Files { urdf, srdf })
+}
+
+fn operation(step: &Step, outputs: &EditOutputs, source: &SourceArguments) -> Result<Operation, Failure> {
+    let Step { words, with } = step;
+    let mut words = Words {
+        words: words.clone(),
+        other: None,
+        at: with.at.clone(),
+        pose: with.pose.clone(),
+        prefix: with.prefix.clone(),
+        keep: with.keep.clone(),
+        names: with.names.clone(),
+        to: with.to.clone(),
+        actual: None,
+    };
+    if let Some(name) = words.words.get(1).cloned() {
+        if words.takes_a_robot() {
+            words.other = Some(urdf(&name, outputs, source)?);
+        }
+        if words.takes_a_calibration() {
+            words.actual = Some(actual(&name, with, source)?);
+        }
+    }
+    Ok(Operation::of(&words)?)
+}
+
+/// A maker's figures, and how they lie on the robot.
+fn actual(name: &str, with: &OperationArguments, source: &SourceArguments) -> Result<Actual, Failure> {
+    let source = SourceArguments {
+        vendor_angles: with.vendor_angles,
+        table_convention: with.table_convention,
+        table_units: with.table_units.clone(),
+        ..source.clone()
+    };
+    let loaded = source::load(name, &source)?;
+    let selection = Selection { file: name, reading: Reading::AsWritten, ..Selection::default() };
+    let chain = loaded.chain(&selection)?.value;
+    let nominal = with.nominal.as_deref().map(|nominal| source::load_quietly(nominal, &source)).transpose()?;
+    let frames = match (loaded, nominal) {
+        (_, Some(Loaded::Table { table, convention, .. })) => Frames::AsNominal(Box::new(table), convention),
+        (_, Some(_)) => {
+            return Err(Failure::Argument(
+                "--nominal: this is no D-H table; write the table of the arm as drawn, in the form of the maker's actual one".into(),
+            ));
+        }
+        (Loaded::Table { .. }, None) => match drawn_ur(name, &source)? {
+            Some((table, convention)) => Frames::AsNominal(Box::new(table), convention),
+            None => {
+                return Err(Failure::Argument(format!(
+                    "{name}: a D-H table has zeros and frames of its own; --nominal FILE names the maker's table of the arm as \
+                     drawn, by which it is laid on the robot"
+                )));
+            }
+        },
+        (_, None) => Frames::Own,
+    };
+    Ok(Actual { chain, frames })
+}
+
+/// The ideal table that a UR controller's file adds to: the same file with nothing added.
+fn drawn_ur(name: &str, source: &SourceArguments) -> Result<Option<(Table, Convention)>, Failure> {
+    let (file, text) = source::read_text(name)?;
+    if !ur_conf::is_one(&text) {
+        return Ok(None);
+    }
+    let nothing_added = |line: &str| match line.split_once('=') {
+        Some((key, _)) if key.trim_start().starts_with("delta_") => format!("{key}= [0, 0, 0, 0, 0, 0]\n"),
+        _ => format!("{line}\n"),
+    };
+    let ideal: String = text.lines().map(nothing_added).collect();
+    let options = denavit_load::Options { arguments_for_another: true, ..source::options(source)? };
+    Ok(match denavit_load::from_text(&file, &ideal, &options)?.robot {
+        Loaded::Table { table, convention, .. } => Some((table, convention)),
+        _ => None,
+    })
+}

@@ -1,0 +1,159 @@
+//! Edits of a URDF's text, each with a proof of what stays the same.
+//!
+//! ```text
+//! Files (URDF, SRDF) ──► Operation ──► Change (new text, claim) ──► proof ──► Files, what is said
+//! ```
+//! An operation changes the text where it must; what it does not touch stays byte for byte. Beside the new text it gives a
+//! [`Claim`]: where every link, joint and mass of the old robot is found in the new one. The proof reads the new text as
+//! any reader would and holds it against the claim, at joint values that move all joints; where the claim does not hold, there is no
+//! result. The crate opens no files.
+//!
+//! ```
+//! use denavit_edit::{Files, Operation, apply};
+//! let text = r#"<robot name="r"> <link name="base"/> <link name="tip"/>
+//!   <joint name="j" type="revolute"> <parent link="base"/> <child link="tip"/> <limit lower="-1" upper="2"/> </joint> </robot>"#;
+//! let done = apply(&Files::urdf("r.urdf", text), &[Operation::Flip { joint: "j".into() }])?;
+//! assert!(done.files.urdf.text.contains(r#"<limit lower="-2" upper="1"/>"#));
+//! assert!(done.files.urdf.text.contains(r#"<axis xyz="-1 0 0"/>"#));
+//! # Ok::<(), denavit_edit::EditError>(())
+//! ```
+
+mod claim;
+mod error;
+mod literal;
+mod operation;
+mod operations;
+mod proof;
+mod references;
+mod tally;
+mod value;
+mod values;
+
+pub use claim::{Claim, JointMap, Space};
+pub use error::EditError;
+pub use operation::{OPERATIONS, Operation, OperationHelp, Words};
+pub use operations::calibration::{Actual, Frames};
+pub use operations::rename::Renaming;
+pub use proof::Proof;
+pub use value::Plane;
+
+use denavit_model::robot::{Robot, SourceText};
+use denavit_model::urdf;
+use tally::Tally;
+
+/// A file's name, for messages, and its text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Text {
+    /// As the user named it.
+    pub file: String,
+    /// Its content.
+    pub text: String,
+}
+
+/// What is edited together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Files {
+    /// The robot.
+    pub urdf: Text,
+    /// What MoveIt says of it, where given: its names and joint values follow.
+    pub srdf: Option<Text>,
+}
+
+impl Files {
+    /// A robot alone.
+    pub fn urdf(file: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { urdf: Text { file: file.into(), text: text.into() }, srdf: None }
+    }
+}
+
+/// What one operation did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The operation as it was asked for.
+    pub operation: String,
+    /// How nearly its claim holds.
+    pub proof: Proof,
+    /// What changed: `joint_3 reversed`, `2 limits exchanged`.
+    pub changes: Vec<String>,
+    /// What the edit could not follow, or did beside what was asked for; sentences.
+    pub notes: Vec<String>,
+}
+
+impl std::fmt::Display for Report {
+    /// `flip joint_3: moves as before within 1e-16 m; joint_3 reversed; 2 limits exchanged`
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.operation, self.proof)?;
+        self.changes.iter().try_for_each(|change| write!(f, "; {change}"))
+    }
+}
+
+/// The edited files, and what is to be said of each operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Done {
+    /// The new texts.
+    pub files: Files,
+    /// One for each operation, in order.
+    pub reports: Vec<Report>,
+}
+
+/// The new text of an operation, before it is proved.
+#[derive(Debug)]
+pub(crate) struct Change {
+    urdf: String,
+    srdf: Option<String>,
+    claim: Claim,
+    /// Another robot that is part of the new one, and where.
+    second: Option<(Robot, Claim)>,
+    tally: Tally,
+    notes: Vec<String>,
+}
+
+/// Does the operations one after another, and proves each.
+///
+/// # Errors
+/// The text is no robot, an operation cannot be done (with the reason), or what it claims does not hold of its result.
+pub fn apply(files: &Files, operations: &[Operation]) -> Result<Done, EditError> {
+    let mut files = files.clone();
+    let mut reports = Vec::new();
+    for operation in operations {
+        let robot = urdf::read(&files.urdf.file, &files.urdf.text)?;
+        let srdf = files.srdf.as_ref().map(|srdf| SourceText::new(&srdf.file, &srdf.text));
+        let change = operation.change(&robot, srdf.as_ref())?;
+        let made = urdf::read(&files.urdf.file, &change.urdf)
+            .map_err(|error| EditError::Unproved { operation: operation.to_string(), what: error.to_string() })?;
+        let proof = proof::prove(&robot, &made, &change.claim)
+            .map_err(|what| EditError::Unproved { operation: operation.to_string(), what })?;
+        if let Some((other, claim)) = &change.second {
+            proof::prove(other, &made, claim)
+                .map_err(|what| EditError::Unproved { operation: operation.to_string(), what })?;
+        }
+        reports.push(Report {
+            operation: operation.to_string(),
+            proof,
+            changes: change.tally.said(),
+            notes: change.notes,
+        });
+        files.urdf.text = change.urdf;
+        if let (Some(srdf), Some(text)) = (files.srdf.as_mut(), change.srdf) {
+            srdf.text = text;
+        }
+    }
+    Ok(Done { files, reports })
+}
+
+/// The differences of two texts as `diff -u` prints them; empty where they are the same.
+pub fn unified_diff(before: &Text, after: &Text) -> String {
+    if before.text == after.text {
+        return String::new();
+    }
+    let diff = similar::TextDiff::from_lines(&before.text, &after.text);
+    diff.unified_diff().header(&before.file, &after.file).to_string()
+}
+
+/// The robot of a text that an operation takes as its second one.
+///
+/// # Errors
+/// The text is no robot.
+pub fn robot_of(text: &Text) -> Result<Robot, EditError> {
+    Ok(urdf::read(&text.file, &text.text)?)
+}

@@ -1,0 +1,410 @@
+//! The operations that there are, and the words that ask for them.
+
+use crate::Change;
+use crate::Text;
+use crate::error::EditError;
+use crate::operations::calibration::{self, Actual};
+use crate::operations::part::Side;
+use crate::operations::rename::Renaming;
+use crate::operations::{attach, frames, merge, mirror, part, rename, reroot, scale, sense, snap};
+use crate::value::{self, Plane};
+use denavit_model::Quantity;
+use denavit_model::robot::{JointKind, Robot, SourceText};
+use denavit_model::se3::Pose;
+use denavit_model::units::Unit;
+use std::fmt;
+
+/// An edit of a robot.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Operation {
+    /// Another link becomes the root.
+    Reroot {
+        /// It.
+        link: String,
+    },
+    /// A joint counts the other way.
+    Flip {
+        /// It.
+        joint: String,
+    },
+    /// A joint's old reading becomes its new 0.
+    Zero {
+        /// It.
+        joint: String,
+        /// The old reading, a number with or without a unit.
+        at: String,
+    },
+    /// Links and joints get other names.
+    Rename {
+        /// Old and new.
+        names: Vec<Renaming>,
+    },
+    /// Every link and joint gets a prefix.
+    Prefix {
+        /// It.
+        prefix: String,
+    },
+    /// Links on fixed joints become parts of the link that carries them.
+    Merge {
+        /// Fixed joints, or links on them; all where there is none.
+        joints: Vec<String>,
+        /// Links that stay as frames, without mass and shapes.
+        keep: Vec<String>,
+    },
+    /// Another robot is put on a link.
+    Attach {
+        /// The other robot's URDF.
+        other: Text,
+        /// The link.
+        at: String,
+        /// link_from_root of the other robot: `x,y,z` or `x,y,z,roll,pitch,yaw`.
+        pose: Option<String>,
+        /// Stands before its names.
+        prefix: String,
+    },
+    /// The tree below a link becomes a robot of its own.
+    Extract {
+        /// The link.
+        link: String,
+    },
+    /// The tree below a link goes, with the joint that carries it.
+    Cut {
+        /// The link.
+        link: String,
+    },
+    /// The mirror image.
+    Mirror {
+        /// Through the root link's origin.
+        plane: Plane,
+        /// Parts of names that are exchanged, such as `left` and `right`.
+        names: Vec<(String, String)>,
+    },
+    /// A maker's figures of one arm go into the joint origins.
+    SetCalibration {
+        /// The file that they are from, for messages.
+        file: String,
+        /// They.
+        actual: Box<Actual>,
+    },
+    /// Link frames go onto the D-H frames.
+    Canonical,
+    /// A link's frame goes elsewhere on the link.
+    Origin {
+        /// The link.
+        link: String,
+        /// In the frame that it has: `x,y,z` or `x,y,z,roll,pitch,yaw`.
+        to: String,
+    },
+    /// Angles and axes that were surely meant as round values become so.
+    Snap,
+    /// Every length times a factor.
+    Scale {
+        /// New length over old.
+        factor: f64,
+    },
+}
+
+/// An operation, for help and documents.
+#[derive(Debug, Clone, Copy)]
+pub struct OperationHelp {
+    /// The word that asks for it.
+    pub name: &'static str,
+    /// With its words.
+    pub usage: &'static str,
+    /// What it does, and what stays the same.
+    pub purpose: &'static str,
+}
+
+/// Every operation, in the order of the documents.
+pub const OPERATIONS: &[OperationHelp] = &[
+    OperationHelp {
+        name: "flip",
+        usage: "flip JOINT",
+        purpose: "reverse a joint's sense; limits, mimic joints, transmissions and states follow",
+    },
+    OperationHelp {
+        name: "zero",
+        usage: "zero JOINT=VALUE",
+        purpose: "make the old reading VALUE the new 0; values in rad or m, or with a unit (=90deg)",
+    },
+    OperationHelp {
+        name: "reroot",
+        usage: "reroot LINK",
+        purpose: "make LINK the root; every link moves against every other as before, every frame stays",
+    },
+    OperationHelp {
+        name: "rename",
+        usage: "rename OLD=NEW …",
+        purpose: "rename links and joints everywhere; link:OLD=NEW and joint:OLD=NEW where both have the name",
+    },
+    OperationHelp { name: "prefix", usage: "prefix PREFIX", purpose: "put a prefix before every link and joint" },
+    OperationHelp {
+        name: "merge",
+        usage: "merge [JOINT …] [--keep LINK …]",
+        purpose: "make links on fixed joints parts of the link that carries them; masses add up, shapes stay where they are",
+    },
+    OperationHelp {
+        name: "attach",
+        usage: "attach FILE --at LINK [--pose POSE] [--prefix PREFIX]",
+        purpose: "put another robot on a link, at x,y,z,roll,pitch,yaw",
+    },
+    OperationHelp { name: "extract", usage: "extract LINK", purpose: "keep only LINK and what it carries" },
+    OperationHelp { name: "cut", usage: "cut LINK", purpose: "take LINK and what it carries out" },
+    OperationHelp {
+        name: "mirror",
+        usage: "mirror xz [--names left=right]",
+        purpose: "make the mirror image: equal joint values give mirrored poses; --names exchanges parts of names",
+    },
+    OperationHelp {
+        name: "set-calibration",
+        usage: "set-calibration FILE [--nominal FILE]",
+        purpose: "put a maker's figures of one arm into the joint origins; frames, meshes and names stay",
+    },
+    OperationHelp {
+        name: "canonical",
+        usage: "canonical",
+        purpose: "put link frames on the D-H frames, as `export` does",
+    },
+    OperationHelp {
+        name: "origin",
+        usage: "origin LINK --to POSE",
+        purpose: "move a link's frame to POSE, given in the frame that it has; nothing else moves",
+    },
+    OperationHelp {
+        name: "snap",
+        usage: "snap",
+        purpose: "write angles and axes that were surely meant as round values as such; each is listed with its bound",
+    },
+    OperationHelp {
+        name: "scale",
+        usage: "scale FACTOR",
+        purpose: "multiply every length; tensors by its square, masses stay",
+    },
+    OperationHelp {
+        name: "units",
+        usage: "units UNIT",
+        purpose: "the file's lengths are in UNIT (mm, in …): write them in m",
+    },
+];
+
+/// What the words of one operation are, and the options that stand beside them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Words {
+    /// `flip`, `elbow_joint`.
+    pub words: Vec<String>,
+    /// The file that the operation takes, which its second word names.
+    pub other: Option<Text>,
+    /// A link.
+    pub at: Option<String>,
+    /// `x,y,z` or `x,y,z,roll,pitch,yaw`.
+    pub pose: Option<String>,
+    /// Stands before names.
+    pub prefix: Option<String>,
+    /// Links that stay.
+    pub keep: Vec<String>,
+    /// `left=right`.
+    pub names: Vec<String>,
+    /// Where something goes.
+    pub to: Option<String>,
+    /// A maker's figures, which the second word names.
+    pub actual: Option<Actual>,
+}
+
+impl Words {
+    /// The words of a command line: `attach gripper.urdf --at tool0 --prefix g_`.
+    ///
+    /// # Errors
+    /// An option that no operation takes, or one without its value.
+    pub fn of(line: impl IntoIterator<Item = String>) -> Result<Self, EditError> {
+        let mut words = Self::default();
+        let mut rest = line.into_iter();
+        while let Some(word) = rest.next() {
+            let Some(option) = word.strip_prefix("--") else {
+                words.words.push(word);
+                continue;
+            };
+            let (name, value) = match option.split_once('=') {
+                Some((name, value)) => (name.to_owned(), Some(value.to_owned())),
+                None => (option.to_owned(), rest.next()),
+            };
+            let Some(value) = value else { return Err(EditError::Words(format!("--{name} needs a value"))) };
+            match name.as_str() {
+                "at" => words.at = Some(value),
+                "pose" => words.pose = Some(value),
+                "prefix" => words.prefix = Some(value),
+                "keep" => words.keep.push(value),
+                "names" => words.names.push(value),
+                "to" => words.to = Some(value),
+                _ => {
+                    return Err(EditError::Words(format!(
+                        "--{name} is no option of an operation; there are --at, --pose, --prefix, --keep, --names, --to"
+                    )));
+                }
+            }
+        }
+        Ok(words)
+    }
+
+    /// Whether the second word names a URDF that is read before the operation is made.
+    pub fn takes_a_robot(&self) -> bool {
+        self.words.first().is_some_and(|name| name == "attach")
+    }
+
+    /// Whether the second word names a maker's figures of one arm.
+    pub fn takes_a_calibration(&self) -> bool {
+        self.words.first().is_some_and(|name| name == "set-calibration")
+    }
+
+    /// The first of the options that this operation has no use for.
+    fn stray(&self) -> Option<&'static str> {
+        let name = self.words.first().map_or("", String::as_str);
+        let given = [
+            ("--at", self.at.is_some(), &["attach"][..]),
+            ("--pose", self.pose.is_some(), &["attach"]),
+            ("--prefix", self.prefix.is_some(), &["attach"]),
+            ("--keep", !self.keep.is_empty(), &["merge"]),
+            ("--to", self.to.is_some(), &["origin"]),
+            ("--names", !self.names.is_empty(), &["mirror"]),
+        ];
+        given.into_iter().find(|(_, given, users)| *given && !users.contains(&name)).map(|(option, ..)| option)
+    }
+}
+
+impl Operation {
+    /// The operation that words ask for.
+    ///
+    /// # Errors
+    /// No such operation, or too few or too many words.
+    pub fn of(words: &Words) -> Result<Self, EditError> {
+        let mut rest = words.words.iter().map(String::as_str);
+        let name = rest.next().unwrap_or_default();
+        let rest: Vec<&str> = rest.collect();
+        let Some(help) = OPERATIONS.iter().find(|known| known.name == name) else {
+            let names = OPERATIONS.iter().map(|known| known.name);
+            let hint = denavit_model::problems::nearest_name(name, names.clone())
+                .map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            let known: Vec<&str> = names.collect();
+            return Err(EditError::Words(format!("\"{name}\" is no operation{hint}; there are {}", known.join(", "))));
+        };
+        if let Some(option) = words.stray() {
+            return Err(EditError::Words(format!("{name} takes no {option}; write {}", help.usage)));
+        }
+        let wrong = || EditError::Words(format!("{}: write {}", words.words.join(" "), help.usage));
+        let only = || match rest[..] {
+            [only] => Ok(only.to_owned()),
+            _ => Err(wrong()),
+        };
+        Ok(match name {
+            "reroot" => Self::Reroot { link: only()? },
+            "flip" => Self::Flip { joint: only()? },
+            "zero" => {
+                let (joint, at) =
+                    only()?.rsplit_once('=').map(|(a, b)| (a.to_owned(), b.to_owned())).ok_or_else(wrong)?;
+                Self::Zero { joint, at }
+            }
+            "rename" => {
+                let names: Option<Vec<Renaming>> = rest.iter().map(|word| renaming(word)).collect();
+                Self::Rename { names: names.filter(|names| !names.is_empty()).ok_or_else(wrong)? }
+            }
+            "merge" => {
+                Self::Merge { joints: rest.iter().map(|word| (*word).to_owned()).collect(), keep: words.keep.clone() }
+            }
+            "attach" => {
+                let (Some(other), Some(at)) = (words.other.clone(), words.at.clone()) else { return Err(wrong()) };
+                only()?;
+                let prefix = words.prefix.clone().unwrap_or_default();
+                Self::Attach { other, at, pose: words.pose.clone(), prefix }
+            }
+            "extract" => Self::Extract { link: only()? },
+            "cut" => Self::Cut { link: only()? },
+            "mirror" => {
+                let plane = Plane::of(&only()?).ok_or_else(wrong)?;
+                let pair = |word: &String| {
+                    let (one, other) = word.split_once('=')?;
+                    (!one.is_empty() && !other.is_empty() && one != other).then(|| (one.to_owned(), other.to_owned()))
+                };
+                let names: Option<Vec<(String, String)>> = words.names.iter().map(pair).collect();
+                Self::Mirror { plane, names: names.ok_or_else(wrong)? }
+            }
+            "set-calibration" => {
+                let file = only()?;
+                Self::SetCalibration { file, actual: Box::new(words.actual.clone().ok_or_else(wrong)?) }
+            }
+            "canonical" if rest.is_empty() => Self::Canonical,
+            "snap" if rest.is_empty() => Self::Snap,
+            "canonical" | "snap" => return Err(wrong()),
+            "origin" => Self::Origin { link: only()?, to: words.to.clone().ok_or_else(wrong)? },
+            "scale" => Self::Scale { factor: only()?.parse().map_err(|_| wrong())? },
+            "units" => {
+                let unit = Unit::of(&only()?, Quantity::Length).ok_or_else(wrong)?;
+                Self::Scale { factor: unit.in_si() }
+            }
+            _ => Self::Prefix { prefix: only()? },
+        })
+    }
+
+    /// The new text, not yet proved.
+    pub(crate) fn change(&self, robot: &Robot, srdf: Option<&SourceText>) -> Result<Change, EditError> {
+        match self {
+            Self::Reroot { link } => reroot::reroot(robot, srdf, link),
+            Self::Flip { joint } => sense::flip(robot, srdf, joint),
+            Self::Zero { joint, at } => {
+                let slides = robot.joints.iter().any(|of| of.name == *joint && of.kind == JointKind::Prismatic);
+                let quantity = if slides { Quantity::Length } else { Quantity::Angle };
+                sense::zero(robot, srdf, joint, value::number(at, quantity)?)
+            }
+            Self::Rename { names } => rename::rename(robot, srdf, names),
+            Self::Prefix { prefix } => rename::prefix(robot, srdf, prefix),
+            Self::Merge { joints, keep } => merge::merge(robot, srdf, joints, keep),
+            Self::Attach { other, at, pose, prefix } => {
+                let pose = pose.as_deref().map(value::pose).transpose()?.unwrap_or_else(Pose::identity);
+                attach::attach(robot, srdf, other, at, &pose, prefix)
+            }
+            Self::Extract { link } => part::part(robot, srdf, link, Side::Below),
+            Self::Cut { link } => part::part(robot, srdf, link, Side::Above),
+            Self::Mirror { plane, names } => mirror::mirror(robot, srdf, *plane, names),
+            Self::SetCalibration { file, actual } => calibration::set(robot, srdf, file, actual),
+            Self::Canonical => frames::canonical(robot, srdf),
+            Self::Origin { link, to } => frames::origin(robot, srdf, link, &value::pose(to)?),
+            Self::Snap => snap::snap(robot, srdf),
+            Self::Scale { factor } => scale::scale(robot, srdf, *factor),
+        }
+    }
+}
+
+fn renaming(word: &str) -> Option<Renaming> {
+    let (old, new) = word.split_once('=')?;
+    let (kind, old) = match old.split_once(':') {
+        Some(("link", name)) => (Some("link"), name),
+        Some(("joint", name)) => (Some("joint"), name),
+        _ => (None, old),
+    };
+    Some(Renaming { kind, old: old.to_owned(), new: new.to_owned() })
+}
+
+impl fmt::Display for Operation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Reroot { link } => write!(f, "reroot {link}"),
+            Self::Flip { joint } => write!(f, "flip {joint}"),
+            Self::Zero { joint, at } => write!(f, "zero {joint}={at}"),
+            Self::Rename { names } => {
+                f.write_str("rename")?;
+                names.iter().try_for_each(|name| write!(f, " {}={}", name.old, name.new))
+            }
+            Self::Prefix { prefix } => write!(f, "prefix {prefix}"),
+            Self::Merge { joints, .. } if joints.is_empty() => f.write_str("merge"),
+            Self::Merge { joints, .. } => write!(f, "merge {}", joints.join(" ")),
+            Self::Attach { other, at, .. } => write!(f, "attach {} at {at}", other.file),
+            Self::Extract { link } => write!(f, "extract {link}"),
+            Self::Cut { link } => write!(f, "cut {link}"),
+            Self::Mirror { plane, .. } => write!(f, "mirror {}", plane.name()),
+            Self::SetCalibration { file, .. } => write!(f, "set-calibration {file}"),
+            Self::Canonical => f.write_str("canonical"),
+            Self::Origin { link, to } => write!(f, "origin {link} to {to}"),
+            Self::Snap => f.write_str("snap"),
+            Self::Scale { factor } => write!(f, "scale {factor}"),
+        }
+    }
+}

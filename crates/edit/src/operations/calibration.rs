@@ -1,0 +1,174 @@
+//! A maker's numbers of one arm into the joint origins of the URDF that is in use.
+//!
+//! What the file gives is a chain of screw axes in frames of its own. Where its base and tip are links of the robot it is taken
+//! as it stands. A maker's list of joint origins starts at the link that carries its first joint and ends at the link that its
+//! last joint carries. A D-H table has its own base, tip, zeros and senses, which are those by which the *nominal* table lies
+//! on the drawn robot: robot(q) = B · table(sense · q + zero) · E. Then the calibrated robot is B · actual(sense · q + zero) · E.
+//!
+//! Only joint origins change: each link turns by the angle between its drawn axis and the real one, and moves to the nearest
+//! point of the real one, so that meshes and frames stay where they are as nearly as can be.
+
+use crate::Change;
+use crate::claim::{Claim, Compared};
+use crate::error::EditError;
+use crate::tally::Tally;
+use denavit_dh::matching::{VendorTable, Verdict, match_table};
+use denavit_dh::{Convention, Table};
+use denavit_export::urdf::with_chain;
+use denavit_model::robot::{JointKind, Robot, SourceText};
+use denavit_model::se3::Pose;
+use denavit_model::tree::Reading;
+use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw, se3};
+
+/// A calibration that moves a link by more than this many times the robot's size is another robot's.
+const PLAUSIBLE: f64 = 0.05;
+
+/// A maker's figures of one arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Actual {
+    /// The arm as it is.
+    pub chain: Chain,
+    /// How its frames lie on the robot's.
+    pub frames: Frames,
+}
+
+/// How the frames of a file lie on those of a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Frames {
+    /// Base and tip are links of the robot, or a maker's list of joint origins.
+    Own,
+    /// As this drawn table of the same maker lies on the drawn robot.
+    AsNominal(Box<Table>, Convention),
+}
+
+/// # Errors
+/// Joints that are not the robot's, a nominal table that is not the drawn robot's, or a chain that URDF cannot say.
+pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: &Actual) -> Result<Change, EditError> {
+    let wrong = |what: String| EditError::Words(format!("{file}: {what}"));
+    let joints = joints(robot, &actual.chain).map_err(wrong)?;
+    let named = |name: &str| robot.link_index(name).is_some();
+    let own_ends = named(actual.chain.base()) && named(actual.chain.tip());
+    let (base, tip) = if own_ends && actual.frames == Frames::Own {
+        (actual.chain.base().to_owned(), actual.chain.tip().to_owned())
+    } else {
+        ends(robot, &joints, &actual.chain, &actual.frames)
+    };
+    let drawn = robot
+        .chain(Some(&base), Some(&tip), Reading::AsWritten)
+        .map_err(|error| EditError::Words(format!("{file}: {error}")))?
+        .value;
+    if drawn.joints().len() != actual.chain.joints().len() {
+        let (has, own) = (actual.chain.joints().len(), drawn.joints().len());
+        return Err(wrong(format!("it has {has} joints, and the robot has {own} from \"{base}\" to \"{tip}\"")));
+    }
+    let (screws, home) = match &actual.frames {
+        Frames::Own => {
+            let pairs = actual.chain.joints().iter().zip(drawn.joints());
+            (pairs.map(|(joint, of)| (joint.screw, joint.offset, of)).collect::<Vec<_>>(), *actual.chain.home())
+        }
+        Frames::AsNominal(table, convention) => laid(&drawn, &actual.chain, (table, *convention)).map_err(wrong)?,
+    };
+    let joints = screws.into_iter().map(|(screw, offset, of)| ChainJoint { screw, offset, ..of.clone() }).collect();
+    let calibrated = Chain::new((drawn.name(), base, tip), drawn.coordinates().to_vec(), joints, home)
+        .map_err(|error| EditError::Words(format!("{file}: {error}")))?;
+    let moved =
+        (calibrated.fk(&zeros(&calibrated)).translation.vector - drawn.fk(&zeros(&drawn)).translation.vector).norm();
+    if moved > PLAUSIBLE * drawn.size() {
+        return Err(wrong(format!(
+            "at joint values 0 it would move \"{}\" by {:.0} mm: these are figures of another robot, or rounded ones; UR's \
+             need every digit, since lengths of hundreds of metres cancel in them",
+            calibrated.tip(),
+            1e3 * moved
+        )));
+    }
+    let made = with_chain(robot, &calibrated, Reading::AsWritten)?;
+    let mut tally = Tally::default();
+    tally.say(format!("{} joint origins set from {file}", calibrated.joints().len()));
+    let claim = Claim {
+        compared: Compared::No,
+        moves: Some(2.0 * PLAUSIBLE * drawn.size()),
+        foreign: true,
+        seen_from: calibrated.base().to_owned(),
+        ..Claim::same(robot)
+    };
+    let notes = made.notes.iter().map(ToString::to_string).collect();
+    Ok(Change { urdf: made.value, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+}
+
+/// The robot's joints for those of the chain: of the same names, or those of the default chain in order.
+fn joints(robot: &Robot, chain: &Chain) -> Result<Vec<usize>, String> {
+    let named: Option<Vec<usize>> = chain.joints().iter().map(|joint| robot.joint_index(&joint.name)).collect();
+    if let Some(named) = named.filter(|named| !named.is_empty()) {
+        return Ok(named);
+    }
+    let default = robot.default_chain();
+    let own: Option<Vec<usize>> = default.coordinates.iter().map(|name| robot.joint_index(name)).collect();
+    let own = own.unwrap_or_default();
+    let moving = own.iter().filter(|joint| robot.joints[**joint].kind != JointKind::Fixed).count();
+    if moving != chain.joints().len() || own.is_empty() {
+        let names: Vec<&str> = chain.joints().iter().map(|joint| joint.name.as_str()).collect();
+        return Err(format!(
+            "its joints ({}) are not the robot's, and the robot's own chain has {moving} joints; rename them in the file",
+            names.join(", ")
+        ));
+    }
+    Ok(own)
+}
+
+fn zeros(chain: &Chain) -> Vec<f64> {
+    vec![0.0; chain.coordinates().len()]
+}
+
+/// The links that base and tip of the file are: of those on the first joint's carrier, towards the root, and on what the
+/// last joint carries, the pair whose drawn pose comes nearest. A table that is laid on the robot needs no such guess.
+fn ends(robot: &Robot, joints: &[usize], chain: &Chain, frames: &Frames) -> (String, String) {
+    let placed = PlacedRobot::new(robot, Reading::AsWritten);
+    let (first, last) = (robot.joints[joints[0]].parent, robot.joints[joints[joints.len() - 1]].child);
+    let name = |link: usize| robot.links[link].name.clone();
+    if *frames != Frames::Own {
+        return (name(first), name(last));
+    }
+    let mut bases = vec![first];
+    while let Some(joint) = placed.carrier(bases[bases.len() - 1]).filter(|joint| !robot.joints[*joint].kind.moves()) {
+        bases.push(robot.joints[joint].parent);
+    }
+    let tips = (0..robot.links.len()).filter(|link| placed.body(*link) == placed.body(last));
+    let mut best = (f64::INFINITY, first, last);
+    for tip in tips {
+        for base in &bases {
+            let pose = placed.pose(*base).inverse() * placed.pose(tip);
+            let (turned, moved) = se3::difference(&pose, &chain.fk(&zeros(chain)));
+            let miss = moved / chain.size() + turned;
+            // Of two that are as near the first stays: rounding decides nothing.
+            if miss < best.0 - 1e-9 {
+                best = (miss, *base, tip);
+            }
+        }
+    }
+    (name(best.1), name(best.2))
+}
+
+type Laid<'a> = (Vec<(Screw, f64, &'a ChainJoint)>, Pose);
+
+/// The actual table in the frames, zeros and senses by which the nominal one lies on the drawn robot.
+fn laid<'a>(drawn: &'a Chain, actual: &Chain, (table, convention): (&Table, Convention)) -> Result<Laid<'a>, String> {
+    let vendor = VendorTable::of(table, convention, false);
+    let found = match_table(drawn, &vendor).map_err(|error| format!("the nominal table: {error}"))?;
+    if found.verdict == Verdict::Mismatch {
+        return Err(format!(
+            "the nominal table is not the drawn robot's: it misses it by up to {:.1} mm; name the table that the maker's \
+             figures are added to",
+            1e3 * found.placement.position_error
+        ));
+    }
+    let placement = &found.placement;
+    let mut screws = Vec::new();
+    for ((joint, of), lies) in actual.joints().iter().zip(drawn.joints()).zip(&placement.joints) {
+        let sense = lies.sense.sign();
+        let screw = joint.screw.moved(&placement.base);
+        let screw = if sense < 0.0 { screw.reversed() } else { screw };
+        // exp(S (s q + z + o)) = exp(s S (q + s (z + o)))
+        screws.push((screw, sense * (lies.zero + joint.offset), of));
+    }
+    Ok((screws, placement.base * actual.home() * placement.tool))
+}
