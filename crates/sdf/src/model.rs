@@ -85,8 +85,8 @@ pub(crate) struct Model<'a> {
     pub links: Vec<Link<'a>>,
     pub joints: Vec<Joint<'a>>,
     pub explicit: Vec<Explicit<'a>>,
-    /// Parts of models that are kept whole.
-    pub further: Vec<Part<'a>>,
+    /// Models and includes, in which more may stand than is understood.
+    pub parts: Vec<(Part<'a>, &'static Known)>,
     pub canonical: FrameId,
 }
 
@@ -214,7 +214,7 @@ impl<'a> Reader<'a> {
             links: Vec::new(),
             joints: Vec::new(),
             explicit: Vec::new(),
-            further: Vec::new(),
+            parts: Vec::new(),
             canonical: WORLD,
         };
         let frame = model.frames.add("__model__".to_owned());
@@ -345,6 +345,7 @@ impl<'a> Reader<'a> {
     /// Everything in a model. `parent`: the frame that its pose is given in.
     fn collect(&mut self, model: &mut Model<'a>, part: Part<'a>, scope: Scope, parent: FrameId) {
         self.account(part, &MODEL);
+        model.parts.push((part, &MODEL));
         let own = scope.model;
         model.frames.all[own].base = parent;
         let index = model.scopes.len();
@@ -368,7 +369,6 @@ impl<'a> Reader<'a> {
         for node in part.node.children().filter(Node::is_element) {
             let child = Part { node, file: part.file };
             if node.tag_name().namespace().is_some() {
-                model.further.push(child);
                 continue;
             }
             match node.tag_name().name() {
@@ -396,8 +396,7 @@ impl<'a> Reader<'a> {
                     self.nested(model, &Nested { part: child, posed: child, name, version, merge: false }, index);
                 }
                 "include" => self.include(model, child, index),
-                "pose" | "static" => {}
-                _ => model.further.push(child),
+                _ => {}
             }
         }
         // The model's frame is fixed to its canonical link: the first one where none is named.
@@ -427,7 +426,7 @@ impl<'a> Reader<'a> {
     }
 
     fn include(&mut self, model: &mut Model<'a>, part: Part<'a>, scope: usize) {
-        self.account(part, &INCLUDE);
+        model.parts.push((part, &INCLUDE));
         let Some(uri) = part.child("uri").map(|uri| pose::text_of(uri.node)).filter(|uri| !uri.is_empty()) else {
             self.problem(part, Kind::MissingElement("uri"));
             return;

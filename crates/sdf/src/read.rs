@@ -180,7 +180,6 @@ impl<'a, 'm> Translator<'a, 'm> {
     }
 
     fn link(&mut self, link: &Link<'a>) {
-        self.reader.account(link.part, &LINK);
         let name = escaped(&self.names[&link.frame]);
         self.line(link.part, format!("  <link name=\"{name}\">"));
         let inertial = inertia::of_link(&mut self.reader, self.model, link);
@@ -260,7 +259,6 @@ impl<'a, 'm> Translator<'a, 'm> {
 
     /// How a joint moves; nothing where that is wrong.
     fn motion(&mut self, joint: &Joint<'a>) -> Option<Motion> {
-        self.reader.account(joint.part, &JOINT);
         let frames = &self.model.frames.all;
         let (parent, child) = (frames[joint.parent].body, frames[joint.child].body);
         if parent == child {
@@ -485,8 +483,8 @@ impl<'a, 'm> Translator<'a, 'm> {
         if model.is_static {
             lines.push((self.line_of(model.part), "<static>true</static>".to_owned()));
         }
-        for part in &model.further {
-            self.copy(&mut lines, *part);
+        for (part, known) in &model.parts {
+            self.rest(&mut lines, *part, known, &["link", "joint", "include", "model"], false);
         }
         self.gazebo(model.part, None, lines);
     }
