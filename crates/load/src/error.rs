@@ -24,7 +24,7 @@ pub enum LoadError {
     },
     /// Text that is none of the sources.
     #[error(
-        "{file}: this is no robot that is known here: neither XML (URDF, MJCF, xacro), nor a table with columns theta, d, alpha, a, nor \
+        "{file}: this is no robot that is known here: neither XML (URDF, MJCF, SDF, xacro), nor a table with columns theta, d, alpha, a, nor \
          JSON, nor a maker's kinematics file; it begins with \"{begins}\""
     )]
     NoRobot {

@@ -1,4 +1,4 @@
-//! Any source to a robot: URDF, MJCF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a maker's
+//! Any source to a robot: URDF, MJCF, SDF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a maker's
 //! kinematics file, a revision in git.
 //!
 //! ```text

@@ -14,14 +14,14 @@ use std::collections::HashMap;
 /// Axes of a gearbox and of the joint that it couples are parallel within this, rad.
 const PARALLEL: f64 = 1e-6;
 
-/// For each joint that a gearbox drives: how it follows the other.
+/// For each joint that a gearbox drives: how it follows the other; and the gearboxes that this says.
 pub(crate) fn couplings<'a>(
     model: &Model<'a>,
     motions: &[Option<Motion>],
     reader: &mut Reader<'a>,
-) -> HashMap<usize, String> {
-    let mut found = HashMap::new();
-    for (joint, motion) in model.joints.iter().zip(motions) {
+) -> (HashMap<usize, String>, Vec<usize>) {
+    let (mut found, mut expressed) = (HashMap::new(), Vec::new());
+    for (index, (joint, motion)) in model.joints.iter().zip(motions).enumerate() {
         if !matches!(motion, Some(Motion::Gearbox)) {
             continue;
         }
@@ -30,6 +30,7 @@ pub(crate) fn couplings<'a>(
                 let (driven_name, leader) = (&model.joints[driven].name, &model.joints[leader].name);
                 reader.note(joint.part, format!("the gearbox is read as joint \"{driven_name}\" following joint \"{leader}\""));
                 found.insert(driven, mimic);
+                expressed.push(index);
             }
             _ => reader.note(
                 joint.part,
@@ -37,7 +38,7 @@ pub(crate) fn couplings<'a>(
             ),
         }
     }
-    found
+    (found, expressed)
 }
 
 fn coupling<'a>(

@@ -122,14 +122,14 @@ impl<'a, 'm> Translator<'a, 'm> {
             self.link(link);
         }
         self.frames();
-        let mimics = gearbox::couplings(model, &motions, &mut self.reader);
+        let (mimics, expressed) = gearbox::couplings(model, &motions, &mut self.reader);
         for (joint, role) in in_tree.iter().zip(&tree.roles) {
             if let Some(motion) = &motions[*joint] {
                 self.joint(&model.joints[*joint], motion, *role, mimics.get(joint).map(String::as_str));
             }
         }
-        for (joint, motion) in model.joints.iter().zip(&motions) {
-            if matches!(motion, Some(Motion::Gearbox)) {
+        for (index, joint) in model.joints.iter().enumerate() {
+            if matches!(motions[index], Some(Motion::Gearbox)) && !expressed.contains(&index) {
                 self.carry_joint(joint);
             }
         }

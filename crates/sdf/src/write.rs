@@ -12,6 +12,7 @@ use denavit_model::write::escaped;
 use denavit_model::{Joint, JointKind, Link, Place, Robot, se3};
 use further::Further;
 use names::Names;
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
@@ -23,6 +24,8 @@ pub(crate) enum Part {
     Link,
     /// A link without mass and shapes on a fixed joint: two frames, named as the joint and the link.
     Frame,
+    /// A massless link between a joint and a link whose frame is not the joint's: SDF's joints have frames of their own.
+    Joint,
 }
 
 /// The robot as SDF 1.11, and what SDF has no words for.
@@ -77,6 +80,7 @@ fn part(robot: &Robot, index: usize, carrier: Option<usize>, further: &Further) 
         && !further.on_link(&link.name);
     match carrier.map(|joint| &robot.joints[joint]) {
         None if bare && is_world(robot, index) => Part::World,
+        Some(joint) if bare && of_joint(robot, index, joint).is_some() => Part::Joint,
         Some(joint)
             if bare
                 && joint.kind == JointKind::Fixed
@@ -87,6 +91,18 @@ fn part(robot: &Robot, index: usize, carrier: Option<usize>, further: &Further) 
         }
         _ => Part::Link,
     }
+}
+
+/// The joint that leads on from a massless link that the reader put between a joint and its child.
+fn of_joint(robot: &Robot, link: usize, joint: &Joint) -> Option<usize> {
+    let single =
+        matches!(joint.kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Screw(_));
+    let mut on = robot.joints_from(link);
+    let (only, None) = (on.next()?, on.next()) else { return None };
+    let next = &robot.joints[only];
+    let named = robot.links[link].name == format!("{}_frame", joint.name)
+        && next.name == format!("{}_to_{}", joint.name, robot.links[next.child].name);
+    (single && named && next.kind == JointKind::Fixed && next.elements.is_empty()).then_some(only)
 }
 
 fn is_world(robot: &Robot, link: usize) -> bool {
@@ -132,7 +148,7 @@ impl Writer<'_> {
         for joint in &robot.joints {
             if self.parts[joint.child] == Part::Frame {
                 self.frame(joint);
-            } else {
+            } else if self.parts[joint.parent] != Part::Joint {
                 self.joint(joint);
             }
         }
@@ -152,7 +168,10 @@ impl Writer<'_> {
         self.line(2, &format!("<link name=\"{}\">", escaped(&self.names.links[index])));
         if let Some(carrier) = carrier {
             let joint = &self.robot.joints[carrier];
-            let pose = if joint.kind == JointKind::Floating {
+            let pose = if self.parts[joint.parent] == Part::Joint {
+                let before = carriers_of(self.robot, joint.parent);
+                pose(&escaped(&self.names.joints[before]), &joint.origin)
+            } else if joint.kind == JointKind::Floating {
                 pose(&self.within(joint.parent), &joint.origin)
             } else {
                 let name = format!("{}{}", self.names.joints[carrier], last_part(&joint.kind));
@@ -168,8 +187,8 @@ impl Writer<'_> {
             let why = "it stays a link of mass 0, which Gazebo refuses to simulate";
             self.lose(place.clone(), "no <inertial>", why);
         }
-        let mut names = std::collections::HashSet::new();
         for (tag, shapes) in [("visual", &link.visuals), ("collision", &link.collisions)] {
+            let mut names = HashSet::new();
             for shape in shapes {
                 self.shape(tag, link, shape, &mut names);
             }
@@ -188,7 +207,7 @@ impl Writer<'_> {
         self.line(2, "</link>");
     }
 
-    fn shape(&mut self, tag: &'static str, link: &Link, shape: &Shape, names: &mut std::collections::HashSet<String>) {
+    fn shape(&mut self, tag: &'static str, link: &Link, shape: &Shape, names: &mut HashSet<String>) {
         let place = self.robot.source.place(link.at, format!("link \"{}\"", link.name));
         let geometry = match &shape.geometry {
             Geometry::Box(size) => format!("<box><size>{}</size></box>", numbers(size)),
@@ -202,7 +221,8 @@ impl Writer<'_> {
             Geometry::Mesh { filename, scale } => {
                 let scale =
                     if *scale == [1.0; 3] { String::new() } else { format!("<scale>{}</scale>", numbers(scale)) };
-                format!("<mesh><uri>{}</uri>{scale}</mesh>", escaped(filename))
+                let further = self.further.in_mesh(&link.name, tag, shape.name.as_deref()).concat();
+                format!("<mesh><uri>{}</uri>{scale}{further}</mesh>", escaped(filename))
             }
             other => {
                 let word = if let Geometry::Other(word) = other { word.as_str() } else { "" };
@@ -309,7 +329,13 @@ impl Writer<'_> {
             self.names.links[joint.parent].clone()
         };
         let at = pose(&self.within(joint.parent), &joint.origin);
-        let child = self.names.links[joint.child].clone();
+        let child = match self.parts[joint.child] {
+            Part::Joint => {
+                of_joint(self.robot, joint.child, joint).map_or(joint.child, |next| self.robot.joints[next].child)
+            }
+            _ => joint.child,
+        };
+        let child = self.names.links[child].clone();
         self.line(2, &format!("<joint name=\"{}\" type=\"{kind}\">", escaped(&name)));
         self.line(3, &at);
         self.line(3, &format!("<parent>{}</parent><child>{}</child>", escaped(&parent), escaped(&child)));
@@ -439,6 +465,11 @@ impl Writer<'_> {
             parent = child;
         }
     }
+}
+
+/// The joint that carries a link that has one.
+fn carriers_of(robot: &Robot, link: usize) -> usize {
+    robot.joint_to(link).unwrap_or(0)
 }
 
 /// What the name of the joint that carries the child has at its end, of a joint that stands as several.

@@ -122,9 +122,23 @@ impl<'a> Further<'a> {
         let within: Vec<Element> = match tag {
             "limit" => within.filter(|child| child.tag() == "limit").flat_map(|limit| children(&limit)).collect(),
             "axis" => within.filter(|child| child.tag() != "limit").collect(),
+            "visual" | "collision" => within.filter(|child| child.tag() != "geometry").collect(),
             _ => within.collect(),
         };
         within.iter().map(write::element).collect()
+    }
+
+    /// What is merged into the mesh of a shape.
+    pub fn in_mesh(&self, owner: &str, tag: &str, name: Option<&str>) -> Vec<String> {
+        let parts = self
+            .links
+            .iter()
+            .filter(|(known, element)| *known == owner && element.tag() == tag && element.attribute("name") == name);
+        let inside = |elements: Vec<Element>, tag: &str| -> Vec<Element> {
+            elements.iter().filter(|child| child.tag() == tag).flat_map(children).collect()
+        };
+        let shapes = inside(parts.flat_map(|(_, element)| children(element)).collect(), "geometry");
+        inside(shapes, "mesh").iter().map(write::element).collect()
     }
 
     /// Namespace prefixes in use.

@@ -29,7 +29,12 @@ impl Names {
     /// What is called otherwise than in the robot.
     pub fn losses(&self, robot: &Robot) -> Vec<Loss> {
         let why = |name: &String| {
-            format!("names of links, joints and frames are one set in SDF: it is called \"{name}\" there")
+            let why = if name.contains("__") {
+                "\"::\" separates models"
+            } else {
+                "names of links, joints and frames are one set"
+            };
+            format!("{why} in SDF: it is called \"{name}\" there")
         };
         let links = robot.links.iter().zip(&self.links).filter(|(link, name)| link.name != **name);
         let links = links.map(|(link, name)| {
