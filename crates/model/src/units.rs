@@ -120,6 +120,23 @@ impl Unit {
         }
     }
 
+    /// A number with its unit, such as `30mm` or `1.5 in`, in rad or m; `None` where either is missing or not finite.
+    ///
+    /// # Examples
+    /// ```
+    /// use denavit_model::chain::Quantity;
+    /// use denavit_model::units::Unit;
+    /// assert_eq!(Unit::value("162.5 mm", Quantity::Length), Some(0.1625));
+    /// assert_eq!(Unit::value("90deg", Quantity::Length), None);
+    /// ```
+    pub fn value(text: &str, quantity: Quantity) -> Option<f64> {
+        let text = text.trim();
+        let end = text.rfind(|letter: char| letter.is_ascii_digit() || letter == '.')? + 1;
+        let (number, word) = text.split_at(end);
+        let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite())?;
+        Some(Self::of(word, quantity)?.to_si(number)).filter(|value| value.is_finite())
+    }
+
     fn entry(self) -> &'static Entry {
         let found = LENGTHS.iter().chain(ANGLES).find(|(unit, ..)| *unit == self);
         found.expect("every unit has an entry")

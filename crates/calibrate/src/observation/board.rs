@@ -3,7 +3,8 @@
 use super::lens::Lens;
 use denavit_model::nalgebra::{Matrix3, Rotation3};
 use denavit_model::nalgebra::{Matrix6, SMatrix, Vector2, Vector3, Vector6};
-use denavit_model::{Pose, se3};
+use denavit_model::units::Unit;
+use denavit_model::{Pose, Quantity, se3};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -40,11 +41,12 @@ impl FromStr for Board {
             let (squares, edge) = text.split_once(':')?;
             let (columns, rows) = squares.split_once(['x', 'X', '×'])?;
             let (columns, rows) = (columns.trim().parse().ok()?, rows.trim().parse().ok()?);
-            let units = [("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6), ("in", 0.0254), ("m", 1.0)];
-            let (number, unit) = units.iter().find_map(|(word, unit)| Some((edge.trim().strip_suffix(word)?, unit)))?;
-            let square = number.trim().parse::<f64>().ok()? * unit;
-            (columns > 2 && rows > 2 && columns * rows <= 10_000 && square > 0.0 && square.is_finite())
-                .then_some(Self { columns, rows, square })
+            let square = Unit::value(edge, Quantity::Length)?;
+            (columns > 2 && rows > 2 && columns * rows <= 10_000 && square > 0.0).then_some(Self {
+                columns,
+                rows,
+                square,
+            })
         };
         read().ok_or_else(|| BoardError(text.into()))
     }

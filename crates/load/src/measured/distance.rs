@@ -1,6 +1,8 @@
 //! A known distance as it is written.
 
 use super::MeasuredError;
+use denavit_model::Quantity;
+use denavit_model::units::Unit;
 
 /// How sure a known distance is when nothing is said, m.
 const USUAL_DEVIATION: f64 = 5e-5;
@@ -38,8 +40,5 @@ pub fn known_distance(word: &str) -> Result<Known, MeasuredError> {
 
 /// A positive length with its unit, in m.
 fn metres(text: &str) -> Option<f64> {
-    let text = text.trim();
-    let units = [("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6), ("in", 0.0254), ("m", 1.0)];
-    let (number, unit) = units.iter().find_map(|(word, unit)| Some((text.strip_suffix(word)?, unit)))?;
-    number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0).map(|number| number * unit)
+    Unit::value(text, Quantity::Length).filter(|length| *length > 0.0)
 }

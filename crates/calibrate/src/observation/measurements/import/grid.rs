@@ -2,6 +2,7 @@
 
 use super::super::header::MOST_COLUMNS;
 use super::{Fault, ImportProblem, sheet};
+use denavit_model::units::Unit;
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 /// Cells under names.
@@ -29,31 +30,8 @@ pub(super) struct Grid {
     pub separator: Option<char>,
 }
 
-/// Words that a row of units is made of.
-const UNITS: [&str; 22] = [
-    "m",
-    "mm",
-    "um",
-    "µm",
-    "in",
-    "rad",
-    "mrad",
-    "deg",
-    "°",
-    "degrees",
-    "degree",
-    "meters",
-    "millimeters",
-    "s",
-    "ms",
-    "sec",
-    "kg",
-    "°c",
-    "c",
-    "-",
-    "",
-    "1",
-];
+/// Words that a row of units is made of beside those of lengths and angles.
+const OTHER_UNITS: [&str; 9] = ["s", "ms", "sec", "kg", "°c", "c", "-", "", "1"];
 /// So much is shown of a line that is not read.
 const LETTERS_SHOWN: usize = 60;
 /// A file starts with no more lines of other things than this.
@@ -233,9 +211,10 @@ fn no_rows() -> Fault {
 
 fn is_units(cells: &[String]) -> bool {
     let word = |cell: &String| cell.trim_matches(['[', ']', '(', ')']).to_lowercase();
+    let measures = |cell: &String| Unit::of_any(&word(cell)).is_some();
     cells.len() >= 3
-        && cells.iter().all(|cell| UNITS.contains(&word(cell).as_str()))
-        && cells.iter().any(|cell| ["mm", "m", "deg", "rad", "°", "um", "µm", "in"].contains(&word(cell).as_str()))
+        && cells.iter().all(|cell| measures(cell) || OTHER_UNITS.contains(&word(cell).as_str()))
+        && cells.iter().any(measures)
 }
 
 impl Grid {
