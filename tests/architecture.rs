@@ -9,6 +9,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-model", &[]),
     ("denavit-dh", &["denavit-model"]),
     ("denavit-mjcf", &["denavit-model"]),
+    ("denavit-code", &["denavit-model", "denavit-dh"]),
     ("denavit-hand-eye", &["denavit-model"]),
     ("denavit-ik", &["denavit-model"]),
     ("denavit-xacro", &[]),

@@ -1,6 +1,7 @@
 //! What real use broke once, a sentence each: files lost, options read as files, numbers that mean nothing.
 
 mod checks;
+mod code;
 mod commands;
 mod fleet_nights;
 mod git;

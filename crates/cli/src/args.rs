@@ -59,6 +59,8 @@ pub enum Command {
     Fk(FkArguments),
     /// Print the joint values that reach a pose: every branch of the arm
     Ik(IkArguments),
+    /// Write the kinematics of one robot as source code: C, C++, Rust, Python, MATLAB
+    Code(CodeArguments),
     /// Where the camera and the marker are, from pairs of poses alone (AX = XB, AX = YB)
     HandEye(HandEyeArguments),
     /// Print the screw axes and the home pose (product of exponentials)
@@ -365,6 +367,48 @@ pub struct IkArguments {
     /// JSON.
     #[command(flatten)]
     pub json: JsonArguments,
+    /// Write to a file, as a whole or not at all [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+const CODE_EXAMPLES: &str = "\
+One file without dependencies: forward kinematics and Jacobian with numbers and structure written out, no heap, no loops, no \
+branches, and a self-test that compares stored postures. C and C++ are headers; -DNAME_SELF_TEST_MAIN makes a program of one.
+
+Examples:
+  denavit code ur5e.urdf --lang c -o ur5e.h
+  denavit code calibrated.urdf --lang rust -o arm.rs
+  denavit code panda.urdf --tip panda_hand --lang matlab -o panda.m";
+
+/// Languages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LanguageName {
+    /// C99, a header
+    C,
+    /// C++17, a header
+    Cpp,
+    /// A module without allocation
+    Rust,
+    /// A module that imports math alone
+    Python,
+    /// A function file
+    Matlab,
+}
+
+/// Arguments of `denavit code`.
+#[derive(Debug, Args)]
+#[command(after_help = CODE_EXAMPLES)]
+pub struct CodeArguments {
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments,
+    /// Language
+    #[arg(long, value_name = "LANGUAGE")]
+    pub lang: LanguageName,
+    /// Numbers of four bytes, in C, C++ and Rust
+    #[arg(long)]
+    pub single: bool,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

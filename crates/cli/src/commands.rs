@@ -4,6 +4,7 @@
 pub mod calibrate;
 pub mod chains;
 pub mod check;
+pub mod code;
 #[cfg(feature = "calibrate")]
 pub mod compensate;
 pub mod completions;

@@ -73,6 +73,14 @@ pub enum Failure {
     /// A calibration that a maker's form cannot hold.
     #[error(transparent)]
     Maker(#[from] denavit_export::makers::MakerError),
+    /// A chain that makes no code.
+    #[error("{file}: {source}")]
+    Code {
+        /// As given.
+        file: String,
+        /// Why.
+        source: denavit_code::CodeError,
+    },
     /// Pairs of poses that give no placement.
     #[cfg(feature = "calibrate")]
     #[error("{file}: {source}")]

@@ -40,6 +40,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         Command::Fk(arguments) => commands::fk::run(&arguments),
         #[cfg(feature = "calibrate")]
         Command::Ik(arguments) => commands::ik::run(&arguments),
+        Command::Code(arguments) => commands::code::run(&arguments),
         #[cfg(feature = "calibrate")]
         Command::HandEye(arguments) => commands::hand_eye::run(&arguments),
         Command::Poe(arguments) => commands::poe::run(&arguments),

@@ -1,0 +1,344 @@
+//! A program in a language.
+
+use crate::program::{Factor, Program, Statement, Term, Value, needed};
+use denavit_dh::table::Table;
+use denavit_model::chain::Quantity;
+use denavit_model::{CompiledChain, JacobianFrame};
+use minijinja::{Environment, context};
+use serde::Serialize;
+use std::collections::BTreeSet;
+use thiserror::Error;
+
+/// A language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Language {
+    /// C99, a header.
+    C,
+    /// C++17, a header.
+    Cpp,
+    /// Rust, a module; no allocation.
+    Rust,
+    /// Python 3, a module; `math` alone.
+    Python,
+    /// MATLAB or Octave, a function file.
+    Matlab,
+}
+
+/// Every language, its word and the file's extension.
+pub const LANGUAGES: [(Language, &str, &str); 5] = [
+    (Language::C, "c", "h"),
+    (Language::Cpp, "cpp", "hpp"),
+    (Language::Rust, "rust", "rs"),
+    (Language::Python, "python", "py"),
+    (Language::Matlab, "matlab", "m"),
+];
+
+/// Width of the numbers, where the language has a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// Eight bytes.
+    #[default]
+    Double,
+    /// Four bytes.
+    Single,
+}
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// In which language.
+    pub language: Language,
+    /// How wide numbers are.
+    pub precision: Precision,
+}
+
+/// Why there is no code.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CodeError {
+    /// The table stands for no chain.
+    #[error(transparent)]
+    Chain(#[from] denavit_model::ChainError),
+    /// Nothing moves.
+    #[error("nothing moves between \"{0}\" and \"{1}\"; choose another base and tip")]
+    NothingMoves(String, String),
+    /// The template does not take the program.
+    #[error("the code could not be filled in: {0}")]
+    Template(String),
+}
+
+impl Language {
+    /// The word that names it.
+    pub fn word(self) -> &'static str {
+        self.entry().1
+    }
+
+    /// The extension of its file, without a point.
+    pub fn extension(self) -> &'static str {
+        self.entry().2
+    }
+
+    fn entry(self) -> &'static (Self, &'static str, &'static str) {
+        LANGUAGES.iter().find(|(language, ..)| *language == self).expect("every language is in the list")
+    }
+
+    fn template(self) -> &'static str {
+        match self {
+            Self::C => include_str!("../templates/c.jinja"),
+            Self::Cpp => include_str!("../templates/cpp.jinja"),
+            Self::Rust => include_str!("../templates/rust.jinja"),
+            Self::Python => include_str!("../templates/python.jinja"),
+            Self::Matlab => include_str!("../templates/matlab.jinja"),
+        }
+    }
+}
+
+/// Postures of the self-test.
+const POSTURES: usize = 4;
+
+#[derive(Serialize)]
+struct Case {
+    q: Vec<String>,
+    pose: Vec<Vec<String>>,
+    jacobian: Vec<Vec<String>>,
+}
+
+#[derive(Serialize)]
+struct CoordinateShown {
+    index: usize,
+    name: String,
+    unit: &'static str,
+}
+
+/// The code of a table's chain.
+///
+/// # Shape and units
+/// Poses are base_from_tip (m), joint values rad or m in the order of the table's coordinates; the Jacobian's columns are twists in
+/// the frame of the base's orientation at the tip's origin, angular rows first.
+///
+/// # Errors
+/// The table stands for no chain, or nothing in it moves.
+pub fn code(table: &Table, options: Options) -> Result<String, CodeError> {
+    let chain = table.chain()?;
+    if table.coordinates.is_empty() {
+        return Err(CodeError::NothingMoves(table.base.clone(), table.tip.clone()));
+    }
+    let program = Program::of(table);
+    let writer = Writer { options };
+    let pose: Vec<&Value> = program.pose.iter().flatten().collect();
+    let jacobian: Vec<&Value> = program.jacobian.iter().flatten().collect();
+    let for_pose: Vec<&Statement> = program.pose_statements.iter().collect();
+    let for_jacobian: Vec<&Statement> = program.pose_statements.iter().chain(&program.jacobian_statements).collect();
+    let for_pose = needed(&for_pose, &pose);
+    let for_jacobian = needed(&for_jacobian, &jacobian);
+    let compiled = CompiledChain::new(&chain);
+    let cases: Vec<Case> = (0..POSTURES)
+        .map(|index| {
+            let q = posture(&chain, index);
+            let matrix = chain.fk(&q).to_homogeneous();
+            let mut columns = vec![0.0; 6 * q.len()];
+            compiled.jacobians_into(JacobianFrame::Tip, &q, &mut columns);
+            Case {
+                q: q.iter().map(|value| writer.number(*value)).collect(),
+                pose: (0..3).map(|row| (0..4).map(|column| writer.number(matrix[(row, column)])).collect()).collect(),
+                jacobian: columns
+                    .chunks(q.len())
+                    .map(|row| row.iter().map(|value| writer.number(*value)).collect())
+                    .collect(),
+            }
+        })
+        .collect();
+    let coordinates: Vec<CoordinateShown> = table
+        .coordinates
+        .iter()
+        .enumerate()
+        .map(|(index, coordinate)| CoordinateShown {
+            index,
+            name: comment(&coordinate.name),
+            unit: if coordinate.quantity == Quantity::Length { "m" } else { "rad" },
+        })
+        .collect();
+    let tolerance = match options.precision {
+        Precision::Double => 1e-12,
+        Precision::Single => 1e-4,
+    };
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
+    environment
+        .render_str(
+            options.language.template(),
+            context! {
+                name => identifier(&table.name),
+                upper => identifier(&table.name).to_uppercase(),
+                robot => comment(&table.name),
+                base => comment(&table.base),
+                tip => comment(&table.tip),
+                n => table.coordinates.len(),
+                real => writer.real(),
+                suffix => if options.precision == Precision::Single { "f" } else { "" },
+                coordinates => minijinja::Value::from(minijinja::value::Serde(coordinates)),
+                for_pose => writer.lines(&for_pose),
+                for_jacobian => writer.lines(&for_jacobian),
+                pose => program.pose.iter().map(|row| row.iter().map(|v| writer.value(v)).collect::<Vec<_>>()).collect::<Vec<_>>(),
+                jacobian => program.jacobian.iter().map(|row| row.iter().map(|v| writer.value(v)).collect::<Vec<_>>()).collect::<Vec<_>>(),
+                multiplications => multiplications(&for_pose),
+                jacobian_multiplications => multiplications(&for_jacobian),
+                cases => minijinja::Value::from(minijinja::value::Serde(cases)),
+                tolerance => writer.number(tolerance * chain.size().max(1.0)),
+            },
+        )
+        .map_err(|error| CodeError::Template(error.to_string()))
+}
+
+/// A posture of the self-test: the zero, then points spread over the range.
+fn posture(chain: &denavit_model::Chain, index: usize) -> Vec<f64> {
+    let place = |joint: usize| (0.618_033_988_749_895 * (index * 7 + joint + 1) as f64).fract();
+    let value = |(joint, coordinate): (usize, &denavit_model::Coordinate)| {
+        let (lower, upper) = coordinate.range();
+        if index == 0 { 0.0 } else { lower + (upper - lower) * place(joint) }
+    };
+    // Few digits, so that the file is readable.
+    chain.coordinates().iter().enumerate().map(value).map(|value| (value * 1e3).round() / 1e3).collect()
+}
+
+fn multiplications(statements: &[&Statement]) -> usize {
+    let of = |terms: &[Term]| terms.iter().map(|term| term.factors.len() - 1).sum::<usize>();
+    statements
+        .iter()
+        .map(|statement| match statement {
+            Statement::Sum { terms, .. } => of(terms),
+            Statement::SinCos { angle, .. } => of(angle),
+        })
+        .sum()
+}
+
+/// A name that is one in every language.
+fn identifier(name: &str) -> String {
+    let letters: String = name
+        .chars()
+        .map(|letter| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '_' })
+        .collect();
+    let letters = letters.trim_matches('_');
+    if letters.is_empty() || letters.starts_with(|letter: char| letter.is_ascii_digit()) {
+        format!("robot_{letters}").trim_end_matches('_').to_owned()
+    } else {
+        letters.to_owned()
+    }
+}
+
+/// A text that ends no comment and no string of any language.
+fn comment(text: &str) -> String {
+    let safe = |letter: char| letter.is_alphanumeric() || " ._-+()[]".contains(letter);
+    text.chars().map(|letter| if safe(letter) { letter } else { '_' }).collect()
+}
+
+struct Writer {
+    options: Options,
+}
+
+impl Writer {
+    fn real(&self) -> &'static str {
+        match (self.options.language, self.options.precision) {
+            (Language::Rust, Precision::Double) => "f64",
+            (Language::Rust, Precision::Single) => "f32",
+            (_, Precision::Double) => "double",
+            (_, Precision::Single) => "float",
+        }
+    }
+
+    fn is_c(&self) -> bool {
+        matches!(self.options.language, Language::C | Language::Cpp)
+    }
+
+    /// A number as the language writes it, every digit kept.
+    fn number(&self, number: f64) -> String {
+        let number = number + 0.0;
+        let mut text = match self.options.precision {
+            Precision::Double => format!("{number:?}"),
+            Precision::Single => format!("{:?}", number as f32),
+        };
+        if self.is_c() && self.options.precision == Precision::Single {
+            text.push('f');
+        }
+        text
+    }
+
+    fn coordinate(&self, index: usize) -> String {
+        if self.options.language == Language::Matlab { format!("q({})", index + 1) } else { format!("q[{index}]") }
+    }
+
+    fn value(&self, value: &Value) -> String {
+        match value {
+            Value::Number(number) => self.number(*number),
+            Value::Name { negative, name } => format!("{}{name}", if *negative { "-" } else { "" }),
+        }
+    }
+
+    fn sum(&self, terms: &[Term]) -> String {
+        let mut text = String::new();
+        for (index, term) in terms.iter().enumerate() {
+            text.push_str(match (index, term.negative) {
+                (0, true) => "-",
+                (0, false) => "",
+                (_, true) => " - ",
+                (_, false) => " + ",
+            });
+            let factors: Vec<String> = term
+                .factors
+                .iter()
+                .map(|factor| match factor {
+                    Factor::Number(number) => self.number(*number),
+                    Factor::Name(name) => name.clone(),
+                    Factor::Coordinate(index) => self.coordinate(*index),
+                })
+                .collect();
+            text.push_str(&factors.join(" * "));
+        }
+        text
+    }
+
+    /// Statements, one a line; of a sine and a cosine only what is read.
+    fn lines(&self, statements: &[&Statement]) -> Vec<String> {
+        let read: BTreeSet<&str> = statements
+            .iter()
+            .flat_map(|statement| match statement {
+                Statement::Sum { terms, .. } | Statement::SinCos { angle: terms, .. } => terms,
+            })
+            .flat_map(|term| &term.factors)
+            .filter_map(|factor| if let Factor::Name(name) = factor { Some(name.as_str()) } else { None })
+            .collect();
+        let mut lines = Vec::new();
+        for statement in statements {
+            match statement {
+                Statement::Sum { name, terms } => lines.push(self.assigned(name, &self.sum(terms))),
+                Statement::SinCos { sine, cosine, angle } => {
+                    let angle = self.sum(angle);
+                    for (name, function) in [(sine, "sin"), (cosine, "cos")] {
+                        if read.contains(name.as_str()) || statements.len() == 1 {
+                            lines.push(self.assigned(name, &self.called(function, &angle)));
+                        }
+                    }
+                }
+            }
+        }
+        lines
+    }
+
+    fn called(&self, function: &str, angle: &str) -> String {
+        match (self.options.language, self.options.precision) {
+            (Language::C, Precision::Single) => format!("{function}f({angle})"),
+            (Language::Cpp, _) => format!("std::{function}({angle})"),
+            (Language::Rust, _) => format!("({angle}).{function}()"),
+            _ => format!("{function}({angle})"),
+        }
+    }
+
+    fn assigned(&self, name: &str, value: &str) -> String {
+        match self.options.language {
+            Language::C | Language::Cpp => format!("const {} {name} = {value};", self.real()),
+            Language::Rust => format!("let {name} = {value};"),
+            Language::Python => format!("{name} = {value}"),
+            Language::Matlab => format!("{name} = {value};"),
+        }
+    }
+}

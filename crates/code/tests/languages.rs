@@ -1,0 +1,189 @@
+//! The code of every language that is installed is compiled and run; its stored postures are those of the chain, which the
+//! program that made the code never saw.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
+
+use denavit_code::{Language, Options, Precision, code};
+use denavit_dh::convert::{self, table};
+use denavit_dh::{Convention, NearParallel, Table};
+use denavit_model::{Chain, Reading, examples, urdf};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn of(chain: &Chain, near_parallel: NearParallel) -> Table {
+    table(chain, &convert::Options { near_parallel, ..convert::Options::default() }).unwrap().value
+}
+
+/// Tables of every kind of joint, with couplings, with rows of five numbers, and of the project's robots.
+fn tables() -> Vec<Table> {
+    let mut tables: Vec<Table> = [examples::puma_like(), examples::scara_helical(), examples::planar_arm()]
+        .iter()
+        .map(|chain| of(chain, NearParallel::Dh))
+        .collect();
+    tables.push(of(&examples::puma_like(), NearParallel::HayatiBelow(0.1)));
+    assert!(tables[3].convention_rows(Convention::Distal).len() > 6);
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots")];
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "urdf") {
+                let robot = urdf::read("r.urdf", &std::fs::read_to_string(&path).unwrap()).unwrap();
+                let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
+                tables.push(of(&chain, NearParallel::Dh));
+            }
+        }
+    }
+    assert!(tables.len() > 15);
+    tables
+}
+
+fn written(folder: &Path, name: &str, text: &str) -> PathBuf {
+    let file = folder.join(name);
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+fn is_installed(program: &str) -> bool {
+    let found = Command::new(program).arg("--version").output().is_ok();
+    if !found {
+        println!("skipped, because {program} is not installed");
+    }
+    found
+}
+
+/// Compiles with `compiler`, which is told the file and where the program goes, and runs the program.
+fn compiled_and_run(
+    language: Language,
+    precision: Precision,
+    program: &str,
+    compile: impl Fn(&mut Command, &Path, &Path, &str),
+) {
+    if !is_installed(program) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (index, table) in tables().iter().enumerate() {
+        let text = code(table, Options { language, precision }).unwrap();
+        let file = written(folder.path(), &format!("arm{index}.{}", language.extension()), &text);
+        let made = folder.path().join(format!("arm{index}"));
+        let main = text.lines().find_map(|line| line.split_once("-D")?.1.split_whitespace().next()).unwrap_or_default();
+        let mut command = Command::new(program);
+        compile(&mut command, &file, &made, main);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}: {}", table.name, String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty(), "{}: {}", table.name, String::from_utf8_lossy(&output.stderr));
+        if language != Language::Python {
+            let run = Command::new(&made).output().unwrap();
+            assert!(run.status.success(), "{} {precision:?}: {}", table.name, String::from_utf8_lossy(&run.stdout));
+        }
+    }
+}
+
+#[test]
+fn c_compiles_without_a_warning_and_passes_its_test() {
+    for precision in [Precision::Double, Precision::Single] {
+        compiled_and_run(Language::C, precision, "gcc", |command, file, made, main| {
+            let flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-x", "c"];
+            command.args(flags).arg(format!("-D{main}")).arg(file).arg("-o").arg(made).arg("-lm");
+        });
+    }
+}
+
+#[test]
+fn cpp_compiles_without_a_warning_and_passes_its_test() {
+    for precision in [Precision::Double, Precision::Single] {
+        compiled_and_run(Language::Cpp, precision, "g++", |command, file, made, main| {
+            let flags = [
+                "-std=c++17",
+                "-Wall",
+                "-Wextra",
+                "-Wpedantic",
+                "-Wconversion",
+                "-Wno-pragma-once-outside-header",
+                "-x",
+                "c++",
+            ];
+            command.args(flags).arg(format!("-D{main}")).arg(file).arg("-o").arg(made);
+        });
+    }
+}
+
+#[test]
+fn rust_compiles_without_a_warning_and_passes_its_test() {
+    for precision in [Precision::Double, Precision::Single] {
+        compiled_and_run(Language::Rust, precision, "rustc", |command, file, made, _| {
+            command.args(["--edition", "2021", "--test", "-o"]).arg(made).arg(file);
+        });
+    }
+}
+
+#[test]
+fn python_passes_its_test() {
+    compiled_and_run(Language::Python, Precision::Double, "python3", |command, file, _, _| {
+        command.arg(file);
+    });
+}
+
+#[test]
+fn matlab_passes_its_test_where_octave_is() {
+    if !is_installed("octave") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for table in tables() {
+        let text = code(&table, Options { language: Language::Matlab, precision: Precision::Double }).unwrap();
+        let name = text.split_once("] = ").unwrap().1.split_once('(').unwrap().0.to_owned();
+        written(folder.path(), &format!("{name}.m"), &text);
+        let script = format!("exit({name}())");
+        let run =
+            Command::new("octave").args(["--quiet", "--eval", &script]).current_dir(folder.path()).output().unwrap();
+        assert!(run.status.success(), "{}: {}", table.name, String::from_utf8_lossy(&run.stderr));
+    }
+}
+
+#[test]
+fn a_self_test_can_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    if !is_installed("python3") {
+        return;
+    }
+    let text = code(
+        &of(&examples::puma_like(), NearParallel::Dh),
+        Options { language: Language::Python, precision: Precision::Double },
+    );
+    let text = text.unwrap();
+    let from = text.find("= sin(q[1])").unwrap();
+    let broken = format!("{}= sin(q[1] + 1e-9){}", &text[..from], &text[from + "= sin(q[1])".len()..]);
+    let file = written(folder.path(), "broken.py", &broken);
+    assert!(!Command::new("python3").arg(file).status().unwrap().success());
+}
+
+#[test]
+fn a_planar_arm_in_every_language() {
+    for (language, name) in [
+        (Language::C, "c"),
+        (Language::Cpp, "cpp"),
+        (Language::Rust, "rust"),
+        (Language::Python, "python"),
+        (Language::Matlab, "matlab"),
+    ] {
+        let options = Options { language, precision: Precision::Double };
+        insta::assert_snapshot!(name, code(&of(&examples::planar_arm(), NearParallel::Dh), options).unwrap());
+    }
+}
+
+#[test]
+fn names_end_no_comment_and_what_does_not_move_is_refused() {
+    let mut table = of(&examples::planar_arm(), NearParallel::Dh);
+    table.name = "7 */ \n\"\"\" end".into();
+    table.coordinates[0].name = "a\nb */".into();
+    for language in [Language::C, Language::Cpp, Language::Rust, Language::Python, Language::Matlab] {
+        let text = code(&table, Options { language, precision: Precision::Double }).unwrap();
+        assert!(text.contains("7 __ ___") && !text.contains("7 */"), "{text}");
+        assert!(text.contains("a_b __"), "{text}");
+    }
+    let still = Chain::new(("r", "a", "b"), Vec::new(), Vec::new(), denavit_model::Pose::identity()).unwrap();
+    let refused = code(&of(&still, NearParallel::Dh), Options { language: Language::C, precision: Precision::Double });
+    assert!(refused.unwrap_err().to_string().starts_with("nothing moves between \"a\" and \"b\""));
+}
