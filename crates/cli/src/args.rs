@@ -327,7 +327,7 @@ pub struct FkArguments {
 
 const IK_EXAMPLES: &str = "\
 Poses are of the tip in the base frame: x,y,z and roll,pitch,yaw (R = Rz(yaw) Ry(pitch) Rx(roll)), or columns of a CSV with \
-qx,qy,qz,qw or a rotation vector rx,ry,rz in place of the angles; rows of joint values stand for the pose that the robot has there. Solutions next to \
+qx,qy,qz,qw in place of the angles; rows of joint values stand for the pose that the robot has there. Solutions next to \
 --near come first, those outside of the limits last; each next row is sought next to the one before. The exit code is 1 where a \
 pose is not reached within the limits; then the nearest pose that was found is printed, and how far it is away.
 

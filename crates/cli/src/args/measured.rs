@@ -458,7 +458,7 @@ pub struct SimulateArguments {
 
 const COMPENSATE_EXAMPLES: &str = "\
 ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and \
-qx,qy,qz,qw, roll,pitch,yaw or a rotation vector rx,ry,rz, or other angles as --euler and --rotation-vector say; or joint values, which stand for the pose that the nominal robot has there; with both, the \
+qx,qy,qz,qw or roll,pitch,yaw, or other angles as --euler and --rotation-vector say; or joint values, which stand for the pose that the nominal robot has there; with both, the \
 joint values are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of \
 approach are those of the row order unless given. The commands keep their poses' order. Rows that are out of reach or \
 outside of the limits are named, and the exit code is then 1. Fewer than six joints cannot correct every direction: place \

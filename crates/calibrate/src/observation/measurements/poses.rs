@@ -26,7 +26,6 @@ pub struct Poses {
 const PLACE: [&str; 3] = ["x", "y", "z"];
 const TURN: [&str; 4] = ["qx", "qy", "qz", "qw"];
 const ANGLES: [&str; 3] = ["roll", "pitch", "yaw"];
-const VECTOR: [&str; 3] = ["rx", "ry", "rz"];
 
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
@@ -34,7 +33,6 @@ enum Role {
     Place(usize),
     Turn(usize),
     Angle(usize),
-    Vector(usize),
     Other,
 }
 
@@ -42,8 +40,8 @@ enum Role {
 ///
 /// # Shape and units
 /// CSV with a header row; `#` lines are comments. One column per coordinate of the chain, by name; or `x,y,z` with
-/// `qx,qy,qz,qw`, `roll,pitch,yaw` (R = Rz(yaw) Ry(pitch) Rx(roll)) or the rotation vector `rx,ry,rz`, the tip in the base frame; or
-/// both. `units` are the file's; the result is in m and rad.
+/// `qx,qy,qz,qw` or `roll,pitch,yaw` (R = Rz(yaw) Ry(pitch) Rx(roll)), the tip in the base frame; or both. `units` are
+/// the file's; the result is in m and rad.
 ///
 /// # Errors
 /// All problems found, each with file and line.
@@ -169,7 +167,6 @@ fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>,
             place
                 .or_else(|| within(&TURN, name).map(Role::Turn))
                 .or_else(|| within(&ANGLES, name).map(Role::Angle))
-                .or_else(|| within(&VECTOR, name).map(Role::Vector))
                 .filter(|_| with_poses)
         };
         joint.or_else(of_pose).unwrap_or(Role::Other)
@@ -192,15 +189,8 @@ fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>,
         }
     }
     if has_pose {
-        let turn: &[&str] = if has(|role| matches!(role, Role::Turn(_))) {
-            &TURN
-        } else if has(|role| matches!(role, Role::Angle(_))) {
-            &ANGLES
-        } else if has(|role| matches!(role, Role::Vector(_))) {
-            &VECTOR
-        } else {
-            &TURN
-        };
+        let by_angles = has(|role| matches!(role, Role::Angle(_))) && !has(|role| matches!(role, Role::Turn(_)));
+        let turn: &[&str] = if by_angles { &ANGLES } else { &TURN };
         let group: Vec<&str> = PLACE.iter().chain(turn).copied().collect();
         let present = group.iter().find(|name| names.iter().any(|known| known == *name));
         for missing in group.iter().filter(|name| names.iter().all(|known| known != *name)) {
@@ -226,7 +216,7 @@ impl Poses {
     ) {
         let coordinates = chain.coordinates();
         let mut joints = vec![0.0; coordinates.len()];
-        let (mut place, mut turn, mut angles, mut vector) = ([0.0; 3], [0.0; 4], [0.0; 3], [0.0; 3]);
+        let (mut place, mut turn, mut angles) = ([0.0; 3], [0.0; 4], [0.0; 3]);
         let mut good = true;
         for ((cell, name), role) in record.iter().zip(names).zip(roles) {
             if *role == Role::Other {
@@ -245,7 +235,6 @@ impl Poses {
                 Role::Place(index) => place[index] = value * units.length,
                 Role::Turn(index) => turn[index] = value,
                 Role::Angle(index) => angles[index] = value * units.angle,
-                Role::Vector(index) => vector[index] = value * units.angle,
                 Role::Other => {}
             }
         }
@@ -261,10 +250,8 @@ impl Poses {
                     }
                     Rotation3::identity()
                 })
-            } else if has(|role| matches!(role, Role::Angle(_))) {
-                se3::rotation_from_rpy(angles)
             } else {
-                Rotation3::new(Vector3::from(vector))
+                se3::rotation_from_rpy(angles)
             };
             self.poses.push(se3::pose(rotation, Vector3::from(place)));
         }
@@ -303,9 +290,6 @@ mod tests {
         let by_angles = read_text("x,y,z,roll,pitch,yaw\n1000,0,0,0,0,180\n").unwrap();
         let (turned, moved) = se3::difference(&by_quaternion.poses[0], &by_angles.poses[0]);
         assert!(turned < 1e-15 && moved == 0.0 && by_angles.poses[0].translation.x == 1.0);
-        let by_vector = read_text("x,y,z,rx,ry,rz\n1000,0,0,0,0,180\n").unwrap();
-        let (turned, moved) = se3::difference(&by_quaternion.poses[0], &by_vector.poses[0]);
-        assert!(turned < 1e-15 && moved == 0.0);
     }
 
     #[test]
