@@ -181,8 +181,9 @@ fn library_lines() -> Vec<(std::path::PathBuf, String)> {
 
 #[test]
 fn libraries_name_no_flag_of_the_command_line() {
-    // What is said to git and to ROS, and the test of the forms themselves.
+    // What is said to git and to ROS, the words of operations (the same in Python), and the test of the forms themselves.
     let may = [
+        "edit/src/operation.rs",
         "fleet/src/corpus/history.rs",
         "hand-eye/src/report.rs",
         "load/src/read.rs",
