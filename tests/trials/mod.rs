@@ -3,6 +3,7 @@
 mod checks;
 mod code;
 mod commands;
+mod edits;
 mod fleet_nights;
 mod git;
 mod hand_eye;

@@ -104,7 +104,8 @@ def asked(robot):
     leaves = [link.name for link in robot.robot.links if link.name not in carried]
     if moving:
         yield "flip", moving[len(moving) // 2]
-    yield "reroot", leaves[-1]
+    if leaves:
+        yield "reroot", leaves[-1]
     yield "merge", None
 
 

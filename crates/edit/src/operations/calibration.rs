@@ -46,12 +46,12 @@ pub enum Frames {
 pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: &Actual) -> Result<Change, EditError> {
     let wrong = |what: String| EditError::Words(format!("{file}: {what}"));
     let joints = joints(robot, &actual.chain).map_err(wrong)?;
-    let named = |name: &str| robot.link_index(name).is_some();
-    let own_ends = named(actual.chain.base()) && named(actual.chain.tip());
-    let (base, tip) = if own_ends && actual.frames == Frames::Own {
-        (actual.chain.base().to_owned(), actual.chain.tip().to_owned())
-    } else {
-        ends(robot, &joints, &actual.chain, &actual.frames)
+    let (base, tip) = match robot.chain(Some(actual.chain.base()), Some(actual.chain.tip()), Reading::AsWritten) {
+        Ok(own) if actual.frames == Frames::Own && is_plausible(&own.value, &actual.chain) => {
+            (actual.chain.base().to_owned(), actual.chain.tip().to_owned())
+        }
+        // A maker's names may be those of other links of the robot.
+        _ => ends(robot, &joints, &actual.chain, &actual.frames),
     };
     let drawn = robot
         .chain(Some(&base), Some(&tip), Reading::AsWritten)
@@ -113,6 +113,15 @@ fn joints(robot: &Robot, chain: &Chain) -> Result<Vec<usize>, String> {
         ));
     }
     Ok(own)
+}
+
+/// Whether the tip is not farther from where it was drawn than a calibration can move it.
+fn is_plausible(drawn: &Chain, actual: &Chain) -> bool {
+    if drawn.joints().len() != actual.joints().len() {
+        return false;
+    }
+    let (turned, moved) = se3::difference(&drawn.fk(&zeros(drawn)), &actual.fk(&zeros(actual)));
+    moved <= PLAUSIBLE * drawn.size() && turned <= 4.0 * PLAUSIBLE
 }
 
 fn zeros(chain: &Chain) -> Vec<f64> {
