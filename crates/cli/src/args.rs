@@ -9,6 +9,7 @@ mod program;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use denavit_model::Reading;
+use denavit_model::formats::Format;
 use denavit_model::settings::{Shown, shown};
 pub use edit::{EditArguments, EditOutputs, OperationArguments, Step, with_steps_joined};
 pub use fleet::{
@@ -123,7 +124,7 @@ pub struct SeveralTips {
 /// Which robot, and which chain of it.
 #[derive(Debug, Clone, Args)]
 pub struct RobotArguments<T: Args = OneTip> {
-    /// URDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka
+    /// URDF, MJCF, SDF, xacro, D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), kinematics file of a UR, xArm or Franka
     /// arm (yaml), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
@@ -613,6 +614,28 @@ pub enum FramesName {
     Proximal,
 }
 
+/// A format for whole robots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RobotFormatName {
+    /// URDF, frames as they are
+    Urdf,
+    /// MuJoCo's format
+    Mjcf,
+    /// Gazebo's and Drake's format
+    Sdf,
+}
+
+impl RobotFormatName {
+    /// The format.
+    pub fn format(self) -> Format {
+        match self {
+            Self::Urdf => Format::Urdf,
+            Self::Mjcf => Format::Mjcf,
+            Self::Sdf => Format::Sdf,
+        }
+    }
+}
+
 /// Arguments of `denavit export`.
 #[derive(Debug, Args)]
 pub struct ExportArguments {
@@ -628,6 +651,17 @@ pub struct ExportArguments {
     /// Where on a joint's axis its child link's frame lies
     #[arg(long, value_enum, default_value_t = FramesName::Distal)]
     pub frames: FramesName,
+    /// Convert to this format and leave every frame where it is; what the format cannot say is listed, and kept in a
+    /// FILE.denavit.json beside the output [default: by the ending of the output, .xml or .sdf; .urdf of a source in
+    /// another format]
+    #[arg(long, value_enum, value_name = "FORMAT", conflicts_with_all = ["keep_link_frames", "dh_links"])]
+    pub to: Option<RobotFormatName>,
+    /// Say what was checked of the converted text, and by how much it differs
+    #[arg(long)]
+    pub proof: bool,
+    /// Change an inertia that no body can have to the nearest possible one, where the format refuses it
+    #[arg(long)]
+    pub fix_inertia: bool,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

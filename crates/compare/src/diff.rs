@@ -12,6 +12,7 @@ mod steps;
 
 pub use options::{Options, Range, Scope};
 
+use crate::across;
 use crate::comparison::{Change, Comparison, JointDifference, JointValue, Side, TipDifference, Verdict};
 use crate::mechanism::Mechanism;
 use crate::subject::Subject;
@@ -58,12 +59,18 @@ pub fn compare(a: &Subject, b: &Subject, options: &Options) -> Result<Comparison
         }
         _ => (a.mechanism(options.reading), b.mechanism(options.reading)),
     };
+    let only_one = match (a, b) {
+        (Subject::Robot(one), Subject::Robot(other)) => across::level((one, &mut in_a), (other, &mut in_b)),
+        _ => Vec::new(),
+    };
     if in_a.has_screws() != in_b.has_screws() {
         in_a.join_screws();
         in_b.join_screws();
     }
     let found = Found::best(&in_a, &in_b, options);
-    Ok(found.comparison((a, &in_a), (b, &in_b), options))
+    let mut comparison = found.comparison((a, &in_a), (b, &in_b), options);
+    comparison.notes.extend(only_one);
+    Ok(comparison)
 }
 
 /// What either file says that has no part in the comparison but as a text: what is not understood, closed loops.

@@ -7,6 +7,7 @@
 //! ```
 //! The crate opens no files; whoever calls it says how a mesh is looked up.
 
+mod across;
 pub mod compared;
 pub mod comparison;
 pub mod describe;
@@ -14,6 +15,7 @@ pub mod diff;
 pub mod fingerprint;
 pub mod lint;
 pub mod mechanism;
+pub mod proof;
 pub mod report;
 pub mod subject;
 mod words;

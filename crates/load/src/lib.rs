@@ -17,6 +17,7 @@
 
 mod canonical;
 mod checked;
+mod convert;
 mod error;
 pub mod json;
 #[cfg(feature = "calibrate")]
@@ -31,6 +32,7 @@ mod urdf_text;
 
 pub use canonical::{canonical, same_table};
 pub use checked::{CheckError, CheckOptions, Rules};
+pub use convert::{ConvertOptions, convert, sidecar_of};
 pub use error::LoadError;
 pub use meshes::{MeshFile, Meshes, meshes};
 pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};

@@ -118,6 +118,9 @@ struct Reader<'a> {
     unnamed: HashMap<String, usize>,
 }
 
+/// What an actuator says of a joint: its name, effort, velocity.
+type Bounds = (String, Option<f64>, Option<f64>);
+
 /// Where a walk stands: the body, the frame inside it, the class of its children.
 #[derive(Clone)]
 struct Stand {
@@ -680,7 +683,7 @@ impl Reader<'_> {
             if self.joint_named(name).is_none() {
                 let names: Vec<&str> =
                     self.bodies.iter().flat_map(|body| &body.joints).map(|joint| joint.name.as_str()).collect();
-                let near = nearest_name(name, names.into_iter());
+                let near = nearest_name(name, names);
                 let advice =
                     near.map_or("name a joint of this model".into(), |near| format!("did you mean \"{near}\"?"));
                 return Err(format!("{attribute} \"{name}\" does not exist; {advice}"));
@@ -715,7 +718,7 @@ impl Reader<'_> {
 
     /// An actuator's bounds, where they bound a joint.
     fn actuator(&mut self, item: &Item) {
-        let read = || -> Result<Option<(String, Option<f64>, Option<f64>)>, String> {
+        let read = || -> Result<Option<Bounds>, String> {
             let Some(joint) = item.get("joint").or_else(|| item.get("jointinparent")) else { return Ok(None) };
             let gear = numbers(item, "gear", 1..=6)?.map_or(1.0, |gear| gear[0].abs());
             let bound = |range: &str, limited: &str| -> Result<Option<f64>, String> {

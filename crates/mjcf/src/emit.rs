@@ -8,30 +8,31 @@ use denavit_model::robot::Geometry;
 use denavit_model::se3::{self, Pose};
 use denavit_model::write::escaped;
 use std::collections::HashSet;
+use std::fmt::Write as _;
 
 /// A turn or place closer to none is none: what rounding leaves.
 const NOTHING: f64 = 1e-15;
 
 /// The text, with its places.
-pub fn urdf(document: &Document, model: Model) -> String {
+pub fn urdf(document: &Document, model: &Model) -> String {
     let mut builder = Builder::new(Format::Mjcf, document.files[0].clone());
     builder.translation.files.clone_from(&document.files);
     let Model { name, bodies, kept, notes, understood } = model;
-    builder.translation.kept = kept;
-    builder.translation.notes = notes;
-    builder.translation.understood = understood;
+    builder.translation.kept.clone_from(kept);
+    builder.translation.notes.clone_from(notes);
+    builder.translation.understood = *understood;
     let links = bodies
         .iter()
         .flat_map(|body| std::iter::once(body.name.clone()).chain(body.sites.iter().map(|site| site.name.clone())));
     let joints = bodies.iter().flat_map(|body| body.joints.iter().map(|joint| joint.name.clone()));
     let mut text = Text { builder, links: links.collect(), joints: joints.collect() };
-    text.line(document.root.at, &format!("<robot name=\"{}\">", escaped(&name)));
-    let skipped = world_is_no_link(&bodies);
+    text.line(document.root.at, &format!("<robot name=\"{}\">", escaped(name)));
+    let skipped = world_is_no_link(bodies);
     for (index, body) in bodies.iter().enumerate() {
         if index == 0 && skipped {
             continue;
         }
-        text.body(&bodies, body, skipped);
+        text.body(bodies, body, skipped);
     }
     text.line(document.root.at, "</robot>");
     text.builder.text()
@@ -74,8 +75,8 @@ impl Text {
     }
 
     /// A name that no link or joint has.
-    fn new_name(taken: &mut HashSet<String>, wanted: String) -> String {
-        let mut name = wanted.clone();
+    fn new_name(taken: &mut HashSet<String>, wanted: &str) -> String {
+        let mut name = wanted.to_owned();
         let mut number = 2;
         while taken.contains(&name) {
             name = format!("{wanted}_{number}");
@@ -168,7 +169,7 @@ impl Text {
                 body.name.clone()
             } else {
                 let wanted = format!("{}_{}", body.name, joint.name);
-                let name = Self::new_name(&mut self.links, wanted);
+                let name = Self::new_name(&mut self.links, &wanted);
                 self.line(joint.at, &format!("<link name=\"{}\"/>", escaped(&name)));
                 name
             };
@@ -182,7 +183,7 @@ impl Text {
     }
 
     fn fixed(&mut self, at: At, parent: &str, child: &str, pose: &Pose) {
-        let name = Self::new_name(&mut self.joints, format!("{child}_fixed"));
+        let name = Self::new_name(&mut self.joints, &format!("{child}_fixed"));
         let (name, parent, child, place) = (escaped(&name), escaped(parent), escaped(child), origin(pose));
         self.line(at, &format!(
             "<joint name=\"{name}\" type=\"fixed\">{place}<parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
@@ -199,9 +200,9 @@ impl Text {
         };
         let (name, parent, child) = (escaped(&joint.name), escaped(parent), escaped(child));
         let mut text = format!("<joint name=\"{name}\" type=\"{kind}\">{}", origin(place));
-        text.push_str(&format!("<parent link=\"{parent}\"/><child link=\"{child}\"/>"));
+        let _ = write!(text, "<parent link=\"{parent}\"/><child link=\"{child}\"/>");
         if matches!(joint.kind, Kind::Hinge | Kind::Slide) {
-            text.push_str(&format!("<axis xyz=\"{}\"/>", numbers(joint.axis.as_slice())));
+            let _ = write!(text, "<axis xyz=\"{}\"/>", numbers(joint.axis.as_slice()));
         }
         let bounds = [
             ("lower", joint.range.map(|range| range.0)),
@@ -212,15 +213,15 @@ impl Text {
         let bounds: String =
             bounds.iter().filter_map(|(name, value)| Some(format!(" {name}=\"{}\"", (*value)? + 0.0))).collect();
         if !bounds.is_empty() {
-            text.push_str(&format!("<limit{bounds}/>"));
+            let _ = write!(text, "<limit{bounds}/>");
         }
         if let Some((driver, factor, offset)) = &joint.mimic {
             let driver = escaped(driver);
             let offset = offset + 0.0;
-            text.push_str(&format!("<mimic joint=\"{driver}\" multiplier=\"{factor}\" offset=\"{offset}\"/>"));
+            let _ = write!(text, "<mimic joint=\"{driver}\" multiplier=\"{factor}\" offset=\"{offset}\"/>");
         }
         if joint.damping != 0.0 || joint.friction != 0.0 {
-            text.push_str(&format!("<dynamics damping=\"{}\" friction=\"{}\"/>", joint.damping, joint.friction));
+            let _ = write!(text, "<dynamics damping=\"{}\" friction=\"{}\"/>", joint.damping, joint.friction);
         }
         text.push_str("</joint>");
         self.line(joint.at, &text);

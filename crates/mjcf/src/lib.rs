@@ -1,7 +1,7 @@
 //! MJCF, the models of MuJoCo, to and from the one tree of links and joints.
 //!
 //! ```text
-//! MJCF text ──► document (includes, classes) ──► bodies ──► URDF text with the places of the MJCF ──► Robot
+//! MJCF text ──► document (includes, classes) ──► bodies ──► URDF text with the places of the MJCF ──► Robot ──► MJCF
 //! ```
 //! The crate opens no files: what a model includes, and meshes whose volume gives a mass, come through a function of the
 //! caller's. Lengths are m, angles rad; degrees, which MJCF counts in unless it says otherwise, end in the reader.
@@ -27,6 +27,9 @@ mod known;
 mod mass;
 mod mesh;
 mod place;
+mod write;
+
+pub use write::{WriteOptions, write};
 
 use denavit_model::formats::FormatError;
 
@@ -43,5 +46,5 @@ pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 pub fn read(file: &str, text: &str, files: &mut Files) -> Result<String, FormatError> {
     let document = document::read(file, text, files)?;
     let model = bodies::model(&document, files)?;
-    Ok(emit::urdf(&document, model))
+    Ok(emit::urdf(&document, &model))
 }

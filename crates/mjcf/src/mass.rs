@@ -5,6 +5,7 @@ use denavit_model::se3::Pose;
 use std::f64::consts::PI;
 
 /// Mass properties in some frame.
+#[expect(clippy::struct_field_names, reason = "the mass of a mass is what its field is called everywhere")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mass {
     /// kg.

@@ -41,6 +41,7 @@ pub const SETTINGS: &[&str] = &[
     "euler",
     "exact",
     "fix",
+    "fix-inertia",
     "format",
     "gear-ratio",
     "given",

@@ -51,7 +51,7 @@ struct Mesh {
 /// Meshes and colours by name, and solids that were read.
 #[derive(Debug, Default)]
 pub struct Meshes {
-    meshes: HashMap<String, Mesh>,
+    assets: HashMap<String, Mesh>,
     colours: HashMap<String, [f64; 4]>,
     solids: HashMap<String, Result<Solid, String>>,
 }
@@ -103,7 +103,7 @@ impl Reader<'_> {
         };
         let read = read();
         if let Some(mesh) = self.good(item, read) {
-            self.meshes.meshes.insert(name, mesh);
+            self.meshes.assets.insert(name, mesh);
         }
     }
 
@@ -174,8 +174,8 @@ impl Reader<'_> {
             }
             "mesh" => {
                 let name = item.get("mesh").ok_or("is of type mesh and names none; write mesh=\"…\"")?;
-                let Some(found) = self.meshes.meshes.get(name).cloned() else {
-                    let near = nearest_name(name, self.meshes.meshes.keys().map(String::as_str));
+                let Some(found) = self.meshes.assets.get(name).cloned() else {
+                    let near = nearest_name(name, self.meshes.assets.keys().map(String::as_str));
                     let advice = near.map_or("define it in <asset>".into(), |near| format!("did you mean \"{near}\"?"));
                     return Err(format!("there is no mesh \"{name}\"; {advice}"));
                 };
@@ -240,7 +240,7 @@ impl Reader<'_> {
         // URDF: T · scale · v. Here: T · scale · Rᵀ (v - p), with p and R those of refpos and refquat.
         let scale = Matrix3::from_diagonal(&Vector3::from(found.scale));
         let back = found.refquat.inverse();
-        let turned = back.angle() > 0.0;
+        let turned = se3::rotation_angle(&back) > 0.0;
         let even = found.scale[0] == found.scale[1] && found.scale[1] == found.scale[2];
         let shift = -(scale * (back * found.refpos));
         let geometry = match &found.file {
