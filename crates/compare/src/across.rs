@@ -14,27 +14,49 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism)) -> Vec<St
     for ((robot, mechanism), other) in [(a, formats.1), (b, formats.0)] {
         let mut taken = |count: usize, what: &str| {
             if count > 0 {
-                notes.push(format!("{}: {count} {what}, for which {} has no word", robot.source.file, other.name()));
+                notes.push(format!(
+                    "{}: {count} {what} not compared: {} has no word for it",
+                    robot.source.file,
+                    other.name()
+                ));
             }
         };
         taken(robot.source.kept().len(), "thing(s) that only its format says");
         taken(mechanism.elements.len(), "further element(s)");
         mechanism.elements.clear();
-        let mut counts = [0; 4];
+        let mut counts = [0; 5];
         for joint in &mut mechanism.joints {
             counts[0] += usize::from(joint.soft_limits.take().is_some());
             counts[1] += usize::from(joint.calibration.take().is_some());
             counts[2] += usize::from(joint.idle_range.take().is_some());
             if formats.0 == Format::Mjcf || formats.1 == Format::Mjcf {
                 counts[3] += usize::from(joint.limits.velocity.take().is_some());
-                // MuJoCo has no force range of 0.
+                // MuJoCo has no force range of 0, and no range without room.
                 joint.limits.effort = joint.limits.effort.filter(|effort| *effort > 0.0);
+                if joint.kind == "revolute" && joint.limits.range.is_none_or(|(lower, upper)| lower >= upper) {
+                    joint.limits.range = None;
+                    "continuous".clone_into(&mut joint.kind);
+                    counts[4] += 1;
+                }
             }
         }
-        for (count, what) in
-            counts.into_iter().zip(["soft limits", "calibration(s)", "range(s) without effect", "velocity limits"])
-        {
+        for (count, what) in counts.into_iter().zip([
+            "soft limits",
+            "calibration(s)",
+            "range(s) without effect",
+            "velocity limits",
+            "range(s) without room",
+        ]) {
             taken(count, what);
+        }
+        if formats.0 == Format::Mjcf || formats.1 == Format::Mjcf {
+            let mut left_out = 0;
+            for body in &mut mechanism.bodies {
+                let before = body.shapes.len();
+                body.shapes.retain(|shape| in_mjcf(&shape.geometry));
+                left_out += before - body.shapes.len();
+            }
+            taken(left_out, "shape(s)");
         }
         for shape in mechanism.bodies.iter_mut().flat_map(|body| &mut body.shapes) {
             if let Geometry::Mesh { filename, .. } = &mut shape.geometry {
@@ -44,4 +66,18 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism)) -> Vec<St
         }
     }
     notes
+}
+
+/// Whether MuJoCo has such a shape: a mesh of a kind that it reads, or a solid of some size.
+fn in_mjcf(geometry: &Geometry) -> bool {
+    match geometry {
+        Geometry::Mesh { filename, .. } => {
+            let ending = filename.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
+            ["stl", "obj", "msh"].contains(&ending.as_str())
+        }
+        Geometry::Box(edges) => edges.iter().all(|edge| *edge > 0.0),
+        Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => *radius > 0.0 && *length > 0.0,
+        Geometry::Sphere(radius) => *radius > 0.0,
+        _ => false,
+    }
 }

@@ -146,7 +146,8 @@ fn masses(a: &Robot, b: &Robot, pairs: &[(usize, usize)], proof: &mut Proof) {
         count += 1;
         let mass = (own.mass - found.mass).abs() / own.mass.abs();
         let centre = (own.centre - base * found.centre).norm();
-        let scale = own.tensor.norm().max(f64::MIN_POSITIVE);
+        // A tensor of zeros has no size of its own.
+        let scale = if own.tensor.norm() > 0.0 { own.tensor.norm() } else { 1.0 };
         let tensor = (own.tensor - r * found.tensor * r.transpose()).norm() / scale;
         (heavier, off, turned) = (heavier.max(mass), off.max(centre), turned.max(tensor));
         if mass > ROUNDING || centre > ROUNDING || tensor > ROUNDING {

@@ -6,7 +6,7 @@ mod shape;
 use crate::Files;
 use crate::document::{Document, Item};
 use crate::known::{self, KEPT_ASSETS, KEPT_OF_BODY, KEPT_SECTIONS, MAKE_BODIES, OF_DEFAULT, SECTIONS};
-use crate::mass::{Mass, is_possible};
+use crate::mass::{LEAST, Mass, is_possible};
 use crate::place::{self, from_to, number, numbers, vector};
 use denavit_model::formats::{FormatError, Kept, Loss};
 use denavit_model::nalgebra::{Matrix3, Vector3};
@@ -410,6 +410,8 @@ impl Reader<'_> {
             let pose = place::pose(item, &self.settings.angles)?;
             let tensor = match (vector(item, "diaginertia")?, numbers(item, "fullinertia", 6..=6)?) {
                 (Some(_), Some(_)) => return Err("states diaginertia and fullinertia; keep one of them".into()),
+                // What the writer gives to a body that moves and has no inertia.
+                (Some(diagonal), None) if diagonal.iter().all(|moment| *moment == LEAST) => Matrix3::zeros(),
                 (Some(diagonal), None) => Matrix3::from_diagonal(&diagonal),
                 (None, Some(m)) => {
                     let turned =
@@ -423,6 +425,7 @@ impl Reader<'_> {
                 }
                 (None, None) => Matrix3::zeros(),
             };
+            let mass = if mass == LEAST && tensor == Matrix3::zeros() { 0.0 } else { mass };
             Ok(Mass { mass, centre: Vector3::zeros(), tensor }.placed(&pose))
         };
         let read = read();
@@ -431,7 +434,16 @@ impl Reader<'_> {
                 self.problem(item, "stands in <worldbody>, which has no mass; put it into a <body>");
                 return;
             }
-            self.bodies[stand.body].mass = Some((mass.placed(&stand.body_from_here), item.at));
+            let is_none = mass.mass == 0.0 && mass.tensor == Matrix3::zeros();
+            if number(item, "mass") == Ok(Some(LEAST)) {
+                let what = format!(
+                    "{LEAST:e} kg and kg·m² stand for a body without mass, as they are written here; read as none"
+                );
+                self.note(item, what);
+            }
+            let mass = (mass.placed(&stand.body_from_here), item.at);
+            self.bodies[stand.body].mass =
+                Some(mass).filter(|_| !is_none || self.settings.from_geoms != FromGeoms::Never);
         }
     }
 

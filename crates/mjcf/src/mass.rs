@@ -4,6 +4,9 @@ use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::se3::Pose;
 use std::f64::consts::PI;
 
+/// Mass (kg) and moments of inertia (kg·m²) that stand for none in a body that moves: MuJoCo refuses less than 1e-15.
+pub const LEAST: f64 = 1e-12;
+
 /// Mass properties in some frame.
 #[expect(clippy::struct_field_names, reason = "the mass of a mass is what its field is called everywhere")]
 #[derive(Debug, Clone, Copy, PartialEq)]

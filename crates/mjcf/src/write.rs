@@ -3,6 +3,7 @@
 mod inertia;
 mod names;
 
+use crate::mass::LEAST;
 use denavit_model::formats::{FormatError, Loss, Written};
 use denavit_model::notes::Place;
 use denavit_model::placed::PlacedRobot;
@@ -15,9 +16,6 @@ use inertia::Choice;
 use names::Names;
 use std::collections::HashMap;
 use std::fmt::Write as _;
-
-/// Mass (kg) and moments of inertia (kg·m²) of a body that moves and has none: MuJoCo refuses less than 1e-15.
-pub const LEAST: f64 = 1e-12;
 
 /// What the writer is told.
 pub struct WriteOptions<'a> {

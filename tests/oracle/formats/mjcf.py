@@ -66,8 +66,10 @@ class Mujoco:
         self.joints = [(name(mujoco.mjtObj.mjOBJ_JOINT, j), j) for j in range(model.njnt)]
         self.bodies = [name(mujoco.mjtObj.mjOBJ_BODY, b) for b in range(model.nbody)]
         self.sites = [name(mujoco.mjtObj.mjOBJ_SITE, s) for s in range(model.nsite)]
-        kinds = mujoco.mjtJoint
-        self.one = {n: j for n, j in self.joints if n and model.jnt_type[j] in (kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE)}
+        one = {int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)}
+        self.one = {n: j for n, j in self.joints if n and int(model.jnt_type[j]) in one}
+        if model.njnt > 1 and not self.one:
+            raise ValueError("no joint of the model moves")
 
     def set(self, values):
         # Balls and free joints stand where the model writes them.
@@ -142,8 +144,8 @@ def stated_masses(path):
     import mujoco
 
     spec = mujoco.MjSpec.from_file(str(path))
-    mesh = mujoco.mjtGeom.mjGEOM_MESH
-    return {b.name for b in spec.bodies if b.explicitinertial or not any(g.type == mesh for g in b.geoms)}
+    mesh = int(mujoco.mjtGeom.mjGEOM_MESH)
+    return {b.name for b in spec.bodies if b.explicitinertial or not any(int(g.type) == mesh for g in b.geoms)}
 
 
 def read(path, rng):

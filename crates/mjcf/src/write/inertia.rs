@@ -6,8 +6,11 @@ use denavit_model::nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use denavit_model::robot::Inertial;
 use denavit_model::se3;
 
-/// Moments that MuJoCo takes differ by less than this from what it refuses, kg·m².
-const SLACK: f64 = 1e-14;
+/// MuJoCo holds A + B against C to the last digit, whatever its own finding of A, B, C rounds: so much of C more is safe.
+const MARGIN: f64 = 1e-12;
+
+/// The least moment of inertia that MuJoCo takes along axes that it finds itself, with room, kg·m².
+const LEAST_MOMENT: f64 = 1e-13;
 
 /// What becomes of an inertia.
 pub enum Choice {
@@ -25,7 +28,10 @@ pub fn written(inertial: &Inertial, fix: bool) -> Choice {
     let mut order = [0, 1, 2];
     order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
     let [a, b, c] = order.map(|index| eigen.eigenvalues[index]);
-    if a >= 0.0 && a + b >= c - SLACK / 2.0 {
+    let is_safe = a >= LEAST_MOMENT && a + b >= c * (1.0 + MARGIN);
+    // A diagonal is taken as it stands, with no finding of axes; one without inertia is left alone.
+    let is_taken = is_diagonal(&inertial.tensor) && a >= 1e-14 && a + b >= c;
+    if is_safe || is_taken || inertial.tensor.norm() == 0.0 {
         return Choice::AsItIs(attributes(inertial, &inertial.tensor));
     }
     let shown = format!("{a:.4e}, {b:.4e}, {c:.4e} kg·m²");
@@ -35,28 +41,34 @@ pub fn written(inertial: &Inertial, fix: bool) -> Choice {
              correct the inertia, or write the nearest possible one with ‹fix-inertia›"
         ));
     }
-    // The nearest: moments raised to 0, then the two smaller ones by the same until they reach the largest.
-    let (mut low, mut middle, high) = (a.max(0.0), b.max(0.0), c.max(0.0));
-    let missing = high - low - middle;
+    // The nearest: moments raised to the least, then the two smaller ones by the same until they reach the largest.
+    let [mut low, mut middle, high] = [a, b, c].map(|moment| moment.max(LEAST_MOMENT));
+    let missing = high * (1.0 + 2.0 * MARGIN) - low - middle;
     if missing > 0.0 {
         (low, middle) = (low + missing / 2.0, middle + missing / 2.0);
     }
     let mut moments = Vector3::zeros();
     for (index, moment) in order.into_iter().zip([low, middle, high]) {
-        moments[index] = moment * (1.0 + f64::EPSILON);
+        moments[index] = moment;
     }
     let tensor = eigen.eigenvectors * Matrix3::from_diagonal(&moments) * eigen.eigenvectors.transpose();
-    let why = format!("no body has the principal moments {shown}; written as {low:.4e}, {middle:.4e}, {high:.4e}");
+    let by = (tensor - inertial.tensor).norm() / inertial.tensor.norm();
+    let why = format!(
+        "MuJoCo refuses the principal moments {shown}; they are raised, which changes the tensor by {by:.0e} of itself"
+    );
     Choice::Changed(attributes(inertial, &((tensor + tensor.transpose()) / 2.0)), why)
+}
+
+fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
+    tensor[(0, 1)] == 0.0 && tensor[(0, 2)] == 0.0 && tensor[(1, 2)] == 0.0
 }
 
 /// A diagonal tensor stands along its own axes, another along the link's.
 fn attributes(inertial: &Inertial, tensor: &Matrix3<f64>) -> String {
     let origin = &inertial.origin;
     let mut out = format!(" pos=\"{}\" mass=\"{}\"", numbers(&origin.xyz), inertial.mass);
-    let is_diagonal = tensor[(0, 1)] == 0.0 && tensor[(0, 2)] == 0.0 && tensor[(1, 2)] == 0.0;
     let turn = se3::rotation_from_rpy(origin.rpy);
-    if is_diagonal {
+    if is_diagonal(tensor) {
         if origin.rpy != [0.0; 3] {
             let [x, y, z, w] = se3::quaternion_xyzw(&turn);
             out.push_str(" quat=\"");
