@@ -52,7 +52,7 @@ pub fn of(a: &Robot, b: &Robot) -> Proof {
 }
 
 /// root_from_link of every link, where the joints of these names have these values; others follow or stand at 0.
-pub fn poses(placed: &PlacedRobot, values: &HashMap<String, f64>) -> Vec<Pose> {
+fn poses(placed: &PlacedRobot, values: &HashMap<String, f64>) -> Vec<Pose> {
     let robot = placed.robot();
     let mut poses = vec![Pose::identity(); robot.links.len()];
     for link in placed.order() {

@@ -163,7 +163,8 @@ def losses(lines):
             loss = found["loss"]
             more = re.search(r"\(and (\d+) more like it\)$", loss)
             what = re.sub(r"\(and \d+ more like it\)$|\"[^\"]*\"|[-+]?\d[\d.e+-]*", "…", loss)
-            kinds[" ".join(what.split())[:110]] += 1 + (int(more[1]) if more else 0)
+            what = " ".join(what.split())
+            kinds[what.split(": ")[0] + ": " + what.split(": ", 1)[-1].rstrip("… ")[:90]] += 1 + (int(more[1]) if more else 0)
     return kinds, changed
 
 
