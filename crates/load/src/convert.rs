@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use std::path::{Component, Path, PathBuf};
 
 /// The contract of a sidecar.
-const SCHEMA: &str = "denavit/sidecar/1";
+const SCHEMA: &str = "denavit.sidecar/1";
 
 /// More kinds of differences than this are counted, not named.
 const NAMED: usize = 20;

@@ -101,7 +101,7 @@ fn a_joint_beside_the_origin_and_with_a_zero_of_its_own() {
     assert_eq!(robot.joints[0].limits.range, Some((0.0, PI)));
     let chain = robot.chain(Some("base"), Some("b"), Reading::AsWritten).unwrap().value;
     // At the reference the body stands as it is written; a quarter turn back it hangs about the point 1 1 0.
-    let at = |q: f64| chain.forward_kinematics(&[q]).translation.vector;
+    let at = |q: f64| chain.fk(&[q]).translation.vector;
     assert!((at(FRAC_PI_2) - Vector3::new(1.0, 0.0, 0.0)).norm() < 1e-15);
     assert!((at(0.0) - Vector3::new(0.0, 1.0, 0.0)).norm() < 1e-15);
 }
@@ -111,7 +111,7 @@ fn several_joints_in_a_body_act_one_behind_another() {
     let robot =
         body("", "<joint name=\"x\" type=\"slide\" axis=\"1 0 0\"/><joint name=\"t\" axis=\"0 0 1\" pos=\"0 2 0\"/>");
     let chain = robot.chain(Some("base"), Some("b"), Reading::AsWritten).unwrap().value;
-    let pose = chain.forward_kinematics(&[3.0, FRAC_PI_2]);
+    let pose = chain.fk(&[3.0, FRAC_PI_2]);
     // T(3 0 0) · turn about the line through 0 2 0.
     assert!((pose.translation.vector - Vector3::new(5.0, 2.0, 0.0)).norm() < 1e-15, "{pose}");
     assert_eq!(robot.links.iter().filter(|link| link.inertial.is_none()).count(), robot.links.len());

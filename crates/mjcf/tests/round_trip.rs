@@ -93,7 +93,7 @@ fn couplings_and_screws_come_back() {
     let chain = |robot: &Robot, tip: &str| robot.chain(Some("a"), Some(tip), Reading::AsWritten).unwrap().value;
     for tip in ["b", "c"] {
         let (one, two) = (chain(&first, tip), chain(&second, tip));
-        let (angle, distance) = se3::difference(&one.forward_kinematics(&[0.7]), &two.forward_kinematics(&[0.7]));
+        let (angle, distance) = se3::difference(&one.fk(&[0.7]), &two.fk(&[0.7]));
         assert!(angle < 1e-15 && distance < 1e-15, "{tip}");
     }
 }
