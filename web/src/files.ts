@@ -199,7 +199,7 @@ async function take(file: File, name: string, out: Dropped, bounds: Bounds): Pro
 
 const MESH = /\.(stl|dae|obj)$/i;
 const WORKBOOK = /\.xls[xm]$/i;
-const TEXT = /\.(urdf|xacro|xml|yaml|yml|csv|tsv|json|md|txt|toml)$/i;
+const TEXT = /\.(urdf|xacro|xml|yaml|yml|csv|tsv|json|md|txt|toml|mjcf|sdf|world|config)$/i;
 
 /** A file of data, as the engine takes it. */
 export type DataFile = { file: string } & ({ text: string } | { workbook: string });
@@ -274,7 +274,7 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
         }
         texts[name] = text;
         if (/\/package\.xml$/i.test(name)) continue;
-        if (/\.(urdf|xacro|xml)$/i.test(name) && /<(\w+:)?robot[\s>]/.test(text)) robots.push(name);
+        if (/\.(urdf|xacro|xml|mjcf|sdf|world)$/i.test(name) && /<((\w+:)?robot|mujoco|sdf)[\s>]/.test(text)) robots.push(name);
         else if (/\.(csv|tsv|txt)$/i.test(name) && (wanted === "measurements" || holdsMeasurements(text))) data.push({ file: name.slice(1), text });
         else if (/\.(csv|tsv|json|md|yaml|yml)$/i.test(name) && dropped.size <= 8) robots.push(name);
     }
