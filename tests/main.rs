@@ -17,3 +17,4 @@ mod readme;
 mod support;
 mod tables;
 mod trials;
+mod words;

@@ -17,7 +17,7 @@ def whole(name: str, value: object, least: int = 0, most: int = _MOST) -> int:
     """A whole number within bounds.
 
     Raises:
-        ArgumentError: It is none, or lies outside.
+        ArgumentError: Invalid, or outside.
     """
     try:
         number = operator.index(value)  # type: ignore[arg-type]
@@ -32,7 +32,7 @@ def number(name: str, value: object) -> float:
     """A number.
 
     Raises:
-        ArgumentError: It is none.
+        ArgumentError: Invalid.
     """
     try:
         return float(value)  # type: ignore[arg-type]

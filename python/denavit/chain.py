@@ -344,7 +344,7 @@ class Chain(Shown, Frozen):
         Args:
             convention: How the numbers are grouped: ``distal`` (also ``standard``, ``sdh``, ``DH``), ``proximal``
                 (``modified``, ``mdh``, ``craig``), ``paper`` or ``hayati``; by default as the source does, else ``distal``.
-            gauge: How to choose what the geometry leaves free; by default as the source does, else the fewest numbers.
+            gauge: Choice that the geometry does not determine; by default as the source does, else the fewest numbers.
             tolerance: Neighbouring axes closer to parallel than this are made parallel, rad; 0: none.
         """
         return Table._of(self, self._native.table(convention, gauge, tolerance), (convention, gauge, tolerance))
@@ -365,7 +365,7 @@ class Chain(Shown, Frozen):
     ) -> Plan:
         """Choose the poses to measure that make the robot best observable; `denavit plan`.
 
-        With ``tell_apart`` those that settle what a fit left open: which of several causes acts, or where nothing is open,
+        With ``tell_apart`` those that distinguish the possible causes of a fit; or where there is only one,
         those that make its prediction surest.
 
         Args:
@@ -425,7 +425,7 @@ class Chain(Shown, Frozen):
         Args:
             rows: Rows to measure, at random joint values within the limits.
             q: Joint values to measure at, rad and m, shape ``(N, n)``, or a plan, instead of random ones.
-            test: Rows of the same robot, measured later, to judge by.
+            test: Rows of the same robot, measured later, as test data.
             measure: What is measured.
             targets: Targets on the tip that a position measurement sees.
             seed: Same seed, same data.

@@ -129,7 +129,7 @@ class Fit(Shown, Frozen):
 
     @property
     def effects(self) -> Records[Effect]:
-        """Effects that the data ask for."""
+        """The selected effects."""
         return Records(Effect._of(entry) for entry in self._json["effects"])
 
     @property
@@ -278,9 +278,9 @@ def calibrate(
         data: Measurements to fit: `Measurements`, a file, a data frame, a mapping of columns, or a pair of arrays, joint values
             ``(N, n)`` and positions ``(N, 3)``. Where the instrument stands and where the target sits is found. Several in a
             list are several setups: each has its own instrument frame and targets.
-        test: Measurements to judge by, never fitted; sockets in it are new places.
-        hold_out: Without `test`: share of the rows to keep for judging.
-        hold_out_setups: Setups, or placements of sockets, to keep for judging.
+        test: Test data, never fitted; sockets in it are new places.
+        hold_out: Without `test`: share of the rows to hold out.
+        hold_out_setups: Setups, or placements of sockets, to hold out.
         tips: Several tips of the robot that are measured, the chain's among them, such as both hands: they are one fit, and
             joints that they share are fitted once. A column ``tip`` of the data names the tip of each row.
             ``fit.robot`` is calibrated as a whole, ``fit.chain`` and its effects end at the chain's tip.
@@ -295,9 +295,9 @@ def calibrate(
         scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
         gear_ratio: Motor turns per joint turn, by joint.
-        prior: An earlier calibration of this robot to go on from, as a fit or as the JSON file that ``Fit.save`` or
-            ``denavit calibrate --json`` wrote: what it knows of the axes stands in for the drawing's tolerances, and its effects
-            and error curves go on (unless `effects` is ``None``), so that a few new poses bring the robot up to date.
+        prior: An earlier calibration of this robot to continue from, as a fit or as the JSON file that ``Fit.save`` or
+            ``denavit calibrate --json`` wrote: what it knows of the axes replaces the drawing's tolerances, and its effects
+            and error curves are carried over (unless `effects` is ``None``), so that a few new poses bring the robot up to date.
         progress: Called with what is going on, ``geometry``, ``effects``, ``curves``, ``judgement``; an exception that it
             raises ends the fit. By default it is shown in a notebook and on a terminal.
 

@@ -95,7 +95,7 @@ def run(
 
     Store and keys are those of ``denavit fleet run``, and so is every number to the bit, whatever the engine and however many
     workers there are; only ``seconds`` differs. Work that is finished is not done again. This process alone writes the store;
-    it may be stopped or killed at any moment and goes on when it is called again.
+    it may be stopped or killed at any moment and continues when it is called again.
 
     With ``"ray"`` and ``"dask"`` every worker must see the files of the manifest under the same names as this process, and have
     the same version of denavit; what it sees is compared by the key of each job. The store's folder is this machine's alone. A
@@ -161,7 +161,7 @@ def _dealt(ledger: _denavit.FleetLedger, deal: _Deal, tell: Callable[[int, int, 
         finally:
             found_by.close()
 
-    # What goes on from siblings waits until every robot that is calibrated by itself has been.
+    # What continues from siblings waits until every robot that is calibrated by itself has been.
     jobs, later = ledger.jobs(), ledger.later()
     ended = ledger.entries - len(jobs) - len(later)
     through(jobs)

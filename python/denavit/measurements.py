@@ -61,7 +61,7 @@ class Measurements:
     ``x1,y1,z1,x2,…`` of several targets, or ``distance`` from a fixed anchor, or ``socket``, the label of the socket that a ball
     on the tip sits in. `time`, `temperature`, `payload`, `JOINT.approach` and other numeric columns are what effects may
     follow. Other forms (semicolons, UTF-16, a workbook, …) are brought into this one where `docs/measurements.md` says so.
-    Columns are held against a chain when they are used: what is wrong then raises `DataError`, with file and line.
+    Columns are compared with a chain when they are used: what is wrong then raises `DataError`, with file and line.
 
     Attributes:
         content: The file: text, or bytes of a workbook or of text in another encoding than UTF-8.
@@ -345,7 +345,7 @@ def measurements(name: str, data: Any, chain: Chain) -> Measurements:
     """Measurements from what people give as such: a file, a data frame, a mapping of columns, arrays, a simulated run.
 
     Raises:
-        ArgumentError: It is none of these.
+        ArgumentError: None of these.
     """
     from denavit.run import Simulation
 

@@ -110,7 +110,7 @@ class Rival:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """A physical effect that the data ask for.
+    """A selected physical effect.
 
     Attributes:
         kind: Such as ``joint_compliance``; docs/effects.md describes each.
@@ -167,7 +167,7 @@ def _rival(entry: dict[str, Any]) -> Rival:
 class Curve:
     """The error of a joint's value as a smooth function of its own reading, no cause claimed; call it with readings.
 
-    A joint has one in every fit. Where none was looked for, or the data ask for none, it is 0 and its standard deviation is
+    A joint has one in every fit. Where none was looked for, or none was selected, it is 0 and its standard deviation is
     not known.
 
     Attributes:
@@ -263,7 +263,7 @@ class Residuals:
 
     Attributes:
         rows: Index of each observation's row among the rows of its part, shape ``(k,)``.
-        place: Errors of the lengths, m, shape ``(k, 3)``; what is one number stands in the first column.
+        place: Errors of the lengths, m, shape ``(k, 3)``; what is one number is in the first column.
         turn: Errors of the orientation as rotation vectors, rad, shape ``(k, 3)``; 0 where none is measured.
     """
 

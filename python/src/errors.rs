@@ -27,7 +27,7 @@ pub enum Class {
     Data,
     /// Measurements that cannot be fitted.
     Calibration,
-    /// A manifest that is none.
+    /// Not a manifest.
     Manifest,
     /// A fleet's store that cannot be read or written.
     Store,

@@ -111,14 +111,14 @@ impl FleetLedger {
         self.jobs.lock().expect("reading does not panic").iter().map(of).collect()
     }
 
-    /// Serial, date and task of each entry that goes on from its siblings and is not dealt out yet.
+    /// Serial, date and task of each entry that continues from its siblings and is not dealt out yet.
     fn later(&self) -> PyResult<Vec<(String, Option<String>, &'static str)>> {
         let ledger = self.ledger.lock().expect("writing does not panic");
         let of = |entry: &Entry| (entry.serial.clone(), entry.date.map(|day| day.to_string()), entry.task.name());
         Ok(ledger.as_ref().ok_or_else(closed)?.later().iter().map(of).collect())
     }
 
-    /// Learns what siblings share, once all jobs are kept; `jobs` then has those that go on from it.
+    /// Learns what siblings share, once all jobs are kept; `jobs` then has those that continue from it.
     fn go_on(&self, py: Python<'_>) -> PyResult<()> {
         let mut ledger = self.ledger.lock().expect("writing does not panic");
         let ledger = ledger.as_mut().ok_or_else(closed)?;

@@ -9,7 +9,7 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use std::fmt::Display;
 
-/// What messages call a map that was written as words, and the package's own Python stands in the place of its file.
+/// What messages call a map that was written as words, which the package's own Python shows instead of a file.
 pub const COLUMNS_IN_WORDS: &str = "‹columns›";
 
 /// A file.

@@ -22,7 +22,7 @@ pub fn interruptible<T: Send + 'static, R: Send + 'static>(
     mut hear: impl FnMut(T) -> PyResult<()>,
 ) -> PyResult<R> {
     let (tell, told) = mpsc::channel();
-    // Behind a lock, as only then may another thread wait for it while the interpreter goes on.
+    // Behind a lock, as only then may another thread wait for it while the interpreter continues.
     let told = Mutex::new(told);
     let worker = std::thread::spawn(move || {
         work(&move |what| match tell.send(what) {

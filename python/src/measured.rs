@@ -24,7 +24,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// What is fitted and what it is judged by.
+/// Training and test data.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct RowsGiven {

@@ -102,7 +102,7 @@ pub fn plan<'py>(
     Ok((found.to_json(nominal, kind), found.to_csv(nominal, Units::default()), found.to_text(), poses))
 }
 
-/// The same of poses that settle what a fit left open: `denavit plan --tell-apart`.
+/// The same of poses that distinguish causes: `denavit plan --tell-apart`.
 #[pyfunction]
 #[pyo3(signature = (fit, wanted, candidates, spread, r#box, seed))]
 pub fn tell_apart<'py>(

@@ -277,7 +277,7 @@ fn bad_exports_get_one_message_with_place_and_mend() {
             "good.csv:1: there is no column \"X9\" (for x); the file has \"shoulder_pan_joint\"",
         ),
         ("good.csv --columns broken.toml", "broken.toml: "),
-        ("good.csv --columns order.toml", "order \"wxyy\" is none of x, y, z, w, each once"),
+        ("good.csv --columns order.toml", "order \"wxyy\" is not one of x, y, z, w, each once"),
         ("good.csv --columns length.toml", "not 1; are these its columns"),
         ("good.csv --columns joints.toml", "the map names columns of 1 joints where 6 are needed"),
         ("good.csv --columns x=a,y", "\"y\" is no NAME=COLUMN"),

@@ -78,7 +78,7 @@ fn what_several_tips_cannot_do_is_refused_in_a_sentence() {
     for (words, expected) in [
         (
             format!("{calibrate} --data wrong.csv"),
-            "column \"tip\": \"rigth_hand\" is none of the tips that are calibrated; write the tip that the row was measured at: \
+            "column \"tip\": \"rigth_hand\" is not among the calibrated tips; write the tip that the row was measured at: \
              left_hand or right_hand",
         ),
         (format!("{calibrate} --data without.csv"), "there is no column \"tip\", but several tips are calibrated"),

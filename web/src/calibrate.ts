@@ -49,7 +49,7 @@ export class Calibrate implements Panel {
         fill(this.element,
             h("h2", {}, "Calibrate from measurements"),
             this.data
-                ? h("p", {}, h("b", { id: "data" }, this.data.file), this.test ? ` · judged by ${this.test.file}` : "")
+                ? h("p", {}, h("b", { id: "data" }, this.data.file), this.test ? ` · test data ${this.test.file}` : "")
                 : h("p", {}, "Drop a CSV or an Excel workbook of measurements: a column for each joint, and x, y, z of what a tracker saw. A second one judges."),
             this.data ? h("div", { class: "row" },
                 select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; void this.app.trying(() => this.columns.judge()); }, "data-units"),

@@ -26,11 +26,11 @@ class Bounds {
     bytes = 0;
     files = 0;
 
-    constructor(private readonly most = MOST_BYTES, private readonly mend = "drop the robot's own folder only") {}
+    constructor(private readonly most = MOST_BYTES, private readonly fix = "drop the robot's own folder only") {}
 
     add(bytes: number): void {
         this.bytes += bytes;
-        if (this.bytes > this.most) throw new Error(`more than ${this.most >> 20} MB in all; ${this.mend}`);
+        if (this.bytes > this.most) throw new Error(`more than ${this.most >> 20} MB in all; ${this.fix}`);
     }
 
     file(): void {

@@ -110,7 +110,7 @@ export class Learn implements Panel {
         });
         this.steps.push({
             title: "The frames",
-            words: () => [h("p", {}, "Each frame has its z along the joint's axis and its x along the common normal to the next one. What geometry leaves free (x the other way round, where d is counted along parallel axes) is chosen so that the fewest numbers are not zero.")],
+            words: () => [h("p", {}, "Each frame has its z along the joint's axis and its x along the common normal to the next one. What geometry does not determine (x the other way round, where d is counted along parallel axes) is chosen so that the fewest numbers are not zero.")],
             draw: () => drawRows(null),
         });
         table.rows.forEach((row, at) => {

@@ -232,7 +232,7 @@ function taken({ file, text, meshes }: Embedded): { robot: RobotText; meshes: Dr
 
 async function begin(): Promise<void> {
     await turnTo(current);
-    // What `denavit explore` brings stands in the page; what a link holds comes before it.
+    // What `denavit explore` brings is in the page; what a link holds comes before it.
     const linked = await read(location.hash);
     const embedded = JSON.parse(document.getElementById("robots")?.textContent ?? "[]") as Embedded[];
     document.getElementById("robots")?.remove();

@@ -102,7 +102,7 @@ function alike(a: Uint8Array | undefined, b: Uint8Array | undefined): boolean {
 const PIXEL = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8/5+hHgAHggJ/PchI7wAAAABJRU5ErkJggg==";
 
 /**
- * The shapes in a file; `made` gives each its material. Undefined where the file is none of the three kinds, or holds nothing.
+ * The shapes in a file; `made` gives each its material. Undefined where the file is not one of the three kinds, or holds nothing.
  * A damaged file throws.
  */
 export function parsed(name: string, bytes: Uint8Array, made: (form: BufferGeometry) => Mesh): Object3D | undefined {

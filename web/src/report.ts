@@ -20,7 +20,7 @@ export interface Report {
 
 export const plain = (kind: string) => kind.replaceAll("_", " ");
 
-/** Named effects, those that are one of several, and structure that has no name: each kind looks its own way. */
+/** Named effects, those that are one of several, and unexplained structure: each kind looks its own way. */
 export function effects(found: Said | null): HTMLElement {
     const heading = h("h3", {}, "Effects");
     if (!found) return h("div", { id: "effects" }, heading, h("p", {}, "Not searched for."));

@@ -194,9 +194,9 @@ export class See implements Panel {
             this.findings.replaceChildren(h("p", { id: "clean" }, "The rules find nothing."));
             return;
         }
-        const mendable = findings.filter((finding) => finding.fixable).length;
+        const fixableCount = findings.filter((finding) => finding.fixable).length;
         const fixable = answer.is_source && robot.text === robot.written;
-        const mend = (only: number | null) => async () => {
+        const fix = (only: number | null) => async () => {
             await this.app.trying(async () => {
                 const { text, made } = await this.app.engine.ask("fix", { source: withMeshes(robot), only });
                 await this.app.open({ ...question(robot), text }, robot.meshes, robot.packages);
@@ -213,11 +213,11 @@ export class See implements Panel {
             return h("details", { class: `finding ${finding.level}` },
                 h("summary", {}, h("b", {}, finding.rule), ` ${finding.element}, line ${finding.line}: ${finding.message}`),
                 code,
-                finding.fixable && fixable ? h("button", { "data-fix": at, click: () => void mend(at)() }, "Fix") : null);
+                finding.fixable && fixable ? h("button", { "data-fix": at, click: () => void fix(at)() }, "Fix") : null);
         });
         this.findings.replaceChildren(
-            h("p", {}, `${findings.length} found${mendable ? `, ${mendable} can be fixed at a click` : ""}.`,
-                ...(mendable && fixable ? [" ", h("button", { id: "fix-all", click: () => void mend(null)() }, "Fix all")] : []),
+            h("p", {}, `${findings.length} found${fixableCount ? `, ${fixableCount} can be fixed at a click` : ""}.`,
+                ...(fixableCount && fixable ? [" ", h("button", { id: "fix-all", click: () => void fix(null)() }, "Fix all")] : []),
                 " ", h("button", { id: "download-urdf", click: () => save(`${stem(robot.file)}.urdf`, answer.urdf, "application/xml") }, "Download URDF")),
             ...items);
     }

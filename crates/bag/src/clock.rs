@@ -12,7 +12,7 @@ const STEPS: [f64; 2] = [5e-3, 5e-2];
 /// Speeds are means over this long, s.
 const WINDOW: f64 = 0.1;
 
-/// Longer without a message is a pause, s, and so many times the usual time between messages.
+/// Longer without a message is a pause, s, and this many times the usual time between messages.
 const PAUSE: f64 = 60.0;
 const PERIODS_OF_A_PAUSE: f64 = 20.0;
 /// No more steps than this are compared: a longer recording is compared in longer steps.

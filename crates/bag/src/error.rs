@@ -33,9 +33,7 @@ pub enum BagError {
         file: String,
     },
     /// A file that is no bag, or is broken.
-    #[error(
-        "{file}: this is no bag that can be read ({what}); is the recording complete? ros2 bag reindex may mend it"
-    )]
+    #[error("{file}: this bag cannot be read ({what}); is the recording complete? ros2 bag reindex may repair it")]
     Broken {
         /// The file.
         file: String,

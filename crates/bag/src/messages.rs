@@ -59,7 +59,7 @@ fn header(cdr: &mut Cdr<'_>) -> Option<(f64, String)> {
     Some((f64::from(seconds) + f64::from(nanoseconds) * 1e-9, cdr.text()?))
 }
 
-/// A `JointState`; `None` where it is none.
+/// A `JointState`; `None` if it is not one.
 pub(crate) fn joint_state(message: &[u8]) -> Option<JointState> {
     let cdr = &mut Cdr::new(message)?;
     let (stamp, _) = header(cdr)?;

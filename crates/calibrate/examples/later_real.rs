@@ -1,11 +1,11 @@
-//! A model of one day held against rows of a later one, tracker and target mounted anew: what calibrations promise.
+//! A model of one day compared with rows of a later one, tracker and target mounted anew: what calibrations promise.
 //!
 //! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
 //! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
 //! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of
 //! BEFORE is brought up to date by a few rows of LATER, and so is the whole model of BEFORE with its effects and curves. In the environment: `TIP`, `UNITS`, `SEED`.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
 
@@ -169,7 +169,7 @@ fn with_effects_and_curves(statics: &Statics, known: &Earlier, later: &Measureme
             let stages = &found.report.stages;
             let square = |stage: &Stage| stage.test.as_ref().unwrap().of("position").unwrap().rms.powi(2);
             let named = |name: &str| square(stages.iter().find(|stage| stage.name == name).unwrap());
-            // Without held-out rows to judge by, the last stage is handed on.
+            // Without held-out rows the last stage is handed on.
             let [earlier, updated, last] = [named("earlier"), named("updated"), square(stages.last().unwrap())];
             let continued = found.report.earlier.as_ref().unwrap();
             let left_out = continued.effects.iter().filter(|part| part.state != PartState::Kept).count();

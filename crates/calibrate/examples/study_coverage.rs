@@ -6,7 +6,7 @@
 //! joints err by four sines of orders between 1.5 and 8. A curve is compared with the truth less its mean over the rows, which is
 //! the zero of the joint and therefore geometry's. With `others` the errors are others: draws of the kernel that curves are expected to have, and
 //! sines of higher orders, in few rows.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
@@ -129,7 +129,7 @@ fn calibrated(effects: Vec<Effect>, readings: Vec<Vec<f64>>, seed: u64, traced: 
 pub struct Share {
     /// How many lie inside.
     pub inside: f64,
-    /// Of so many.
+    /// Of this many.
     pub all: f64,
     /// Errors over standard deviations, squared and summed.
     pub squares: f64,

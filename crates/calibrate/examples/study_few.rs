@@ -174,7 +174,7 @@ fn table_line(word: &str, outcomes: &[&Outcome], way: usize) {
     );
 }
 
-/// Rows to fit and rows to judge by, whole postures; none where the set has too few.
+/// Training and test rows, whole postures; none where the set has too few.
 fn drawn(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, Vec<usize>)> {
     let postures = data.postures();
     let mut postures: Vec<Vec<usize>> = postures.iter().map(<[usize]>::to_vec).collect();

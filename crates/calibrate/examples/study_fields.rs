@@ -5,7 +5,7 @@
 //! UR5e, off by 1 mrad and 1 mm on each axis, 0.05 mm noise of each component of position, readings spread over ±2.5 rad; a third as many rows
 //! more are held out. Worlds: an error of joint 2 or 3 that is a product of sines of two readings; nothing; gears that err; joints that give
 //! under gravity.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 #[path = "study_coverage.rs"]
 #[allow(dead_code, clippy::duplicate_mod, reason = "each study stands alone, and the tests take parts of several")]

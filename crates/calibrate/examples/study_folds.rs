@@ -1,8 +1,8 @@
 //! Every row held out once: `cargo run --release -p denavit-calibrate --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
 //!
-//! Rows are dealt at random to so many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (link), `UNITS`
+//! Rows are dealt at random to this many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (link), `UNITS`
 //! (such as mm,deg), `SEED` of the deal.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
 

@@ -1,7 +1,7 @@
 //! How often a cause is named where none acts, or where twenty tiny ones do: noise as real files have it.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_honesty -- FILES [ROWS ...]`
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::effects::survey::with_run_order;

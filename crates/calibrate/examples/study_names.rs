@@ -2,7 +2,7 @@
 //! `cargo run --release -p denavit-calibrate --example study_names -- ROBOT.urdf DATA.csv [DRAWS [SHARE]]`.
 //!
 //! In the environment: `TIP` (link), `UNITS` (such as mm,deg). Last come the names that recur in fewer than eight of ten draws.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
 

@@ -2,7 +2,7 @@
 //! a source is claimed that is there, and how often one that is not.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_noise -- [RUNS [ROWS]]`
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::identify::noise::{Component, NoiseModel, noise_model};

@@ -5,7 +5,7 @@
 //!
 //! UR5e as in `study_coverage`: 300 poses on the first day, instrument and target placed anew on the second; errors on 200 rows of the
 //! second day that no fit saw, the noise of these rows in it.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 #[path = "study_coverage.rs"]
 #[allow(dead_code, reason = "one study takes a part of the other")]
@@ -31,7 +31,7 @@ pub struct Run {
     pub inside: [f64; 3],
 }
 
-/// The second day has so many poses.
+/// The second day has this many poses.
 pub fn run(poses: usize, seed: u64) -> Run {
     let (chain, statics) = ur5e();
     let first = readings(FIRST, seed);

@@ -5,7 +5,7 @@
 //! Each case is traced as it is; with its rows in another order; with a column that means nothing; in millimetres and degrees; with its
 //! training and its test rows exchanged; and, where a joint counts from the ground, with that coupling taken out of its readings beforehand.
 //! Prints the cases whose names differ, and a table.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::effects::Statics;
 use denavit_calibrate::effects::survey::with_run_order;

@@ -1,11 +1,11 @@
-//! Whether twenty poses chosen to tell rivals apart settle more than twenty D-optimal or random ones:
+//! Whether twenty poses chosen to distinguish causes decide more than twenty D-optimal or random ones:
 //! `cargo run --release -p denavit-calibrate --example study_tell_apart -- [CASES] [ROBOT.urdf ...]`, then
 //! `... -- real ROBOT.urdf DATA.csv [DRAWS]` with `TIP` and `UNITS` in the environment.
 //!
 //! Simulated: a robot off by its tolerances with one effect, measured at a poor set of postures (every joint in a third of
 //! its range, or all of it and the effect weak) such that the cause is not named; then poses from the whole range are added. Real: a hundred rows drawn at random,
 //! the others are candidates, what is left of them judges. With `time` for a word: the paragraph of the report beside the calibration.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
 
@@ -64,7 +64,7 @@ pub struct Ended {
     pub log_odds: f64,
 }
 
-/// A case in which something is left open, and how three ways to add poses end.
+/// A case with more than one possible cause, and how three ways to add poses end.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// The effect.
@@ -107,7 +107,7 @@ fn ended(found: &Calibration, kind: &str, place: &str, judges: &Measurements) ->
     }
 }
 
-/// One case; none where the effect cannot be simulated, or where nothing is left open.
+/// One case; none where the effect cannot be simulated, or where there is one possible cause.
 pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option<Case> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let kind = KINDS[usize::try_from(seed).unwrap() % KINDS.len()];

@@ -2,7 +2,7 @@
 //! `cargo run --release -p denavit-calibrate --example study_tracing -- FOLDER [PART OF A NAME]`.
 //!
 //! For each case that is not right: what was hidden and what was found. At the end the table of `docs/effects.md`.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first trouble.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in sorted lists")]
 #![allow(clippy::too_many_lines, reason = "a study runs from top to bottom")]
 

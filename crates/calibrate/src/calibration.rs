@@ -361,7 +361,7 @@ pub fn calibrate_and_tell(
     };
     let plain = &identification.geometric;
     let (adopted, information, (parameters, posterior, differs)) = match &averaging {
-        // The calibrated robot has the geometry of the geometric fit; what the next calibration goes on from are the named causes.
+        // The calibrated robot has the geometry of the geometric fit; what the next calibration continues from are the named causes.
         Ok(_) => (Adopted::Averaged, Information::of(plain), of_geometric_stage(plain, parameters, posterior)),
         Err(_) => (named, information, (parameters, posterior, differs)),
     };
@@ -493,14 +493,14 @@ fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Mea
     noise_model(fit.as_ref(), train, &curves)
 }
 
-/// The search goes on from the earlier calibration as far as the fit before it does.
+/// The search continues from the earlier calibration as far as the fit before it does.
 fn counted(options: &mut IdentifyOptions, weight: Option<f64>) {
     if let (Some(known), Some(weight)) = (&mut options.earlier, weight) {
         known.weight = weight;
     }
 }
 
-/// The rows to fit and those to judge by.
+/// Training and test rows.
 fn rows_of(
     data: Measurements,
     test: Option<Measurements>,

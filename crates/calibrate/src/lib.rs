@@ -4,7 +4,7 @@
 //! observation   measurements.csv ─► Measurements; Arm, Parameters: what an observation is, and what the arm predicts of it
 //! effects       what moves a joint or a link beyond its geometry
 //! identify      residuals, closed-form Jacobian, normal equations ─► fit, what the data can identify
-//! trace         which effects the residuals ask for
+//! trace         selection of effects
 //! apply         compensate, plan, simulate, tables for controllers
 //! calibration   stages on training rows, errors on rows that no stage saw ─► one result
 //! report        that result as text, pages, plots

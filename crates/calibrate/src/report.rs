@@ -14,6 +14,7 @@ pub mod noise;
 #[cfg(feature = "pages")]
 pub mod plots;
 pub mod rows;
+mod summary;
 pub mod text;
 #[cfg(feature = "pages")]
 pub mod trace_plots;

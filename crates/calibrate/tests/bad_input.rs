@@ -270,7 +270,7 @@ fn units() {
     let data = read("m.csv", in_mm.as_bytes(), &planar_arm(), "mm,deg".parse().unwrap()).unwrap().data;
     assert!((data.position(1, 0).unwrap().y - 1.5).abs() < 1e-15 && (data.reading(1)[0] - 1.5708).abs() < 1e-4);
     let wrong = "mm,furlong".parse::<Units>().unwrap_err().to_string();
-    assert!(wrong.starts_with("units \"mm,furlong\": \"furlong\" is none of m, "), "{wrong}");
+    assert!(wrong.starts_with("units \"mm,furlong\": \"furlong\" is not one of m, "), "{wrong}");
     assert!(wrong.ends_with("; write for example mm,deg"), "{wrong}");
 }
 

@@ -178,11 +178,11 @@ fn every_mistake_in_a_file_of_pixels_is_named() {
     let check = |text: &str, expected: &str| assert_eq!(said(text), expected);
     check(
         &format!("{head}0.1,0.2,24,100,100\n"),
-        "c.csv:2: corner \"24\" is none of the board's (7x5 squares of 30 mm: corners 0 to 23)",
+        "c.csv:2: corner \"24\" is not on the board (7x5 squares of 30 mm: corners 0 to 23)",
     );
     check(
         &format!("{head}0.1,0.2,first,100,100\n"),
-        "c.csv:2: corner \"first\" is none of the board's (7x5 squares of 30 mm: corners 0 to 23)",
+        "c.csv:2: corner \"first\" is not on the board (7x5 squares of 30 mm: corners 0 to 23)",
     );
     check(
         &format!("{head}0.1,0.2,3,700,100\n"),

@@ -48,9 +48,9 @@ fn each_row(mut data: Measurements, change: impl Fn(&mut [f64])) -> Measurements
     data
 }
 
-fn check(data: Measurements, mistake: &str, mend: &str) {
+fn check(data: Measurements, mistake: &str, fix: &str) {
     let said = refused(&ur5e(), data);
-    assert!(said.contains(mistake) && said.contains(mend), "{said}");
+    assert!(said.contains(mistake) && said.contains(fix), "{said}");
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn ten_poses_bring_curves_up_to_date_as_one_fit_of_both_days_does() {
         assert_eq!(found, ["joint_2", "joint_3"]);
         assert_eq!(after.effects(&statics()).curves.len(), 2);
         assert!(
-            text::calibration(&after).contains("of its 2 effects and error curves 2 go on"),
+            text::calibration(&after).contains("of its 2 effects and error curves 2 are carried over"),
             "{}",
             text::calibration(&after)
         );

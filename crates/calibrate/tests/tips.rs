@@ -491,7 +491,7 @@ fn a_row_without_its_tip_is_named() {
     };
     assert_eq!(
         wrong(&text.replace("right_hand", "right_hnd")).lines().next().unwrap(),
-        "rows.csv:3: column \"tip\": \"right_hnd\" is none of the tips that are calibrated; write the tip that the row was \
+        "rows.csv:3: column \"tip\": \"right_hnd\" is not among the calibrated tips; write the tip that the row was \
          measured at: left_hand or right_hand"
     );
     assert!(wrong(&text.replace("left_hand", "")).starts_with("rows.csv:2: column \"tip\": the cell is empty; write"));

@@ -47,7 +47,7 @@ Examples:
 
 ROBOT is a URDF, a xacro file, a D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), the kinematics file
 of a UR, xArm or Franka arm (yaml), - for standard input, or git:REVISION:PATH.
-Exit codes: 0 done or the same, 1 different or found, 2 trouble.";
+Exit codes: 0 done or the same, 1 different or found, 2 error.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
@@ -258,7 +258,7 @@ pub struct TableArguments {
     /// How the numbers are grouped into rows
     #[arg(long, value_enum)]
     pub convention: Option<ConventionName>,
-    /// How to choose what the geometry leaves free
+    /// Choice that the geometry does not determine
     #[arg(long, value_enum)]
     pub gauge: Option<GaugeName>,
     /// Compare with a vendor's table (CSV, Markdown or JSON, as manuals print it): find the senses, zeros, base and tool

@@ -1,4 +1,4 @@
-//! Everything that ends a run with exit code 2, said once and with the mend.
+//! Everything that ends a run with exit code 2, said once and with the fix.
 
 use thiserror::Error;
 
@@ -22,7 +22,7 @@ pub enum Failure {
     /// A comparison whose chain is not there.
     #[error(transparent)]
     Tree(#[from] denavit_model::TreeError),
-    /// A table's file that is none.
+    /// Not a table's file.
     #[error(transparent)]
     Source(#[from] denavit_export::sources::SourceError),
     /// A robot that cannot be exported.
@@ -31,7 +31,7 @@ pub enum Failure {
     /// An edit that cannot be made, or does not hold what it says.
     #[error(transparent)]
     Edit(#[from] denavit_edit::EditError),
-    /// A configuration file that is none.
+    /// Not a configuration file.
     #[error(transparent)]
     Check(#[from] denavit_load::CheckError),
     /// Words or files that make no calibration.

@@ -28,7 +28,7 @@ fn main() -> ExitCode {
         Err(Failure::ClosedPipe) => ExitCode::SUCCESS,
         Err(failure) => {
             output::complain(&failure);
-            ExitCode::from(Status::Trouble as u8)
+            ExitCode::from(Status::Error as u8)
         }
     }
 }

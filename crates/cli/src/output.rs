@@ -4,6 +4,7 @@
 
 mod destination;
 mod staged;
+mod wrapped;
 
 use crate::failure::Failure;
 use denavit_compare::report::Colour;
@@ -27,7 +28,7 @@ pub enum Status {
     /// Different; something found.
     Different = 1,
     /// The work could not be done.
-    Trouble = 2,
+    Error = 2,
 }
 
 /// A message with its settings as the flags that they are here.
@@ -44,13 +45,22 @@ pub fn print(text: &str) -> Result<(), Failure> {
     })
 }
 
+/// Writes sentences to standard output, as wide as the terminal where that is one.
+pub fn print_sentences(text: &str) -> Result<(), Failure> {
+    let width = if io::stdout().is_terminal() { terminal_size::terminal_size() } else { None };
+    match width {
+        Some((terminal_size::Width(width), _)) => print(&wrapped::wrapped(text, usize::from(width))),
+        None => print(text),
+    }
+}
+
 /// Says what went wrong.
 pub fn complain(failure: &Failure) {
     let text = failure.to_string();
     let text = with_flags(&text);
     let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_) | LoadError::Format(_)));
     for (index, line) in readable(&text).lines().enumerate() {
-        // A URDF's problems stand a line each; other messages go on in their own lines.
+        // A URDF's problems stand a line each; other messages continue in their own lines.
         let mark = if each_line || index == 0 { "error: " } else { "" };
         eprintln!("{mark}{line}");
     }
@@ -73,7 +83,7 @@ pub fn colour(to_standard_output: bool) -> Colour {
 }
 
 /// What the run of this process reads without its command line naming it, and where it will write: whichever is known
-/// second is held against the other.
+/// second is compared with the other.
 struct Run {
     read: Vec<PathBuf>,
     places: Vec<Place>,

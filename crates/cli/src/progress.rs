@@ -6,7 +6,7 @@ use std::time::Duration;
 /// Redrawn this often.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What is going on, said while it goes on and taken away when dropped.
+/// What is going on, said while it continues and taken away when dropped.
 pub struct Spinner(ProgressBar);
 
 impl Spinner {

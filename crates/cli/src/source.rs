@@ -19,7 +19,7 @@ pub fn load(name: &str, arguments: &SourceArguments) -> Result<Loaded, Failure> 
     Ok(load_all(&[name], arguments)?.remove(0))
 }
 
-/// Reads several robots, in this order; arguments of xacro must be of use to one of them.
+/// Reads several robots, in this order; arguments of xacro must be used by one of them.
 pub fn load_all(names: &[&str], arguments: &SourceArguments) -> Result<Vec<Loaded>, Failure> {
     load_each(names, arguments)?.into_iter().collect()
 }
@@ -118,7 +118,7 @@ pub fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
 }
 
 impl SourceArguments {
-    /// Arguments of xacro are of no use where no source is xacro.
+    /// Arguments of xacro are not used where no source is xacro.
     pub fn are_of_use(&self, any_is_xacro: bool) -> Result<(), Failure> {
         match self.values.first() {
             Some(word) if !any_is_xacro => Err(Failure::Argument(format!(

@@ -155,7 +155,7 @@ pub enum JointChange {
         /// In b.
         to: String,
     },
-    /// It hangs on another joint's link.
+    /// It is attached to another joint's link.
     CarriedByOther {
         /// The joint that carries it in a; empty on the root.
         from: String,

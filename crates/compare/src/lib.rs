@@ -3,7 +3,7 @@
 //! ```text
 //! a, b ──► Mechanism (no link frames) ──► Comparison ──► text · json · junit · sarif · github · markdown
 //! a    ──► Mechanism ──► Fingerprint
-//! text ──► RULES ──► findings ──► the same reports, or the text with what is certain mended
+//! text ──► RULES ──► findings ──► the same reports, or the text with what is certain fixed
 //! ```
 //! The crate opens no files; whoever calls it says how a mesh is looked up.
 

@@ -1,4 +1,4 @@
-//! Rules that users meet in real URDF files: what is wrong, in which line, and the mend where it is certain.
+//! Rules that users meet in real URDF files: what is wrong, in which line, and the fix where it is certain.
 //!
 //! Each rule is a file in `lint/rules/` and a line in [`RULES`]; the documentation, `--explain` and the tests walk that
 //! list.
@@ -37,7 +37,7 @@ pub struct Rule {
     pub why: &'static str,
     /// Content of a `<robot>` that it finds fault with.
     pub bad: &'static str,
-    /// The same, mended.
+    /// The same, fixed.
     pub good: &'static str,
     /// Whether `--fix` fixes it.
     pub fixable: bool,
@@ -91,7 +91,7 @@ pub fn check(file: &str, text: &str, lookup: &dyn Fn(&str) -> Lookup, config: &C
     check_and_read(file, text, lookup, config).0
 }
 
-/// As [`check`], with the robot, whose inventory says what became of everything in the file; `None` where it is none.
+/// As [`check`], with the robot, whose inventory says what became of everything in the file; `None` if it is not one.
 pub fn check_and_read(
     file: &str,
     text: &str,

@@ -75,7 +75,7 @@ pub enum PartPlace {
     Point(Point3<f64>),
     /// Of length 1.
     Direction(Vector3<f64>),
-    /// In the part of the element that it stands in, whatever moves.
+    /// In the part of the element that it is in, whatever moves.
     Inside(Pose),
 }
 
@@ -154,13 +154,13 @@ pub struct Frame {
     pub pose: Pose,
     /// The joint that carries the link; `None` for the root.
     pub carrier: Option<String>,
-    /// Whether no joint hangs on it.
+    /// Whether no joint is attached to it.
     pub leaf: bool,
     /// Whether it has a shape or a mass.
     pub matter: bool,
 }
 
-/// Which of a link's two lists a shape stands in.
+/// Which of a link's two lists a shape is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Seen.
@@ -427,7 +427,7 @@ impl Mechanism {
         self.joints.iter().enumerate().map(|(index, joint)| (joint.name.as_str(), index)).collect()
     }
 
-    /// For each body the joints that hang on it.
+    /// For each body the joints attached to it.
     pub fn joints_on(&self) -> Vec<Vec<usize>> {
         let mut on = vec![Vec::new(); self.bodies.len()];
         for (index, joint) in self.joints.iter().enumerate() {

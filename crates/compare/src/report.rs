@@ -21,7 +21,7 @@ use denavit_model::Inventory;
 pub enum Report<'a> {
     /// Two robots compared.
     Comparison(&'a Comparison),
-    /// Files held against the rules; with the names of all that were looked at.
+    /// Files compared with the rules; with the names of all that were looked at.
     Findings {
         /// Every file, clean or not.
         files: &'a [String],

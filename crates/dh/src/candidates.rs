@@ -192,7 +192,7 @@ fn parallel_rows(frame: &Pose, z: &Vector3<f64>, ahead: &[Target], paper: bool, 
 /// Parallel axes closer than this many times the robot's size coincide.
 const COINCIDES: f64 = 1e-12;
 
-/// Where along the parallel axes the way could go on: at the foot of the next common normal, or level with the tip.
+/// Where along the parallel axes the way could continue: at the foot of the next common normal, or level with the tip.
 fn stops(origin: &Vector3<f64>, z: &Vector3<f64>, place: &Vector3<f64>, ahead: &[Target]) -> Vec<f64> {
     let level = |point: &Vector3<f64>| (point - origin).dot(z);
     if ahead[0].tool_x.is_some() {

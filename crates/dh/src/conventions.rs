@@ -147,7 +147,7 @@ impl Table {
     /// The table of rows base, 1 … n, tool in a convention.
     ///
     /// # Errors
-    /// There is not one row for each joint, or beta stands in a proximal table.
+    /// There is not one row for each joint, or beta is in a proximal table.
     pub fn from_convention_rows(
         (name, base, tip): (impl Into<String>, impl Into<String>, impl Into<String>),
         coordinates: Vec<Coordinate>,

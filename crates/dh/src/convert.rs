@@ -1,7 +1,7 @@
 //! From screw axes to Denavit-Hartenberg numbers (Lemmas 1 to 4), for revolute, prismatic and helical joints in any mix.
 //!
 //! The frame on an axis is given by two neighbouring axes: z along the axis, x along the common normal with the one
-//! before, origin at its foot. What that leaves free (the sense of x, the place along parallel axes, the place of
+//! before, origin at its foot. What is free then (the sense of x, the place along parallel axes, the place of
 //! a prismatic axis) is the gauge: the candidates come from [`crate::candidates`], the choice from [`crate::gauge`].
 //!
 //! Numerics: each row is computed from the frame that the rows before it *really* give, so rounding does not pile up;
@@ -22,7 +22,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct Options {
     /// When neighbours count as parallel.
     pub parallelism: Parallelism,
-    /// How to choose what the geometry leaves free.
+    /// Choice that the geometry does not determine.
     pub gauge: Gauge,
     /// What rows near-parallel neighbours get.
     pub near_parallel: NearParallel,

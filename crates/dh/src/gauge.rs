@@ -1,11 +1,11 @@
-//! Choosing what the geometry leaves free, such that an engineer recognises the robot.
+//! Choices that the geometry does not determine, made such that an engineer recognises the robot.
 
 use crate::table::{Row, ToolPart};
 use denavit_model::chain::Chain;
 use denavit_model::se3::{self, Pose};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How to choose what the geometry leaves free.
+/// A choice that the geometry does not determine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Gauge {
     /// The fewest numbers that are not 0, quarter turns before other angles, frames continuous with their neighbours.
@@ -27,7 +27,7 @@ const OUTSIDE_THE_JOINTS: f64 = 0.2;
 const EARLIER: f64 = 0.001;
 /// A joint that counts from its frame's own zero is better than one with an offset.
 const OFFSET: f64 = 0.3;
-/// A slide is expected where the arm goes on, not where it came from.
+/// A slide is expected where the arm continues, not where it came from.
 const BEHIND_A_SLIDE: f64 = 0.1;
 
 /// A length below this many times the robot's size, or an angle below this many rad, reads as 0.

@@ -73,7 +73,7 @@ pub struct OpwFit {
     pub rotation_error: f64,
 }
 
-/// How many joint values, spread over ±π, a fit is judged by.
+/// How many joint values, spread over ±π, a fit is evaluated at.
 pub const CONFIGURATIONS: usize = 500;
 
 /// Why an arm has no such parameters.

@@ -121,7 +121,7 @@ pub enum KinematicsFileError {
         file: String,
         /// What it looks like.
         form: &'static str,
-        /// Why it is none, and what to do.
+        /// Why it is invalid, and what to do.
         what: String,
     },
     /// A table in YAML.

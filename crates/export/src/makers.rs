@@ -1,7 +1,7 @@
 //! Calibrations of single arms as makers and ROS packages keep them: read where a file holds a whole kinematics, written for
 //! what a controller or a package takes.
 //!
-//! Each form stands in a file with the public source that it was taken from; `docs/makers.md` lists those that are not
+//! Each form is in a file with the public source that it was taken from; `docs/makers.md` lists those that are not
 //! public, which are not guessed.
 
 mod franka;

@@ -87,7 +87,7 @@ impl Found<'_> {
             return self.looks_like();
         }
         let read_as = self.reading.read_as.words();
-        self.reading.tried.then(|| format!("read as {read_as}, which fits best of what the file leaves open"))
+        self.reading.tried.then(|| format!("read as {read_as}, the best fit among what the file does not state"))
     }
 }
 

@@ -100,7 +100,7 @@ impl Units {
     }
 }
 
-/// `value` rounded to so many decimal places, trailing zeros and a lone minus left out.
+/// `value` rounded to this many decimal places, trailing zeros and a lone minus left out.
 ///
 /// # Examples
 /// ```

@@ -87,7 +87,7 @@ pub struct SourceError {
     pub place: Place,
     /// Where in the line a cell begins, counted from 1.
     pub column: Option<usize>,
-    /// What, with the mend.
+    /// What is wrong, and the fix.
     pub kind: SourceErrorKind,
 }
 
@@ -254,7 +254,7 @@ pub enum SourceErrorKind {
     /// Limits the wrong way round.
     #[error("the lower limit is above the upper one; write them the other way round")]
     Limits,
-    /// A quantity of a coordinate that is none.
+    /// A quantity of a coordinate is unknown.
     #[error("quantity is \"{}\"; write angle or length", quoted(.0))]
     Quantity(String),
     /// Screw axes that say two things.

@@ -7,16 +7,16 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FleetError {
-    /// A manifest that is none.
+    /// Not a manifest.
     #[error("{place}: {message}")]
     Manifest {
         /// File, and line or entry.
         place: String,
-        /// What is wrong and the mend.
+        /// What is wrong and the fix.
         message: String,
     },
     /// A file or folder of the store that the system refuses.
-    #[error("{}: {reason}; what was finished is kept, run the same command again when this is mended", file.display())]
+    #[error("{}: {reason}; what was finished is kept, run the same command again when this is fixed", file.display())]
     Store {
         /// The file.
         file: PathBuf,
@@ -40,7 +40,7 @@ pub enum FleetError {
     /// A process that computes for another, and sees something else.
     #[error(
         "{0}: its files are not those that the run began with; every machine must see the same files under the same names, \
-        have the same version of denavit, and nobody may change them meanwhile; mend that and run it again: what was finished \
+        have the same version of denavit, and nobody may change them meanwhile; fix that and run it again: what was finished \
         is kept"
     )]
     OtherFiles(String),

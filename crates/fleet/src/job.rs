@@ -63,13 +63,13 @@ pub struct Ledger {
     keys: HashSet<String>,
     runs: Runs,
     kept: HashSet<String>,
-    /// Go on from their siblings: they are not dealt out yet.
+    /// Continue from their siblings: they are not dealt out yet.
     later: Vec<Entry>,
     report: RunReport,
 }
 
 impl Ledger {
-    /// The run, and the jobs that are to be done first: each once, in the manifest's order. [`Ledger::next`] has those that go on
+    /// The run, and the jobs that are to be done first: each once, in the manifest's order. [`Ledger::next`] has those that continue
     /// from their siblings.
     ///
     /// # Errors
@@ -98,12 +98,12 @@ impl Ledger {
         jobs
     }
 
-    /// Entries that go on from their siblings and are not dealt out yet.
+    /// Entries that continue from their siblings and are not dealt out yet.
     pub fn later(&self) -> &[Entry] {
         &self.later
     }
 
-    /// The jobs that go on from their siblings, once all others are kept. None while one of those is missing: what siblings know
+    /// The jobs that continue from their siblings, once all others are kept. None while one of those is missing: what siblings know
     /// would depend on which.
     ///
     /// # Errors

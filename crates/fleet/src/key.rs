@@ -27,7 +27,7 @@ pub(crate) fn key(entry: &Entry, robots: &Robots) -> String {
     for robot in [Some(entry.robot.as_str()), entry.against.as_deref()].into_iter().flatten() {
         hash.update(robots.of(robot, entry));
     }
-    // What was learned from siblings stands in the entry itself.
+    // What was learned from siblings is in the entry itself.
     let prior = entry.prior.iter().filter_map(|prior| match prior {
         PriorSource::File(file) => Some(file),
         PriorSource::Siblings { .. } => None,

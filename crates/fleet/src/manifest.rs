@@ -16,7 +16,7 @@ pub enum Task {
     Calibrate,
     /// Make the D-H table.
     Table,
-    /// Hold against the rules.
+    /// Check with the rules.
     Check,
     /// Hash what the robot is.
     Fingerprint,
@@ -43,7 +43,7 @@ impl Task {
     }
 }
 
-/// What a fit goes on from.
+/// What a fit continues from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PriorSource {
@@ -84,9 +84,9 @@ pub struct Entry {
     pub robot: String,
     /// Measurements to fit.
     pub data: Vec<String>,
-    /// Measurements to judge by.
+    /// Test data.
     pub test: Option<String>,
-    /// What the fit goes on from.
+    /// What the fit continues from.
     pub prior: Option<PriorSource>,
     /// For [`Task::Diff`]: what the robot is compared with.
     pub against: Option<String>,
@@ -95,7 +95,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Whether it goes on from its siblings, whose calibrations by themselves must be there before.
+    /// Whether it continues from its siblings, whose calibrations by themselves must be there before.
     pub(crate) fn learns(&self) -> bool {
         matches!(self.prior, Some(PriorSource::Siblings { .. }))
     }
@@ -114,7 +114,7 @@ pub struct TaskOptions {
     pub effects: Vec<String>,
     /// No more effects than this.
     pub max_effects: usize,
-    /// Share of the rows to keep for judging.
+    /// Share of the rows to hold out.
     pub hold_out: Option<f64>,
     /// Of the choice of rows held out.
     pub seed: u64,
@@ -158,7 +158,7 @@ pub const WORDS: &[&str] = &[
 /// robot of a pattern.
 ///
 /// # Errors
-/// The file cannot be read, an entry has a word that is none, or lacks one that it needs.
+/// The file cannot be read, an entry has an unknown word, or lacks one that it needs.
 pub fn read(name: &str, defaults: &[(String, String)]) -> Result<Vec<Entry>, FleetError> {
     let defaults: BTreeMap<String, String> = defaults.iter().cloned().collect();
     known_words("‹set›", defaults.keys())?;
@@ -253,7 +253,7 @@ fn text_of(value: &toml::Value) -> String {
 fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError> {
     let wrong = |message: String| FleetError::manifest(place, message);
     let word = |name: &str| words.get(name).map(|text| text.trim()).filter(|text| !text.is_empty());
-    let needed = |name: &str, mend: &str| word(name).ok_or_else(|| wrong(format!("there is no {name}; {mend}")));
+    let needed = |name: &str, fix: &str| word(name).ok_or_else(|| wrong(format!("there is no {name}; {fix}")));
     let path = |name: &str| {
         let kept = name.starts_with("git:") || Path::new(name).is_absolute() || folder.as_os_str().is_empty();
         if kept { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
@@ -280,7 +280,7 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
         None => Task::Calibrate,
         Some(text) => Task::named(text).ok_or_else(|| {
             let names: Vec<&str> = Task::ALL.iter().map(|(name, _)| *name).collect();
-            wrong(format!("task \"{text}\" is none; write {}", names.join(", ")))
+            wrong(format!("task \"{text}\" is unknown; write {}", names.join(", ")))
         })?,
     };
     if task == Task::Calibrate && data.is_empty() {
@@ -305,7 +305,7 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
     };
     let hold_out = word("hold_out").map(|_| number("hold_out", 0.0)).transpose()?.filter(|share| *share > 0.0);
     if hold_out.is_some_and(|share| share >= 1.0) {
-        return Err(wrong("hold_out is the share of rows to keep for judging; write a number between 0 and 1".into()));
+        return Err(wrong("hold_out is a share of the rows; write a number between 0 and 1".into()));
     }
     Ok(Entry {
         serial: needed("serial", "name the robot in the column serial")?.to_owned(),

@@ -18,7 +18,7 @@ pub struct Number {
     pub robot: String,
     /// Its joint; empty for what the whole robot has.
     pub joint: String,
-    /// `turn_x` … `move_z`; `rms`: what the model leaves.
+    /// `turn_x` … `move_z`; `rms`: of the residuals.
     pub parameter: String,
     /// rad, m, m/rad or 1.
     pub unit: String,

@@ -171,7 +171,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Some entries, on so many threads.
+    /// Some entries, on this many threads.
     fn all(&self, entries: &[&Entry], threads: usize) -> Result<(), FleetError> {
         let next = AtomicUsize::new(0);
         let ended = std::thread::scope(|scope| {

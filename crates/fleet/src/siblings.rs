@@ -214,7 +214,7 @@ fn kind(entry: &Entry) -> Kind {
 }
 
 impl Priors {
-    /// Learned for the entries of a run that go on from their siblings, when those that do not are done; `keys` are theirs. Runs
+    /// Learned for the entries of a run that continue from their siblings, when those that do not are done; `keys` are theirs. Runs
     /// of the store that this run takes the place of are not learned from: another run over the same finds the same priors.
     pub(crate) fn learned(
         store: &Store,

@@ -61,7 +61,7 @@ pub fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
     result
 }
 
-/// Takes so many times each of these columns from another.
+/// Takes this many times each of these columns from another.
 pub fn subtract(columns: &[f64], times: &[f64], from: &mut [f64]) {
     let columns = Columns { cells: columns, stride: from.len() };
     dispatch!(Level::new(), simd => subtract_in(simd, columns, times, from));

@@ -45,7 +45,7 @@ pub fn with_threads<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     on_threads(available(), work)
 }
 
-/// The same with so many; on those that are at hand, where there are any.
+/// The same with this many; on those that are at hand, where there are any.
 fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
     if count <= 1 || rayon::current_thread_index().is_some() {
         return work();
@@ -106,7 +106,7 @@ pub fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce
     with_threads(|| rayon::join(one, carried(other)))
 }
 
-/// The work done on stretches of so many rows, in their order; each thread begins with what `start` makes.
+/// The work done on stretches of this many rows, in their order; each thread begins with what `start` makes.
 pub fn in_stretches<S, R: Send>(
     rows: usize,
     start: impl Fn() -> S + Sync,
@@ -146,7 +146,7 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
         }
         done.lock().expect("adding results does not panic").append(&mut some);
     };
-    // All have ended before a panic goes on: none of them runs when the caller is told.
+    // All have ended before a panic continues: none of them runs when the caller is told.
     on_threads(threads, || {
         rayon::scope(|scope| {
             for _ in 1..threads {

@@ -1,4 +1,4 @@
-//! Cholesky factors of some hundred unknowns, row by row and in panels of so many columns that what is read once is used for several
+//! Cholesky factors of some hundred unknowns, row by row and in panels of several columns, so that what is read once is used for several
 //! sums.
 
 use crate::panel::{Line, PANEL, each_sum, lines_of};
@@ -152,7 +152,7 @@ impl Panel {
     }
 }
 
-/// Lᵀ of a block of so many rows, of which the lower triangle is read; `None` unless it is positive.
+/// Lᵀ of a block of this many rows, of which the lower triangle is read; `None` unless it is positive.
 fn factor_block(left: &mut [Line; PANEL], many: usize) -> Option<[Line; PANEL]> {
     let mut upper = [[0.0; PANEL]; PANEL];
     for k in 0..many {
@@ -172,7 +172,7 @@ fn factor_block(left: &mut [Line; PANEL], many: usize) -> Option<[Line; PANEL]> 
     Some(upper)
 }
 
-/// The inverse of an upper triangle of so many rows.
+/// The inverse of an upper triangle of this many rows.
 fn inverse_of(upper: &[Line; PANEL], many: usize) -> [Line; PANEL] {
     let mut inverse = [[0.0; PANEL]; PANEL];
     for k in (0..many).rev() {

@@ -1,4 +1,4 @@
-//! Seeded changes of tables and makers' files, read for so many seconds: each must give a robot or an error with words, soon.
+//! Seeded changes of tables and makers' files, read for this many seconds: each must give a robot or an error with words, soon.
 //!
 //! `cargo run -p denavit-load --example mutate_sources -- SECONDS [SEED]`; the fuzz targets `tables` and `makers_files` do the
 //! same with coverage where cargo-fuzz is installed.

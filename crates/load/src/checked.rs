@@ -24,14 +24,14 @@ pub struct CheckOptions {
     pub package_path: Vec<PathBuf>,
 }
 
-/// Why a file cannot be held against the rules.
+/// Why a file cannot be compared with the rules.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CheckError {
     /// The configuration cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The configuration is none.
+    /// The configuration is invalid.
     #[error(transparent)]
     Config(#[from] ConfigError),
 }
@@ -76,7 +76,7 @@ impl Rules {
         self.check_and_read(file, text).0
     }
 
-    /// As [`Rules::check`], with the robot, whose inventory says what became of everything in the file; `None` where it is none.
+    /// As [`Rules::check`], with the robot, whose inventory says what became of everything in the file; `None` if it is not one.
     pub fn check_and_read(&self, file: &str, text: &str) -> (Vec<Finding>, Option<Robot>) {
         let lookup = |mesh: &str| match self.packages.resolve(mesh, Some(&self.home.path)) {
             Ok(path) if files::is_file(&path) => Lookup::Found,

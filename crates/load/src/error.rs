@@ -22,7 +22,7 @@ pub enum LoadError {
         /// Counted from 1.
         line: usize,
     },
-    /// Text that is none of the sources.
+    /// Text that is no source.
     #[error(
         "{file}: this is no robot that is known here: neither XML (URDF, MJCF, SDF, xacro), nor a table with columns theta, d, alpha, a, nor \
          JSON, nor a maker's kinematics file; it begins with \"{begins}\""
@@ -33,7 +33,7 @@ pub enum LoadError {
         /// Its first line.
         begins: String,
     },
-    /// A URDF that is none.
+    /// Not a URDF.
     #[error(transparent)]
     Urdf(#[from] denavit_model::UrdfError),
     /// A description in another format that is no robot.
@@ -42,13 +42,13 @@ pub enum LoadError {
     /// A chain that is not there.
     #[error(transparent)]
     Tree(#[from] denavit_model::TreeError),
-    /// A table's file that is none.
+    /// Not a table's file.
     #[error(transparent)]
     Source(#[from] denavit_export::sources::SourceError),
     /// A xacro file that does not expand.
     #[error(transparent)]
     Xacro(#[from] denavit_xacro::XacroError),
-    /// Arguments of a xacro file for a source that is none.
+    /// Arguments of a xacro file for another source.
     #[error(
         "{file}: this is no xacro file, so it takes no argument {argument}; leave the argument out, or name the xacro file that \
          the robot is made from"
@@ -59,7 +59,7 @@ pub enum LoadError {
         /// The first argument, NAME:=VALUE.
         argument: String,
     },
-    /// A UR kinematics file that is none.
+    /// Not a UR kinematics file.
     #[error(transparent)]
     Kinematics(#[from] denavit_export::kinematics_yaml::KinematicsFileError),
     /// Parts that make no chain.

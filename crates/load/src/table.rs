@@ -16,7 +16,7 @@ pub const NEARLY_PARALLEL: f64 = 1e-6;
 pub struct TableOptions {
     /// How the numbers are grouped; `None`: as the file does, else distal.
     pub convention: Option<Convention>,
-    /// How to choose what the geometry leaves free; `None`: as the file does, else the fewest numbers.
+    /// Choice that the geometry does not determine; `None`: as the file does, else the fewest numbers.
     pub gauge: Option<Gauge>,
     /// Neighbouring axes closer to parallel than this are made parallel, rad; 0: none.
     pub tolerance: f64,

@@ -13,7 +13,7 @@ pub struct Element {
     pub at: usize,
 }
 
-/// Where it stands in the text is no part of what it says.
+/// Where it is in the text is no part of what it says.
 impl PartialEq for Element {
     fn eq(&self, other: &Self) -> bool {
         self.nodes == other.nodes
@@ -39,7 +39,7 @@ pub struct ElementNode {
 const NAMED_DEPTH: usize = 32;
 
 impl Element {
-    /// An element as it stands in the text that `node` was read from.
+    /// An element as it is in the text that `node` was read from.
     pub(crate) fn of(node: Node, text: &str) -> Self {
         let mut nodes = Vec::new();
         let mut open = vec![(node, 0)];
@@ -169,7 +169,7 @@ impl ElementNode {
     }
 }
 
-/// The tag with its prefix, as it stands in the text.
+/// The tag with its prefix, as it is in the text.
 fn tag_of(node: Node, text: &str) -> String {
     let open = text.get(node.range().start + 1..).unwrap_or_default();
     let end = open.find(|c: char| c.is_whitespace() || c == '>' || c == '/').unwrap_or(open.len());

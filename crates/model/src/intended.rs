@@ -26,7 +26,7 @@ pub struct IntendedAngle {
 /// Above this many quarter turns nobody writes an angle out.
 const MOST_TURNS: f64 = 4.0;
 
-/// The multiple of π that `written` was meant for; `None` where it is none, or not surely, or exactly that already.
+/// The multiple of π that `written` was meant for; `None` if it is not one, or not surely, or exactly that already.
 ///
 /// # Examples
 /// ```
@@ -69,7 +69,7 @@ pub fn read_as(written: &str) -> Option<IntendedAngle> {
 const GIMBAL_DUST: f64 = 5e-6;
 
 /// The quarter turn that a pitch (the second angle of `rpy`) was meant for, where arithmetic at gimbal lock left something
-/// beside it: "-1.5707927". `None` where it is none, or written with more digits than such files have, or where
+/// beside it: "-1.5707927". `None` if it is not one, or written with more digits than such files have, or where
 /// [`read_as`] reads it already.
 ///
 /// # Examples

@@ -70,7 +70,7 @@ pub enum Note {
         /// The robot's size, m.
         size: f64,
     },
-    /// A joint of the robot stands in the chain as several (a planar joint).
+    /// A joint of the robot is in the chain as several (a planar joint).
     Split {
         /// Where.
         place: Place,
@@ -117,7 +117,7 @@ impl fmt::Display for Note {
             Self::EndsAtTool { tip, finger } => write!(
                 f,
                 "no tip was named: the chain ends at \"{tip}\", as the joints below it are a hand's; ‹tip› \"{finger}\" \
-                 goes on to a finger"
+                 continues to a finger"
             ),
             Self::FarNumber { joints: (one, other), angle, length, size } => write!(
                 f,

@@ -33,7 +33,7 @@ pub enum Frame {
     Named(String),
     /// The robot as a whole: the root link's frame.
     Root,
-    /// The part of the element that it stands in; independent of every link's frame.
+    /// The part of the element that it is in; independent of every link's frame.
     Part,
 }
 
@@ -181,7 +181,7 @@ const WITHOUT_PLACES: [&str; 4] = ["transmission", "ros2_control", "material", "
 /// No format places something deeper inside an element than this.
 const DEEP: usize = 16;
 
-/// Everything that an element places. `owner`: the link that it stands in.
+/// Everything that an element places. `owner`: the link that it is in.
 ///
 /// What is no place although it should be, such as a `<pose>` of five numbers, is not among them and stays a text.
 ///
@@ -254,7 +254,7 @@ impl Parts<'_> {
         for (index, node) in self.nodes.iter().enumerate().skip(1).filter(|(_, node)| node.depth <= DEEP) {
             match local(&node.tag) {
                 "plugin" => found.extend(self.offsets(index, reference)),
-                // Inside a sensor or a model: in the frame of what it stands in.
+                // Inside a sensor or a model: in the frame of what it is in.
                 "pose" if node.depth > 1 && !known.contains(&index) => found.extend(self.pose(index, &Frame::Part)),
                 _ => {}
             }
@@ -386,7 +386,7 @@ fn rotation_of([x, y, z, w]: [f64; 4]) -> Option<nalgebra::Rotation3<f64>> {
     Some(quaternion.to_rotation_matrix())
 }
 
-/// Finite numbers between blanks or commas; `None` where a word is none.
+/// Finite numbers between blanks or commas; `None` if a word is not a number.
 fn numbers(text: &str) -> Option<Vec<f64>> {
     let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
     words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite())).collect()

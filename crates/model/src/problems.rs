@@ -1,4 +1,4 @@
-//! Why a file is no robot: every problem with its place and the mend.
+//! Why a file is no robot: every problem with its place and fix.
 
 use crate::notes::Place;
 use std::fmt;
@@ -9,7 +9,7 @@ use thiserror::Error;
 pub struct Problem {
     /// Where.
     pub place: Place,
-    /// What, with the mend.
+    /// What is wrong, and the fix.
     pub kind: ProblemKind,
 }
 
@@ -54,7 +54,7 @@ pub enum ProblemKind {
     /// A robot without links.
     #[error("the robot has no <link>; was a xacro file expanded without its macro being called?")]
     NoLinks,
-    /// A link or joint without a name.
+    /// A link or joint that lacks its name.
     #[error("the attribute `name` is missing; give it one")]
     MissingName,
     /// A name twice.
@@ -118,7 +118,7 @@ pub enum ProblemKind {
     /// A quaternion of length zero.
     #[error("quat_xyzw=\"{0}\" has length zero; no rotation is \"0 0 0 1\"")]
     ZeroQuaternion(String),
-    /// A number that is none.
+    /// Not a number.
     #[error("<{element} {attribute}=\"{value}\">: \"{word}\" is no finite number{}", if .value.contains("${") || .value.contains("$(") { "; the file is xacro that was not expanded" } else { "" })]
     BadNumber {
         /// Tag.

@@ -75,7 +75,7 @@ impl SourceText {
         self.ends = OnceLock::new();
     }
 
-    /// The line (counted from 1) of a byte offset into `text`, as it stands in the original.
+    /// The line (counted from 1) of a byte offset into `text`, as it is in the original.
     pub fn line(&self, offset: usize) -> usize {
         let line = self.own_line(offset);
         self.translation.as_ref().map_or(line, |translation| translation.origin(line).1)

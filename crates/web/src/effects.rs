@@ -12,7 +12,7 @@ use denavit_calibrate::{NoEffects, identify::proportion::within_proportion};
 use denavit_model::Chain;
 use serde_json::{Value, json};
 
-/// Postures that an effect's strength is judged by.
+/// Postures at which an effect's strength is computed.
 const ROWS: usize = 60;
 const SEED: u64 = 1;
 

@@ -19,7 +19,7 @@ use denavit_model::settings::plain;
 use denavit_xacro::files;
 use std::path::PathBuf;
 
-/// Answers a question; both are JSON. An answer with `error` says in one sentence what is wrong and how to mend it.
+/// Answers a question; both are JSON. An answer with `error` says in one sentence what is wrong and how to fix it.
 pub fn answer(question: &str) -> String {
     let answered = serde_json::from_str::<Question>(question)
         .map_err(|error| format!("the page asked for something that is not known: {error}"))

@@ -21,7 +21,7 @@ pub unsafe extern "C" fn release(at: *mut u8, length: usize) {
     drop(unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(at, length)) });
 }
 
-/// Answers the question of `length` bytes at `at`, and takes its room back. The answer's place stands in the upper 32 bits,
+/// Answers the question of `length` bytes at `at`, and takes its room back. The answer's place is in the upper 32 bits,
 /// its length in the lower ones.
 ///
 /// # Safety

@@ -52,7 +52,7 @@ pub enum Question {
     },
     /// The rules.
     Check(RobotText),
-    /// The text with the mends of one finding, or of all.
+    /// The text with one finding fixed, or all.
     Fix {
         /// The robot.
         source: RobotText,
@@ -102,7 +102,7 @@ pub struct Calibrate {
     pub source: RobotText,
     /// Name and text of the measurements.
     pub data: DataText,
-    /// Rows to judge by.
+    /// Test data.
     pub test: Option<DataText>,
     /// Units such as `mm,deg`.
     #[serde(default)]

@@ -72,7 +72,7 @@ pub enum Frame {
 
 /// Why an expansion failed, and where.
 ///
-/// `Display` shows everything: `place: what is wrong; the mend`, the line with the culprit underlined, and the chain
+/// `Display` shows everything: `place: what is wrong; the fix`, the line with the culprit underlined, and the chain
 /// of calls and includes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct XacroError {
@@ -80,13 +80,13 @@ pub struct XacroError {
     pub kind: ErrorKind,
     /// What is wrong, with the value.
     pub message: String,
-    /// The mend, where there is one to tell.
+    /// The fix, where there is one.
     pub help: Option<String>,
     /// Where; `None` if the failure is not in a file that was read.
     pub place: Option<Place>,
     /// The line at `place`, and the number of characters from `place.column` on that are at fault.
     pub line: Option<(String, usize)>,
-    /// The expression after substitution, where it is not what stands in the line.
+    /// The expression after substitution, where it is not what is in the line.
     pub expression: Option<String>,
     /// Macro calls, includes and property uses on the way there, the innermost first.
     pub stack: Vec<Frame>,

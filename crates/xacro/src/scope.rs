@@ -48,7 +48,7 @@ impl Scope {
         self.entries.borrow_mut().insert(name, entry);
     }
 
-    /// The innermost definition of a name, and the scope that it stands in.
+    /// The innermost definition of a name, and the scope that it is in.
     pub fn find(self: &Rc<Self>, name: &str) -> Option<(Rc<Self>, Entry)> {
         let mut scope = self;
         loop {

@@ -179,7 +179,7 @@ def _table(rows: list[dict[str, object]], convention: str | None, units: str) ->
         if cells[0].startswith("#"):
             raise ArgumentError(f"row {at + 1} is called {cells[0]!r}; a row is base, a number or tool")
         writer.writerow(cells)
-    # Behind the rows, so that row k stands in line k + 1.
+    # Behind the rows, so that row k is in line k + 1.
     out.write(f"# units: {units}\n")
     if convention is not None:
         out.write(f"# convention: {_line('convention', str(convention))}\n")
@@ -202,7 +202,7 @@ def _cell(row: int, name: str, value: object, meaning: str | None) -> str:
 
 
 def cell(value: object) -> str:
-    """A value as a cell of CSV that reads back as it is; empty where it is none.
+    """A value as a cell of CSV that reads back as it is; empty if it is missing.
 
     Raises:
         ArgumentError: It is neither a number nor a text.

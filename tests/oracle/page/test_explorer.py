@@ -259,8 +259,8 @@ def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     same(without(found, "origin"), without(json.loads(file.read_text()), "origin"), 1e-5)
     assert page.locator("#effects-found li").count() == len(found["effects"]) >= 1
     said = page.locator("#effects-found").inner_text()
-    assert "found again in" in said
-    assert ("less likely in its stead" in said) == any(effect.get("ambiguous_with") for effect in found["effects"])
+    assert "half-sample refits" in said
+    assert ("alternatives: " in said) == any(effect.get("ambiguous_with") for effect in found["effects"])
     assert page.locator("#tried tbody tr").count() > 5
     arrows = "() => window.denavit.app.view.arrows.children.length"
     assert page.evaluate(arrows) == found["samples"]["train"]

@@ -136,7 +136,7 @@ def test_effects_look_as_sure_as_they_are(explorer):
         assert words[0].lower() + words[1:] in lines, words
     why = named.locator(".rivals").inner_text().split("; ")
     assert f"why: {why[0]}" in lines and all(words in lines for words in why[1:])
-    rivals = [words for words in why if words.startswith("less likely in its stead: ")]
+    rivals = [words for words in why if words.startswith("alternatives: ")]
     assert len(rivals) == bool(report["effects"][0].get("ambiguous_with")), why
     assert float(named.locator("meter").get_attribute("value")) == pytest.approx(report["effects"][0]["probability"], rel=1e-9)
     assert page.locator("#effects-found .open, #unnamed").count() == 0 and "has no structure" in shown

@@ -6,7 +6,7 @@ use crate::observation::kinds::KINDS;
 use crate::observation::parameters::{Freedom, NoEffects};
 use denavit_model::Chain;
 
-/// What poses, positions of so many targets and distances can identify of a chain, measured at `rows` readings spread over the
+/// What poses, positions of this many targets and distances can identify of a chain, measured at `rows` readings spread over the
 /// joint range.
 pub fn of_chain(chain: &Chain, freedom: &Freedom, targets: usize, rows: usize) -> Vec<Identifiability> {
     measured(chain, freedom, &SimulationOptions { rows, targets, ..as_drawn() })

@@ -58,7 +58,7 @@ pub struct SimulationOptions {
     pub readings: Option<Vec<Vec<f64>>>,
     /// The tips that are measured in turn, a row each, where the robot has several: see [`Chain::joined`].
     pub tips: Option<Arc<Tips>>,
-    /// Rows of the same run that were measured before, with run order: it goes on from there.
+    /// Rows of the same run that were measured before, with run order: it continues from there.
     pub before: Option<Measurements>,
 }
 
@@ -179,7 +179,7 @@ fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
     Vector3::new(normal(random, deviation), normal(random, deviation), normal(random, deviation))
 }
 
-/// What is seen: the corners of the board, or so many targets.
+/// What is seen: the corners of the board, or this many targets.
 fn scene(options: &SimulationOptions, targets: usize) -> Scene {
     if let Some(tips) = options.tips.as_ref().filter(|tips| tips.several()) {
         return Scene::on_tips(options.kind, tips, if options.kind.of_several() { targets } else { 1 });

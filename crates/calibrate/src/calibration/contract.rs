@@ -75,21 +75,21 @@ pub struct CalibrationReport {
     pub placements: Option<Placements>,
     /// How far each axis is from its drawing at that stage.
     pub parameters: Vec<Identified>,
-    /// How the parameters hang together, and what they are counted from: with them the next calibration can go on from here.
+    /// How the parameters hang together, and what they are counted from: with them the next calibration can continue from here.
     /// Left out where no axis was identified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<Posterior>,
-    /// What the earlier calibration counted for that this one goes on from; left out where there is none.
+    /// What the earlier calibration counted for that this one continues from; left out where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub earlier: Option<Continued>,
     /// Axes that are many tolerances from where they are drawn.
     pub differs_from_drawing: Vec<DrawingDifference>,
     /// Effects that are sure enough to be named.
     pub effects: Vec<EffectEntry>,
-    /// Effects that stay in the model although another may act in their stead; left out where there is none.
+    /// Effects that stay in the model although there are alternatives; left out if there are none such.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub one_of: Vec<EffectEntry>,
-    /// What poses measured next are expected to settle of them; left out where nothing is open.
+    /// What poses measured next are expected to decide; left out where no cause is uncertain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prospect: Option<Prospect>,
     /// How far the averaged prediction is expected to be off, within the measured ranges and outside; left out where it is not adopted.
@@ -103,7 +103,7 @@ pub struct CalibrationReport {
     pub fields: Vec<FieldEntry>,
     /// What no effect explains.
     pub unexplained: Unexplained,
-    /// What the adopted stage leaves of every observation, fitted rows first.
+    /// Residuals of the adopted stage, fitted rows first.
     pub rows: Rows,
 }
 
@@ -167,7 +167,7 @@ pub enum FileUse {
     Test,
     /// It holds the intrinsics of the camera whose pixels were read.
     Camera,
-    /// It is an earlier calibration that the fit goes on from.
+    /// It is an earlier calibration that the fit continues from.
     Prior,
 }
 
@@ -205,7 +205,7 @@ impl ReadAs {
         let joints = mistakes.iter().flat_map(|mistake| mistake.joints());
         Self {
             supposed: mistakes.iter().map(ToString::to_string).collect(),
-            correction: mistakes.iter().map(super::diagnosis::mistakes::Mistake::mend).collect(),
+            correction: mistakes.iter().map(super::diagnosis::mistakes::Mistake::fix).collect(),
             joints: joints.map(str::to_owned).collect(),
             misfit_m: [corrected.before[0], corrected.after[0]],
             misfit_rad: [corrected.before[1], corrected.after[1]],
@@ -303,7 +303,7 @@ pub struct Stage {
     /// The same of the held-out rows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub test_lengths: Vec<LengthFound>,
-    /// Whether the fit settled.
+    /// Whether the fit converged.
     pub converged: bool,
     /// Whether this is the calibrated robot that is handed on.
     pub adopted: bool,
@@ -312,7 +312,7 @@ pub struct Stage {
     pub worse_on_held_out: bool,
 }
 
-/// An effect that the data ask for.
+/// A selected effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectEntry {
     /// Its kind.
@@ -334,12 +334,12 @@ pub struct EffectEntry {
     pub delta_bic: f64,
     /// Posterior probability that this kind acts at this place.
     pub probability: f64,
-    /// Share of resampled runs that find it.
+    /// Share of half-sample refits that select it.
     pub found_again: f64,
     /// The joint that drives it, where that is not the one that it acts at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_by: Option<String>,
-    /// What may act in its stead, the most probable first.
+    /// Alternatives, the most probable first.
     pub ambiguous_with: Vec<Rival>,
 }
 
@@ -375,15 +375,15 @@ pub struct CurveEntry {
     pub table: Vec<CurvePoint>,
 }
 
-/// What is fitted beside the curves and hangs on several joints, no cause claimed: what a joint gives under gravity, with masses that nobody
-/// knows, which curves would stand in for; and an error of a joint that is a smooth function of two readings.
+/// What is fitted beside the curves and depends on several joints, no cause claimed: what a joint gives under gravity, with masses that nobody
+/// knows, which curves would absorb; and an error of a joint that is a smooth function of two readings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldEntry {
     /// `gravity` or `two_joints`.
     pub kind: &'static str,
     /// The joint that turns by it.
     pub joint: String,
-    /// The two joints whose readings it hangs on; left out where it is gravity.
+    /// The two joints whose readings it depends on; left out where it is gravity.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub of: Vec<String>,
     /// How far the joint turns by it over the rows, root mean square about the mean.

@@ -3,7 +3,7 @@
 //! ```text
 //! the robot as drawn, or its fitted geometry, leaves too much
 //!    ─► every likely mistake undone, nominal fit ─► the best, and pairs with them ─► geometric fit ─► certain
-//!            certain and harmless: go on with it, and say so first;  certain: named, refused
+//!            certain and harmless: continue with it, and say so first;  certain: named, refused
 //!    ─► rows that fit together without the others ─► named, refused;  nothing explains it: refused
 //! ```
 //! A mistake is certain when undoing it makes what the robot *as drawn* misses at least [`NOMINAL_ORDER`] times smaller and small
@@ -30,12 +30,12 @@ use denavit_model::Chain;
 use denavit_model::nalgebra::Vector3;
 use thiserror::Error;
 
-/// The geometric fit must become so many times better for a mistake to be named.
+/// The geometric fit must become this many times better for a mistake to be named.
 pub const ORDER: f64 = 10.0;
-/// Or the nominal fit so many times, and leave no more than this share of the robot's size (or rad).
+/// Or the nominal fit this many times, and leave no more than this share of the robot's size (or rad).
 pub const NOMINAL_ORDER: f64 = 8.0;
 const LIKE_THE_DRAWING: f64 = 0.02;
-/// And the nominal one so many times, to be looked at.
+/// And the nominal one this many times, to be looked at.
 const PROMISING: f64 = 2.0;
 /// The robot as drawn may leave this share of its size (or rad) before mistakes are tried, whatever its fitted geometry leaves.
 const NOMINAL_SUSPICIOUS: f64 = 0.01;
@@ -149,7 +149,7 @@ fn supposed(mistakes: &[Mistake]) -> String {
 
 /// What to do about all of them.
 fn mended(mistakes: &[Mistake]) -> String {
-    mistakes.iter().map(Mistake::mend).collect::<Vec<_>>().join("; ")
+    mistakes.iter().map(Mistake::fix).collect::<Vec<_>>().join("; ")
 }
 
 fn length(value: f64, unit: &str) -> String {

@@ -6,9 +6,9 @@ use crate::observation::symmetric;
 use denavit_model::nalgebra::DVector;
 use serde::Serialize;
 
-/// So many standard deviations of the prior are no tolerance any more; arms with hand-set wrists reach eleven.
+/// This many standard deviations of the prior are no tolerance any more; arms with hand-set wrists reach eleven.
 const MANY_TOLERANCES: f64 = 15.0;
-/// And so many of the fit's own, or it may be chance.
+/// And this many of the fit's own, or it may be chance.
 const SURE: f64 = 5.0;
 
 /// An axis that lies elsewhere than drawn, seen from the axes before it.

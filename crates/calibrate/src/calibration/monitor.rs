@@ -1,7 +1,7 @@
-//! Measuring as it goes on: each row against what the rows before it predict, what is known by now, what to measure next.
+//! Checks while measuring: each row against what the rows before it predict, what is known by now, what to measure next.
 //!
 //! ```text
-//! a row more ─► held against the fit of the rows before ─► out of line? then what would explain it ─► fitted again
+//! a row more ─► compared with the fit of the rows before ─► out of line? then what would explain it ─► fitted again
 //! ```
 //! With J the row's Jacobian, C the covariance of the fit and σ its noise, measured less predicted r has the covariance
 //! S = J C Jᵀ + σ², and rᵀ S⁻¹ r over its number of values follows F with the degrees of freedom of the noise. A row far beyond
@@ -30,7 +30,7 @@ use std::collections::BTreeSet;
 pub const SCHEMA: &str = "denavit.measure/1";
 /// The data know a parameter when they leave no more than this share of what was known of it before.
 const KNOWN_SHARE: f64 = 0.5;
-/// So many of the least known parameters are named.
+/// This many of the least known parameters are named.
 const WORST: usize = 3;
 /// Rows of which a mistake in how the data are written is looked for: this many, twice, four times as many and so on.
 const ROWS_TO_DIAGNOSE: usize = 20;
@@ -194,7 +194,7 @@ impl Monitor {
         self.out.iter().map(|&row| rows.lines[row]).collect()
     }
 
-    /// Takes the rows that are new in these, which begin with those of before, and tells the status of each; goes on while it
+    /// Takes the rows that are new in these, which begin with those of before, and tells the status of each; continues while it
     /// is told to.
     ///
     /// # Errors
@@ -304,7 +304,7 @@ impl Monitor {
         let kept: Vec<usize> = (0..data.len()).filter(|row| self.counts(row)).collect();
         let kept = data.subset(&kept).pruned();
         let found = identify(&self.chain, &kept, &self.options.identify);
-        // Rows that are judged as they come are not read anew: whoever measures corrects the column and goes on.
+        // Rows that are judged as they come are not read anew: whoever measures corrects the column and continues.
         diagnosis::judge(&self.chain, &kept, &found, &self.options.identify, &[])?.map_or(Ok(()), |corrected| {
             let Corrected { mistakes, before, after, .. } = corrected;
             Err(Diagnosis::Mistaken { file: kept.source.clone(), mistakes, before, after })

@@ -1,4 +1,4 @@
-//! What a calibration left open, and the poses that would settle it.
+//! Causes that a calibration cannot distinguish, and the poses that would.
 
 use crate::apply::plan::tell_apart::{Prospect, TellApart, tell_apart};
 use crate::apply::plan::{PlanError, PlanOptions};
@@ -30,7 +30,7 @@ impl Calibration {
         Arc::new(Open::of_fit(&survey, &self.train, &fit, &geometric.arm))
     }
 
-    /// Chooses poses to measure next: those that tell apart what the run left open, else those that make the prediction
+    /// Chooses poses to measure next: those that distinguish the causes that the run cannot, else those that make the prediction
     /// surest; see [`tell_apart`](crate::apply::plan::tell_apart).
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Calibration {
         tell_apart(&self.open(statics), &self.train, options, exchange)
     }
 
-    /// What some more poses would settle of the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates, no exchange.
+    /// What some more poses would decide about the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates, no exchange.
     pub(super) fn prospect(&self, statics: &Statics) -> Option<Prospect> {
         if self.report.one_of.is_empty() {
             return None;

@@ -9,7 +9,7 @@ use denavit_model::Pose;
 use denavit_model::nalgebra::{Point3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// The test rows must miss by so many times what the fitted ones do, and become so much better.
+/// The test rows must miss by this many times what the fitted ones do, and become so much better.
 const ORDER: f64 = 10.0;
 /// And then be as good as the fitted ones, within this factor.
 const AS_GOOD: f64 = 3.0;

@@ -1,4 +1,4 @@
-//! The calibrated model held against rows that were measured later.
+//! The calibrated model compared with rows that were measured later.
 
 use crate::calibration::Calibration;
 use crate::effects::survey::with_run_order_after;

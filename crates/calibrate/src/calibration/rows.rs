@@ -15,7 +15,7 @@ use serde::ser::SerializeSeq as _;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
 
-/// One observation and what the adopted model leaves of it.
+/// One observation and its residual.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RowEntry {
     /// The row's line in its file.
@@ -69,8 +69,8 @@ pub struct Placements {
     pub points: Vec<Placed>,
 }
 
-/// What the adopted model leaves of every observation, fitted rows first. An entry is computed when it is asked for: the rows
-/// may be a million, and most that are calibrated with so many never look at them.
+/// Residuals of the adopted model, fitted rows first. An entry is computed when it is asked for: the rows
+/// may be a million, and most that are calibrated with a million never look at them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rows {
     parts: Vec<Left>,

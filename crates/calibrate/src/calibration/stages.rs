@@ -91,7 +91,7 @@ fn each_kept<'a, E: Effects>(fit: &'a Fit<E>, train: &'a Measurements) -> impl I
 
 impl Identification {
     /// The stages that hold geometry alone, in the order in which they are listed, each with its name. Where an earlier calibration's
-    /// effects are carried over, the stage `earlier` has them and is none of these.
+    /// effects are carried over, the stage `earlier` has them and is not one of these.
     pub(super) fn stages(&self, carried: bool) -> Vec<GeometricStage<'_>> {
         let mut stages = vec![("nominal", Adopted::Nominal, &self.nominal)];
         let earlier = self.earlier.as_ref().filter(|_| !carried);

@@ -1,4 +1,4 @@
-//! The robot as it is: chain, instrument and targets, and where everything stands in one row.
+//! The robot as it is: chain, instrument and targets, and where everything is in one row.
 
 use crate::observation::measurements::{Measurements, RecordedRow, Scene};
 use denavit_model::compiled::sines_and_cosines;
@@ -281,7 +281,7 @@ impl Perturbation {
     }
 }
 
-/// Where the arm stands in one row, base frame.
+/// Where the arm is in one row, base frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowState {
     /// For each joint the motion that its axis has made from home: Ad(before\[i\]) takes twists at home to twists now.
@@ -294,7 +294,7 @@ pub struct RowState {
     turns: [Vec<f64>; 3],
 }
 
-/// Where the arm stands in one row, and what its effects do to it there.
+/// Where the arm is in one row, and what its effects do to it there.
 #[derive(Debug, Clone, Copy)]
 pub struct Perturbed<'a> {
     /// Where it stands.

@@ -59,7 +59,7 @@ impl EffectsPrior {
         Self { first, expected, mean, along, whitening }
     }
 
-    /// The same where the joints' parameters that it was made with are these of so many.
+    /// The same where the joints' parameters that it was made with are these.
     #[must_use]
     pub fn spread_over(self, joints: &[usize], of: usize) -> Self {
         let mut along = DMatrix::zeros(self.mean.len(), of);

@@ -148,7 +148,7 @@ impl<'a> Seen<'a> {
 /// Measured less predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
-    /// Of lengths, m; what is one number stands in x.
+    /// Of lengths, m; what is one number is in x.
     pub place: Vector3<f64>,
     /// Of the orientation, a rotation vector in the base frame, rad.
     pub turn: Vector3<f64>,

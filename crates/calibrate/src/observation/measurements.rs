@@ -208,7 +208,7 @@ impl Measurements {
         (0..self.observations()).map(|observation| self.series_of(observation).kind.height()).sum()
     }
 
-    /// Indices of so many rows, at most all, spread evenly over the run.
+    /// Indices of this many rows, at most all, spread evenly over the run.
     pub(crate) fn evenly_spread(&self, count: usize) -> Vec<usize> {
         (0..count).map(|k| k * self.len() / count).collect()
     }

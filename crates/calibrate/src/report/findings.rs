@@ -1,5 +1,6 @@
 //! What the tracer found, as text for a terminal: each effect, why it is claimed, its rivals, and what remains.
 
+use crate::effects::catalogue::Kind;
 use crate::trace::infer::named::Alternative;
 use crate::trace::{Finding, Trace, Value};
 use std::fmt::Write;
@@ -38,10 +39,11 @@ fn title(finding: &Finding, trace: &Trace) -> String {
     title
 }
 
-/// A probability that is nearly 1 is not written as if it were.
+/// A probability that is nearly 1 or nearly 0 is not written as if it were.
 fn percent(probability: f64) -> String {
     match probability {
         p if p > 0.995 => "over 99 %".into(),
+        p if p < 0.005 => "below 1 %".into(),
         p => format!("{:.0} %", 100.0 * p),
     }
 }
@@ -64,24 +66,50 @@ pub struct Said {
 /// A finding in the words of the report.
 pub fn said(finding: &Finding, trace: &Trace) -> Said {
     let (rivals, own) = (rivals(finding), title(finding, trace));
-    let again = format!("found again in {:.0} % of resampled runs", 100.0 * finding.found_again);
+    let again = format!("selected in {:.0} % of half-sample refits", 100.0 * finding.found_again);
     let (title, why, rivals) = if finding.named {
-        let rivals = (!rivals.is_empty()).then(|| format!("less likely in its stead: {}", rivals.join(", ")));
+        let rivals = (!rivals.is_empty()).then(|| format!("alternatives: {}", rivals.join(", ")));
         (own, format!("probability {}, {again}", percent(finding.probability)), rivals)
     } else {
         let alone = if rivals.is_empty() { "perhaps" } else { "one of" };
         let own = format!("{own} ({})", percent(finding.probability));
         let all: Vec<String> = std::iter::once(own).chain(rivals).collect();
         let beside = if finding.stands_in() {
-            "; structure without a name may account for as much"
+            "; unexplained structure may account for as much"
         } else if finding.is_outweighed() {
             ", but more is left that no effect explains"
         } else {
             ""
         };
-        (format!("{alone}: {}", all.join(", ")), format!("corrected for, not named: {again}{beside}"), None)
+        (
+            format!("{alone}: {}", all.join(", ")),
+            format!("included in the model, cause uncertain: {again}{beside}"),
+            None,
+        )
     };
     Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why, rivals }
+}
+
+/// What an effect of a kind means, and what to do about it.
+fn advice(kind: Kind) -> &'static str {
+    match kind {
+        Kind::JointScale => "the joint turns more or less than it reads: compensate, or check encoder and gear ratio",
+        Kind::HelicalPitch => "the joint moves along its axis as it turns: compensate",
+        Kind::TransmissionError => "the joint errs periodically: compensate, or check gear and encoder",
+        Kind::JointCompliance => "the joint yields under load: compensate, or check its gear",
+        Kind::Backlash => "the joint has play: compensate, or approach every pose from the same side",
+        Kind::JointCoupling => "the joint follows another joint: compensate",
+        Kind::AxisWobble => "the axis tilts as the joint turns: compensate, or check its bearing",
+        Kind::LocalJointError => "the joint errs at one place of its range: compensate, or check its gear there",
+        Kind::LinkCompliance => "the link or its bearing bends under load: compensate",
+        Kind::BaseCompliance => "the base moves under load: fasten it, or compensate",
+        Kind::Thermal => "it follows a temperature or warmth: warm the robot up before measuring, or compensate",
+        Kind::Drift => "it changed during the run: fasten it and measure again",
+        Kind::Latency => "readings and measured values are of different times: measure at standstill",
+        Kind::InstrumentScale => "the instrument's lengths are scaled: check its settings",
+        Kind::JointField | Kind::Geometry => "no named cause: included in the model",
+        Kind::TargetIncidence => "the range depends on how the target is turned: check the target",
+    }
 }
 
 /// The effects, the named ones first.
@@ -112,7 +140,7 @@ pub fn heading(trace: &Trace) -> String {
         let beside = if trace.fit.effects.curves.is_empty() { "" } else { " and error curves" };
         format!("no effect beyond geometry{beside}")
     } else if trace.findings.iter().any(|finding| finding.named) {
-        "effects that the data ask for".to_owned()
+        "effects selected".to_owned()
     } else {
         "no effect is sure enough to be named".to_owned()
     };
@@ -143,6 +171,7 @@ pub fn findings(trace: &Trace) -> String {
         if let Some(rivals) = rivals {
             let _ = writeln!(text, "      {rivals}");
         }
+        let _ = writeln!(text, "      {}", advice(finding.term.kind));
     }
     text + &ending(trace) + "\n"
 }

@@ -48,7 +48,7 @@ pub fn row(status: &RowStatus) -> String {
         text.push_str("an exact copy of an earlier row, not counted again");
     } else if status.off.is_empty() {
         text.push_str(match status.missing_numbers {
-            0 => "nothing to hold it against yet",
+            0 => "nothing to compare it with yet",
             _ => "too few rows to place the instrument and the target",
         });
     } else {

@@ -10,7 +10,7 @@ use denavit_export::{Sheet, Units};
 use denavit_model::{Chain, Tip};
 use serde::Serialize;
 
-/// So many rows are listed.
+/// This many rows are listed.
 const LISTED: usize = 15;
 
 /// Instruments, targets and points: places in mm, orientations as quaternions x, y, z, w.

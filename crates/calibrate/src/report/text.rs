@@ -14,6 +14,7 @@ use crate::report::axes::axes;
 use crate::report::curves::{curves, fields};
 use crate::report::findings::findings;
 use crate::report::noise as noise_model;
+use crate::report::summary::summary;
 use crate::report::trust;
 use crate::trace::Trace;
 use std::fmt::Write;
@@ -80,7 +81,7 @@ fn one_table(stages: &[Stage], title: String, of: [Option<&Part>; 2]) -> String 
     }
     let mut rows = vec![header];
     for stage in stages {
-        let mut row = vec![stage.name.clone()];
+        let mut row = vec![short_name(&stage.name)];
         row.extend(cells(Some(&stage.train), of));
         if tested {
             row.extend(cells(stage.test.as_ref(), of));
@@ -88,6 +89,19 @@ fn one_table(stages: &[Stage], title: String, of: [Option<&Part>; 2]) -> String 
         rows.push(row);
     }
     table(&rows)
+}
+
+/// A stage's name where it is short; else its effects are counted, which are listed below the table.
+fn short_name(name: &str) -> String {
+    const WIDEST: usize = 30;
+    let parts: Vec<&str> = name.split(" + ").collect();
+    let effects = parts.iter().filter(|part| part.contains('(')).count();
+    if name.chars().count() <= WIDEST || effects == 0 {
+        return name.to_owned();
+    }
+    let others = parts[1..].iter().filter(|part| !part.contains('(')).map(|part| format!(" + {part}"));
+    let plural = if effects == 1 { "" } else { "s" };
+    format!("{} + {effects} effect{plural}{}", parts[0], others.collect::<String>())
 }
 
 /// Known distances beside what the rows say of them.
@@ -183,6 +197,7 @@ fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
 pub fn calibration(result: &Calibration) -> String {
     let report = &result.report;
     let mut text = trust::supposed(report);
+    text.push_str(&summary(result));
     let samples = &report.samples;
     let _ = writeln!(
         text,
@@ -242,9 +257,9 @@ pub fn calibration(result: &Calibration) -> String {
     text.push_str(&curves(&report.curves));
     text.push_str(&fields(&report.fields));
     if result.trace.is_none() && result.curves.as_ref().is_some_and(|found| found.fit.effects.curves.is_empty()) {
-        text.push_str("no joint has an error curve that the data ask for\n");
+        text.push_str("no error curve was selected\n");
     }
-    let Floor { noise, parameters, values, assumed } = floor(result);
+    let Floor { noise, assumed, .. } = floor(result);
     let scene = &result.train.scene;
     for (channel, (part, level)) in scene.channels.iter().zip(&noise.levels).enumerate() {
         noise_floor(&mut text, scene, channel, part, *level);
@@ -257,9 +272,7 @@ pub fn calibration(result: &Calibration) -> String {
         );
     }
     for (channel, part) in scene.channels.iter().enumerate().filter(|(_, part)| part.unit == "m") {
-        if values[channel] > 0.0 {
-            let norm = noise.levels[channel] * (part.height as f64).sqrt();
-            let attainable = norm * (1.0 + parameters[channel] / values[channel]).sqrt() * 1e3;
+        if let Some(attainable) = attainable(result, channel).map(|metres| metres * 1e3) {
             let of = if several_lengths(scene) { format!(" of {}", part.word) } else { String::new() };
             let _ = writeln!(text, "attainable on rows held out: {attainable:.4} mm rms{of}");
         }
@@ -334,6 +347,15 @@ fn floor(result: &Calibration) -> Floor<'_> {
         }
     }
     result.named().map_or_else(|| of(&result.identification.geometric), of)
+}
+
+/// Root mean square error of new rows that noise and the number of fitted rows allow, in the channel's unit; `None` without
+/// values of the channel.
+pub(super) fn attainable(result: &Calibration, channel: usize) -> Option<f64> {
+    let Floor { noise, parameters, values, .. } = floor(result);
+    let height = result.train.scene.channels[channel].height as f64;
+    (values[channel] > 0.0)
+        .then(|| noise.levels[channel] * height.sqrt() * (1.0 + parameters[channel] / values[channel]).sqrt())
 }
 
 fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, level: f64) {

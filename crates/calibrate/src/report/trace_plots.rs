@@ -117,7 +117,7 @@ pub fn quantiles(residuals: &[Residual], scene: &Scene, noise: &Noise) -> Result
     Ok(Plot { svg, caption: "what remains beside a normal distribution (the line)".into() })
 }
 
-/// How far what remains in one row is like what remains so many rows later.
+/// How far what remains in one row is like what remains this many rows later.
 ///
 /// # Errors
 /// A value is not finite.

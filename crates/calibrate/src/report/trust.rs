@@ -8,7 +8,7 @@ use crate::identify::lack_of_fit::LackOfFit;
 use crate::observation::measurements::Scene;
 use std::fmt::Write;
 
-/// Below so many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
+/// Below this many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
 const FEW: f64 = 10.0;
 /// No more lines are listed.
 const LISTED: usize = 30;
@@ -76,7 +76,7 @@ pub(super) fn continued(report: &CalibrationReport) -> String {
     let kept = in_state(PartState::Kept).count();
     if !earlier.effects.is_empty() {
         let all = earlier.effects.len();
-        let _ = writeln!(text, "  of its {all} effects and error curves {kept} go on");
+        let _ = writeln!(text, "  of its {all} effects and error curves {kept} are carried over");
     }
     let reasons = [
         (PartState::Contradicted, "these rows speak against it: something there is no longer as it was"),
@@ -212,7 +212,7 @@ pub(super) fn not_adopted(report: &CalibrationReport) -> String {
     text
 }
 
-/// A model that misses nothing comes out like this once in so many files.
+/// A model without lack of fit gives such a result once in this many files.
 const LACK_OF_FIT: f64 = 0.001;
 
 /// What postures that were measured again say.
@@ -232,7 +232,7 @@ pub(super) fn repeats(repeats: &[LackOfFit]) -> String {
         let verdict = if repeat.p_value < LACK_OF_FIT {
             format!("the model misses {:.4} {unit} beside it", repeat.missed * factor)
         } else {
-            "the model misses nothing that they show".into()
+            "no lack of fit".into()
         };
         let _ = writeln!(
             text,

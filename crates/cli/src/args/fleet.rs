@@ -46,7 +46,7 @@ effects, max_effects, hold_out, seed, tolerance, tolerance_m, tolerance_rad, pri
 and [[robots]], or a pattern of folders with {serial} and {date}. Paths are taken from the manifest's folder; several files of \
 data are joined by ;. Without a task, rows with data are calibrated and rows without get their table.
 
-A run that is stopped or killed goes on where it was; finished work is never done again. Exit code 1: some robots failed, \
+A run that is stopped or killed continues where it was; finished work is never done again. Exit code 1: some robots failed, \
 each is a row of the store with its error.
 
 Examples:
@@ -123,7 +123,7 @@ pub struct FleetWatchArguments {
     /// False discovery rate of a night's marks
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = numbers::part)]
     pub rate: f64,
-    /// First nights of a robot that the others are held against
+    /// First nights of a robot that the others are compared with
     #[arg(long, value_name = "NIGHTS", default_value_t = 8, value_parser = clap::value_parser!(u16).range(3..))]
     pub reference: u16,
     /// Write a JUnit report: a case for each robot of the night

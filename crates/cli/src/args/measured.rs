@@ -65,13 +65,13 @@ pub struct CalibrateArguments {
     /// follow as +-0.1mm (else 0.05 mm)
     #[arg(long, value_name = "PAIR=LENGTH")]
     pub distance: Vec<String>,
-    /// Measurements to judge by, never fitted; sockets in it are new places
+    /// Test data, never fitted; sockets in it are new places
     #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
     pub test: Option<String>,
-    /// Setups, or placements of sockets, to keep for judging
+    /// Setups, or placements of sockets, to hold out as test data
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["hold_out", "test"])]
     pub hold_out_setups: Vec<String>,
-    /// Without --test: share of the rows to keep for judging
+    /// Without --test: share of the rows to hold out as test data
     #[arg(long, value_name = "SHARE", value_parser = numbers::part)]
     pub hold_out: Option<f64>,
     /// Seed of the choice of rows held out
@@ -95,12 +95,12 @@ pub struct CalibrateArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
-    /// Go on from an earlier calibration of this robot, as --json wrote it: what it knows of the axes, instead of the
+    /// Continue from an earlier calibration of this robot, as --json wrote it: what it knows of the axes, instead of the
     /// drawing's tolerances, and (but with --effects none) its effects and error curves; a few new poses then bring a robot
     /// up to date
     #[arg(long, value_name = "FILE")]
     pub prior: Option<String>,
-    /// Effects to look for behind the geometry: none, curves (error curves of the joints alone), auto, or kinds such as
+    /// Effects to look for beside the geometry: none, curves (error curves of the joints alone), auto, or kinds such as
     /// backlash,joint_compliance
     #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
     pub effects: Vec<String>,
@@ -126,7 +126,7 @@ pub struct CalibrateArguments {
     /// Write what a maker's controller or ROS package takes: ur, xarm, franka, pal, robot-calibration; see docs/makers.md
     #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
     pub out_for: Vec<String>,
-    /// Write what the calibrated model leaves of every row, as CSV: fitted, rejected and held-out rows
+    /// Write the residuals of every row as CSV: fitted, rejected and held-out rows
     #[arg(long, value_name = "FILE")]
     pub residuals: Option<PathBuf>,
     /// Write the effects as JSON, for fk, compensate and simulate
@@ -246,7 +246,7 @@ worst; which pose would help most next. On a terminal what is known stays at the
 is known of obstacles: look at a pose before the robot takes it.
 
 With --watch the file may grow, be replaced, or not be there yet; Ctrl-C ends the run. Exit codes: 0 every row fits, 1 rows \
-are out of line, 2 trouble.
+are out of line, 2 error.
 
 Examples:
   denavit measure arm.urdf --data run.csv --watch
@@ -265,7 +265,7 @@ pub struct MeasureArguments {
     /// Measurements, or - for standard input, which is read as it comes
     #[arg(long = "data", value_name = "FILE")]
     pub file: String,
-    /// Go on when the file has been read: take what is appended to it, until Ctrl-C
+    /// Continue when the file has been read: take what is appended to it, until Ctrl-C
     #[arg(long)]
     pub watch: bool,
     /// Units of the data, of the candidates and of the pose to measure next: lengths m, mm, um or in; angles rad, mrad or deg
@@ -307,7 +307,7 @@ Examples:
   denavit plan arm.urdf --count 40 -o poses.csv
   denavit plan arm.urdf --count 40 --measure distances --box 0.2,1,-0.5,0.5,0,1
   denavit plan arm.urdf --count 25 --candidates safe_poses.csv --json
-  denavit plan arm.urdf --tell-apart run.csv -o poses.csv       what a run left open: poses that settle it
+  denavit plan arm.urdf --tell-apart run.csv -o poses.csv       poses that distinguish its possible causes
 
 With --tell-apart the run is calibrated as denavit calibrate does it. Where it leaves several causes possible, poses are chosen \
 that tell them apart, and the odds that are to be expected are printed; where nothing is open, poses that make the prediction \
@@ -323,7 +323,7 @@ pub struct PlanArguments {
     /// Poses to choose [default with --tell-apart: 20]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), required_unless_present = "tell_apart")]
     pub count: Option<u16>,
-    /// The rows of a run, or - for standard input: poses that settle what its calibration leaves open, measured as its last row
+    /// The rows of a run, or - for standard input: poses that distinguish its possible causes, measured as its last row
     /// was; several files are several setups
     #[arg(long, value_name = "FILE", conflicts_with_all = ["measure", "target", "anchor"])]
     pub tell_apart: Vec<String>,
@@ -369,7 +369,7 @@ pub struct PlanArguments {
 const SIMULATE_EXAMPLES: &str = "\
 An effect is KIND@PLACE=STRENGTH: one of the kinds of docs/effects.md; a joint's name or base, links, target, \
 anchor, instrument, \"wire zero\", \"all joints\"; what it moves the measured values by (0.3mm, root mean square) or its \
-coefficient in SI units. What a kind leaves open is set as KIND@PLACE:order=3=0.1mm (order; at and width; knee; friction; step; with; over).
+coefficient in SI units. Parameters of a kind are set as KIND@PLACE:order=3=0.1mm (order; at and width; knee; friction; step; with; over).
 
 Examples:
   denavit simulate arm.urdf -o data.csv --rows 120 --seed 7

@@ -15,6 +15,6 @@ pub fn share(text: &str) -> Result<f64, String> {
     number(text, |value| (0.0..=1.0).contains(&value), "it is no share of the rows; write 0 to 1")
 }
 
-fn number(text: &str, good: impl Fn(f64) -> bool, mend: &str) -> Result<f64, String> {
-    text.trim().parse::<f64>().ok().filter(|value| good(*value)).ok_or_else(|| mend.to_owned())
+fn number(text: &str, good: impl Fn(f64) -> bool, fix: &str) -> Result<f64, String> {
+    text.trim().parse::<f64>().ok().filter(|value| good(*value)).ok_or_else(|| fix.to_owned())
 }

@@ -67,7 +67,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     let texts = texts(arguments, &places, &formats, &robot, &result)?;
     places.outputs.write(&texts)?;
     if !places.outputs.take_standard_output() {
-        output::print(&text::report(&result))?;
+        output::print_sentences(&text::report(&result))?;
     }
     Ok(Status::Same)
 }
@@ -269,7 +269,7 @@ fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> 
     })
 }
 
-/// The files to fit and to judge by.
+/// Training and test files.
 fn rows_asked(arguments: &CalibrateArguments, chain: &Chain, tips: &Arc<Tips>) -> Result<RowsAsked, Failure> {
     if tips.several() && !arguments.socket.is_empty() {
         let message = "--socket: its files have no column that says which tip a row is of; calibrate one tip at a time";

@@ -72,7 +72,7 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
             return Err(Failure::Argument(message));
         };
         output::print(text)?;
-        return Ok(if refused > 0 { Status::Trouble } else { Status::Same });
+        return Ok(if refused > 0 { Status::Error } else { Status::Same });
     };
     let inputs = robots.iter().map(String::as_str).chain(source.files());
     let mut listing = String::new();
@@ -87,7 +87,7 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
             "{refused} of {} robots could not be read; the {pages} of the {others} others are written",
             robots.len()
         ));
-        return Ok(Status::Trouble);
+        return Ok(Status::Error);
     }
     Ok(Status::Same)
 }

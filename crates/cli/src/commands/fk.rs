@@ -96,7 +96,7 @@ fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
 /// More than two turns from zero, rad: nobody who thinks in radians writes such an angle.
 const MOST_RADIANS: f64 = 4.0 * std::f64::consts::PI;
 
-/// A value that is so many times the farther limit is not meant in radians.
+/// A value that is this many times the farther limit is not meant in radians.
 const FAR_OUTSIDE: f64 = 1.5;
 
 /// Where the tip is with the effects of a file.
@@ -141,11 +141,11 @@ pub fn joint_values(chain: &Chain, option: &str, written: &str, degrees: bool) -
                 let found = coordinates.iter().position(|coordinate| coordinate.name == name);
                 let index = found.ok_or_else(|| {
                     let near = nearest_name(name, coordinates.iter().map(|coordinate| coordinate.name.as_str()));
-                    let mend = near.map_or_else(
+                    let fix = near.map_or_else(
                         || format!("the joints are {}", names()),
                         |near| format!("did you mean \"{near}\"?"),
                     );
-                    wrong(format!("the chain has no joint \"{name}\"; {mend}"))
+                    wrong(format!("the chain has no joint \"{name}\"; {fix}"))
                 })?;
                 (index, value)
             }

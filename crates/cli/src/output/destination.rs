@@ -48,8 +48,8 @@ impl Destination {
                 Ok(found) if !found.is_file() => return Ok(Self::Stream(here)),
                 Ok(found) => {
                     if found.permissions().readonly() {
-                        let mend = "it is read-only; make it writable (chmod u+w) or write to another file";
-                        return Err(refused(mend));
+                        let fix = "it is read-only; make it writable (chmod u+w) or write to another file";
+                        return Err(refused(fix));
                     }
                     OpenOptions::new().write(true).open(&here).map_err(failed)?;
                     staged::temporary(&here, given)?;

@@ -31,9 +31,9 @@ const UNMOVED_FREE: f64 = 0.3;
 const FRAMES: f64 = 0.25;
 /// Where this share of all features agrees to rounding, one robot was made from the other by a few edits.
 const MOSTLY: f64 = 0.5;
-/// Joints on one body that no name pairs are paired by their axes, so many at most: each is held against each.
+/// Joints on one body that no name pairs are paired by their axes, this many at most: each is compared with each.
 const PAIRED: usize = 100;
-/// Frames of a body that are held against those of b, at most.
+/// Frames of a body that are compared with those of b, at most.
 const FRAMES_HELD: usize = 100;
 /// Frames and shapes of a body that are tried as what carried the body along.
 const TRIED: usize = 6;
@@ -87,7 +87,7 @@ impl Alignment {
         self.body_b[in_a + 1] = in_b + 1;
     }
 
-    /// Pairs joints that hang on the same body under different names: the nearest axes first.
+    /// Pairs joints attached to the same body under different names: the nearest axes first.
     fn pair_children(
         &mut self,
         a: &Mechanism,
@@ -169,7 +169,7 @@ impl Alignment {
 
     /// Motions that something of this body made between a and b.
     ///
-    /// `on`: the joints of a that hang on each body.
+    /// `on`: the joints of a that are attached to each body.
     pub fn candidates(
         &self,
         a: &Mechanism,

@@ -19,7 +19,7 @@ use std::collections::BinaryHeap;
 
 /// Halving ends when the bound is this close to a value that is reached.
 const CLOSE: f64 = 1.1;
-/// Or after so many halvings per joint: a bound stays a bound.
+/// Or after this many halvings per joint: a bound stays a bound.
 const HALVINGS: usize = 1500;
 /// Joint motions that are worth computing for one tip; of a way so long and so changed that one look at each step costs
 /// more, only the gap between where both tips can be at all is known.

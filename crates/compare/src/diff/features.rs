@@ -11,7 +11,7 @@ use denavit_model::se3::{self, Pose};
 /// One of them, by index.
 #[derive(Debug, Clone, Copy)]
 enum Feature {
-    /// The axis of a joint of a that hangs on the body.
+    /// The axis of a joint of a attached to the body.
     Axis(usize),
     /// A shape of the body.
     Shape(usize),
@@ -25,7 +25,7 @@ enum Feature {
 pub(crate) struct Features {
     precision: Precision,
     of_body: Vec<Vec<Feature>>,
-    /// For each body those that hang on it directly.
+    /// For each body those attached to it directly.
     next: Vec<Vec<usize>>,
 }
 

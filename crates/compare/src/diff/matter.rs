@@ -309,10 +309,10 @@ fn frames(
             }
             pair(found, replaced, (body, frame, other), moved, off, options);
         } else if links_b.contains(frame.link.as_str()) {
-            found.parts.push(part(&frame.link, PartKind::Frame, "it hangs on another moving body".into()));
+            found.parts.push(part(&frame.link, PartKind::Frame, "it is attached to another moving body".into()));
         } else if !(a.bare || b.bare) {
             found.gone.push(frame.link.clone());
-            // A frame that nothing hangs on was put there for whoever uses it.
+            // A frame that nothing is attached to was put there for whoever uses it.
             if frame.leaf && !frame.matter {
                 found.parts.push(part(&frame.link, PartKind::Frame, format!("frame is gone{}", carried_by(frame))));
             }

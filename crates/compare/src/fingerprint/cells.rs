@@ -9,7 +9,7 @@ const OFFSET: f64 = 0.618_033_988_749_894_9;
 /// Nearer to a border than this share of a cell, a number may fall on either side; far above rounding, far below one.
 const UNSURE: f64 = 1e-4;
 
-/// Both sides are looked at for so many numbers; of more, the first.
+/// Both sides are looked at for this many numbers; of more, the first.
 const MOST_UNSURE: usize = 8;
 
 /// Puts numbers into cells; `choice` says on which side unsure ones fall.

@@ -1,4 +1,4 @@
-//! What is hashed: a tree of joints, each hashed with what hangs on it; what has no order is sorted by its hash.
+//! What is hashed: a tree of joints, each hashed with what is attached to it; what has no order is sorted by its hash.
 
 use crate::fingerprint::cells::Cells;
 use crate::mechanism::{Frame, Mass, Mechanism, MovingJoint, PartPlace, PlacedElement, PlacedShape, Role};
@@ -137,7 +137,7 @@ fn names(mechanism: &Mechanism) -> HashSet<&str> {
 
 /// An element's kind and values: numbers as numbers, names of links and joints as no more than that.
 fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) -> Hash {
-    // Every second piece of a path stands in quotes: a name.
+    // Every second piece of a path is in quotes: a name.
     let nameless = |path: &str| path.split('"').step_by(2).collect::<String>();
     let mut of_entry = |(path, value): &(String, String)| {
         let mut words = Words::of(&nameless(path));

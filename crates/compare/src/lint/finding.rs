@@ -1,4 +1,4 @@
-//! What a rule found, and mending it.
+//! What a rule found, and fixing it.
 
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
@@ -15,9 +15,9 @@ pub struct Finding {
     pub level: Level,
     /// Where.
     pub place: Place,
-    /// What is wrong, with the value; the mend.
+    /// What is wrong, with the value; the fix.
     pub message: String,
-    /// Edits of the original text that mend it without doubt; empty where there is doubt.
+    /// Edits of the original text that fix it without doubt; empty where there is doubt.
     pub fix: Vec<Edit>,
 }
 
@@ -77,7 +77,7 @@ impl Found {
     }
 }
 
-/// The text with every certain mend made, and how many were made; of edits that overlap, the first.
+/// The text with every certain fix made, and how many were made; of edits that overlap, the first.
 ///
 /// `text` is the text that was checked.
 pub fn fix(text: &str, findings: &[Finding]) -> (String, usize) {

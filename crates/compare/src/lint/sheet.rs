@@ -31,7 +31,7 @@ impl<'a> Sheet<'a> {
         self.read.as_ref().ok()
     }
 
-    /// Why it is none.
+    /// Why it is invalid.
     pub(super) fn problems(&self) -> &'a [Problem] {
         self.read.as_ref().err().map_or(&[], |error| &error.problems)
     }
@@ -74,13 +74,13 @@ impl<'a> Sheet<'a> {
         node.range().start
     }
 
-    /// The edit that puts `text` in the place of the value of an attribute of the element at `offset`.
+    /// The edit that replaces the value of an attribute of the element at `offset` by `text`.
     pub(super) fn set_attribute(&self, offset: usize, name: &str, text: String) -> Option<Edit> {
         let range = self.element_at(offset)?.attribute_node(name)?.range_value();
         Some(Edit { start: range.start, end: range.end, text })
     }
 
-    /// The value of an attribute as it stands in the file, and where it starts.
+    /// The value of an attribute as it is in the file, and where it starts.
     pub(super) fn written(&self, offset: usize, name: &str) -> Option<(&'a str, usize)> {
         let range = self.element_at(offset)?.attribute_node(name)?.range_value();
         Some((self.robot()?.source.text.get(range.clone())?, range.start))

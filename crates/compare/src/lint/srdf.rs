@@ -83,7 +83,7 @@ pub fn is_srdf(file: &str, text: &str) -> bool {
     if [".srdf", ".srdf.xacro"].iter().any(|end| name.ends_with(end)) {
         return true;
     }
-    // Most files can be told from URDF without reading them.
+    // Most files can be distinguished from URDF without reading them.
     if !text.contains("<group") && !text.contains("collisions") && !text.contains("<virtual_joint") {
         return false;
     }
@@ -222,7 +222,7 @@ impl Findings<'_> {
     }
 }
 
-/// The element beside the root that something stands in, in words.
+/// The element beside the root that something is in, in words.
 fn owner(node: Node) -> String {
     let top = node
         .ancestors()

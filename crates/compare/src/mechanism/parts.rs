@@ -155,7 +155,7 @@ fn not_understood(robot: &Robot, places: &Places) -> Vec<PlacedElement> {
     found.into_values().collect()
 }
 
-/// Where in its element something stands, what it says, and the element's tag. What stands in an element that is not
+/// Where in its element something stands, what it says, and the element's tag. What is in an element that is not
 /// understood is kept with that.
 fn text_of(item: &Item) -> Option<(String, String, &str)> {
     match item.what.split_once(' ')? {

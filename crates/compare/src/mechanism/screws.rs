@@ -56,7 +56,7 @@ impl Mechanism {
         self.bodies.retain(|_| !gone.next().unwrap_or(false));
     }
 
-    /// The joint before `second` that makes a screw with it, and the screw; `hanging`: how many joints hang on each body.
+    /// The joint before `second` that makes a screw with it, and the screw; `hanging`: how many joints are attached to each body.
     fn screw_ending_in(&self, second: usize, hanging: &[usize]) -> Option<(usize, MovingJoint)> {
         let behind = &self.joints[second];
         let first = behind.parent?;

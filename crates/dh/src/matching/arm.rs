@@ -15,7 +15,7 @@ pub(crate) struct Arm {
     pub size: f64,
     /// To fit by.
     pub samples: Vec<Sample>,
-    /// To judge by.
+    /// Held out.
     pub proof: Vec<Sample>,
 }
 

@@ -40,7 +40,7 @@ const SAME_COST: f64 = 2e-3;
 /// A number that is wrong altogether costs this many times the robot's size: one such is better than two, however wrong.
 const ONE_WRONG: f64 = 2e-2;
 
-/// A zero beyond this (rad, m) is one that a reader has to be told of; what a quarter turn written 1.57 leaves is none.
+/// A zero beyond this (rad, m) is reported; what a quarter turn written 1.57 leaves is smaller.
 const A_ZERO: f64 = 2e-3;
 
 /// Sense vectors that are kept while the search goes along the arm: all of them up to eight joints.

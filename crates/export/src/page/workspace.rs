@@ -5,7 +5,7 @@ use denavit_model::chain::Chain;
 use denavit_model::nalgebra::{Point3, Vector3};
 use std::fmt::Write as _;
 
-/// Postures that are tried, fewer where a chain has so many joints that their motions would be more than these.
+/// Postures that are tried, fewer where the motions of all joints of a chain would be more than these.
 const POSTURES: usize = 40_000;
 const FEWEST: usize = 1_000;
 const MOTIONS: usize = 4_000_000;
@@ -105,7 +105,7 @@ impl Workspace {
     }
 }
 
-/// One posture in so many is moved towards the border: uniform samples are rare there.
+/// One posture in this many is moved towards the border: uniform samples are rare there.
 const PUSHED: usize = 32;
 /// Places of the first coordinate that each of those is tried at.
 const SWEEP: u32 = 24;

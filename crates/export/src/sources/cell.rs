@@ -4,7 +4,7 @@ use super::header::plain;
 use denavit_model::chain::Quantity;
 use denavit_model::units::Unit;
 
-/// What stands in a cell: factor · variable + constant.
+/// What is in a cell: factor · variable + constant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cell {
     /// The constant, in `unit` where there is one.

@@ -12,7 +12,7 @@ pub(super) struct Heading {
     pub name: String,
     /// The unit that it states.
     pub unit: Option<Unit>,
-    /// What stands in its brackets and is neither a unit nor another word for the column.
+    /// What is in its brackets and is neither a unit nor another word for the column.
     pub unknown: Option<String>,
     /// Its numbers belong to the link before (`alpha_i-1`): the table is a proximal one.
     pub of_link_before: bool,

@@ -12,7 +12,7 @@ pub struct Edits {
 }
 
 impl Edits {
-    /// Puts `text` in the place of the bytes `range`; an empty range inserts.
+    /// Replaces the bytes `range` by `text`; an empty range inserts.
     pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
         self.pieces.push((range, text.into()));
     }

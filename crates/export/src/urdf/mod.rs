@@ -92,7 +92,7 @@ pub struct Options {
     pub frames: Frames,
     /// How the file's angles are read; read as intended, they are also written so.
     pub reading: Reading,
-    /// What the geometry leaves free.
+    /// Choice that the geometry does not determine.
     pub gauge: Gauge,
     /// Which neighbours are too near to parallel for a D-H row.
     pub parallelism: Parallelism,
@@ -165,7 +165,7 @@ pub enum ExportError {
     NotInUrdf {
         /// The joint.
         joint: String,
-        /// What, and the mend.
+        /// What is wrong, and the fix.
         what: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The table that stands in a canonical URDF.
+//! The table that is in a canonical URDF.
 
 use super::bodies::{Bodies, has_axis};
 use super::from_table::is_made_from_table;

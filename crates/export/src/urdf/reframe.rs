@@ -79,7 +79,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// What another element places in a link's frame, each in its own notation. `owner`: the link that it stands in.
+    /// What another element places in a link's frame, each in its own notation. `owner`: the link that it is in.
     fn element(
         &self,
         edits: &mut Edits,

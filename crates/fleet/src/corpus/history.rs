@@ -48,10 +48,10 @@ pub struct GitChange {
 }
 
 /// The URDF files that each commit of a history touched, the newest first; every text is read once. Merges are left out:
-/// what they bring stands in the commits that they merge.
+/// what they bring is in the commits that they merge.
 ///
 /// # Errors
-/// The folder is in no repository, the revision is none.
+/// The folder is in no repository, the revision is unknown.
 pub fn changes(repository: &Path, revision: &str, options: &CorpusOptions) -> Result<Vec<GitChange>, FleetError> {
     if revision.starts_with('-') {
         return Err(FleetError::Git(format!("{revision}: a revision may not begin with \"-\"")));

@@ -162,7 +162,7 @@ impl Hierarchy {
         Some(self)
     }
 
-    /// What the robots give by themselves, and the pattern as so many more of them.
+    /// What the robots give by themselves, and the pattern as this many more of them.
     fn together(&self, square: &DMatrix<f64>, robots: usize) -> DMatrix<f64> {
         if self.counts_as.is_infinite() {
             return self.pattern.clone();
@@ -306,7 +306,7 @@ mod tests {
         measured_by(seed, count, root, 6, 2.0)
     }
 
-    /// The same, measured by so many rows each of which tells a direction `gain` times as well as its noise is large.
+    /// The same, measured by this many rows each of which tells a direction `gain` times as well as its noise is large.
     fn measured_by(
         seed: u64,
         count: usize,

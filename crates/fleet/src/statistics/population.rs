@@ -3,7 +3,7 @@
 
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-/// Among more robots one does not hide itself: only those that stand out anyway are held against the others alone.
+/// Among more robots one does not hide itself: only those that stand out anyway are compared with the others alone.
 const MANY: usize = 200;
 /// Standing out, in standard deviations.
 const STANDS_OUT: f64 = 2.5;

@@ -1,6 +1,6 @@
 //! The nightly watch: which robots have changed, when thousands are asked every night.
 //!
-//! 1. A robot's first nights are its reference, anew after each event that is on record. A night's number is held against
+//! 1. A robot's first nights are its reference, anew after each event that is on record. A night's number is compared with
 //!    the mean of the reference; the scatter from night to night is learned from the whole fleet ([`super::scatter`]).
 //! 2. A robot's p-value of a night is its smallest, times the count of its numbers (Bonferroni: numbers of one calibration
 //!    depend on each other).
@@ -16,7 +16,7 @@ use super::scatter::Scatter;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A night is held against the mean of at least this many before it, where the scatter is learned.
+/// A night is compared with the mean of at least this many before it, where the scatter is learned.
 const LEAST_BEFORE: usize = 3;
 
 /// Nights of one robot.
@@ -105,7 +105,7 @@ pub struct Scatters {
 
 /// Learns how each number scatters.
 ///
-/// Every night is held against the mean of the nights just before it, so that a slow change hardly widens what it is judged by.
+/// Every night is compared with the mean of the nights just before it, so that a slow change hardly widens the interval.
 pub fn scatters(robots: &[Nights], numbers: usize, how: &Watch) -> Scatters {
     let of = |number: usize| {
         let mut deviations = Vec::new();

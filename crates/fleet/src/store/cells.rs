@@ -100,9 +100,9 @@ fn real(number: f64, kind: Kind) -> Option<Cell> {
 enum Meaning {
     /// Themselves.
     Number,
-    /// So many ten-to-the-minus-n.
+    /// This many ten-to-the-minus-n.
     Decimal(i32),
-    /// Time since 1970, so many to a day.
+    /// Time since 1970, this many to a day.
     Time(i64),
 }
 

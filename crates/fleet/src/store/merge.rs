@@ -26,7 +26,7 @@ impl Store {
     /// are replaced.
     ///
     /// Runs that are being written meanwhile keep their files: only keys that have their row in `runs` are merged. Merged
-    /// files are written anew only where a run in `gone` stands in them, each by itself, so that memory does not grow with the store.
+    /// files are written anew only where a run in `gone` is in them, each by itself, so that memory does not grow with the store.
     ///
     /// # Errors
     /// The system refuses; the store is then as before.

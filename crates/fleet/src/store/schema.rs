@@ -63,7 +63,7 @@ impl TableKind {
     /// Place of a column among all.
     ///
     /// # Panics
-    /// There is none of this name.
+    /// No column has this name.
     pub fn index(&self, name: &str) -> usize {
         self.columns().position(|column| column.name == name).expect("a column of this table")
     }

@@ -66,7 +66,7 @@ impl Content {
     }
 }
 
-/// A file that is there no more: the first who reads from it hears why, as of any other trouble of a disk.
+/// A file that is there no more: the first who reads from it hears why, as of any other error of a disk.
 struct Unreadable(Option<io::Error>);
 
 impl Read for Unreadable {

@@ -90,7 +90,7 @@ impl Read for Hashing<'_> {
     }
 }
 
-/// The files with their hashes, and the day; `hashed`: of those to fit, in sockets and to judge by, in this order.
+/// The files with their hashes, and the day; `hashed`: training, sockets, test, in this order.
 pub(super) fn origin(asked: &RowsAsked, hashed: Vec<HashedFile>) -> Origin {
     let sockets = asked.sockets.iter().map(|(_, file)| (file, FileUse::Socket));
     let fitted = asked.data.iter().map(|file| (file, FileUse::Fit)).chain(sockets);

@@ -1,4 +1,4 @@
-//! What is fitted and what it is judged by: files of measurements, files of readings in sockets, known distances.
+//! Training and test data: files of measurements, files of readings in sockets, known distances.
 
 use super::MeasuredError;
 use super::content::Content;
@@ -36,9 +36,9 @@ pub struct RowsAsked {
     pub sockets: Vec<(String, DataFile)>,
     /// Known distances between sockets or anchors: `LABEL,LABEL=50mm` or `LABEL,LABEL=50mm±0.1mm`.
     pub distances: Vec<String>,
-    /// To judge by.
+    /// Test data.
     pub test: Option<DataFile>,
-    /// Setups, or placements of sockets, to keep for judging.
+    /// Setups, or placements of sockets, to hold out.
     pub hold_out_setups: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ pub struct RowsAsked {
 pub struct Rows {
     /// To fit.
     pub data: Measurements,
-    /// To judge by, where they are said by name.
+    /// Test data, where they are named.
     pub test: Option<Measurements>,
     /// What the columns of the first file were taken for.
     pub columns: Vec<ColumnUse>,
@@ -57,7 +57,7 @@ pub struct Rows {
     pub origin: Origin,
 }
 
-/// Reads the rows to fit and those to judge by.
+/// Reads training and test rows.
 ///
 /// # Errors
 /// A file that cannot be read, a label that no row has, nothing to fit.
@@ -107,7 +107,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     }
     let mut test = asked.test.as_ref().map(|file| Ok::<_, MeasuredError>(read(file)?.0)).transpose()?;
     notes.extend(left_out_of_files);
-    // In the order in which the files are listed: to fit, in sockets, to judge by.
+    // In the order in which the files are listed: training, sockets, test.
     hashed.splice(asked.data.len()..asked.data.len(), of_sockets);
     let origin = origin(asked, hashed);
     // Errors in pixels are lengths at one distance, in all rows.
@@ -148,7 +148,7 @@ fn setups(files: &[DataFile]) -> Vec<String> {
     names
 }
 
-/// States a known distance in the rows to fit and those to judge by.
+/// States a known distance in training and test rows.
 fn know(word: &str, data: &mut Measurements, test: Option<&mut Measurements>) -> Result<(), MeasuredError> {
     let known = known_distance(word)?;
     let stated = |data: &mut Measurements| {

@@ -25,7 +25,7 @@ pub struct SearchAsked {
     pub gear_ratios: Vec<String>,
     /// What an earlier calibration of this robot knows, or its siblings do.
     pub prior: Option<DataFile>,
-    /// Rows to keep for judging where there is no test file.
+    /// Share of rows to hold out if there is no test file.
     pub hold_out: Option<HoldOut>,
 }
 

@@ -12,7 +12,7 @@ pub(crate) const LARGEST_REDUCED: f64 = 1e5;
 const QUARTER_TURN: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
 /// The rest of π/2 to 53 bits; what is left out is below 4e-27.
 const QUARTER_TURN_REST: f64 = 6.077_100_506_506_192e-11;
-/// 1.5 · 2^52: adding it rounds to an integer that then stands in the lowest bits.
+/// 1.5 · 2^52: adding it rounds to an integer that then is in the lowest bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// sin r = r + r³ (S\[0\] + r² S\[1\] + ···) on \[-π/4, π/4\], error below 2^-58.

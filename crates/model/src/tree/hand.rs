@@ -4,7 +4,7 @@ use super::Step;
 use crate::placed::PlacedRobot;
 use crate::robot::Joint;
 
-/// An arm has at least so many joints above its hand; with fewer, what branches is the robot itself.
+/// An arm has at least this many joints above its hand; with fewer, what branches is the robot itself.
 const AN_ARM: usize = 3;
 
 /// The moving joints on the longest way below each link.

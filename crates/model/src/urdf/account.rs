@@ -19,7 +19,7 @@ pub(super) struct Account {
 /// Something that the reader does not understand.
 struct Unknown {
     at: usize,
-    /// The link or joint that it stands in.
+    /// The link or joint that it is in.
     owner: String,
     /// What it is, with its value.
     what: String,
@@ -181,7 +181,7 @@ impl Account {
     }
 }
 
-/// So many kinds of things have a note of their own.
+/// This many kinds of things have a note of their own.
 const KINDS: usize = 20;
 /// Longer ones are cut in notes.
 const SHOWN: usize = 120;
@@ -203,7 +203,7 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-/// The link or joint that something stands in; the element itself where it stands in none.
+/// The link or joint that something is in; the element itself where it is in none.
 fn owner_of(node: Node) -> String {
     let owner = node.ancestors().find(|above| matches!(above.tag_name().name(), "link" | "joint"));
     element_of(owner.unwrap_or(node))

@@ -87,7 +87,7 @@ impl Expander<'_> {
         Ok(found.try_into().expect("one was pushed for each of N names"))
     }
 
-    /// Notes what stands in an element whose content means nothing.
+    /// Notes what is in an element whose content means nothing.
     pub fn note_content(&mut self, element: &Element) {
         let words = element.children.iter().find_map(|child| match child {
             Node::Element(child) => Some((child.spot(), format!("<{}>", child.name))),

@@ -12,7 +12,7 @@ use crate::error::ErrorKind;
 use crate::limits::Meter;
 use crate::scope::Scope;
 
-/// What an expression may ask of the document that it stands in.
+/// What an expression may ask of the document that it is in.
 pub(crate) trait Host {
     /// The value of a name that is not local to the expression.
     fn name(&mut self, name: &str) -> Result<Value, Fault>;

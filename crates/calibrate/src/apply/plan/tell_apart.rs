@@ -1,4 +1,4 @@
-//! The poses that settle what a run left open: which of several causes acts; and where nothing is open, those that make what is
+//! The poses that distinguish causes between which a run cannot decide; and where there is one cause only, those that make what is
 //! predicted surest.
 //!
 //! With z what hypothesis a expects at the poses, X the columns of b (geometry and frames G F, curves C, its causes A_b) at the
@@ -7,7 +7,7 @@
 //! (T-optimality: Atkinson, Fedorov 1975). Poses are chosen so that the bound Σ √(p_a p_b) exp(-d²/8) on the probability of a
 //! wrong choice falls most (Kailath 1967): a soft minimum over the pairs of hypotheses. The odds that are then reported are the
 //! exact expectation for normal predictions, as Box and Hill (1967) have it. Where nothing is open, or everything that is will
-//! be settled, poses lower the mean variance of prediction over the joint range (V-optimality: Fedorov 1972).
+//! be distinguished, poses lower the mean variance of prediction over the joint range (V-optimality: Fedorov 1972).
 
 mod design;
 mod written;
@@ -204,7 +204,7 @@ fn last_seen(data: &Measurements) -> Result<Vec<usize>, PlanError> {
     held.map_or(Ok(series), |kind| Err(PlanError::Held(kind)))
 }
 
-/// The columns of rows to come: what `told` says, else what stood in the last row; run order goes on.
+/// The columns of rows to come: what `told` says, else what stood in the last row; run order continues.
 fn recorded(data: &Measurements, rows: usize, told: impl Fn(&str, usize) -> Option<f64>) -> Covariates {
     let columns = data.covariates.iter().map(|column| {
         let last = column.values.last().copied().unwrap_or(0.0);

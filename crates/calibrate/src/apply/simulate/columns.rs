@@ -37,7 +37,7 @@ const FASTEST_SLIDE: f64 = 0.1;
 /// `approach` and `velocity` stand for a column of every joint.
 ///
 /// # Errors
-/// A name is none of those.
+/// A name is not one of those.
 pub fn columns(
     names: &[String],
     chain: &Chain,

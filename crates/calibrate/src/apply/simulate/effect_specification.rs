@@ -35,7 +35,7 @@ pub struct EffectSpecification {
     pub kind: Kind,
     /// Where: a joint, `base`, `links`, `target`, `anchor`, `instrument`, `wire zero` or `all joints`.
     pub place: String,
-    /// What the kind leaves open: order, at, width, knee, friction, with, step, over.
+    /// Parameters of the kind: order, at, width, knee, friction, with, step, over.
     settings: Vec<(String, String)>,
     /// How strong.
     pub strength: Strength,
@@ -47,7 +47,7 @@ pub struct EffectSpecification {
 pub struct EffectSpecificationError {
     /// As written.
     specification: String,
-    /// What is wrong, and the mend.
+    /// What is wrong, and the fix.
     why: String,
 }
 

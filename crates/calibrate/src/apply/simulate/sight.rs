@@ -15,11 +15,11 @@ pub const TRIES: usize = 400;
 const PLACES: usize = 40;
 /// Postures by which a place is judged.
 const POSTURES: usize = 400;
-/// Share of the image's width that the board fills where it stands in the middle.
+/// Share of the image's width that the board fills where it is in the middle.
 const FILLED: f64 = 0.3;
 /// From the tip, m.
 const FROM_TIP: f64 = 0.05;
-/// How far from straight the board is seen where it stands in the middle, rad.
+/// How far from straight the board is seen where it is in the middle, rad.
 const TILT: f64 = 0.2;
 
 /// Puts camera and board where the most postures see the board's middle.
@@ -59,7 +59,7 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
     }
 }
 
-/// The first postures, so many at most, in which at least half of the corners are seen; all of them where there are not more.
+/// The first postures, this many at most, in which at least half of the corners are seen; all of them where there are not more.
 pub(super) fn that_see_enough(arm: &Arm, scene: &Scene, postures: Vec<Vec<f64>>, wanted: usize) -> Vec<Vec<f64>> {
     if postures.len() <= wanted {
         return postures;

@@ -1,4 +1,4 @@
-//! What a simulated file was made of, as JSON: for judging what a calibration found.
+//! What a simulated file was made of, as JSON: to evaluate what a calibration found.
 
 use crate::apply::simulate::{Simulation, SimulationOptions};
 use crate::effects::model::EffectModel;
@@ -17,7 +17,7 @@ fn pose(pose: &Pose) -> Value {
     json!({"xyz": xyz, "quaternion_xyzw": xyzw})
 }
 
-/// Standard deviations of what the noise is made of: m and rad; of what there is none it says nothing.
+/// Standard deviations of what the noise is made of: m and rad; absent sources are left out.
 fn noise(options: &SimulationOptions) -> Value {
     let mut noise = json!({"position_m": options.noise_position, "orientation_rad": options.noise_orientation});
     for (name, size) in [("range_m", options.noise_range), ("angle_rad", options.noise_angle)] {

@@ -27,7 +27,7 @@ pub struct Explained {
     pub unit: &'static str,
     /// Spread of what was measured about its mean.
     pub spread: f64,
-    /// What the fitted geometry leaves, freed of the parameters' share.
+    /// Residuals of the fitted geometry, freed of the parameters' share.
     pub left: f64,
     /// Spread of what the fitted geometry predicts.
     #[serde(skip)]
@@ -84,7 +84,7 @@ impl Places {
     }
 }
 
-/// So many orientations of a series say how much they vary.
+/// This many orientations of a series say how much they vary.
 const ORIENTATIONS: usize = 10_000;
 
 /// Spread and rest of every sort of value that is measured as a number.

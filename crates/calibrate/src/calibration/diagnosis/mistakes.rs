@@ -67,7 +67,7 @@ pub enum Mistake {
     },
     /// The quaternion is written otherwise.
     Quaternion(QuaternionSlip),
-    /// The readings stand so many rows below (negative: above) the values that belong to them.
+    /// The readings stand this many rows below (negative: above) the values that belong to them.
     OutOfStep(i32),
     /// The data belong to another chain of the robot.
     OtherChain(Box<Chain>),
@@ -132,7 +132,7 @@ impl fmt::Display for Mistake {
 
 impl Mistake {
     /// What to do.
-    pub fn mend(&self) -> String {
+    pub fn fix(&self) -> String {
         match self {
             Self::Sense(_) => "change the sign of these readings, or the axis in the robot's file".into(),
             Self::Swapped(..) => "exchange their names in the header row".into(),

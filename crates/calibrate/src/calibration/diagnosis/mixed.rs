@@ -24,7 +24,7 @@ const NEAR: f64 = 0.02;
 const LEAST_SHARE: f64 = 0.3;
 /// Rows on which one of two individuals is fitted.
 const ROWS_OF_ONE: usize = 150;
-/// A third of the rows must measure so many numbers for each parameter.
+/// A third of the rows must measure this many numbers for each parameter.
 const SPARE: usize = 2;
 /// The seed of the draws: the same file gives the same answer.
 const SEED: u64 = 1;
@@ -70,7 +70,7 @@ pub(super) fn strangers(
 /// Rows from one on that are of another individual of the same robot: the geometry that fits the first third does not fit
 /// the last, and the other way round; by index, and the misfit of the rows before. `None` where one geometry serves all.
 ///
-/// An instrument, a base or a target that was moved in between is none: frames of its own for each part mend that.
+/// An instrument, a base or a target that was moved in between is not one: frames of its own for each part explain it.
 pub(super) fn individuals(
     chain: &Chain,
     data: &Measurements,

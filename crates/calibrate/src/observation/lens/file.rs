@@ -34,7 +34,7 @@ pub enum LensError {
         file: String,
         /// Where.
         line: usize,
-        /// The list that it stands in.
+        /// The list that it is in.
         key: String,
         /// The text.
         text: String,

@@ -1,7 +1,7 @@
 //! Numbers recorded beside the measurements, and the only way by which an effect gets at them.
 //!
 //! An effect follows a [`Column`], and a column is made where every row has a value for it, or not at all: asking for it
-//! elsewhere is an error that names the file, the column and the mend. What is evaluated row by row takes the column, so that
+//! elsewhere is an error that names the file, the column and the fix. What is evaluated row by row takes the column, so that
 //! a quantity that nobody recorded cannot be read as 0: a name alone is no column, and neither is an index.
 //!
 //! ```compile_fail,E0308
@@ -116,7 +116,7 @@ impl Covariates {
         self.columns.push(column);
     }
 
-    /// The column of this name, which has a finite value in each of so many rows; `file` is for the error.
+    /// The column of this name, which has a finite value in each of this many rows; `file` is for the error.
     ///
     /// # Errors
     /// There is no such column, or a row has no value in it.

@@ -94,14 +94,14 @@ pub enum ImportProblem {
     #[error("{0}")]
     Option(String),
     /// Joint values of another count than the rows, or the chain's joints.
-    #[error("{found} where {wanted} are needed; {mend}")]
+    #[error("{found} where {wanted} are needed; {fix}")]
     Count {
         /// What there is.
         found: String,
         /// What there should be.
         wanted: String,
         /// What to do.
-        mend: &'static str,
+        fix: &'static str,
     },
 }
 
@@ -390,7 +390,7 @@ impl Work<'_> {
             return Err(self.in_header(ImportProblem::Count {
                 found: format!("the map names columns of {} joints", map.joints.len()),
                 wanted: coordinates.len().to_string(),
-                mend: "list one column for each joint of the chain, in its order",
+                fix: "list one column for each joint of the chain, in its order",
             }));
         }
         for (index, coordinate) in coordinates.iter().enumerate() {
@@ -640,8 +640,8 @@ impl Work<'_> {
                     |(line, values)| format!("line {line} of the joint values has {} numbers", values.len()),
                 );
                 let wanted = if short.is_some() { coordinates.len() } else { self.grid.rows.len() };
-                let mend = "each measured row needs the joint values at which it was measured";
-                return Err(self.in_header(ImportProblem::Count { found, wanted: wanted.to_string(), mend }));
+                let fix = "each measured row needs the joint values at which it was measured";
+                return Err(self.in_header(ImportProblem::Count { found, wanted: wanted.to_string(), fix }));
             }
             self.taken.push(format!("joint values from {}: {}", joints.file, joints.taken_for));
         }
@@ -671,7 +671,7 @@ impl Work<'_> {
                     problem: ImportProblem::Count {
                         found: format!("{filled} cells"),
                         wanted: format!("{} columns", self.grid.names.len()),
-                        mend: "does a text hold the character that separates the columns? Put it in quotes",
+                        fix: "does a text hold the character that separates the columns? Put it in quotes",
                     },
                 });
             }

@@ -1,4 +1,4 @@
-//! What can be wrong with a measurement file: each message says where, what, and the mend.
+//! What can be wrong with a measurement file: each message says where, what, and the fix.
 
 use super::read::FAULTS;
 use std::fmt;
@@ -21,11 +21,7 @@ fn place(file: &str, line: u64) -> String {
 }
 
 fn said(tip: &str) -> String {
-    if tip.is_empty() {
-        "the cell is empty".into()
-    } else {
-        format!("\"{tip}\" is none of the tips that are calibrated")
-    }
+    if tip.is_empty() { "the cell is empty".into() } else { format!("\"{tip}\" is not among the calibrated tips") }
 }
 
 /// All problems found in a file, in its order.
@@ -79,7 +75,7 @@ pub enum MeasurementError {
     /// Two columns of one name.
     #[error("column \"{0}\" is there twice; give each its own name")]
     DuplicateColumn(String),
-    /// A column without a name.
+    /// A column that lacks its name.
     #[error("column {0} has no name; name it or remove it")]
     NamelessColumn(usize),
     /// Neither joints nor poses.
@@ -146,7 +142,7 @@ pub enum MeasurementError {
         /// The joints.
         joints: String,
     },
-    /// A standard deviation that is none.
+    /// Not a standard deviation.
     #[error(
         "column \"{column}\": {value} is no standard deviation; write a positive number in the file's unit of length"
     )]
@@ -172,14 +168,14 @@ pub enum MeasurementError {
     },
     /// Columns that look like an orientation under names that mean nothing here.
     #[error(
-        "columns {columns} look like an orientation and would be left out; {mend}, or rename them if they are something \
+        "columns {columns} look like an orientation and would be left out; {fix}, or rename them if they are something \
          else"
     )]
     OrientationLeftOut {
         /// The columns.
         columns: String,
         /// What to do.
-        mend: &'static str,
+        fix: &'static str,
     },
     /// `<joint>.approach` of a joint that is not there.
     #[error("column \"{column}\": there is no joint \"{joint}\"{}", did_you_mean(suggestion.as_deref()))]
@@ -212,14 +208,14 @@ pub enum MeasurementError {
         text: String,
     },
     /// NaN or infinite.
-    #[error("column \"{column}\": \"{text}\" is not finite; {mend}")]
+    #[error("column \"{column}\": \"{text}\" is not finite; {fix}")]
     NotFinite {
         /// The column.
         column: String,
         /// The cell.
         text: String,
         /// What to do.
-        mend: &'static str,
+        fix: &'static str,
     },
     /// A number that no robot and no instrument has.
     #[error("column \"{column}\": {text} is larger than anything that is measured; correct the cell or remove the row")]
@@ -276,7 +272,7 @@ pub enum MeasurementError {
     #[error("corners are numbered, and the board is not known; give its squares by ‹board›, such as 7x5:30mm")]
     NoBoard,
     /// A number that no corner of the board has.
-    #[error("corner \"{corner}\" is none of the board's ({board}: corners 0 to {last})")]
+    #[error("corner \"{corner}\" is not on the board ({board}: corners 0 to {last})")]
     NoSuchCorner {
         /// As written.
         corner: String,

@@ -60,10 +60,10 @@ pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]
 pub(super) fn orientation_left_out(names: &[String], roles: &[Role]) -> Option<MeasurementError> {
     let others: Vec<&String> =
         names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name).collect();
-    ORIENTATIONS.iter().find_map(|(group, mend)| {
+    ORIENTATIONS.iter().find_map(|(group, fix)| {
         let found =
             group.iter().map(|wanted| others.iter().find(|name| plain(name) == *wanted).map(|name| name.as_str()));
         let found: Vec<&str> = found.collect::<Option<_>>()?;
-        Some(MeasurementError::OrientationLeftOut { columns: found.join(", "), mend })
+        Some(MeasurementError::OrientationLeftOut { columns: found.join(", "), fix })
     })
 }

@@ -264,7 +264,7 @@ pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> R
 
 /// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.
 ///
-/// A record's own position is of no use: it counts from before the comments above it.
+/// A record's own position is not used: it counts from before the comments above it.
 struct LineFeeds<R>(R);
 
 impl<R: Read> Read for LineFeeds<R> {
@@ -805,7 +805,7 @@ pub(super) fn number(column: &str, cell: &str) -> Result<f64, MeasurementError> 
         Ok(_) => Err(MeasurementError::NotFinite {
             column: column.into(),
             text: cell.into(),
-            mend: if column.starts_with(['x', 'y', 'z']) && column[1..].chars().all(|c| c.is_ascii_digit()) {
+            fix: if column.starts_with(['x', 'y', 'z']) && column[1..].chars().all(|c| c.is_ascii_digit()) {
                 "leave the cells of a target empty where it was not seen"
             } else {
                 "correct the cell or remove the row"

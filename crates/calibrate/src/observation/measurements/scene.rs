@@ -89,7 +89,7 @@ fn index_of(names: &mut Vec<String>, name: &str) -> usize {
 }
 
 impl Scene {
-    /// One setup, so many targets, each observed in this kind.
+    /// One setup, this many targets, each observed in this kind.
     pub fn of(kind: ObservationKind, targets: usize) -> Self {
         let mut scene = Self::default();
         for target in 1..=targets.max(1) {
@@ -219,7 +219,7 @@ impl Scene {
         self.add_seen(series.kind, setup, target, point.as_deref(), series.corner.clone())
     }
 
-    /// The corners of a board, seen by a camera at so many metres.
+    /// The corners of a board, seen by a camera at this many metres.
     ///
     /// `None` where the board is not known.
     pub fn of_board(kind: ObservationKind, sight: &Sight, range: f64) -> Option<Self> {

@@ -49,7 +49,7 @@ impl fmt::Display for Units {
 /// A unit that is not known.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "units \"{0}\": \"{1}\" is none of {lengths}, {angles}; write for example mm,deg",
+    "units \"{0}\": \"{1}\" is not one of {lengths}, {angles}; write for example mm,deg",
     lengths = Unit::words(Quantity::Length),
     angles = Unit::words(Quantity::Angle)
 )]

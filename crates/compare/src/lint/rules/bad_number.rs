@@ -1,4 +1,4 @@
-//! A number that is none.
+//! Not a number.
 
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};

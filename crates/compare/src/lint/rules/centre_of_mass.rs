@@ -21,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
     check,
 };
 
-/// So many times the link's own extent away from it.
+/// This many times the link's own extent away from it.
 const FAR: f64 = 2.0;
 
 fn check(sheet: &Sheet) -> Vec<Found> {

@@ -21,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(sheet: &Sheet) -> Vec<Found> {
     let notes = sheet.robot().map_or(&[][..], |robot| &robot.notes);
     let found = notes.iter().filter_map(|note| match note {
-        // Commas between numbers have a rule of their own, which mends them.
+        // Commas between numbers have a rule of their own, which fixes them.
         Note::Mended { place, what } if !what.contains("has commas") => {
             Some(Found::placed(place.clone(), what.clone()))
         }

@@ -18,7 +18,7 @@ pub(super) const RULE: Rule = Rule {
     check,
 };
 
-/// From so many joints on, a chain is an arm.
+/// From this many joints on, a chain is an arm.
 const AN_ARM: usize = 3;
 
 fn check(sheet: &Sheet) -> Vec<Found> {

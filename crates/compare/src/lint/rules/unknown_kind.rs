@@ -21,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(sheet: &Sheet) -> Vec<Found> {
     let unknown = sheet.joints().iter().filter_map(|joint| match &joint.kind {
         JointKind::Unknown(word) => {
-            let what = format!("type \"{word}\" is none of URDF's; write revolute, continuous, prismatic, fixed, …");
+            let what = format!("type \"{word}\" is not one of URDF's; write revolute, continuous, prismatic, fixed, …");
             Some(Found::at(joint.at, format!("joint \"{}\"", joint.name), what))
         }
         _ => None,

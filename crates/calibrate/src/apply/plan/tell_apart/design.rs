@@ -63,9 +63,9 @@ pub(super) struct Offered<'a> {
     pub noise: f64,
     /// The values of each row.
     pub rows: &'a [Range<usize>],
-    /// What a value is multiplied by to be a length in m; 0 where it is none.
+    /// What a value is multiplied by to be a length in m; 0 for other quantities.
     pub metres: &'a [f64],
-    /// The first so many rows are candidates.
+    /// The first this many rows are candidates.
     pub candidates: usize,
     /// Series that are seen in a row.
     pub series: usize,
@@ -236,7 +236,7 @@ impl<'a> Design<'a> {
         open.map(|row| (row, of(row))).filter(|(_, gain)| gain.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Chooses so many of the candidates, one after the other: in turn one that tells the hypotheses apart and one that lowers the
+    /// Chooses this many of the candidates, one after the other: in turn one that tells the hypotheses apart and one that lowers the
     /// variance of prediction, which has its own value and spreads the poses; once nothing more can be told apart, all are of the
     /// second sort. Where `exchange`, those of the first are then improved by exchange.
     pub fn choose(&mut self, count: usize, exchange: bool) {

@@ -65,7 +65,7 @@ impl Prospect {
         let pair = self.pairs.iter().find(lacks).or_else(|| self.pairs.first())?;
         let [a, b] = pair.of.map(|index| title(&self.possible[index]));
         let (poses, Unsure { now, expected }) = (self.poses, self.unsure);
-        let settles = if pair.separated {
+        let expected_odds = if pair.separated {
             format!(
                 "{poses} more poses, chosen to tell {a} from {b}, are expected to bring the odds from {} to {} if the first acts, to \
                  {} if the second does; `denavit plan` writes them, told the run to tell apart.",
@@ -77,7 +77,7 @@ impl Prospect {
             format!("{poses} more poses are not expected to tell {a} from {b}: {}.", instead(pair))
         };
         Some(format!(
-            "{settles} The error that remains unsure is {:.3} mm now, {:.3} mm expected with them (root mean square over the \
+            "{expected_odds} The error that remains unsure is {:.3} mm now, {:.3} mm expected with them (root mean square over the \
              joint range).",
             now * 1e3,
             expected * 1e3
@@ -99,7 +99,7 @@ impl TellApart {
         let mut text = String::new();
         let prospect = &self.prospect;
         if prospect.open() {
-            let _ = writeln!(text, "what may act, as the run leaves it:");
+            let _ = writeln!(text, "possible causes:");
             for (index, possible) in prospect.possible.iter().enumerate() {
                 let _ = writeln!(text, "  {}  {:<9}  {}", index + 1, percent(possible.probability), title(possible));
             }

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use thiserror::Error;
 use toml::{Table, Value};
 
-/// A map that is none.
+/// Not a map.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{file}: {reason}")]
 pub struct MapError {
@@ -72,7 +72,7 @@ impl Map {
                     let columns = columns.ok_or_else(|| wrong("{ order = \"wxyz\", columns = [four] }"))?;
                     map.quaternion = Some(quaternion_order(order, &columns).ok_or_else(|| {
                         failed(format!(
-                            "quaternion: order \"{order}\" is none of x, y, z, w, each once; write wxyz or xyzw"
+                            "quaternion: order \"{order}\" is not one of x, y, z, w, each once; write wxyz or xyzw"
                         ))
                     })?);
                 }
@@ -146,7 +146,7 @@ pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
 
 /// No joint reads more radians than this in a file of measurements, and none of degrees less.
 const MOST_RADIANS: f64 = 7.0;
-/// No robot that is measured reaches so many metres.
+/// No robot that is measured reaches this many metres.
 const MOST_METRES: f64 = 20.0;
 
 /// The units that the numbers are likely in, by their size; mm and deg where nothing says it.

@@ -1,0 +1,208 @@
+//! House rule: plain words. What people read - documents, messages, help, doc comments - is free of the phrases below.
+
+use crate::support::top;
+use std::path::{Path, PathBuf};
+
+/// A phrase that is not written, and what is written instead. `*` is up to forty characters of one clause.
+const BANNED: &[(&str, &str)] = &[
+    ("mend", "fix"),
+    ("mends", "fixes"),
+    ("mending", "fixing"),
+    ("trouble", "error"),
+    ("troubles", "errors"),
+    ("told from", "distinguished from"),
+    ("x is none", "what it lacks or why it is invalid"),
+    ("so many", "a number, or this many"),
+    ("in its stead", "alternatives"),
+    ("in their stead", "alternatives"),
+    ("in the place of", "instead of"),
+    ("come out at", "is, or reaches"),
+    ("comes out at", "is, or reaches"),
+    ("stand in for", "replace"),
+    ("stands in", "is in, or replaces"),
+    ("off its drawing", "with errors"),
+    ("without a name", "unexplained, or without a named cause"),
+    ("structure that has no name", "unexplained structure"),
+    ("what a run left", "causes that the run cannot distinguish"),
+    ("what a run leaves", "causes that the run cannot distinguish"),
+    ("leaves open", "cannot distinguish, or does not state"),
+    ("left open", "not determined"),
+    ("hang on", "depend on, or be attached to"),
+    ("hangs on", "depends on, or is attached to"),
+    ("hanging on", "attached to"),
+    ("of use", "useful, or used"),
+    ("of no use", "not used"),
+    ("as it is known", "as determined so far"),
+    ("for judging", "as test data"),
+    ("judge by", "test data, or evaluate with"),
+    ("judged by", "evaluated with"),
+    ("what the model * leaves", "residuals"),
+    ("what the * model leaves", "residuals"),
+    ("what geometry leaves", "residuals of the geometry"),
+    ("what * geometry leaves", "residuals, or what the geometry does not determine"),
+    ("what a fit leaves", "residuals"),
+    ("settle", "distinguish, or converge"),
+    ("settles", "distinguishes, or converges"),
+    ("held against", "compared with"),
+    ("hold against", "compare with"),
+    ("hold it against", "compare it with"),
+    ("data ask for", "selected"),
+    ("residuals ask for", "selected"),
+    ("found again in", "selected in … of half-sample refits"),
+    ("resampled runs", "half-sample refits"),
+    ("misses nothing", "no lack of fit"),
+    ("corrected for, not named", "included in the model; cause uncertain"),
+    ("go on", "continue, or be carried over"),
+    ("goes on", "continues"),
+];
+
+/// Comments in these rooms are not read yet; their messages are.
+const COMMENTS_LATER: &[&str] =
+    &["crates/calibrate/src/identify", "crates/calibrate/src/trace", "crates/calibrate/src/effects"];
+
+/// Text as one line, in which a phrase may go over a line's end: blanks between words are single.
+fn flat(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Whether a text has a phrase: whole words, its first letter large or small.
+fn has(text: &str, phrase: &str) -> bool {
+    if phrase == "x is none" {
+        // "there is none" is plain English.
+        return text.match_indices(" is none").any(|(at, found)| {
+            let ends = !text[at + found.len()..].starts_with(|c: char| c.is_alphanumeric());
+            let before = text[..at].rsplit(' ').next().unwrap_or_default();
+            ends && !before.eq_ignore_ascii_case("there")
+        });
+    }
+    let (first, rest) = phrase.split_once(" * ").map_or((phrase, None), |(first, rest)| (first, Some(rest)));
+    let large = first[..1].to_uppercase() + &first[1..];
+    [first, &large].iter().any(|first| {
+        text.match_indices(*first).any(|(at, found)| {
+            let begins = text[..at].chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != '-');
+            let after = &text[at + found.len()..];
+            let ends = !after.starts_with(|c: char| c.is_alphanumeric() || c == '_' || c == '-');
+            let clause: String = after.chars().take(40).take_while(|c| !".;:".contains(*c)).collect();
+            begins && ends && rest.is_none_or(|rest| has(&clause, rest))
+        })
+    })
+}
+
+/// What people read of Rust code: comments, lines of one block joined, and strings; whether it is a comment, and its line.
+fn read_of_rust(code: &str) -> Vec<(bool, usize, String)> {
+    let mut parts: Vec<(bool, usize, String)> = Vec::new();
+    let (mut rest, mut line, mut last_comment) = (code, 1, 0);
+    while let Some(c) = rest.chars().next() {
+        let length = if rest.starts_with("//") {
+            let end = rest.find('\n').unwrap_or(rest.len());
+            let words = rest[..end].trim_start_matches(['/', '!']).to_owned();
+            match parts.last_mut() {
+                Some((true, _, text)) if last_comment + 1 == line => *text += &format!(" {words}"),
+                _ => parts.push((true, line, words)),
+            }
+            last_comment = line;
+            end
+        } else if let Some(marks) = raw_string(rest) {
+            let close = format!("\"{}", "#".repeat(marks));
+            let start = marks + 2;
+            let end = rest[start..].find(&close).map_or(rest.len(), |end| start + end);
+            parts.push((false, line, rest[start..end].to_owned()));
+            (end + close.len()).min(rest.len())
+        } else if c == '"' {
+            let mut end = 1;
+            let bytes = rest.as_bytes();
+            while end < bytes.len() && bytes[end] != b'"' {
+                end += if bytes[end] == b'\\' { 2 } else { 1 };
+            }
+            parts.push((false, line, rest[1..end.min(rest.len())].replace("\\\n", " ").replace("\\n", " ")));
+            (end + 1).min(rest.len())
+        } else if c == '\'' {
+            // A character, or a lifetime.
+            let mut letters = rest.char_indices().skip(1);
+            match (letters.next(), letters.next()) {
+                (Some((_, '\\')), _) => {
+                    rest[2..].char_indices().skip(1).find(|(_, c)| *c == '\'').map_or(2, |(at, _)| at + 3)
+                }
+                (Some(_), Some((at, '\''))) => at + 1,
+                _ => 1,
+            }
+        } else {
+            c.len_utf8()
+        };
+        line += rest[..length].matches('\n').count();
+        rest = &rest[length..];
+    }
+    parts
+}
+
+/// How many marks open a raw string here.
+fn raw_string(text: &str) -> Option<usize> {
+    let rest = text.strip_prefix('r')?;
+    let marks = rest.len() - rest.trim_start_matches('#').len();
+    rest[marks..].starts_with('"').then_some(marks)
+}
+
+fn files(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        if path.is_dir() {
+            if !["node_modules", "target", "dist", "tests"].contains(&&*name) && !name.starts_with('.') {
+                files(&path, endings, found);
+            }
+        } else if endings.iter().any(|ending| name.ends_with(ending)) {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn what_people_read_is_in_plain_words() {
+    let mut found = Vec::new();
+    for folder in ["docs", "crates", "python", "web/src", "robots"] {
+        let endings: &[&str] = if folder == "docs" { &[".md"] } else { &[".md", ".rs", ".py", ".pyi", ".ts"] };
+        files(&top().join(folder), endings, &mut found);
+    }
+    found.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| top().join(name)));
+    assert!(found.len() > 500, "{} files were looked at", found.len());
+    let (mut wrong, mut words) = (Vec::new(), 0);
+    for path in found {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.strip_prefix(top()).unwrap().to_str().unwrap().to_owned();
+        let comments_count = !COMMENTS_LATER.iter().any(|room| name.starts_with(room));
+        let parts = if name.ends_with(".rs") {
+            read_of_rust(&text)
+        } else {
+            let lines = text.lines().filter(|line| !line.starts_with("from ") && !line.starts_with("import "));
+            let lines = lines.map(|line| line.trim_start().trim_start_matches(['#', '*', '/']));
+            vec![(false, 1, lines.collect::<Vec<_>>().join("\n"))]
+        };
+        for (comment, line, part) in parts {
+            if comment && !comments_count {
+                continue;
+            }
+            let part = flat(&part);
+            words += part.split(' ').count();
+            for (phrase, instead) in BANNED.iter().filter(|(phrase, _)| has(&part, phrase)) {
+                wrong.push(format!("{name}:{line}: \"{phrase}\"; write: {instead}"));
+            }
+        }
+    }
+    assert!(words > 100_000, "{words} words were looked at");
+    assert!(wrong.is_empty(), "{} places:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn phrases_are_found_where_they_are_written() {
+    assert!(
+        has("Mend it", "mend") && !has("amend it", "mend") && !has("{mend_it}", "mend") && !has("recommend", "mend")
+    );
+    assert!(has("a file that is none.", "x is none") && !has("made where there is none", "x is none"));
+    assert!(has("What the adopted model leaves of a row", "what the * model leaves"));
+    assert!(!has("what the geometry. A model leaves", "what the * model leaves"));
+    let code = "/// so\n/// many\nfn f() { let c = '\"'; g(\"it \\\n  goes on\"); } // mend\nlet r = r#\"a \"b\" c\"#;";
+    let parts: Vec<_> =
+        read_of_rust(code).into_iter().map(|(comment, line, text)| (comment, line, flat(&text))).collect();
+    let expected = [(true, 1, "so many"), (false, 3, "it goes on"), (true, 4, "mend"), (false, 5, "a \"b\" c")];
+    assert_eq!(parts, expected.map(|(comment, line, text)| (comment, line, text.to_owned())));
+}
