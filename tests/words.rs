@@ -21,7 +21,7 @@ const BANNED: &[(&str, &str)] = &[
     ("stand in for", "replace"),
     ("stands in", "is in, or replaces"),
     ("off its drawing", "with errors"),
-    ("without a name", "unexplained, or without a named cause"),
+    ("structure without a name", "unexplained structure"),
     ("structure that has no name", "unexplained structure"),
     ("what a run left", "causes that the run cannot distinguish"),
     ("what a run leaves", "causes that the run cannot distinguish"),
@@ -56,6 +56,9 @@ const BANNED: &[(&str, &str)] = &[
     ("goes on", "continues"),
 ];
 
+/// Identifiers that say nothing to a reader who does not know the code.
+const BANNED_NAMES: &[&str] = &["mend", "mends", "trouble", "wish", "granted", "departure"];
+
 /// Comments in these rooms are not read yet; their messages are.
 const COMMENTS_LATER: &[&str] =
     &["crates/calibrate/src/identify", "crates/calibrate/src/trace", "crates/calibrate/src/effects"];
@@ -88,17 +91,25 @@ fn has(text: &str, phrase: &str) -> bool {
     })
 }
 
-/// What people read of Rust code: comments, lines of one block joined, and strings; whether it is a comment, and its line.
-fn read_of_rust(code: &str) -> Vec<(bool, usize, String)> {
-    let mut parts: Vec<(bool, usize, String)> = Vec::new();
+/// What a part of a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Comment,
+    Text,
+    Name,
+}
+
+/// What people read of Rust code, with its line: comments, those of one block joined; strings; and identifiers.
+fn read_of_rust(code: &str) -> Vec<(Kind, usize, String)> {
+    let mut parts: Vec<(Kind, usize, String)> = Vec::new();
     let (mut rest, mut line, mut last_comment) = (code, 1, 0);
     while let Some(c) = rest.chars().next() {
         let length = if rest.starts_with("//") {
             let end = rest.find('\n').unwrap_or(rest.len());
             let words = rest[..end].trim_start_matches(['/', '!']).to_owned();
             match parts.last_mut() {
-                Some((true, _, text)) if last_comment + 1 == line => *text += &format!(" {words}"),
-                _ => parts.push((true, line, words)),
+                Some((Kind::Comment, _, text)) if last_comment + 1 == line => *text += &format!(" {words}"),
+                _ => parts.push((Kind::Comment, line, words)),
             }
             last_comment = line;
             end
@@ -106,7 +117,7 @@ fn read_of_rust(code: &str) -> Vec<(bool, usize, String)> {
             let close = format!("\"{}", "#".repeat(marks));
             let start = marks + 2;
             let end = rest[start..].find(&close).map_or(rest.len(), |end| start + end);
-            parts.push((false, line, rest[start..end].to_owned()));
+            parts.push((Kind::Text, line, rest[start..end].to_owned()));
             (end + close.len()).min(rest.len())
         } else if c == '"' {
             let mut end = 1;
@@ -114,7 +125,7 @@ fn read_of_rust(code: &str) -> Vec<(bool, usize, String)> {
             while end < bytes.len() && bytes[end] != b'"' {
                 end += if bytes[end] == b'\\' { 2 } else { 1 };
             }
-            parts.push((false, line, rest[1..end.min(rest.len())].replace("\\\n", " ").replace("\\n", " ")));
+            parts.push((Kind::Text, line, rest[1..end.min(rest.len())].replace("\\\n", " ").replace("\\n", " ")));
             (end + 1).min(rest.len())
         } else if c == '\'' {
             // A character, or a lifetime.
@@ -126,6 +137,10 @@ fn read_of_rust(code: &str) -> Vec<(bool, usize, String)> {
                 (Some(_), Some((at, '\''))) => at + 1,
                 _ => 1,
             }
+        } else if c.is_alphabetic() || c == '_' {
+            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+            parts.push((Kind::Name, line, rest[..end].to_owned()));
+            end
         } else {
             c.len_utf8()
         };
@@ -175,10 +190,16 @@ fn what_people_read_is_in_plain_words() {
         } else {
             let lines = text.lines().filter(|line| !line.starts_with("from ") && !line.starts_with("import "));
             let lines = lines.map(|line| line.trim_start().trim_start_matches(['#', '*', '/']));
-            vec![(false, 1, lines.collect::<Vec<_>>().join("\n"))]
+            vec![(Kind::Text, 1, lines.collect::<Vec<_>>().join("\n"))]
         };
-        for (comment, line, part) in parts {
-            if comment && !comments_count {
+        for (kind, line, part) in parts {
+            if kind == Kind::Comment && !comments_count {
+                continue;
+            }
+            if kind == Kind::Name {
+                if BANNED_NAMES.contains(&&*part.to_lowercase()) {
+                    wrong.push(format!("{name}:{line}: the identifier {part}; write one that says what it is"));
+                }
                 continue;
             }
             let part = flat(&part);
@@ -201,8 +222,15 @@ fn phrases_are_found_where_they_are_written() {
     assert!(has("What the adopted model leaves of a row", "what the * model leaves"));
     assert!(!has("what the geometry. A model leaves", "what the * model leaves"));
     let code = "/// so\n/// many\nfn f() { let c = '\"'; g(\"it \\\n  goes on\"); } // mend\nlet r = r#\"a \"b\" c\"#;";
-    let parts: Vec<_> =
-        read_of_rust(code).into_iter().map(|(comment, line, text)| (comment, line, flat(&text))).collect();
-    let expected = [(true, 1, "so many"), (false, 3, "it goes on"), (true, 4, "mend"), (false, 5, "a \"b\" c")];
-    assert_eq!(parts, expected.map(|(comment, line, text)| (comment, line, text.to_owned())));
+    let parts: Vec<_> = read_of_rust(code).into_iter().map(|(kind, line, text)| (kind, line, flat(&text))).collect();
+    let read: Vec<_> = parts.iter().filter(|(kind, ..)| *kind != Kind::Name).cloned().collect();
+    let expected = [
+        (Kind::Comment, 1, "so many"),
+        (Kind::Text, 3, "it goes on"),
+        (Kind::Comment, 4, "mend"),
+        (Kind::Text, 5, "a \"b\" c"),
+    ];
+    assert_eq!(read, expected.map(|(kind, line, text)| (kind, line, text.to_owned())));
+    let names: Vec<_> = parts.iter().filter(|(kind, ..)| *kind == Kind::Name).map(|(.., name)| &**name).collect();
+    assert_eq!(names, ["fn", "f", "let", "c", "g", "let", "r"]);
 }

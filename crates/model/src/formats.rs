@@ -98,7 +98,7 @@ pub fn root_element(text: &str) -> Option<&str> {
 /// Something that one format says and another cannot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Loss {
-    /// Where it stands in the source.
+    /// Its place in the source.
     pub place: Place,
     /// What it is, such as `<tendon> "split"`.
     pub what: String,
@@ -252,7 +252,7 @@ impl Translation {
     }
 }
 
-/// Where the instruction stands in a text, where its content starts, and its content.
+/// Where the instruction is in a text, where its content starts, and its content.
 fn instruction(text: &str) -> Option<(std::ops::Range<usize>, usize, &str)> {
     let first = if text.starts_with("<?xml") { text.find("?>")? + "?>".len() } else { 0 };
     let start = first + (text[first..].len() - text[first..].trim_start().len());

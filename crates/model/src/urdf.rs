@@ -50,11 +50,11 @@ const DRAKE: &str = "http://drake.mit.edu";
 /// # Ok::<(), denavit_model::UrdfError>(())
 /// ```
 pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
-    let (source, mends) = well_formed::prepare(file, text);
+    let (source, fixes) = well_formed::prepare(file, text);
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document =
         Document::parse_with_options(&source.text, options).map_err(|error| xml_error(&source, text, &error))?;
-    let mut reader = Reader { source: &source, problems: Vec::new(), notes: mends };
+    let mut reader = Reader { source: &source, problems: Vec::new(), notes: fixes };
     let parts = reader.robot(document.root_element());
     let Reader { problems, mut notes, .. } = reader;
     let Some(parts) = parts.filter(|_| problems.is_empty()) else { return Err(UrdfError { problems }) };

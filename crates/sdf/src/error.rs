@@ -81,7 +81,7 @@ pub(crate) enum SdfProblemKind {
     /// A model that includes itself.
     #[error("the model {0} includes itself; remove one of the includes")]
     IncludeCycle(String),
-    /// A number that is none.
+    /// Not a number.
     #[error("<{element}>{value}</{element}>: \"{word}\" is no {wanted}")]
     BadNumber {
         /// Tag.

@@ -183,7 +183,7 @@ pub(crate) struct Unknown<'a> {
     pub advice: String,
 }
 
-/// The tag with its prefix, as it stands in the text.
+/// The tag with its prefix, as it is in the text.
 pub(crate) fn tag_of<'a>(node: Node<'a, '_>, text: &'a str) -> &'a str {
     let open = text.get(node.range().start + 1..).unwrap_or_default();
     let end = open.find(|c: char| c.is_whitespace() || c == '>' || c == '/').unwrap_or(open.len());

@@ -10,7 +10,7 @@ use denavit_model::formats::{Kept, Loss};
 use denavit_model::problems::nearest_name;
 use roxmltree::{Document, Node};
 
-/// An element and the file that it stands in.
+/// An element and the file that it is in.
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub node: Node<'a, 'a>,
@@ -549,7 +549,7 @@ impl<'a> Reader<'a> {
         model.canonical = model.frames.all[model.scopes[0].model].body;
     }
 
-    /// A joint to a model that was not found is left out where the rest of the robot does not hang on it.
+    /// A joint to a model that was not found is left out where the rest of the robot is not attached to it.
     fn drop_joints_into_missing(&mut self, model: &mut Model<'a>) {
         let into_missing = std::mem::take(&mut self.into_missing);
         let mut left_out: Vec<usize> = Vec::new();

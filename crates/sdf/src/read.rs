@@ -220,7 +220,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         self.further.push((line, "  </gazebo>".to_owned()));
     }
 
-    /// An element as it stands in the file.
+    /// An element as it is in the file.
     fn copy(&self, out: &mut Vec<(Line, String)>, part: Part) {
         let (file, first) = self.line_of(part);
         let text = &self.reader.sources.files[file].text[part.node.range()];
@@ -231,7 +231,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         );
     }
 
-    /// What of an element is not understood, as it stands in the file, inside the tags that lead there.
+    /// What of an element is not understood, as it is in the file, inside the tags that lead there.
     fn rest(&self, out: &mut Vec<(Line, String)>, part: Part, known: &Known, placed: &[&str], tagged: bool) {
         let text = &self.reader.sources.files[part.file].text;
         if !known.leaves_something(part.node, text, placed) {
@@ -466,7 +466,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         }
     }
 
-    /// Where the model stands in the world, and what it holds besides links and joints.
+    /// Where the model is in the world, and what it holds besides links and joints.
     fn of_model(&mut self, tree: &Tree) {
         let model = self.model;
         let mut lines = Vec::new();

@@ -10,7 +10,7 @@ pub(crate) struct Edge {
     pub child: FrameId,
 }
 
-/// How a joint stands in the tree.
+/// What a joint is in the tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
     /// The parent carries the child.
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_joint_from_another_tree_is_turned_round() {
         use Role::{Carries, Reversed};
-        // 3 is carried by 2 of the tree of 1; 4 also carries 3, so that 4 hangs on 3.
+        // 3 is carried by 2 of the tree of 1; 4 also carries 3, so that 4 is attached to 3.
         assert_eq!(roles(&[(1, 2), (2, 3), (4, 3)], 1), (vec![Carries, Carries, Reversed], 1, vec![]));
         // The tree 3 → 4 joins 1 at its end.
         assert_eq!(roles(&[(1, 2), (3, 4), (4, 2)], 1), (vec![Carries, Reversed, Reversed], 1, vec![]));

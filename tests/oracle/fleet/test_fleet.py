@@ -219,7 +219,7 @@ def test_every_task_has_its_rows(tmp_path):
     ("serial,robot,date\nA,arm.urdf,22.11.2026\n", "plant.csv:2: \"22.11.2026\" is no day"),
     ("serial,robot,task\nA,arm.urdf,calibrate\n", "plant.csv:2: there are no data"),
     ("serial,robot,task\nA,arm.urdf,dance\n", "plant.csv:2: task \"dance\" is unknown"),
-    ("serial,robot,hold_out,data\nA,arm.urdf,1.5,a.csv\n", "plant.csv:2: hold_out is the share"),
+    ("serial,robot,hold_out,data\nA,arm.urdf,1.5,a.csv\n", "plant.csv:2: hold_out is a share"),
     ("serial,robot\n", "it names no robot"),
     ("robot\narm.urdf\n", "plant.csv:2: there is no serial"),
 ])
