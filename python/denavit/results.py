@@ -113,7 +113,7 @@ class Effect:
     """A selected physical effect.
 
     Attributes:
-        kind: Such as ``joint_compliance``; docs/effects.md describes each.
+        kind: Such as ``joint_compliance``; docs/effects-tables.md lists them.
         at: The joint, or ``base``, ``target``, ``instrument``, …
         value: The first coefficient, in `unit`.
         sd: Its standard deviation; ``None`` where none is stated.
