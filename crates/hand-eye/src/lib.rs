@@ -1,6 +1,6 @@
 //! Hand-eye calibration from poses alone: pairs of a robot's pose and of what an instrument saw, no joint readings.
 //!
-//! An instrument (a camera, a tracker) sees a target (a marker, a probe). Of the two one is on the hand, the other stands in
+//! An instrument (a camera, a tracker) sees a target (a marker, a probe). Of the two one is on the hand, the other is in
 //! the robot's surroundings. With A the robot's pose (base_from_tip) and B what is seen (instrument_from_target), row by row:
 //!
 //! ```text

@@ -27,7 +27,7 @@ pub enum Unknown {
         /// How far axes are from it, root mean square, rad.
         within: f64,
     },
-    /// So many directions are known badly, although the hand turns about several axes.
+    /// This many directions are known badly, although the hand turns about several axes.
     Directions {
         /// How many of twelve.
         count: usize,

@@ -13,7 +13,7 @@ use thiserror::Error;
 pub const FEWEST: usize = 3;
 /// Triples of rows that are tried for a start.
 const TRIPLES: usize = 300;
-/// Of rows that belong, one set in so many loses a row.
+/// Of rows that belong, one set in this many loses a row.
 const FALSE_REJECTIONS: f64 = 1e-3;
 /// The standard deviation of a normal variable over the median of its length in three dimensions.
 const OF_MEDIAN: f64 = 1.538_172;
@@ -35,7 +35,7 @@ pub enum HandEyeError {
          the arrangement (on the hand or beside the robot), the order of the rows, units and angles right?"
     )]
     Apart(f64, f64),
-    /// A number that is none.
+    /// Not a number.
     #[error("row {0}: a pose is not finite")]
     NotFinite(usize),
 }

@@ -431,7 +431,7 @@ impl Reader<'_> {
         let read = read();
         if let Some(mass) = self.good(item, read) {
             if stand.body == 0 {
-                self.problem(item, "stands in <worldbody>, which has no mass; put it into a <body>");
+                self.problem(item, "is in <worldbody>, which has no mass; put it into a <body>");
                 return;
             }
             let is_none = mass.mass == 0.0 && mass.tensor == Matrix3::zeros();
@@ -508,7 +508,7 @@ impl Reader<'_> {
         let resolved = if item.tag == "joint" { self.resolved(item, stand) } else { Some(item.clone()) };
         let Some(resolved) = resolved else { return };
         if stand.body == 0 {
-            self.problem(item, "stands in <worldbody>, which does not move; put it into a <body>");
+            self.problem(item, "is in <worldbody>, which does not move; put it into a <body>");
             return;
         }
         let read = self.joint_of(&resolved, stand);

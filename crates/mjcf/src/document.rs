@@ -203,7 +203,7 @@ impl Document {
         Ok(())
     }
 
-    /// An element with its defaults written out: its own class, that of the bodies that it stands in, or the main one.
+    /// An element with its defaults written out: its own class, that of the bodies that it is in, or the main one.
     pub fn resolved(&self, item: &Item, childclass: Option<&str>) -> Result<Item, FormatError> {
         let name = item.get("class").or(childclass).unwrap_or("main");
         let Some(class) = self.classes.get(name) else {

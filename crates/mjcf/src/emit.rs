@@ -10,7 +10,7 @@ use denavit_model::write::escaped;
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
-/// A turn or place closer to none is none: what rounding leaves.
+/// A smaller turn or place is 0: rounding.
 const NOTHING: f64 = 1e-15;
 
 /// The text, with its places.

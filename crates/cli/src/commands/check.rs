@@ -68,7 +68,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         return Ok(status);
     }
     output::mention(format!("{unread} of {} files could not be read; the others are checked", names.len()));
-    Ok(Status::Trouble)
+    Ok(Status::Error)
 }
 
 /// Delivers what was found, less what a baseline knows.

@@ -1,4 +1,4 @@
-//! What a robot says beside links and joints: what stands in `<gazebo>` is SDF and goes back where it belongs.
+//! What a robot says beside links and joints: what is in `<gazebo>` is SDF and goes back where it belongs.
 
 use crate::known::{JOINT, LINK, MODEL};
 use denavit_model::Robot;
@@ -86,7 +86,7 @@ impl<'a> Further<'a> {
         self.model.iter().filter(|element| wanted(element.tag())).map(write::element).collect()
     }
 
-    /// What stands in a link beside what is merged into its inertial and shapes.
+    /// What is in a link beside what is merged into its inertial and shapes.
     pub fn of_link(&self, link: &str, visuals: &[Shape], collisions: &[Shape]) -> Vec<String> {
         let named = |shapes: &[Shape], element: &Element| {
             shapes.iter().any(|shape| shape.name.as_deref() == element.attribute("name"))
@@ -101,7 +101,7 @@ impl<'a> Further<'a> {
         own.map(write::element).collect()
     }
 
-    /// What stands in a joint beside what is merged into its axis.
+    /// What is in a joint beside what is merged into its axis.
     pub fn of_joint(&self, joint: &str) -> Vec<String> {
         let own = self.joints.iter().filter(|(name, element)| *name == joint && element.tag() != "axis");
         own.map(|(_, element)| write::element(element)).collect()
