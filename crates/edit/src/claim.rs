@@ -1,4 +1,4 @@
-//! What an operation says of its result, for the proof to hold against it.
+//! What an operation says of its result, for the proof to compare with it.
 
 use denavit_model::nalgebra::Vector3;
 use denavit_model::se3::{self, Pose};
@@ -104,7 +104,7 @@ pub struct Claim {
     pub foreign: bool,
 }
 
-/// What is held against `denavit diff`.
+/// What `denavit diff` must find.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
     /// The same robot.

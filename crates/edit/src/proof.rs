@@ -1,4 +1,4 @@
-//! Whether the new robot is what the operation claims: read again, held against the old one.
+//! Whether the new robot is what the operation claims: read again, compared with the old one.
 
 mod matter;
 pub(crate) mod motion;
@@ -20,7 +20,7 @@ pub struct Proof {
     pub turned: f64,
     /// Configurations that were sampled.
     pub samples: usize,
-    /// Frames that were held against each other in each.
+    /// Frames that were compared in each.
     pub frames: usize,
     /// What the motion is.
     motion: &'static str,
@@ -101,7 +101,7 @@ fn compared(pair: &Pair) -> Result<(), String> {
     if found.verdict == Verdict::Same {
         return Ok(());
     }
-    // What states a joint's values differs on purpose; limits and mimic joints were held against the claim already.
+    // What states a joint's values differs on purpose; limits and mimic joints were compared with the claim already.
     let is_value = |change: &JointChange| {
         up_to_zeros
             && matches!(

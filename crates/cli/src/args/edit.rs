@@ -15,7 +15,7 @@ fn help() -> String {
         let _ = writeln!(text, "  {:<34} {}", operation.usage, operation.purpose);
     }
     text + "
-Each result is read again and held against the source: what the operation says stays the same is checked at joint values that
+Each result is read again and compared with the source: what the operation says stays the same is checked at joint values that
 move all joints, and where it can be by `denavit diff`. Where it does not hold, or an operation cannot be done, the exit code is 2,
 the reason is said, and nothing is written.
 
@@ -52,7 +52,7 @@ pub struct EditArguments {
 /// What some operations take beside their words.
 #[derive(Debug, Clone, Default, Args)]
 pub struct OperationArguments {
-    /// attach: the link that the other robot goes on
+    /// attach: the link that the other robot is put on
     #[arg(long, value_name = "LINK")]
     pub at: Option<String>,
     /// attach: where its root goes in that link, x,y,z or x,y,z,roll,pitch,yaw in m and rad, or with units [default: 0]

@@ -14,7 +14,7 @@ use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
 /// # Errors
-/// No such link, names or materials that clash, or an other robot that is none.
+/// No such link, names or materials that clash, or another file that is no robot.
 pub(crate) fn attach(
     robot: &Robot,
     srdf: Option<&SourceText>,

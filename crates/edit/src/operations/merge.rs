@@ -264,7 +264,7 @@ fn moved_over(moved: &Robot, robot: &Robot, plan: &Plan, tally: &mut Tally) -> R
     for (link, _) in merged {
         names.links.insert(robot.links[*link].name.clone(), robot.links[plan.target[*link]].name.clone());
     }
-    // A joint on a kept frame hangs on the link that has its mass.
+    // A joint on a kept frame is attached to the link that has its mass.
     for (index, joint) in robot.joints.iter().enumerate() {
         let node = nodes.joint(index);
         let hangs = plan.fates.get(&joint.parent) == Some(&Fate::Frame) && !goes.contains(&node);

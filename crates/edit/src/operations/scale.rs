@@ -17,7 +17,7 @@ use roxmltree::{Document, Node};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// # Errors
-/// A factor that is none, or a sliding joint whose values stand where they are not understood.
+/// An invalid factor, or a sliding joint whose values stand where they are not understood.
 pub(crate) fn scale(robot: &Robot, srdf: Option<&SourceText>, factor: f64) -> Result<Change, EditError> {
     if !(factor.is_finite() && factor > 0.0) {
         return Err(EditError::Words(format!("scale: {factor} is no factor; write a number above 0, such as 0.001")));

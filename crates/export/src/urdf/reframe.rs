@@ -162,7 +162,7 @@ impl<'a> Moves<'a> {
         Ok(())
     }
 
-    /// Everything that stands in a link whose frame moves, written anew: shapes, centres of mass, and what other elements
+    /// Everything in a link whose frame moves, written anew: shapes, centres of mass, and what other elements
     /// place there. Joints are not touched.
     ///
     /// # Errors
