@@ -15,7 +15,7 @@ pub(crate) struct Translated {
     pub files: Vec<PathBuf>,
 }
 
-/// What gives the files that a description names: the name, the file that it stands in; the path and the content.
+/// What gives the files that a description names: the name, the file that it is in; the path and the content.
 type Content<'a> = dyn FnMut(&str, &str) -> Result<(PathBuf, Vec<u8>), String> + 'a;
 
 /// A reader of a format: the file's name, its text, and what gives the files that it names.
