@@ -240,11 +240,18 @@ impl Writer<'_> {
             _ => format!("{}_{tag}", link.name),
         };
         let name = names::fresh(names, &wanted);
+        if shape.name.as_ref() != Some(&name) {
+            let what = format!("name of a {tag}");
+            self.lose(place.clone(), what, format!("SDF wants names, each once: it is called \"{name}\" there"));
+        }
         let mut inside = if origin_is_zero(&shape.origin) { String::new() } else { plain_pose(&shape.origin) };
         let _ = write!(inside, "<geometry>{geometry}</geometry>");
         for element in &shape.elements {
             match (tag, element.tag()) {
-                ("visual", "material") => inside.push_str(&self.material(element)),
+                ("visual", "material") => {
+                    inside.push_str(&self.material(element));
+                    self.material_losses(element, &place);
+                }
                 ("collision", "surface") => inside.push_str(&denavit_model::write::element(element)),
                 (_, other) => {
                     let place = self.robot.source.place(element.at, format!("link \"{}\"", link.name));
@@ -285,6 +292,18 @@ impl Writer<'_> {
         let Some(rgba) = colour(element).or_else(named) else { return String::new() };
         let rgba = escaped(&rgba);
         format!("<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>")
+    }
+
+    /// What of a material SDF has no place for.
+    fn material_losses(&mut self, element: &Element, place: &Place) {
+        let own = further::children(element);
+        let script = own.iter().any(|child| child.tag() == "script");
+        if element.attribute("name").is_some_and(|name| !name.is_empty()) && !script {
+            self.lose(place.clone(), "name of a material", "SDF's materials have no names");
+        }
+        if own.iter().any(|child| child.tag() == "texture") {
+            self.lose(place.clone(), "<texture> of a material", "SDF's textures are parts of scripts");
+        }
     }
 
     fn frame(&mut self, joint: &Joint) {

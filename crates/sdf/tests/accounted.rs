@@ -93,7 +93,7 @@ fn every_position_reports_an_attribute_and_an_element() {
         assert_eq!(noted, 1, "{:?}", robot.notes);
         // The text of a value stands before an element in it here, as XML libraries read it.
         let end = MODEL[at..].find("</").unwrap() + at;
-        let holds_value = !MODEL[at..end].contains("<") && MODEL[at..end].contains('>');
+        let holds_value = !MODEL[at..end].contains('<') && MODEL[at..end].contains('>');
         let element =
             if holds_value { format!("{}<odd/>{}", &MODEL[..end], &MODEL[end..]) } else { with_inside(at, "<odd/>") };
         let robot = read(&element);

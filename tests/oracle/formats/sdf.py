@@ -52,6 +52,18 @@ def without(root, tags):
                 element.getparent().remove(element)
 
 
+def rotation(origin):
+    """Of an `<origin>`, by its angles or its quaternion."""
+    if origin is None:
+        return np.eye(3)
+    if origin.get("quat_xyzw"):
+        x, y, z, w = numbers(origin.get("quat_xyzw"), ())
+        k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        return np.eye(3) + 2 * (w * k + k @ k) / (x * x + y * y + z * z + w * w)
+    roll, pitch, yaw = numbers(origin.get("rpy"), (0, 0, 0))
+    return (rot_z(yaw) @ rot_y(pitch) @ rot_x(roll))[:3, :3]
+
+
 class Urdf:
     """Links of a URDF: where they are, and what they weigh."""
 
@@ -60,6 +72,7 @@ class Urdf:
         for element in root:
             if element.tag in ("joint", f"{DRAKE}joint"):
                 joint = Tree._joint(element)
+                joint.origin[:3, :3] = rotation(element.find("origin"))
                 pitch = element.find(f"{DRAKE}screw_thread_pitch")
                 if pitch is not None:
                     self.pitch[joint.name] = float(pitch.get("value")) / (2 * np.pi)
@@ -101,11 +114,8 @@ class Urdf:
         if inertial is None:
             return 0.0, np.zeros(3), np.zeros((3, 3))
         origin, mass, inertia = inertial.find("origin"), inertial.find("mass"), inertial.find("inertia")
-        centre, turn = np.zeros(3), np.eye(3)
-        if origin is not None:
-            centre = numbers(origin.get("xyz"), (0, 0, 0))
-            roll, pitch, yaw = numbers(origin.get("rpy"), (0, 0, 0))
-            turn = (rot_z(yaw) @ rot_y(pitch) @ rot_x(roll))[:3, :3]
+        centre = numbers(origin.get("xyz") if origin is not None else None, (0, 0, 0))
+        turn = rotation(origin)
         entry = lambda name: float(inertia.get(name, 0)) if inertia is not None else 0.0  # noqa: E731
         xx, xy, xz, yy, yz, zz = (entry(name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
         tensor = turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T
@@ -254,9 +264,12 @@ def of_urdf(path):
 
 def kind_of(loss):
     """A loss without its place and names."""
-    what = re.sub(r"^.*?:\d+: (?:[^:]|::)*?: ", "", loss)
+    what = re.sub(r"^.*?:\d+: ", "", loss)
+    # The element that it stands in, twice where it is lost itself.
+    what = re.sub(r'^(?:(?:link|joint) "[^"]*"|<[^>]*>(?: in gazebo[^:]*)?|\S+(?: of)? "[^"]*"|\S+): ', "", what)
     what = re.sub(r'"[^"]*"', "…", what)
-    return re.sub(r" (in|of) (gazebo|plugin).*?:", ":", what)[:110]
+    what = re.sub(r"<[^>]*> in gazebo[^:]*", "word of URDF's own in <gazebo>", what)
+    return re.sub(r":? (SDF has no|it is a word|names of|SDF wants).*", "", what)[:90]
 
 
 def sdf_files():
@@ -299,9 +312,8 @@ def report(out=print):
     for path, result in written.items():
         if path not in near:
             out(f"  differs: {path.name}: {result[1]:.1e} {result[3]:.1e}")
-    reasons = collections.Counter(re.sub(r"[\"'\[].*", "", re.sub(r"^.*?error: ", "", why)) for why in failed.values())
-    for why, count in reasons.most_common():
-        out(f"  not compared, {count:3} files: {why}")
+    for path, why in failed.items():
+        out(f"  not compared: {path.name}: {why[-140:]}")
     return read, refused, written, failed
 
 
