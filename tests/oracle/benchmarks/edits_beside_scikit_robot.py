@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 import warnings
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -87,7 +88,9 @@ def ours(words, path, to):
 
 
 def theirs(name, word, path, to):
-    from skrobot.urdf import flip_axis, merge_fixed_links, xml_root_link_changer
+    # The package gives functions the names of their modules.
+    modules = ("flip_axis", "merge_fixed_links", "xml_root_link_changer")
+    flip_axis, merge_fixed_links, xml_root_link_changer = (import_module(f"skrobot.urdf.{module}") for module in modules)
 
     if name == "flip":
         if not flip_axis.flip_joint_axis_file(str(path), word, str(to)):

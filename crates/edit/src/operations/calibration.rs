@@ -47,7 +47,13 @@ pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: 
     let wrong = |what: String| EditError::Words(format!("{file}: {what}"));
     let joints = joints(robot, &actual.chain).map_err(wrong)?;
     let (base, tip) = match robot.chain(Some(actual.chain.base()), Some(actual.chain.tip()), Reading::AsWritten) {
-        Ok(own) if actual.frames == Frames::Own && is_plausible(&own.value, &actual.chain) => {
+        Ok(own)
+            if actual.frames == Frames::Own
+                && bases(robot, robot.joints[joints[0]].parent)
+                    .iter()
+                    .any(|base| robot.links[*base].name == own.value.base())
+                && is_plausible(&own.value, &actual.chain) =>
+        {
             (actual.chain.base().to_owned(), actual.chain.tip().to_owned())
         }
         // A maker's names may be those of other links of the robot.
@@ -128,6 +134,16 @@ fn zeros(chain: &Chain) -> Vec<f64> {
     vec![0.0; chain.coordinates().len()]
 }
 
+/// A link and those that carry it rigidly, towards the root.
+fn bases(robot: &Robot, first: usize) -> Vec<usize> {
+    let carriers = robot.carriers();
+    let mut bases = vec![first];
+    while let Some(joint) = carriers[bases[bases.len() - 1]].filter(|joint| !robot.joints[*joint].kind.moves()) {
+        bases.push(robot.joints[joint].parent);
+    }
+    bases
+}
+
 /// The links that base and tip of the file are: of those on the first joint's carrier, towards the root, and on what the
 /// last joint carries, the pair whose drawn pose comes nearest. A table that is laid on the robot needs no such guess.
 fn ends(robot: &Robot, joints: &[usize], chain: &Chain, frames: &Frames) -> (String, String) {
@@ -137,10 +153,7 @@ fn ends(robot: &Robot, joints: &[usize], chain: &Chain, frames: &Frames) -> (Str
     if *frames != Frames::Own {
         return (name(first), name(last));
     }
-    let mut bases = vec![first];
-    while let Some(joint) = placed.carrier(bases[bases.len() - 1]).filter(|joint| !robot.joints[*joint].kind.moves()) {
-        bases.push(robot.joints[joint].parent);
-    }
+    let bases = bases(robot, first);
     let tips = (0..robot.links.len()).filter(|link| placed.body(*link) == placed.body(last));
     let mut best = (f64::INFINITY, first, last);
     for tip in tips {
