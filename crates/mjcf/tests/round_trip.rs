@@ -1,6 +1,6 @@
 //! Robots written as MJCF and read again.
 
-#![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
+#![allow(clippy::unwrap_used, clippy::format_push_string, clippy::type_complexity)] // Tests: a panic is a failure.
 
 use denavit_mjcf::WriteOptions;
 use denavit_model::placed::PlacedRobot;
