@@ -49,7 +49,7 @@ pub enum ProblemKind {
     #[error("the file is empty; a URDF holds one <robot> element")]
     Empty,
     /// Another root element.
-    #[error("the root element is <{0}>, not <robot>; is this a URDF?{hint}", hint = if .0 == "sdf" { " SDF files are not read" } else { "" })]
+    #[error("the root element is <{0}>, not <robot>; is this a URDF?{hint}", hint = if .0 == "sdf" { " SDF has a reader of its own" } else { "" })]
     NoRobot(String),
     /// A robot without links.
     #[error("the robot has no <link>; was a xacro file expanded without its macro being called?")]
