@@ -1,4 +1,4 @@
-//! Two trees, one made of the other, held against each other name by name: what is the same, and by how much it differs.
+//! Two trees, one made of the other, compared name by name: what is the same, and by how much it differs.
 
 use denavit_model::placed::PlacedRobot;
 use denavit_model::robot::{Geometry, JointKind};
@@ -13,7 +13,7 @@ const SAMPLES: usize = 20;
 /// Differences up to this, relative to the robot's size, 1 rad, or the largest number of their kind in the robot, are rounding.
 pub const ROUNDING: f64 = 1e-9;
 
-/// What was held against each other, and how far it is apart.
+/// What was compared, and how far it is apart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Proof {
     /// A line for each kind of thing: how many, and the largest difference.

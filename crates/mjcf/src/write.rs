@@ -123,7 +123,7 @@ fn place(origin: &Origin) -> String {
     out
 }
 
-/// What stands in the world without a body of its own.
+/// What is in the world without a body of its own.
 fn is_world(robot: &Robot) -> bool {
     let root = &robot.links[robot.root];
     root.name == "world" && root.inertial.as_ref().is_none_or(|inertial| inertial.mass == 0.0)
@@ -440,7 +440,7 @@ impl Writer<'_> {
                     joint.at,
                     owner(),
                     "floating",
-                    "a free joint stands in MuJoCo's world alone; written as three slides and a ball",
+                    "a free joint is in MuJoCo's world alone; written as three slides and a ball",
                 );
             }
             JointKind::Unknown(word) if ["ball", "spherical"].contains(&word.as_str()) => {
