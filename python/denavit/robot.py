@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -170,6 +171,32 @@ class Robot(Shown, Frozen):
         kept: str = "keep" if keep_link_frames else link_frames
         text, notes = self._native.canonical(kept, frames, tip, exact, tolerance)
         return Robot._of((f"{self.file} (canonical)", text, {}, (), False, False, None, ""), tuple(notes))
+
+    def edit(self, *operations: str | Sequence[str]) -> Robot:
+        """The robot with its URDF edited; `denavit edit`.
+
+        Each operation is what stands on the command line, as one string or as its words: ``"flip elbow_joint"``,
+        ``"zero elbow_joint=90deg"``, ``"reroot tool0"``, ``"merge --keep tool0"``, ``"mirror xz --names left=right"``,
+        ``"attach gripper.urdf --at tool0 --prefix g_"``. They are done in order, and each is proved: what it says stays
+        the same is held against the new text. ``notes`` of the result tell how nearly, and what changed.
+
+        Args:
+            operations: At least one.
+
+        Raises:
+            ArgumentError: An operation cannot be done, with the reason, or does not hold what it says.
+
+        Examples:
+            >>> import denavit as dn
+            >>> arm = dn.load("robots/universal_robots/ur5e.urdf")
+            >>> arm.edit("flip elbow_joint").notes[-1]
+            'flip elbow_joint: moves as before within 1e-15 m and 1e-15 rad; elbow_joint reversed; 1 limit exchanged'
+        """
+        if not operations:
+            raise ArgumentError('edit needs an operation, such as "flip elbow_joint"')
+        words = [shlex.split(words) if isinstance(words, str) else list(words) for words in operations]
+        text, notes = self._native.edit(words)
+        return Robot._of((f"{self.file} (edited)", text, {}, (), False, False, None, ""), tuple(notes))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the URDF, as a whole or not at all.

@@ -3,6 +3,7 @@
 use crate::chain::Chain;
 use crate::errors::{argument, load, said};
 use denavit_dh::{Convention, Gauge, Parallelism};
+use denavit_edit::{Actual, Files, Operation, Text, Words};
 use denavit_export::sources::Stated;
 use denavit_export::urdf::{Frames, LinkFrames, Options as ExportOptions};
 use denavit_load::{Loaded, Options, Selection};
@@ -229,4 +230,48 @@ impl Robot {
         let made = made.map_err(|error| load(&error))?;
         Ok((made.value, made.notes.iter().map(said).collect()))
     }
+
+    /// The edited URDF, and a report for each operation with what must be said of it; each operation in words, as on the
+    /// command line.
+    fn edit(&self, py: Python<'_>, operations: Vec<Vec<String>>) -> PyResult<(String, Vec<String>)> {
+        let Loaded::Robot(robot) = &*self.loaded else {
+            return Err(argument("edits are made to the text of a URDF; robot.canonical() makes one of a table first"));
+        };
+        let files = Files::urdf(&*self.file, robot.source.text.clone());
+        py.detach(|| {
+            let steps = operations.into_iter().map(operation).collect::<PyResult<Vec<_>>>()?;
+            let done = denavit_edit::apply(&files, &steps).map_err(|error| argument(&error.to_string()))?;
+            let said = done
+                .reports
+                .iter()
+                .flat_map(|report| std::iter::once(report.to_string()).chain(report.notes.iter().cloned()));
+            Ok((done.files.urdf.text, said.collect()))
+        })
+    }
+}
+
+/// An operation from its words; the file that it takes is read.
+fn operation(line: Vec<String>) -> PyResult<Operation> {
+    let wrong = |error: denavit_edit::EditError| argument(&error.to_string());
+    let mut words = Words::of(line).map_err(wrong)?;
+    if let Some(name) = words.words.get(1).cloned() {
+        let options = Options { arguments_for_another: true, ..Options::default() };
+        if words.takes_a_robot() {
+            let (file, written) = denavit_load::read_text(&name).map_err(|error| load(&error))?;
+            let urdf = denavit_load::urdf_text(&file, written, &options, &ExportOptions::default());
+            words.other = Some(Text { file, text: urdf.map_err(|error| load(&error))?.text });
+        }
+        if words.takes_a_calibration() {
+            let opened = denavit_load::load(&name, &options).map_err(|error| load(&error))?.robot;
+            if matches!(opened, Loaded::Table { .. }) {
+                return Err(argument(
+                    "a D-H table has zeros and frames of its own; `denavit edit … set-calibration --nominal` lays it on a robot",
+                ));
+            }
+            let selection = Selection { file: &name, reading: Reading::AsWritten, ..Selection::default() };
+            let chain = opened.chain(&selection).map_err(|error| load(&error))?.value;
+            words.actual = Some(Actual { chain, frames: denavit_edit::Frames::Own });
+        }
+    }
+    Operation::of(&words).map_err(wrong)
 }
