@@ -95,7 +95,7 @@ fn a_convention_that_nobody_states_is_tried_and_told() {
         |extra: &[&str]| denavit(&[&["table", &panda, "--tip", "panda_link8", "--match", &file], extra].concat());
     let tried = matched(&[]);
     assert_eq!(tried.code, 0, "{}{}", tried.stdout, tried.stderr);
-    assert!(tried.stdout.contains("read as proximal, rad and m, which fits best"), "{}", tried.stdout);
+    assert!(tried.stdout.contains("read as proximal, rad and m, the best fit"), "{}", tried.stdout);
     let json: serde_json::Value = serde_json::from_str(&matched(&["--format", "json"]).succeeded()).unwrap();
     assert_eq!(
         json["read_as"],
