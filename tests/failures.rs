@@ -97,7 +97,11 @@ const REVIEWED: &[(&str, &str, &str)] = &[
         "what is no regular file has no identity; opening it reports",
     ),
     ("cli/src/output/staged.rs", "/proc/self/status", "systems without it have the usual mask"),
-    ("load/src/convert.rs", "packages.resolve(uri", "a mesh that is not there keeps its name in the file that is written"),
+    (
+        "load/src/convert.rs",
+        "packages.resolve(uri",
+        "a mesh that is not there keeps its name in the file that is written",
+    ),
     ("load/src/convert.rs", "files::canonical(&path).ok()?", "the same"),
 ];
 

@@ -108,7 +108,10 @@ fn read_of_rust(code: &str) -> Vec<(Kind, usize, String)> {
             let end = rest.find('\n').unwrap_or(rest.len());
             let words = rest[..end].trim_start_matches(['/', '!']).to_owned();
             match parts.last_mut() {
-                Some((Kind::Comment, _, text)) if last_comment + 1 == line => *text += &format!(" {words}"),
+                Some((Kind::Comment, _, text)) if last_comment + 1 == line => {
+                    text.push(' ');
+                    text.push_str(&words);
+                }
                 _ => parts.push((Kind::Comment, line, words)),
             }
             last_comment = line;
@@ -185,7 +188,7 @@ fn what_people_read_is_in_plain_words() {
         let text = std::fs::read_to_string(&path).unwrap();
         let name = path.strip_prefix(top()).unwrap().to_str().unwrap().to_owned();
         let comments_count = !COMMENTS_LATER.iter().any(|room| name.starts_with(room));
-        let parts = if name.ends_with(".rs") {
+        let parts = if Path::new(&name).extension().is_some_and(|extension| extension == "rs") {
             read_of_rust(&text)
         } else {
             let lines = text.lines().filter(|line| !line.starts_with("from ") && !line.starts_with("import "));

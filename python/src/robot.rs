@@ -240,7 +240,7 @@ impl Robot {
         let files = Files::urdf(&*self.file, robot.source.text.clone());
         py.detach(|| {
             let steps = operations.into_iter().map(operation).collect::<PyResult<Vec<_>>>()?;
-            let done = denavit_edit::apply(&files, &steps).map_err(|error| argument(&error.to_string()))?;
+            let done = denavit_edit::apply(&files, &steps).map_err(|error| argument(error.to_string()))?;
             let said = done
                 .reports
                 .iter()
@@ -252,7 +252,7 @@ impl Robot {
 
 /// An operation from its words; the file that it takes is read.
 fn operation(line: Vec<String>) -> PyResult<Operation> {
-    let wrong = |error: denavit_edit::EditError| argument(&error.to_string());
+    let wrong = |error: denavit_edit::EditError| argument(error.to_string());
     let mut words = Words::of(line).map_err(wrong)?;
     if let Some(name) = words.words.get(1).cloned() {
         let options = Options { arguments_for_another: true, ..Options::default() };

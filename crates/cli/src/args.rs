@@ -637,6 +637,7 @@ impl RobotFormatName {
 }
 
 /// Arguments of `denavit export`.
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Debug, Args)]
 pub struct ExportArguments {
     /// Which robot.

@@ -277,7 +277,7 @@ impl Writer {
                 }
             }
         }
-        let mut rows = vec![Vec::with_capacity(coordinates); 6];
+        let mut rows = vec![Vec::new(); 6];
         for column in &columns {
             for (row, parts) in column.iter().enumerate() {
                 let parts: Vec<(&Value, &Value)> = parts.iter().map(|(a, b)| (a, b)).collect();

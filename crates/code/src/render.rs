@@ -255,6 +255,7 @@ impl Writer {
         let number = number + 0.0;
         let mut text = match self.options.precision {
             Precision::Double => format!("{number:?}"),
+            #[allow(clippy::cast_possible_truncation, reason = "four bytes are what is asked for")]
             Precision::Single => format!("{:?}", number as f32),
         };
         if self.is_c() && self.options.precision == Precision::Single {

@@ -135,7 +135,7 @@ fn daniilidis(rows: &[Row]) -> Option<[Pose; 2]> {
     let s = ratios.into_iter().filter(|s| s.is_finite()).max_by(|a, b| length(*a).total_cmp(&length(*b)))?;
     let lambda = length(s).sqrt().recip();
     let (q, q_dual) = (lambda * (s * u1 + u2), lambda * (s * v1 + v2));
-    if !(q.norm() > 0.5) {
+    if q.norm().is_nan() || q.norm() <= 0.5 {
         return None;
     }
     let conjugate = Vector4::new(q.x, -q.y, -q.z, -q.w);

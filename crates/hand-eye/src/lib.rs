@@ -37,7 +37,7 @@ pub mod report;
 mod solve;
 
 pub use motion::Unknown;
-pub use solve::{Errors, HandEye, HandEyeError, Placed, Residual, solve};
+pub use solve::{ClosedForm, Errors, HandEye, HandEyeError, Placed, Residual, solve};
 
 use denavit_model::Pose;
 use serde::Serialize;

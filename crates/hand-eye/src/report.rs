@@ -52,7 +52,7 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
         text.push_str(&errors("rms of rows while held out", held_out));
     }
     let apart: Vec<f64> =
-        found.closed_forms.iter().filter_map(|(_, apart)| apart.map(|[base, _]| base.0 * 1e3)).collect();
+        found.closed_forms.iter().filter_map(|form| form.apart.map(|[base, _]| base.0 * 1e3)).collect();
     if let (true, Some(most)) = (apart.len() > 1, apart.iter().copied().reduce(f64::max)) {
         let _ = writeln!(text, "{} closed forms place {} within {most:.3} mm of this", apart.len(), found.base.name);
     }
@@ -156,11 +156,11 @@ pub fn json(found: &HandEye, lines: Lines) -> String {
         "unknown": found.unknown.as_ref().map(|unknown: &Unknown| {
             serde_json::json!({ "detail": unknown, "message": unknown.to_string() })
         }),
-        "closed_forms": found.closed_forms.iter().map(|(name, apart)| serde_json::json!({
-            "name": name,
-            "determined": apart.is_some(),
-            "base_apart_m": apart.map(|[(moved, _), _]| moved),
-            "base_apart_rad": apart.map(|[(_, turned), _]| turned),
+        "closed_forms": found.closed_forms.iter().map(|form| serde_json::json!({
+            "name": form.name,
+            "determined": form.apart.is_some(),
+            "base_apart_m": form.apart.map(|[(moved, _), _]| moved),
+            "base_apart_rad": form.apart.map(|[(_, turned), _]| turned),
         })).collect::<Vec<_>>(),
         "converged": found.settled,
         "residuals": rows,

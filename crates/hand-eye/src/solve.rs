@@ -76,6 +76,15 @@ pub struct Errors {
     pub orientation_rms: f64,
 }
 
+/// A closed form beside the result.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedForm {
+    /// Who published it, and when.
+    pub name: &'static str,
+    /// How far its placement at the base and that at the tip are from the result, m and rad; `None` where the rows do not determine it.
+    pub apart: Option<[(f64, f64); 2]>,
+}
+
 /// The result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandEye {
@@ -95,8 +104,8 @@ pub struct HandEye {
     pub held_out: Option<Errors>,
     /// What the poses leave open.
     pub unknown: Option<Unknown>,
-    /// Closed forms on the rows that were fitted, and how far they are from the result: at the base (m, rad), at the tip.
-    pub closed_forms: Vec<(&'static str, Option<[(f64, f64); 2]>)>,
+    /// Closed forms on the rows that were fitted.
+    pub closed_forms: Vec<ClosedForm>,
     /// Whether the fit settled.
     pub settled: bool,
 }
@@ -138,7 +147,7 @@ pub fn solve(pairs: &[Pair], arrangement: Arrangement) -> Result<HandEye, HandEy
                 (moved, turned)
             }))
         });
-        (method.name, apart)
+        ClosedForm { name: method.name, apart }
     });
     Ok(HandEye {
         arrangement,
@@ -180,9 +189,8 @@ fn start(rows: &[Row], size: f64) -> [Pose; 2] {
     METHODS.iter().filter_map(|method| (method.solve)(rows)).for_each(|found| best.take(found));
     let n = rows.len();
     for triple in 0..TRIPLES.min(n * n * n) {
-        // Low-discrepancy steps: every run tries the same triples.
-        let at = |share: f64| ((triple as f64 * share).fract() * n as f64) as usize % n;
-        let chosen = [at(0.754_877_666), at(0.669_840_296), at(0.327_145_9)];
+        // Steps of primes: every run tries the same triples.
+        let chosen = [7919, 104_729, 1_299_709].map(|prime: usize| triple.wrapping_mul(prime) / 16 % n);
         if chosen[0] == chosen[1] || chosen[1] == chosen[2] || chosen[0] == chosen[2] {
             continue;
         }

@@ -63,8 +63,9 @@ fn exact_rows_give_exact_placements_by_every_method() {
                 assert!(turned < 1e-12 && moved < 1e-12, "{arrangement:?} {seed}: {turned:e} {moved:e}");
             }
             assert!(found.settled && found.unknown.is_none());
-            for (name, apart) in &found.closed_forms {
-                for (moved, turned) in apart.unwrap() {
+            for form in &found.closed_forms {
+                let name = form.name;
+                for (moved, turned) in form.apart.unwrap() {
                     assert!(moved < 1e-8 && turned < 1e-8, "{name} {seed}: {moved:e} {turned:e}");
                 }
             }

@@ -266,8 +266,8 @@ impl Monitor {
     }
 
     /// Whether a row is fitted.
-    fn counts(&self, row: &usize) -> bool {
-        !self.out.contains(row) && !self.copies.contains(row)
+    fn counts(&self, row: usize) -> bool {
+        !self.out.contains(&row) && !self.copies.contains(&row)
     }
 
     /// Fits all rows but copies and those out of line, and lets rows back in that the fit then predicts.
@@ -275,7 +275,7 @@ impl Monitor {
         let options = self.options.identify.for_data(&self.chain, data);
         let weights: Vec<f64> = (0..data.len())
             .flat_map(|row| data.of_row(row).map(move |_| row))
-            .map(|row| f64::from(u8::from(self.counts(&row))))
+            .map(|row| f64::from(u8::from(self.counts(row))))
             .collect();
         let warm = self.fit.as_ref().filter(|fitted| fitted.judges && fitted.data.scene == data.scene);
         let start = warm.map_or_else(
@@ -301,7 +301,7 @@ impl Monitor {
         if !data.len().is_multiple_of(ROWS_TO_DIAGNOSE) || !parts.is_power_of_two() {
             return Ok(());
         }
-        let kept: Vec<usize> = (0..data.len()).filter(|row| self.counts(row)).collect();
+        let kept: Vec<usize> = (0..data.len()).filter(|row| self.counts(*row)).collect();
         let kept = data.subset(&kept).pruned();
         let found = identify(&self.chain, &kept, &self.options.identify);
         // Rows that are judged as they come are not read anew: whoever measures corrects the column and continues.

@@ -83,7 +83,9 @@ pub fn read(source: &str, input: impl Read, units: Units, angles: PairAngles) ->
     let [robot, seen] = match columns {
         Ok(columns) => columns,
         Err(found) => {
-            found.into_iter().for_each(|problem| problems.add(header_line, problem));
+            for problem in found {
+                problems.add(header_line, problem);
+            }
             return Err(problems.error());
         }
     };
