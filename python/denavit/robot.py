@@ -178,7 +178,7 @@ class Robot(Shown, Frozen):
         Each operation is what stands on the command line, as one string or as its words: ``"flip elbow_joint"``,
         ``"zero elbow_joint=90deg"``, ``"reroot tool0"``, ``"merge --keep tool0"``, ``"mirror xz --names left=right"``,
         ``"attach gripper.urdf --at tool0 --prefix g_"``. They are done in order, and each is proved: what it says stays
-        the same is held against the new text. ``notes`` of the result tell how nearly, and what changed.
+        the same is compared with the new text. ``notes`` of the result tell how nearly, and what changed.
 
         Args:
             operations: At least one.

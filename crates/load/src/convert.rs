@@ -126,7 +126,7 @@ fn relative(path: &Path, folder: &Path) -> String {
     up.chain(down).collect::<Vec<_>>().join("/")
 }
 
-/// Reads the text back and holds it against the robot.
+/// Reads the text back and compares it with the robot.
 fn prove(robot: &Robot, written: &mut Written, options: &ConvertOptions) -> Result<(), LoadError> {
     let name = format!("the written {}", options.to.name());
     let again = from_text(&name, &written.text, options.source)?.robot;
