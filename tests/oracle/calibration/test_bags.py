@@ -193,7 +193,7 @@ def test_what_a_bag_cannot_say_is_refused(tmp_path, measured):
     (tmp_path / "broken.mcap").write_bytes(next(two.glob("*.mcap")).read_bytes()[:3000])
     (tmp_path / "broken.db3").write_bytes(b"no database" * 100)
     for name in ("broken.mcap", "broken.db3"):
-        assert "this is no bag that can be read" in said(tmp_path / name)
+        assert "this bag cannot be read" in said(tmp_path / name)
     whole = write(tmp_path / "whole", few, kind, StoragePlugin.SQLITE3, CompressionMode.FILE)
     (packed,) = [file for file in whole.iterdir() if file.suffix == ".zstd"]
     assert "compressed as a whole; take it apart first: zstd -d" in said(packed) and said(whole) == said(packed)
