@@ -22,9 +22,10 @@ class HandEye:
 
     Attributes:
         on_hand: Whether the instrument is on the hand.
-        base: What is fixed to the base, shape ``(4, 4)``: base_from_instrument, or base_from_target where the instrument is on the
+        base: What is fixed to the base, shape ``(4, 4)``: base_from_instrument, or base_from_target where the instrument is on
+            the hand.
+        tip: What is fixed to the tip, shape ``(4, 4)``: tip_from_target, or tip_from_instrument where the instrument is on the
             hand.
-        tip: What is fixed to the tip, shape ``(4, 4)``: tip_from_target, or tip_from_instrument where the instrument is on the hand.
         base_std: Standard deviations of x, y, z (m) and of turns about x, y, z (rad), shape ``(6,)``.
         tip_std: The same of `tip`.
         rejected: Rows that were left out as gross outliers, shape ``(N,)``.
