@@ -1,8 +1,9 @@
 """Hand-eye calibration from arrays of poses."""
 
-import denavit as dn
 import numpy as np
 import pytest
+
+import denavit as dn
 
 CHAIN = dn.load("robots/universal_robots/ur5e.urdf").chain()
 
