@@ -82,8 +82,7 @@ def hand_eye(robot: ArrayLike, seen: ArrayLike, *, on_hand: bool = False) -> Han
     text, answer = _denavit.hand_eye(pairs[0].reshape(-1, 16), pairs[1].reshape(-1, 16), on_hand)
     report = json.loads(answer)
     base, tip = (
-        next(value for name, value in report.items() if name.startswith(prefix))
-        for prefix in ("base_from_", "tip_from_")
+        next(value for name, value in report.items() if name.startswith(prefix)) for prefix in ("base_from_", "tip_from_")
     )
     unknown = report["unknown"]
     return HandEye(
