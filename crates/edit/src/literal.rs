@@ -16,39 +16,37 @@ pub(crate) fn negated(literal: &str) -> String {
 
 /// The numbers of a literal, some with the other sign; the white space between them stays.
 pub(crate) fn negated_where(literal: &str, negate: &[bool]) -> String {
-    let mut result = String::with_capacity(literal.len() + negate.len());
-    let mut index = 0;
-    for piece in literal.split_inclusive(|c: char| c.is_whitespace() || c == ',') {
-        let number = piece.trim_end_matches(|c: char| c.is_whitespace() || c == ',');
-        if number.is_empty() {
-            result.push_str(piece);
-            continue;
-        }
-        let changed = if negate.get(index).copied().unwrap_or(false) { negated(number) } else { number.to_owned() };
-        result.push_str(&changed);
-        result.push_str(&piece[number.len()..]);
-        index += 1;
-    }
-    result
+    each_number(
+        literal,
+        |index, number| {
+            if negate.get(index).copied().unwrap_or(false) { negated(number) } else { number.to_owned() }
+        },
+    )
 }
 
 /// The numbers of a literal times factors, one for each number; the others stay.
 pub(crate) fn times(literal: &str, factors: &[f64]) -> String {
-    let mut result = String::with_capacity(literal.len());
-    let mut index = 0;
-    for piece in literal.split_inclusive(|c: char| c.is_whitespace() || c == ',') {
-        let number = piece.trim_end_matches(|c: char| c.is_whitespace() || c == ',');
-        if number.is_empty() {
-            result.push_str(piece);
-            continue;
-        }
+    each_number(literal, |index, number| {
         let factor = factors.get(index).copied().unwrap_or(1.0);
         match number.parse::<f64>() {
-            Ok(value) if factor != 1.0 && value.is_finite() => result.push_str(&word(short(value * factor))),
-            _ => result.push_str(number),
+            Ok(value) if factor != 1.0 && value.is_finite() => word(short(value * factor)),
+            _ => number.to_owned(),
+        }
+    })
+}
+
+/// A literal with each of its numbers, counted from 0, written anew; what stands between them stays.
+fn each_number(literal: &str, written: impl Fn(usize, &str) -> String) -> String {
+    let between = |c: char| c.is_whitespace() || c == ',';
+    let mut result = String::with_capacity(literal.len());
+    let mut index = 0;
+    for piece in literal.split_inclusive(between) {
+        let number = piece.trim_end_matches(between);
+        if !number.is_empty() {
+            result.push_str(&written(index, number));
+            index += 1;
         }
         result.push_str(&piece[number.len()..]);
-        index += 1;
     }
     result
 }

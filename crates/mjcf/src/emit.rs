@@ -2,6 +2,7 @@
 
 use crate::bodies::{At, Body, Joint, Kind, Model, Shape, Site};
 use crate::document::Document;
+use crate::write::numbers;
 use denavit_model::formats::{Builder, Format};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::robot::Geometry;
@@ -48,11 +49,6 @@ fn world_is_no_link(bodies: &[Body]) -> bool {
 
 fn is_nothing(pose: &Pose) -> bool {
     pose.translation.vector.amax() <= NOTHING && se3::rotation_angle(&pose.rotation) <= NOTHING
-}
-
-fn numbers(values: &[f64]) -> String {
-    // -0 is 0.
-    values.iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
 }
 
 fn origin(pose: &Pose) -> String {

@@ -104,7 +104,8 @@ struct Writer<'a> {
     problems: Vec<(Place, String)>,
 }
 
-fn numbers(values: &[f64]) -> String {
+/// Numbers with blanks between them; -0 is 0.
+pub(crate) fn numbers(values: &[f64]) -> String {
     values.iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
 }
 

@@ -13,6 +13,7 @@ mod inertia;
 mod joints;
 mod known;
 mod model;
+mod names;
 mod pose;
 mod read;
 mod shapes;

@@ -8,6 +8,7 @@ use crate::inertia;
 use crate::joints::{self, Axis, Motion};
 use crate::known::{COLLISION, JOINT, Known, LINK, VISUAL, tag_of};
 use crate::model::{Joint, Link, Model, Part, Reader};
+use crate::names::fresh;
 use crate::pose::{self, Step, numbers, text_of};
 use crate::shapes;
 use crate::sources::Sources;
@@ -168,17 +169,6 @@ impl<'a, 'm> Translator<'a, 'm> {
         self.lines.push((line, text.into()));
     }
 
-    /// A name that no other link (joint) has.
-    fn fresh(known: &mut HashSet<String>, wanted: &str) -> String {
-        let mut name = wanted.to_owned();
-        let mut count = 2;
-        while !known.insert(name.clone()) {
-            name = format!("{wanted}_{count}");
-            count += 1;
-        }
-        name
-    }
-
     fn link(&mut self, link: &Link<'a>) {
         let name = escaped(&self.names[&link.frame]);
         self.line(link.part, format!("  <link name=\"{name}\">"));
@@ -290,7 +280,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         for explicit in &model.explicit {
             if !joints.contains_key(&explicit.frame) {
                 let wanted = model.frames.all[explicit.frame].name.clone();
-                let name = Self::fresh(&mut self.links, &wanted);
+                let name = fresh(&mut self.links, &wanted);
                 self.names.insert(explicit.frame, name);
             }
         }
@@ -312,7 +302,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             let child = self.names[&explicit.frame].clone();
             let Some(parent) = self.names.get(&holder).cloned() else { continue };
             self.line(explicit.part, format!("  <link name=\"{}\"/>", escaped(&child)));
-            let joint = Self::fresh(&mut self.joints, &joint);
+            let joint = fresh(&mut self.joints, &joint);
             self.fixed(explicit.part, &joint, &parent, &child, &step);
         }
     }
@@ -376,12 +366,12 @@ impl<'a, 'm> Translator<'a, 'm> {
         let count = axes.len();
         let in_order: Vec<&Axis> = if reversed { axes.iter().rev().collect() } else { axes.iter().collect() };
         for (index, axis) in in_order.into_iter().enumerate() {
-            let name = if count == 1 { joint.name.clone() } else { Self::fresh(&mut self.joints, &axis.name) };
+            let name = if count == 1 { joint.name.clone() } else { fresh(&mut self.joints, &axis.name) };
             let child = if index + 1 == count && last.is_identity() {
                 far_name.clone()
             } else {
                 let wanted = if index + 1 == count { format!("{}_frame", joint.name) } else { format!("{name}_link") };
-                let link = Self::fresh(&mut self.links, &wanted);
+                let link = fresh(&mut self.links, &wanted);
                 self.line(joint.part, format!("  <link name=\"{}\"/>", escaped(&link)));
                 link
             };
@@ -390,7 +380,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             (parent, step) = (child, Step::identity());
         }
         if !last.is_identity() {
-            let name = Self::fresh(&mut self.joints, &format!("{}_to_{far_name}", joint.name));
+            let name = fresh(&mut self.joints, &format!("{}_to_{far_name}", joint.name));
             self.fixed(joint.part, &name, &parent, &far_name, &last);
         }
         self.rest_of_joint(joint);
@@ -457,7 +447,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             let Some(link) = self.model.links.iter().find(|link| link.frame == *body) else { continue };
             let part = link.part;
             let name = self.names[body].clone();
-            let joint = Self::fresh(&mut self.joints, &format!("{name}_{kind}"));
+            let joint = fresh(&mut self.joints, &format!("{name}_{kind}"));
             let step = self.model.frames.between(tree.root, *body);
             self.one_joint(part, &joint, kind, &root, &name, &step, "");
             let moves =

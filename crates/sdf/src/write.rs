@@ -3,6 +3,7 @@
 mod further;
 mod names;
 
+use crate::names::fresh;
 use crate::pose::numbers;
 use denavit_model::element::Element;
 use denavit_model::formats::{FormatError, Loss, Written};
@@ -239,7 +240,7 @@ impl Writer<'_> {
             Some(name) if !name.is_empty() => name.clone(),
             _ => format!("{}_{tag}", link.name),
         };
-        let name = names::fresh(names, &wanted);
+        let name = fresh(names, &wanted);
         if shape.name.as_ref() != Some(&name) {
             let what = format!("name of a {tag}");
             self.lose(place.clone(), what, format!("SDF wants names, each once: it is called \"{name}\" there"));

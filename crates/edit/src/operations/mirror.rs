@@ -10,7 +10,7 @@ use crate::Change;
 use crate::claim::{Claim, Compared, Space};
 use crate::error::{EditError, refused_at_joint};
 use crate::literal::{negated, negated_where};
-use crate::operations::rename;
+use crate::operations::{Placing, placing, rename};
 use crate::references::Names;
 use crate::tally::Tally;
 use crate::value::Plane;
@@ -20,7 +20,6 @@ use denavit_model::posed::{self, Notation, Placed};
 use denavit_model::robot::{JointKind, Robot, SourceText};
 use denavit_model::urdf;
 use roxmltree::Node;
-use std::collections::BTreeMap;
 
 /// Which signs change.
 struct Signs {
@@ -175,15 +174,7 @@ fn others(
     signs: &Signs,
     notes: &mut Vec<String>,
 ) -> Result<(), EditError> {
-    let elements = document.root_element().children().chain(nodes.links().flat_map(|link| link.children()));
-    let by_start: BTreeMap<usize, Node> =
-        elements.filter(Node::is_element).map(|node| (node.range().start, node)).collect();
-    let own = robot.elements.iter().map(|element| (element, None));
-    let of_links =
-        robot.links.iter().flat_map(|link| link.elements.iter().map(|element| (element, Some(link.name.as_str()))));
-    for (element, owner) in own.chain(of_links) {
-        let Some(top) = by_start.get(&element.at) else { continue };
-        let inside: Vec<Node> = top.descendants().filter(Node::is_element).collect();
+    for Placing { element, owner, top, inside } in placing(robot, document, nodes) {
         let found = posed::in_element(element, owner);
         if found.iter().any(|posed| matches!(posed.placed, Placed::Pose(_))) && top.tag_name().name() == "gazebo" {
             let place = robot.source.place(element.at, element.label());

@@ -7,6 +7,7 @@ use crate::Change;
 use crate::claim::{Claim, Compared, Space};
 use crate::error::{EditError, refused_at_joint};
 use crate::literal::times;
+use crate::operations::{Placing, placing};
 use crate::references;
 use crate::tally::Tally;
 use crate::values::child;
@@ -14,7 +15,7 @@ use denavit_export::urdf::text::{Edits, Nodes, parse, word};
 use denavit_model::posed::{self, Notation};
 use denavit_model::robot::{JointKind, Robot, SourceText};
 use roxmltree::{Document, Node};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// # Errors
 /// An invalid factor, or a sliding joint whose values stand where they are not understood.
@@ -152,16 +153,7 @@ impl Scaled<'_> {
     }
 
     fn others(&mut self, document: &Document, nodes: &Nodes) {
-        let elements = document.root_element().children().chain(nodes.links().flat_map(|link| link.children()));
-        let by_start: BTreeMap<usize, Node> =
-            elements.filter(Node::is_element).map(|node| (node.range().start, node)).collect();
-        let robot = self.robot;
-        let own = robot.elements.iter().map(|element| (element, None));
-        let of_links =
-            robot.links.iter().flat_map(|link| link.elements.iter().map(|element| (element, Some(link.name.as_str()))));
-        for (element, owner) in own.chain(of_links) {
-            let Some(top) = by_start.get(&element.at) else { continue };
-            let inside: Vec<Node> = top.descendants().filter(Node::is_element).collect();
+        for Placing { element, owner, inside, .. } in placing(self.robot, document, nodes) {
             for posed in posed::in_element(element, owner) {
                 let Some(node) = inside.get(posed.node) else { continue };
                 match &posed.notation {

@@ -1,6 +1,7 @@
 //! Names: links, joints and frames of an SDF model share one set of them.
 
 use super::Part;
+use crate::names::fresh;
 use denavit_model::Robot;
 use denavit_model::formats::Loss;
 use std::collections::HashSet;
@@ -55,17 +56,6 @@ fn allowed(name: &str, tag: &str) -> String {
     let name = name.replace("::", "__");
     if name.is_empty() || name == "world" || name.starts_with("__") && name.ends_with("__") {
         return format!("{}_{tag}", name.trim_matches('_'));
-    }
-    name
-}
-
-/// The name, or with a number where it is taken.
-pub(crate) fn fresh(known: &mut HashSet<String>, wanted: &str) -> String {
-    let mut name = wanted.to_owned();
-    let mut count = 2;
-    while !known.insert(name.clone()) {
-        name = format!("{wanted}_{count}");
-        count += 1;
     }
     name
 }
