@@ -1,12 +1,12 @@
 //! Reading pairs of poses: where the robot's tip was, and what an instrument saw there, without joint readings.
 
-use super::QUATERNION_TOLERANCE;
 use super::header::naming;
 use super::import::AngleConvention;
 use super::measurement_error::{DataError, MeasurementError};
+use super::poses::rotation;
 use super::read::{Problems, header_row, line_of, number, rows_of, unreadable};
 use super::units::Units;
-use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use denavit_model::nalgebra::Vector3;
 use denavit_model::{Pose, se3};
 use std::io::Read;
 
@@ -175,21 +175,13 @@ impl Columns {
         };
         let place = three(self.place, units.length)?;
         let rotation = match &self.turn {
-            Turn::Quaternion([x, y, z, w]) => rotation([cell(*x)?, cell(*y)?, cell(*z)?, cell(*w)?])?,
+            Turn::Quaternion([x, y, z, w]) => rotation([cell(*x)?, cell(*y)?, cell(*z)?, cell(*w)?])
+                .map_err(|length| MeasurementError::NotAUnitQuaternion { length })?,
             Turn::Angles(columns, convention) => convention.rotation(three(*columns, units.angle)?, false),
             Turn::Rpy(columns) => se3::rotation_from_rpy(three(*columns, units.angle)?),
         };
         Ok(se3::pose(rotation, Vector3::from(place)))
     }
-}
-
-fn rotation([x, y, z, w]: [f64; 4]) -> Result<Rotation3<f64>, MeasurementError> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    let length = quaternion.norm();
-    if (length - 1.0).abs() > QUATERNION_TOLERANCE {
-        return Err(MeasurementError::NotAUnitQuaternion { length });
-    }
-    Ok(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix())
 }
 
 #[cfg(test)]

@@ -260,7 +260,7 @@ impl Poses {
 }
 
 /// The rotation of a quaternion x, y, z, w; its length where that is not 1.
-fn rotation([x, y, z, w]: [f64; 4]) -> Result<Rotation3<f64>, f64> {
+pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> Result<Rotation3<f64>, f64> {
     let quaternion = Quaternion::new(w, x, y, z);
     let length = quaternion.norm();
     if (length - 1.0).abs() > QUATERNION_TOLERANCE {
