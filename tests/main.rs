@@ -8,6 +8,7 @@ mod architecture;
 mod command_line;
 mod compare;
 mod corpus;
+mod failed;
 mod failures;
 mod golden;
 mod measured;
