@@ -28,7 +28,7 @@ pub(crate) fn parse_srdf(source: &SourceText) -> Result<Document<'_>, EditError>
 /// An element beside links and joints that may place something.
 pub(crate) struct Placing<'a, 'input> {
     pub(crate) element: &'a Element,
-    /// The link that it stands in, if it stands in one.
+    /// The link that holds it, if one does.
     pub(crate) owner: Option<&'a str>,
     pub(crate) top: Node<'a, 'input>,
     /// `top` and all elements in it, as in [`Element::nodes`].
