@@ -12,6 +12,7 @@ mod failure;
 #[cfg(feature = "calibrate")]
 mod measured;
 mod output;
+#[cfg(feature = "calibrate")]
 mod progress;
 mod source;
 
