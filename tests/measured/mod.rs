@@ -1,5 +1,6 @@
 //! Measuring, calibrating and compensating as a user does: simulated files in, models and commands out.
 
+mod arms;
 mod bad_input;
 mod closed_loop;
 mod contact;
