@@ -54,8 +54,7 @@ class View:
         """
         if not PAGE.is_file():
             raise ExportError(
-                "this build of the package has no page of the explorer; run web/build, copy web/dist/explorer.html to "
-                "python/denavit and install the package again",
+                "the explorer's page is not installed; run web/build in the clone, then pip install ./python",
                 file=str(PAGE),
             )
         meshes = [{uri: base64.b64encode(content).decode() for uri, content in files} for files in self.meshes]

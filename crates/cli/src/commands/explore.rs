@@ -10,14 +10,17 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use denavit_load::Meshes;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The page as `web/build` makes it.
+/// Where `web/build` puts the page in the clone that this binary was built from.
+const BUILT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist/explorer.html");
+/// The page inside of this binary.
 #[cfg(feature = "explorer")]
-const PAGE: Option<&str> = Some(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist/explorer.html")));
+const INSIDE: Option<&str> = Some(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist/explorer.html")));
 #[cfg(not(feature = "explorer"))]
-const PAGE: Option<&str> = None;
+const INSIDE: Option<&str> = None;
 
 /// Where the page has its robots.
 const ROBOTS: &str = r#"<script type="application/json" id="robots">[]</script>"#;
@@ -37,11 +40,7 @@ struct Embedded {
 
 /// Runs the command.
 pub fn run(arguments: &ExploreArguments) -> Result<Status, Failure> {
-    let Some(page) = PAGE else {
-        let message = "this binary was built without the explorer's page; run web/build, then cargo build --release \
-                       --features explorer -p denavit, or open web/dist/explorer.html itself";
-        return Err(Failure::Argument(message.into()));
-    };
+    let page = page()?;
     let mut source = SourceArguments {
         package_path: arguments.package_path.clone(),
         allow_any_file: arguments.allow_any_file,
@@ -53,12 +52,40 @@ pub fn run(arguments: &ExploreArguments) -> Result<Status, Failure> {
     let slot = outputs.add_if("--output", arguments.output.as_deref())?;
     let mut left = MOST_MESH_BYTES;
     let robots = names.iter().map(|name| embedded(name, &source, &mut left)).collect::<Result<Vec<_>, Failure>>()?;
-    let page = filled(page, &robots);
+    let page = filled(&page, &robots);
     match slot {
         Some(slot) => outputs.write(&[(slot, page)])?,
         None => server::serve(&page, arguments.port, !arguments.no_browser)?,
     }
     Ok(Status::Same)
+}
+
+/// Files that may hold the page, the first that exists counts: beside the program, as a package installs it, in the clone.
+fn places(program: &Path) -> Vec<PathBuf> {
+    let folder = program.parent();
+    let beside = folder.map(|folder| folder.join("explorer.html"));
+    let installed = folder.and_then(Path::parent).map(|prefix| prefix.join("share/denavit/explorer.html"));
+    beside.into_iter().chain(installed).chain([PathBuf::from(BUILT)]).collect()
+}
+
+/// The page without robots.
+fn page() -> Result<Cow<'static, str>, Failure> {
+    if let Some(page) = INSIDE {
+        return Ok(page.into());
+    }
+    let program = std::env::current_exe().unwrap_or_default();
+    let found = places(&program).into_iter().find(|path| path.is_file());
+    let Some(path) = found else {
+        let message = "the explorer's page is not installed; run web/build in a clone of denavit, then copy web/dist/explorer.html \
+                       beside this program";
+        return Err(Failure::Argument(message.into()));
+    };
+    let page = std::fs::read_to_string(&path)
+        .map_err(|error| Failure::Argument(format!("{}: cannot be read: {error}", path.display())))?;
+    if !page.contains(ROBOTS) {
+        return Err(Failure::Argument(format!("{}: this is no page of web/build; build it again", path.display())));
+    }
+    Ok(page.into())
 }
 
 /// A robot as the page takes it: URDF, xacro expanded, or a table as it stands; meshes as long as bytes are left for them.
@@ -92,6 +119,15 @@ fn filled(page: &str, robots: &[Embedded]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_page_is_found_beside_the_program_and_where_a_package_installs_it() {
+        let prefix = tempfile::tempdir().unwrap();
+        let program = prefix.path().join("bin/denavit");
+        let expected = ["bin/explorer.html", "share/denavit/explorer.html"].map(|path| prefix.path().join(path));
+        assert_eq!(places(&program)[..2], expected);
+        assert!(places(&program)[2].ends_with("web/dist/explorer.html"));
+    }
 
     #[test]
     fn no_text_of_a_robot_ends_the_element_that_holds_it() {
