@@ -2,8 +2,9 @@
 
 import { copy, h } from "./dom";
 import { Engine, type Opened, type RobotText } from "./engine";
-import type { Dropped, Packages } from "./files";
+import { basename, type Dropped, type Packages } from "./files";
 import { found, looked } from "./meshes";
+import type { Posture } from "./postures";
 import { placed, type TableFile } from "./table";
 import { View } from "./view";
 
@@ -41,6 +42,8 @@ export class App {
     /** Values by driving joint's name, rad and m. */
     q = new Map<string, number>();
     table: TableFile | undefined;
+    /** Named postures of an SRDF that came with the robot. */
+    postures: Posture[] = [];
     chosenRow: number | null = null;
     convention = "";
     units = "m,deg";
@@ -50,7 +53,9 @@ export class App {
     /** Set by the page: takes a robot in and shows it. */
     open: (robot: RobotText, meshes: Dropped, packages?: Packages) => Promise<void> = async () => {};
     changed: () => void = () => {};
-    /** Set by the page: makes the sliders show the joint values. */
+    /** Set by the page: makes the sliders show the joint values, and moves what follows them; the panel stays as it is. */
+    refresh: () => void = () => {};
+    /** Set by the page: makes the sliders anew. */
     refill: () => void = () => {};
 
     value(name: string): number {
@@ -101,6 +106,9 @@ export class App {
         this.say(`${what} copied`);
     }
 }
+
+/** What people call a robot: its own name, else that of its file. */
+export const called = (robot: Robot): string => robot.opened.robot || basename(robot.file);
 
 export function question(robot: Robot): RobotText {
     const { file, text, names, base, tip, exact } = robot;

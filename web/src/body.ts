@@ -80,6 +80,17 @@ export class Body {
         return this.links[this.scene.links.findIndex((it) => it.name === link)]?.matrixWorld;
     }
 
+    /** How many triangles are shown. */
+    get triangles(): number {
+        let count = 0;
+        this.group.traverseVisible((object) => {
+            if (!(object instanceof Mesh)) return;
+            const form = object.geometry as BufferGeometry;
+            count += (form.index?.count ?? form.getAttribute("position").count) / 3;
+        });
+        return count;
+    }
+
     /** Moves the joints; `value` gives the value of a driving joint, rad or m. */
     move(value: (joint: number) => number): void {
         this.place((joint) => {

@@ -19,10 +19,12 @@ export class Calibrate implements Panel {
     private readonly columns = new Columns((map) => this.look(map), () => { this.result = undefined; });
     private looked: { key: string; data: DataFile } | undefined;
     private readonly out = h("div", {});
+    private readonly erring = h("p", { id: "erring", class: "fine" });
     private readonly factor = h("span", { class: "factor" });
     private readonly trial = h("div", { class: "trial" });
     private units = "m,rad";
     private search = "auto";
+    private held = "";
     private result: Calibrated | undefined;
     private for = "";
     private possible: Possible | undefined;
@@ -54,6 +56,7 @@ export class Calibrate implements Panel {
             this.data ? h("div", { class: "row" },
                 select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; void this.app.trying(() => this.columns.judge()); }, "data-units"),
                 select("Search for", [["auto", "effects"], ["curves", "error curves"], ["none", "geometry only"]], this.search, (value) => { this.search = value; }, "search"),
+                this.test ? null : select("Hold out", [["", "no rows"], ["0.1", "10 % of the rows"], ["0.2", "20 %"], ["0.3", "30 %"]], this.held, (value) => { this.held = value; }, "hold-out"),
                 h("button", { id: "calibrate", class: "main", click: () => void this.run() }, "Calibrate"),
                 h("button", { id: "stop", click: () => { this.engine.stop(); this.out.replaceChildren(h("p", {}, "stopped")); } }, "Stop")) : null,
             this.data ? this.columns.element : null,
@@ -89,7 +92,7 @@ export class Calibrate implements Panel {
         this.engine.stop();
         const words = h("span", {}, "reading");
         this.out.replaceChildren(h("p", { role: "status", id: "progress" }, h("progress", { "aria-label": "at work" }), " ", words));
-        const asked = { source: question(robot), data: this.data, test: this.test ?? null, units: this.units, map: this.columns.map, effects: this.search, hold_out: null };
+        const asked = { source: question(robot), data: this.data, test: this.test ?? null, units: this.units, map: this.columns.map, effects: this.search, hold_out: this.test || this.held === "" ? null : Number(this.held) };
         const before = performance.now();
         const { for: key } = this;
         try {
@@ -121,11 +124,27 @@ export class Calibrate implements Panel {
             h("h3", {}, "What is left, on the robot"),
             h("div", { class: "row" },
                 select("Stage", result.residuals.map((stage, at) => [String(at), stage.stage]), String(this.stage = result.residuals.length - 1), (value) => { this.stage = Number(value); this.scale(); }, "stage"),
+                h("button", { id: "errs", title: "The row fitted whose measured place the model misses by most", click: () => this.worst() }, "Go where it errs the most"),
                 this.factor),
+            this.erring,
             h("details", {}, h("summary", {}, "What the columns were taken for"), h("ul", {}, ...report.columns.map((it) => h("li", {}, `${it.column}: ${it.taken_for}`)))),
             h("details", {}, h("summary", {}, "The whole report"), h("pre", { class: "words", id: "report", "data-json": result.text }, result.words)),
             ...(result.notes.length ? [h("ul", { class: "notes" }, ...result.notes.map((note) => h("li", {}, note)))] : []));
         this.scale();
+        this.worst();
+    }
+
+    /** Goes to the row whose measured place the shown stage misses by most. */
+    private worst(): void {
+        const { robot } = this.app;
+        const rows = this.result?.residuals[this.stage]?.rows ?? [];
+        const length = (left: number[]) => Math.hypot(...left);
+        const [first] = [...rows].sort((a, b) => length(b.left) - length(a.left));
+        this.erring.textContent = "";
+        if (!first || !robot) return;
+        for (const [at, name] of chain(robot).coordinates.entries()) this.app.q.set(name, first.q[at] ?? 0);
+        this.app.refresh();
+        this.erring.textContent = `Row ${first.row + 1} is shown: the measured place is ${number(length(first.left) * 1000, 3)} mm from the model's.`;
     }
 
     /** Each stage begins with arrows of a size that is seen; the factor stands beside the slider. */

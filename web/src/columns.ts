@@ -25,6 +25,8 @@ export class Columns {
     private answer: ColumnsAnswer | undefined;
     private order = "xyz";
     private told = false;
+    /** A person has said something. */
+    private said = false;
     private readonly verdict = h("p", { id: "columns-verdict", role: "status" });
 
     /** `ask` reads the file with a map, or by its names; `changed` is told when a person has said something. */
@@ -59,7 +61,7 @@ export class Columns {
             if (turn >= 0) return { use: orientations.length === 3 ? ANGLES[turn] ?? "" : ["qx", "qy", "qz", "qw"][turn] ?? "", unit: "" };
             return { use: it.meaning ?? (it.first.some((cell) => cell !== "") ? OWN : LEFT_OUT), unit: "" };
         });
-        this.told = unclear;
+        [this.told, this.said] = [unclear, false];
         this.element.open = unclear;
         this.fill();
         await this.judge();
@@ -95,15 +97,31 @@ export class Columns {
 
     private say(change: () => void): void {
         change();
-        this.told = true;
+        [this.told, this.said] = [true, true];
         this.fill();
         this.changed();
         void this.judge();
     }
 
+    /** What is said where no heading is a joint of the robot, nor q1, q2, …: most likely another robot's measurement. */
+    private stranger(answer: ColumnsAnswer): string | undefined {
+        const { columns, joints } = answer;
+        if (answer.problem === null || joints.length === 0 || columns.some((it) => it.sure && it.meaning !== null && joints.includes(it.meaning))) return undefined;
+        const some = (names: string[]) => (names.length > 4 ? `${names.slice(0, 3).join(", ")}, … ${names.at(-1)}` : names.join(", "));
+        return `This does not look like a measurement of this robot: none of its columns (${some(columns.map(({ name }) => name))}) is named like one of the robot's joints (${some(joints)}). `
+            + "Drop the robot that was measured, or say in the table which column is which joint.";
+    }
+
     /** Reads the file as it is said to be, and says what comes of it. */
     async judge(): Promise<void> {
         const answer = await this.ask(this.map);
+        const strange = this.stranger(answer);
+        if (strange && !this.said) {
+            this.verdict.classList.add("wrong");
+            this.verdict.textContent = strange;
+            this.element.open = true;
+            return;
+        }
         this.verdict.classList.toggle("wrong", answer.problem !== null);
         this.verdict.textContent = answer.problem ?? `${answer.rows} rows are read: ${together(answer.taken)}`;
         if (answer.problem !== null) this.element.open = true;

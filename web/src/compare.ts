@@ -1,9 +1,10 @@
 // Compare: two robots over each other, what differs in words, the tip where it is apart the most.
 
 import { Vector3 } from "three";
-import type { App, Panel } from "./app";
-import { chain, question } from "./app";
+import type { App, Panel, Robot } from "./app";
+import { called, chain, question } from "./app";
 import { h, number, save } from "./dom";
+import { basename } from "./files";
 
 interface Difference {
     verdict: string;
@@ -14,6 +15,8 @@ export class Compare implements Panel {
     readonly name = "Compare";
     readonly element = h("section", { class: "panel", "aria-label": "Compare" });
     private found: Difference | undefined;
+    /** Set once: the comparison that is shown next begins where the tips are apart the most. */
+    begins = false;
 
     constructor(private readonly app: App) {}
 
@@ -22,18 +25,21 @@ export class Compare implements Panel {
         if (!robot) return;
         if (!other) {
             this.element.replaceChildren(h("h2", {}, "Drop the other robot"),
-                h("p", {}, `Drop or open a second file here: an older revision, an export, the vendor's table. It is compared with ${robot.opened.robot || robot.file}.`));
+                h("p", {}, `Drop or open a second file here: an older revision, an export, the vendor's table. It is compared with ${called(robot)}.`));
             return;
         }
         this.element.replaceChildren(h("p", { role: "status" }, "comparing …"));
         this.found = undefined;
         await this.app.trying(async () => {
             const answer = await this.app.engine.ask("diff", { a: question(robot), b: question(other) });
+            // Robots of one name are told apart by their files.
+            const alike = called(robot) === called(other);
+            const words = (it: Robot) => (alike ? `${called(it)} (${basename(it.file)})` : called(it));
             this.found = JSON.parse(answer.text) as Difference;
             const worst = [...this.found.tips].sort((a, b) => b.sampled_m - a.sampled_m)[0];
             this.element.replaceChildren(
                 h("h2", { id: "verdict", class: this.found.verdict }, this.found.verdict === "different" ? "Different robots" : "The same robot"),
-                h("p", {}, h("span", { class: "key mine" }, robot.file), " and ", h("span", { class: "key other" }, other.file)),
+                h("p", {}, h("span", { class: "key mine", title: robot.file }, words(robot)), " and ", h("span", { class: "key other", title: other.file }, words(other))),
                 h("div", { class: "row" },
                     worst && worst.sampled_m > 0
                         ? h("button", { id: "worst", class: "main", click: () => this.go(worst.at) }, `Go where ${worst.tip} is apart the most: ${number(worst.sampled_m * 1000, 3)} mm`)
@@ -41,17 +47,20 @@ export class Compare implements Panel {
                     h("button", { id: "swap", click: () => void this.swap() }, "Swap"),
                     h("button", { click: () => save("diff.json", answer.text, "application/json") }, "Download JSON")),
                 h("p", { id: "apart", class: "tip" }),
-                h("pre", { id: "words", class: "words", "data-json": answer.text }, answer.words));
+                ...grouped(answer.words),
+                h("details", {}, h("summary", {}, "As the command line says it"), h("pre", { id: "words", class: "words", "data-json": answer.text }, answer.words)));
             this.app.view.show(1, other.opened.scene, other.meshes, `/${other.file}`, other.packages);
             this.app.view.fit();
             this.app.move();
             this.moved();
+            if (this.begins && worst && worst.sampled_m > 0) this.go(worst.at);
+            this.begins = false;
         });
     }
 
     private go(at: { joint: string; value: number }[]): void {
         for (const { joint, value } of at) this.app.q.set(joint, value);
-        this.app.changed();
+        this.app.refresh();
         // The posture may lie outside of what was seen.
         this.app.view.fit();
     }
@@ -83,4 +92,25 @@ export class Compare implements Panel {
         this.app.view.show(1, null);
         this.app.view.marks([], []);
     }
+}
+
+/** Differences by what they are of: tips, joints, the rest; names of meshes last, notes closed. `words`: a line each, as the engine says them. */
+function grouped(words: string): HTMLElement[] {
+    const [notes, groups]: [string[], Map<string, string[]>] = [[], new Map()];
+    // The first line is the verdict.
+    for (const line of words.split("\n").slice(1)) {
+        if (line.trim() === "") continue;
+        const [, subject, message] = /^\s*((?:joint|tip|link|robot|material|<)(?:"[^"]*"|[^":])*): (.*)$/.exec(line) ?? [];
+        if (subject === undefined || message === undefined) notes.push(line.trim());
+        else {
+            const key = /\.(stl|dae|obj)\b/i.test(message) ? `4${subject}` : `${subject.startsWith("tip ") ? 1 : subject.startsWith("joint ") ? 2 : 3}${subject}`;
+            groups.set(key, [...(groups.get(key) ?? []), message]);
+        }
+    }
+    const sorted = [...groups].map(([key, messages], at) => ({ key, messages, at })).sort((a, b) => Number(a.key[0]) - Number(b.key[0]) || a.at - b.at);
+    const list = (messages: string[]) => h("ul", {}, ...messages.map((message) => h("li", {}, message)));
+    return [
+        h("div", { id: "differences" }, ...sorted.map(({ key, messages }) => h("section", { class: "difference" }, h("h3", {}, key.slice(1)), list(messages)))),
+        ...(notes.length === 0 ? [] : [h("details", { id: "difference-notes" }, h("summary", {}, `Notes (${notes.length})`), list(notes))]),
+    ];
 }

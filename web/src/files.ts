@@ -199,7 +199,7 @@ async function take(file: File, name: string, out: Dropped, bounds: Bounds): Pro
 
 const MESH = /\.(stl|dae|obj)$/i;
 const WORKBOOK = /\.xls[xm]$/i;
-const TEXT = /\.(urdf|xacro|xml|yaml|yml|csv|tsv|json|md|txt|toml|mjcf|sdf|world|config)$/i;
+const TEXT = /\.(urdf|xacro|xml|yaml|yml|csv|tsv|json|md|txt|toml|mjcf|sdf|srdf|world|config)$/i;
 
 /** A file of data, as the engine takes it. */
 export type DataFile = { file: string } & ({ text: string } | { workbook: string });
@@ -240,6 +240,8 @@ export interface Sorted {
     texts: Record<string, string>;
     /** Every name. */
     names: string[];
+    /** SRDF files. */
+    semantics: string[];
     /** Folders of ROS packages, each with the name in its package.xml. */
     packages: Packages;
 }
@@ -261,7 +263,7 @@ function packages(texts: Record<string, string>): Packages {
 /** Which files are robots, which are measurements; where measurements are wanted, a list of anything is taken for some. */
 export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sorted {
     const texts: Record<string, string> = {};
-    const [robots, data]: [string[], DataFile[]] = [[], []];
+    const [robots, data, semantics]: [string[], DataFile[], string[]] = [[], [], []];
     for (const [name, bytes] of dropped) {
         if (WORKBOOK.test(name)) data.push(workbook(name, bytes));
         if (!TEXT.test(name)) continue;
@@ -274,7 +276,8 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
         }
         texts[name] = text;
         if (/\/package\.xml$/i.test(name)) continue;
-        if (/\.(urdf|xacro|xml|mjcf|sdf|world)$/i.test(name) && /<((\w+:)?robot|mujoco|sdf)[\s>]/.test(text)) robots.push(name);
+        if (/\.srdf$/i.test(name)) semantics.push(name);
+        else if (/\.(urdf|xacro|xml|mjcf|sdf|world)$/i.test(name) && /<((\w+:)?robot|mujoco|sdf)[\s>]/.test(text)) robots.push(name);
         else if (/\.(csv|tsv|txt)$/i.test(name) && (wanted === "measurements" || holdsMeasurements(text))) data.push({ file: name.slice(1), text });
         else if (/\.(csv|tsv|json|md|yaml|yml)$/i.test(name) && dropped.size <= 8) robots.push(name);
     }
@@ -282,17 +285,39 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
     const rank = (name: string) => {
         const text = texts[name] ?? "";
         const macros = /\.xacro$/i.test(name) && !/<xacro:\w+(?<!macro|property|include|arg|if|unless)[\s/>]/.test(text) && !/<link[\s>]/.test(text) ? 100 : 0;
-        return macros + (/\.urdf$/i.test(name) ? 0 : 10) + name.split("/").length + (/macro|inc|common|gazebo|ros2_control/i.test(name) ? 20 : 0);
+        return macros + (/\.urdf$/i.test(name) ? 0 : 10) + name.split("/").length + (/macro|inc|common|gazebo|ros2_control/i.test(name) ? 20 : 0)
+            + (/canonical|calibrated|expanded|simplified|fixed|test|demo|example|backup|old/i.test(basename(name)) ? 5 : 0);
     };
-    robots.sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
-    return { robots, data, texts, names: [...dropped.keys()], packages: packages(texts) };
+    // Without their endings, so that arm.urdf stands before arm_with_gripper.urdf.
+    const bare = (name: string) => name.replace(/(\.urdf)?\.\w+$/i, "");
+    robots.sort((a, b) => rank(a) - rank(b) || bare(a).localeCompare(bare(b)) || a.localeCompare(b));
+    return { robots, data, texts, names: [...dropped.keys()], packages: packages(texts), semantics };
 }
 
-/** A header with a place, a distance or the like, and more rows than an arm has joints. */
-function holdsMeasurements(text: string): boolean {
-    const lines = text.split("\n").filter((line) => line.trim() !== "" && !line.startsWith("#"));
-    const header = (lines[0] ?? "").toLowerCase().split(/[,;\t]/).map((cell) => cell.trim());
-    const has = (name: string) => header.includes(name);
+/** The last part of a name with folders. */
+export const basename = (name: string): string => name.split("/").pop() || name;
+
+/** A table's headings in small letters and without units, where they stand, and the units of a line `# units: mm,deg`. */
+export function headings(text: string): { names: string[]; separator: string; lines: string[]; first: number; units: { length: string; angle: string } } {
+    const lines = text.replace(/^\uFEFF/, "").split(/\r?\n/);
+    const first = lines.findIndex((line) => line.trim() !== "" && !line.startsWith("#"));
+    const header = lines[first] ?? "";
+    const separator = [";", "\t"].find((it) => header.includes(it)) ?? ",";
+    const said = lines.slice(0, Math.max(0, first)).map((line) => /^#\s*units:\s*(\w+)\s*,\s*(\w+)/i.exec(line)).find((it) => it);
+    const names = header.toLowerCase().split(separator).map((cell) => cell.trim().replace(/\s*[[(].*[\])]$/, ""));
+    return { names, separator, lines, first, units: { length: said?.[1] ?? "m", angle: said?.[2] ?? "rad" } };
+}
+
+/** Whether headings are those of measurements: a place, a distance or the like. */
+export function measures(names: string[]): boolean {
+    const has = (name: string) => names.includes(name);
     if (has("theta") || has("alpha") || has("wx") || has("d")) return false;
-    return (has("x") && has("y") && has("z")) || has("x1") || has("distance") || has("socket") || has("plane") || has("u") || lines.length > 40;
+    return (has("x") && has("y") && has("z")) || has("x1") || has("distance") || has("socket") || has("plane") || has("u");
+}
+
+/** A header with a place, a distance or the like, or more rows than an arm has joints. */
+function holdsMeasurements(text: string): boolean {
+    const { names, lines } = headings(text);
+    if (names.some((name) => ["theta", "alpha", "wx", "d"].includes(name))) return false;
+    return measures(names) || lines.filter((line) => line.trim() !== "" && !line.startsWith("#")).length > 40;
 }

@@ -3,7 +3,7 @@
 import type { App, ChainListing } from "./app";
 import { chain, question } from "./app";
 import type { Layer } from "./body";
-import { h, number, save, stem } from "./dom";
+import { h, number, save, select, stem } from "./dom";
 
 const LAYERS: [layer: Layer, words: string, title: string][] = [
     ["visual", "shapes", "Visual shapes"], ["collision", "collision", "Collision shapes"],
@@ -15,10 +15,19 @@ export class Joints {
     readonly element = h("section", { class: "joints", "aria-label": "Joints" });
     private readonly tip = h("p", { id: "tip", class: "tip", "aria-live": "off" });
     private readonly shown = new Map<Layer, boolean>();
+    /** What makes the slider and the field of a joint show a value. */
+    private readonly shows = new Map<string, (q: number) => void>();
     private asked = false;
     private again = false;
 
-    constructor(private readonly app: App, private readonly moved: () => void) {}
+    /** `tools`: buttons beside those of the view, and what they open. */
+    constructor(private readonly app: App, private readonly moved: () => void, private readonly tools: { buttons: HTMLElement[]; below: HTMLElement[] }) {}
+
+    /** Shows the joint values without making the sliders anew. */
+    refresh(): void {
+        for (const [name, show] of this.shows) show(this.app.value(name));
+        this.update();
+    }
 
     /** Makes the sliders of a robot, those of the chosen chain first. */
     fill(): void {
@@ -28,6 +37,7 @@ export class Joints {
         const drivers = robot.opened.scene.joints.filter((joint, at) => joint.driver === at);
         const mine = drivers.filter((joint) => listing.coordinates.includes(joint.name));
         const rest = drivers.filter((joint) => !mine.includes(joint));
+        this.shows.clear();
         const slider = (joint: (typeof drivers)[number]) => {
             const turns = joint.kind !== "prismatic";
             const [lower, upper] = [joint.lower ?? (turns ? -Math.PI : -1), joint.upper ?? (turns ? Math.PI : 1)];
@@ -67,6 +77,10 @@ export class Joints {
                 },
             });
             say(value);
+            this.shows.set(joint.name, (q) => {
+                input.value = String(q);
+                say(q);
+            });
             return h("div", { class: "slider" }, h("span", { class: "name", title: joint.name }, joint.name), input, h("span", { class: "value" }, typed, h("span", { class: "unit" }, unit)));
         };
         this.element.replaceChildren(
@@ -75,7 +89,10 @@ export class Joints {
                 this.fill();
                 this.update();
             } }, "All to 0"), h("button", { id: "fit", click: () => { this.app.view.fit(); this.app.view.draw(); } }, "Fit view"),
-                h("button", { id: "picture", title: "The view as a PNG file", click: () => void this.picture() }, "Picture")),
+                h("button", { id: "picture", title: "The view as a PNG file", click: () => void this.picture() }, "PNG"),
+                h("button", { id: "drawing", title: "The view as an SVG file, for print", click: () => void this.drawing() }, "SVG"),
+                ...this.tools.buttons, this.named()),
+            ...this.tools.below,
             h("div", { class: "row layers", role: "group", "aria-label": "Shown in the view" }, ...LAYERS.map(([name, words, title]) => {
                 const box = h("input", { type: "checkbox", "data-layer": name, change: () => {
                     this.shown.set(name, box.checked);
@@ -88,6 +105,29 @@ export class Joints {
             ...(rest.length === 0 ? [] : [h("details", {}, h("summary", {}, `Joints outside of this chain (${rest.length})`), h("div", { class: "sliders" }, ...rest.map(slider)))]),
         );
         this.update();
+    }
+
+    /** A box with the named postures of the SRDF. */
+    private named(): HTMLElement | null {
+        const { postures, robot } = this.app;
+        if (postures.length === 0 || !robot) return null;
+        const known = new Set(robot.opened.scene.joints.map((joint) => joint.name));
+        const box = select("Posture", [["", "named …"], ...postures.map(({ name, group }, at): [string, string] => [String(at), group ? `${name} (${group})` : name])], "", (value) => {
+            const posture = postures[Number(value)];
+            if (value === "" || !posture) return;
+            for (const [joint, q] of posture.values) if (known.has(joint)) this.app.q.set(joint, q);
+            const strange = [...posture.values.keys()].filter((joint) => !known.has(joint));
+            this.app.say(strange.length === 0 ? "" : `posture "${posture.name}" also sets ${strange.join(", ")}, which this robot does not have`);
+            this.refresh();
+        }, "posture");
+        return box;
+    }
+
+    private async drawing(): Promise<void> {
+        await this.app.trying(async () => {
+            if (!this.app.view.works) throw new Error("there is no picture: this browser shows no 3-D view");
+            save(`${stem(this.app.robot?.file ?? "")}.svg`, this.app.view.svg(), "image/svg+xml");
+        });
     }
 
     private async picture(): Promise<void> {

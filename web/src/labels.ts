@@ -3,7 +3,7 @@
 
 import type { Camera, Vector3 } from "three";
 import { Vector3 as Point } from "three";
-import { h } from "./dom";
+import { h, svg } from "./dom";
 
 export interface Label {
     at: Vector3;
@@ -55,6 +55,20 @@ export class Labels {
             ink.textBaseline = "middle";
             ink.fillText(words, x + Number.parseFloat(style.paddingLeft || "0"), y + box.height / 2);
         }
+    }
+
+    /** The names that are seen, as text of an SVG. */
+    drawn(view: HTMLElement): SVGElement[] {
+        const from = view.getBoundingClientRect();
+        return [...this.layers.values()].flat().flatMap(({ element, words }) => {
+            if (element.hidden) return [];
+            const [box, style] = [element.getBoundingClientRect(), getComputedStyle(element)];
+            const [x, y] = [box.left - from.left, box.top - from.top];
+            return [
+                svg("rect", { x, y, width: box.width, height: box.height, rx: 3, fill: style.backgroundColor }),
+                svg("text", { x: x + Number.parseFloat(style.paddingLeft || "0"), y: y + box.height / 2, "dominant-baseline": "central", "font-family": "sans-serif", "font-size": style.fontSize, "font-weight": style.fontWeight, fill: style.color }, words),
+            ];
+        });
     }
 
     /** Puts every name where its point is seen and no other name is. */

@@ -3,24 +3,32 @@
 import "./style.css";
 import "./view.css";
 import example from "../../robots/universal_robots/ur5e.urdf?raw";
-import { App, chain, chains, type Panel } from "./app";
+import { App, called, chain, chains, type Panel } from "./app";
 import { Calibrate } from "./calibrate";
 import { Compare } from "./compare";
 import { h } from "./dom";
 import type { RobotText } from "./engine";
-import { fromDrop, fromFiles, isFolder, isMesh, sandboxed, sorted, type Dropped, type Packages } from "./files";
+import { basename, fromDrop, fromFiles, isFolder, isMesh, sandboxed, sorted, type Dropped, type Packages } from "./files";
 import { Joints } from "./joints";
 import { Learn } from "./learn";
 import { unpacked } from "./meshes";
-import { read, written } from "./permalink";
+import { chosenRobot, read, written } from "./permalink";
+import { Playback, recording } from "./playback";
+import { postures } from "./postures";
 import { effects } from "./report";
+import { Ruler } from "./ruler";
 import { See } from "./see";
 import { placed } from "./table";
 
 const app = new App();
 const panels: Panel[] = [new See(app), new Compare(app), new Calibrate(app), new Learn(app)];
 let current = panels[0] as Panel;
-const joints = new Joints(app, () => current.moved?.());
+const ruler = new Ruler(app);
+const playback = new Playback(app, () => joints.refresh());
+const joints = new Joints(app, () => {
+    current.moved?.();
+    ruler.moved();
+}, { buttons: [ruler.button], below: [ruler.element, playback.element] });
 
 const busy = h("p", { class: "busy", hidden: true, role: "status" }, "reading …");
 const files = h("input", { type: "file", multiple: true, id: "files", "aria-label": "Files of a robot", change: () => void chosen(files) });
@@ -89,6 +97,9 @@ app.open = async (robot, meshes, packages) => {
         app.other = undefined;
         app.table = undefined;
         app.chosenRow = null;
+        app.postures = [];
+        ruler.turn(false);
+        playback.end();
         app.say("");
         start.hidden = true;
         work.hidden = false;
@@ -102,7 +113,9 @@ app.open = async (robot, meshes, packages) => {
                 app.q.set(joint.name, (joint.lower + joint.upper) / 2);
             }
         }
-        title.textContent = made.opened.robot || made.file;
+        title.textContent = called(made);
+        title.title = made.file;
+        app.view.element.setAttribute("aria-label", `3-D view of ${called(made)}; arrow keys turn it, + and - come near and go away`);
         document.title = `${title.textContent} · denavit explorer`;
         joints.fill();
         if (current.name === "Compare") current = panels[0] as Panel;
@@ -113,6 +126,7 @@ app.open = async (robot, meshes, packages) => {
 };
 
 app.refill = () => joints.fill();
+app.refresh = () => joints.refresh();
 
 app.changed = () => {
     joints.fill();
@@ -148,11 +162,18 @@ async function dropped(files: Promise<Dropped>): Promise<void> {
 /** What was dropped: a robot, two robots to compare, or measurements for the robot at hand. */
 async function take(dropped: Dropped): Promise<void> {
     if (dropped.size === 0) return;
-    const { robots, data, texts, names, packages } = sorted(dropped, app.robot && current.name === "Calibrate" ? "measurements" : "robots");
+    const { robots, data, texts, names, packages, semantics } = sorted(dropped, app.robot && current.name === "Calibrate" ? "measurements" : "robots");
+    const joined = semantics.flatMap((name) => postures(name.slice(1), texts[name] ?? ""));
+    // A list of joint values plays; it is no robot and no measurement.
+    if (app.robot && dropped.size === 1 && current.name !== "Calibrate") {
+        const [name, text] = Object.entries(texts)[0] ?? [];
+        const played = name !== undefined && text !== undefined && /\.(csv|tsv|txt)$/i.test(name) ? recording(app, name.slice(1), text) : undefined;
+        if (played) return playback.take(played);
+    }
     const meshes: Dropped = new Map([...dropped].filter(([name]) => isMesh(name)));
     // Names in messages are as people know them; the files beside are known from the top.
     const of = (name: string) => source(name.slice(1), texts[name] ?? "", texts, names);
-    const single = dropped.size <= 2 && meshes.size === 0;
+    const single = dropped.size - semantics.length <= 2 && meshes.size === 0;
     const [first, second] = robots;
     if (first !== undefined) {
         if (current.name === "Compare" && app.robot && robots.length === 1) await compare(of(first), meshes, packages);
@@ -161,6 +182,14 @@ async function take(dropped: Dropped): Promise<void> {
             if (second !== undefined && single) await compare(of(second), meshes, packages);
             else if (robots.length > 1) offer(robots, of, meshes, packages, first);
         }
+    }
+    if (joined.length > 0) {
+        if (!app.robot) throw new Error(`${semantics[0]?.slice(1)} holds named postures; drop the robot that they are of first, or both at once`);
+        app.postures = joined;
+        joints.fill();
+        if (first === undefined) return app.say(`${joined.length} named postures: choose one under "Posture"`);
+    } else if (semantics.length > 0 && first === undefined && data.length === 0) {
+        throw new Error(`${semantics[0]?.slice(1)} names no posture: it has no <group_state>`);
     }
     const table = data[0];
     if (table !== undefined) {
@@ -180,8 +209,14 @@ function offer(robots: string[], of: (name: string) => RobotText, meshes: Droppe
         await app.open(of(chosen), meshes, packages);
         offer(robots, of, meshes, packages, chosen);
     }) },
-        ...robots.map((name) => h("option", { value: name, selected: name === shown }, name.replace(/^\//, ""))));
+        ...robots.map((name) => {
+            // The file's own name first: folders are long, and alike.
+            const folder = name.slice(1, Math.max(1, name.lastIndexOf("/")));
+            return h("option", { value: name, selected: name === shown, title: name.slice(1) }, folder ? `${basename(name)} in ${folder}` : basename(name));
+        }));
+    pick.title = shown.slice(1);
     title.replaceChildren(pick);
+    app.say(`${robots.length} descriptions in this folder: ${basename(shown)} is shown, the others are in the list above`);
 }
 
 async function compare(robot: RobotText, meshes: Dropped, packages?: Packages): Promise<void> {
@@ -237,18 +272,29 @@ async function begin(): Promise<void> {
     const embedded = JSON.parse(document.getElementById("robots")?.textContent ?? "[]") as Embedded[];
     document.getElementById("robots")?.remove();
     const brought = embedded.map(taken);
+    // The gallery's way to a page for a robot of one's own.
+    if (location.hash === "#open") return;
+    const named = chosenRobot(location.hash);
+    if (named !== undefined) {
+        const at = embedded.findIndex(({ file }) => file === named);
+        if (at < 0) throw new Error(`the link names the robot "${named}", which is not in this page`);
+    }
     const [first, second] = linked?.robots.map((robot) => ({ robot, meshes: new Map() as Dropped })) ?? brought;
-    if (!first) return;
+    const begun = named === undefined ? first : brought[embedded.findIndex(({ file }) => file === named)];
+    if (!begun) return;
     if (linked) {
         app.convention = linked.convention;
         app.units = linked.units;
     }
-    await app.open(first.robot, first.meshes);
+    await app.open(begun.robot, begun.meshes);
     if (linked && app.robot) {
         for (const [name, value] of Object.entries(linked.q)) if (Number.isFinite(value)) app.q.set(name, value);
         joints.fill();
     }
-    if (second && (linked || brought.length === 2)) await compare(second.robot, second.meshes);
+    if (second && named === undefined && (linked || brought.length === 2)) {
+        (panels[1] as Compare).begins = !linked;
+        await compare(second.robot, second.meshes);
+    }
     const panel = panels.find((it) => it.name === linked?.tab);
     if (panel) await turnTo(panel);
     if (brought.length > 2 && !linked) {
@@ -256,11 +302,21 @@ async function begin(): Promise<void> {
         const names = embedded.map(({ file }, at) => (embedded.findIndex((it) => it.file === file) === at ? file : `${file} (${at + 1})`));
         const pick = h("select", { id: "which", "aria-label": "Robot", change: () => {
             const chosen = brought[names.indexOf(pick.value)];
-            if (chosen) void app.trying(() => app.open(chosen.robot, chosen.meshes));
-        } }, ...names.map((name) => h("option", { value: name }, name)));
+            if (chosen) {
+                void app.trying(async () => {
+                    await app.open(chosen.robot, chosen.meshes);
+                    title.replaceChildren(pick);
+                });
+            }
+        } }, ...names.map((name, at) => h("option", { value: name, selected: brought[at] === begun }, name)));
         title.replaceChildren(pick);
     }
 }
+
+// A link to another robot of the page, chosen while the page is open.
+addEventListener("hashchange", () => {
+    if (chosenRobot(location.hash) !== undefined) location.reload();
+});
 
 void app.trying(begin);
 

@@ -29,6 +29,12 @@ export async function written(app: App, tab: string): Promise<string> {
     return `#v1=${text}`;
 }
 
+/** The robot of the page that `#robot=FILE` names. */
+export function chosenRobot(hash: string): string | undefined {
+    const named = /^#robot=(.+)$/.exec(hash)?.[1];
+    return named === undefined ? undefined : decodeURIComponent(named);
+}
+
 export async function read(hash: string): Promise<Linked | undefined> {
     const text = /^#v1=([\w-]+)$/.exec(hash)?.[1];
     if (text === undefined) return undefined;

@@ -1,12 +1,13 @@
 // The 3-D view: robots by their links and joints, D-H frames with a, α, d, θ, arrows of what is left of measurements.
 
 import {
-    AmbientLight, ArrowHelper, DirectionalLight, GridHelper, Group, HemisphereLight, LineBasicMaterial, Matrix4, Object3D, PerspectiveCamera, Raycaster,
-    Scene as ThreeScene, Vector2, Vector3, WebGLRenderer,
+    AmbientLight, ArrowHelper, DirectionalLight, GridHelper, Group, HemisphereLight, Light, LineBasicMaterial, Matrix4, Mesh, MeshBasicMaterial, Object3D,
+    PerspectiveCamera, Raycaster, Scene as ThreeScene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { SVGRenderer } from "three/addons/renderers/SVGRenderer.js";
 import { Body, type Layer } from "./body";
-import { h } from "./dom";
+import { h, number, svg } from "./dom";
 import { clear, dispose, drawnStep, rod, segment, triad } from "./drawn";
 import type { Scene } from "./engine";
 import type { Dropped, Packages } from "./files";
@@ -14,6 +15,23 @@ import { type Label, Labels } from "./labels";
 import type { PlacedRow } from "./table";
 
 const LETTERS = { theta: "θ", d: "d", alpha: "α", a: "a", beta: "β" };
+
+/** More triangles make an SVG that no program opens. */
+const MOST_TRIANGLES = 60_000;
+/** Share of the lights' strength at which an SVG has the colours of the view. */
+const INK = 0.3;
+/** A pointer that goes farther between down and up has turned the view, pixels. */
+const STILL = 5;
+/** The origin of a frame is picked within this, pixels. */
+const NEAR = 10;
+
+/** A point of the robot that was clicked: on a link, in its frame, or the origin of a row's frame. */
+export interface Picked {
+    words: string;
+    link: string;
+    row: number | null;
+    local: Vector3;
+}
 
 export class View {
     readonly element: HTMLElement;
@@ -25,10 +43,16 @@ export class View {
     private readonly overlay = new Group();
     private readonly arrows = new Group();
     private readonly pointed = new Group();
+    private readonly ruled = new Group();
+    private down = new Vector2();
+    /** Told what of the robot is clicked, while somebody wants to know. */
+    onpick: ((picked: Picked) => void) | undefined;
     private readonly bodies: (Body | undefined)[] = [undefined, undefined];
     private readonly pointer = h("span", { class: "tag pointer", hidden: true });
     private readonly layers = new Map<Layer, boolean>();
     private rowNames: string[] = [];
+    /** Origins of the rows' frames, in the root's frame. */
+    private rowPlaces: Vector3[] = [];
     private grid: GridHelper | undefined;
     private started = false;
     private drawn = false;
@@ -130,6 +154,51 @@ export class View {
         return new Promise((resolve) => paper.toBlob((blob) => resolve(blob ?? undefined), "image/png"));
     }
 
+    /** The picture as it stands, as an SVG of triangles, lines and names. */
+    svg(): string {
+        const triangles = this.bodies.reduce((sum, body) => sum + (body?.triangles ?? 0), 0);
+        if (triangles > MOST_TRIANGLES) throw new Error(`the shapes have ${triangles} triangles, an SVG holds ${MOST_TRIANGLES}; hide the shapes, or take the PNG`);
+        const { clientWidth: width, clientHeight: height } = this.element;
+        const pen = new SVGRenderer();
+        pen.setSize(width, height);
+        pen.setPrecision(2);
+        // This renderer counts light otherwise than the graphics card.
+        this.light(INK);
+        pen.render(this.scene, this.camera);
+        this.light(1 / INK);
+        this.labels.place(this.camera, width, height);
+        const drawing = pen.domElement as unknown as SVGElement;
+        const paper = svg("rect", { x: -width / 2, y: -height / 2, width, height, fill: getComputedStyle(this.element).backgroundColor });
+        drawing.prepend(paper);
+        drawing.append(svg("g", { transform: `translate(${number(-width / 2)} ${number(-height / 2)})` }, ...this.labels.drawn(this.element)));
+        return new XMLSerializer().serializeToString(drawing);
+    }
+
+    private light(factor: number): void {
+        for (const object of this.scene.children) if (object instanceof Light) object.intensity *= factor;
+    }
+
+    /** A line between points of the root's frame, with its ends. */
+    rule(points: Vector3[]): void {
+        clear(this.ruled);
+        for (const point of points) {
+            const end = new Mesh(new SphereGeometry(this.size * 0.012, 16, 8), new MeshBasicMaterial({ color: 0xcc3311, depthTest: false }));
+            end.position.copy(point);
+            end.renderOrder = 4;
+            this.ruled.add(end);
+        }
+        const [from, to] = points;
+        if (from && to) {
+            const line = segment(from, to, 0xcc3311, 1);
+            (line.material as LineBasicMaterial).depthTest = false;
+            line.renderOrder = 4;
+            this.ruled.add(line);
+        }
+        const words = from && to ? [{ at: from.clone().lerp(to, 0.5), words: `${number(from.distanceTo(to) * 1000, 2)} mm`, kind: "chosen", first: true }] : [];
+        this.labels.set("rule", words);
+        this.draw();
+    }
+
     /** Makes the robot's shapes see-through, so that what lies inside is seen. */
     ghost(index: 0 | 1, opacity: number): void {
         this.bodies[index]?.ghost(opacity);
@@ -144,6 +213,7 @@ export class View {
         this.overlay.matrix.copy(from);
         this.overlay.matrixWorldNeedsUpdate = true;
         this.rowNames = rows.map((row) => row.label);
+        this.rowPlaces = rows.map((row) => new Vector3().setFromMatrixPosition(row.to).applyMatrix4(from));
         const size = this.scale(rows);
         const labels: Label[] = [];
         for (const [index, row] of rows.entries()) {
@@ -250,13 +320,17 @@ export class View {
         this.controls.addEventListener("change", () => this.draw());
         const sun = new DirectionalLight(0xffffff, 1.6);
         sun.position.set(2, -3, 4);
-        this.scene.add(new AmbientLight(0xffffff, 0.6), new HemisphereLight(0xffffff, 0x8899aa, 1.4), sun, this.overlay, this.arrows, this.pointed);
+        this.scene.add(new AmbientLight(0xffffff, 0.6), new HemisphereLight(0xffffff, 0x8899aa, 1.4), sun, this.overlay, this.arrows, this.pointed, this.ruled);
         new ResizeObserver(() => this.resize()).observe(this.element);
         canvas.addEventListener("pointermove", (event) => {
             if (event.buttons === 0) this.hover(event);
         });
         // A finger does not hover: it taps.
-        canvas.addEventListener("click", (event) => this.hover(event));
+        canvas.addEventListener("click", (event) => {
+            this.hover(event);
+            this.pick(event);
+        });
+        canvas.addEventListener("pointerdown", (event) => this.down.set(event.clientX, event.clientY));
         canvas.addEventListener("pointerleave", (event) => {
             if (event.pointerType === "mouse") this.unhover();
         });
@@ -274,13 +348,45 @@ export class View {
         this.draw();
     }
 
-    /** What is under the pointer: a frame and its row, or a link. */
-    private hover(event: MouseEvent): void {
+    private ray(event: MouseEvent): Raycaster {
         const box = this.element.getBoundingClientRect();
         const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
         const ray = new Raycaster();
         ray.setFromCamera(at, this.camera);
         ray.params.Line = { threshold: this.size * 0.012 };
+        return ray;
+    }
+
+    /** Tells which point of the robot is clicked: a frame stands before the shapes around it. */
+    private pick(event: MouseEvent): void {
+        if (!this.onpick || this.down.distanceTo(new Vector2(event.clientX, event.clientY)) > STILL) return;
+        const ray = this.ray(event);
+        const row = this.rowUnder(event) ?? (ray.intersectObjects(this.overlay.children, true).map((hit) => owner(hit.object, "row")).find((found) => found !== undefined) as number | undefined);
+        if (row !== undefined) {
+            this.onpick({ words: `frame ${this.rowNames[row] ?? row}`, link: "", row, local: new Vector3() });
+            return;
+        }
+        const hit = this.bodies[0] && ray.intersectObject(this.bodies[0].group, true).find((found) => seen(found.object) && owner(found.object, "link") !== undefined);
+        const link = hit && String(owner(hit.object, "link"));
+        const pose = link === undefined ? undefined : this.pose(0, link);
+        if (hit && link !== undefined && pose) this.onpick({ words: link, link, row: null, local: hit.point.clone().applyMatrix4(pose.clone().invert()) });
+    }
+
+    /** The row whose frame has its origin next to the pointer. */
+    private rowUnder(event: MouseEvent): number | undefined {
+        const box = this.element.getBoundingClientRect();
+        const apart = this.rowPlaces.map((place) => {
+            const seen = place.clone().project(this.camera);
+            return Math.hypot(box.left + ((seen.x + 1) / 2) * box.width - event.clientX, box.top + ((1 - seen.y) / 2) * box.height - event.clientY);
+        });
+        const least = Math.min(...apart);
+        return least <= NEAR ? apart.indexOf(least) : undefined;
+    }
+
+    /** What is under the pointer: a frame and its row, or a link. */
+    private hover(event: MouseEvent): void {
+        const box = this.element.getBoundingClientRect();
+        const ray = this.ray(event);
         const rows = ray.intersectObjects(this.overlay.children, true);
         const row = rows.map((hit) => owner(hit.object, "row")).find((found) => found !== undefined) as number | undefined;
         const body = this.bodies[0];
@@ -334,6 +440,12 @@ export class View {
         this.controls.update();
         this.draw();
     }
+}
+
+/** Whether an object and all that carry it are shown. */
+function seen(object: Object3D | null): boolean {
+    for (let at = object; at; at = at.parent) if (!at.visible) return false;
+    return true;
 }
 
 function owner(object: Object3D | null, key: string): unknown {
