@@ -7,6 +7,7 @@
 //! signs, so that a 6R arm takes some 150 multiplications with its Jacobian. No loop, no heap, no branch: the code takes the
 //! same time for every posture. Each file holds postures, poses and Jacobians of its own, and a self-test that compares them.
 
+mod inverse;
 mod program;
 mod render;
 

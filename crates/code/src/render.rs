@@ -1,8 +1,10 @@
 //! A program in a language.
 
+use crate::inverse::{Class, Inverse};
 use crate::program::{Factor, Program, Statement, Term, Value, needed};
 use denavit_dh::table::Table;
 use denavit_model::chain::Quantity;
+use denavit_model::nalgebra::Vector3;
 use denavit_model::{CompiledChain, JacobianFrame};
 use minijinja::{Environment, context};
 use serde::Serialize;
@@ -103,6 +105,29 @@ struct Case {
     jacobian: Vec<Vec<String>>,
 }
 
+/// The constants of a closed form, as the language writes them.
+#[derive(Serialize)]
+struct InverseShown {
+    wrist: bool,
+    axes: Vec<[String; 3]>,
+    points: Vec<[String; 3]>,
+    /// tip_from_base at zero, three rows.
+    tip_from_base: Vec<Vec<String>>,
+    centre: [String; 3],
+    side: [String; 3],
+    /// From the point of axis 3 to what the elbow carries, and to the point of axis 2; half the sum of their squares.
+    forearm: [String; 3],
+    upper: [String; 3],
+    half_squares: String,
+    /// What the centre has along axis 2, from the point of axis 1.
+    level: String,
+    third: String,
+    fourth: String,
+    slack: String,
+    reached: String,
+    same: String,
+}
+
 #[derive(Serialize)]
 struct CoordinateShown {
     index: usize,
@@ -158,6 +183,7 @@ pub fn code(table: &Table, options: Options) -> Result<String, CodeError> {
             unit: if coordinate.quantity == Quantity::Length { "m" } else { "rad" },
         })
         .collect();
+    let inverse = Inverse::of(&chain);
     let tolerance = match options.precision {
         Precision::Double => 1e-12,
         Precision::Single => 1e-4,
@@ -183,6 +209,10 @@ pub fn code(table: &Table, options: Options) -> Result<String, CodeError> {
                 jacobian => program.jacobian.iter().map(|row| row.iter().map(|v| writer.value(v)).collect::<Vec<_>>()).collect::<Vec<_>>(),
                 multiplications => multiplications(&for_pose),
                 jacobian_multiplications => multiplications(&for_jacobian),
+                inverse => minijinja::Value::from(minijinja::value::Serde(
+                    inverse.as_ref().ok().map(|inverse| writer.inverse(inverse, chain.size()))
+                )),
+                no_inverse => inverse.as_ref().err().copied(),
                 cases => minijinja::Value::from(minijinja::value::Serde(cases)),
                 tolerance => writer.number(tolerance * chain.size().max(1.0)),
             },
@@ -262,6 +292,40 @@ impl Writer {
             text.push('f');
         }
         text
+    }
+
+    fn inverse(&self, inverse: &Inverse, size: f64) -> InverseShown {
+        let vector = |vector: Vector3<f64>| [0, 1, 2].map(|row| self.number(vector[row]));
+        let Inverse { axes, points, .. } = inverse;
+        let wrist = inverse.class == Class::SphericalWrist;
+        let carried = if wrist { inverse.centre } else { points[3] };
+        let forearm = carried - points[2];
+        let upper = points[1] - points[2];
+        let tip_from_base = inverse.home.inverse().to_homogeneous();
+        // A root whose square is negative by rounding alone is 0; the self-test's bounds for solutions.
+        let (slack, reached, same) = match self.options.precision {
+            Precision::Double => (1e-12, 1e-9, 1e-6),
+            Precision::Single => (1e-5, 2e-3, 2e-2),
+        };
+        InverseShown {
+            wrist,
+            axes: axes.iter().map(|axis| vector(*axis)).collect(),
+            points: points.iter().map(|point| vector(*point)).collect(),
+            tip_from_base: (0..3)
+                .map(|row| (0..4).map(|column| self.number(tip_from_base[(row, column)])).collect())
+                .collect(),
+            centre: vector(inverse.centre),
+            side: vector(inverse.side),
+            forearm: vector(forearm),
+            upper: vector(upper),
+            half_squares: self.number(0.5 * (forearm.norm_squared() + upper.norm_squared())),
+            level: self.number(axes[1].dot(&(inverse.centre - points[0]))),
+            third: self.number(inverse.along[0]),
+            fourth: self.number(inverse.along[1]),
+            slack: self.number(slack),
+            reached: self.number(reached * size.max(1.0)),
+            same: self.number(same),
+        }
     }
 
     fn coordinate(&self, index: usize) -> String {

@@ -157,6 +157,26 @@ fn a_self_test_can_fail() {
     let broken = format!("{}= sin(q[1] + 1e-9){}", &text[..from], &text[from + "= sin(q[1])".len()..]);
     let file = written(folder.path(), "broken.py", &broken);
     assert!(!Command::new("python3").arg(file).status().unwrap().success());
+    // And so can that of inverse kinematics.
+    let broken = text.replace("atan2(-root if second else root, c)", "atan2(root, c)");
+    assert_ne!(broken, text);
+    let file = written(folder.path(), "one_branch.py", &broken);
+    assert!(!Command::new("python3").arg(file).status().unwrap().success());
+}
+
+#[test]
+fn arms_with_a_closed_form_have_inverse_kinematics_and_others_say_why_not() {
+    let options = Options { language: Language::Python, precision: Precision::Double };
+    let with: Vec<String> = tables()
+        .iter()
+        .filter(|table| code(table, options).unwrap().contains("def ik(pose, branch)"))
+        .map(|table| table.name.clone())
+        .collect();
+    for name in ["ur5e", "ur10", "irb120", "puma560"] {
+        assert!(with.iter().any(|it| it == name), "{name} is not among {with:?}");
+    }
+    let text = code(&of(&examples::scara_helical(), NearParallel::Dh), options).unwrap();
+    assert!(text.contains("No inverse kinematics in closed form: it has not six joints"), "{text}");
 }
 
 #[test]
