@@ -1,4 +1,4 @@
-//! From the text of a URDF, already read, to a chain; beside urdf-rs alone and the XML parser alone.
+//! From the text of a URDF, already read, to a chain, beside urdf-rs alone and the XML parser alone; of an MJCF to a robot.
 
 use denavit_benches::{ROBOTS, report, robot_file, robot_text};
 use denavit_model::{Reading, urdf};
@@ -7,6 +7,9 @@ use std::path::PathBuf;
 
 /// A large robot is named by the environment, since none is kept here: `benches/run` names the PR2.
 const LARGE: &str = "DENAVIT_LARGE_URDF";
+
+/// A model in MJCF, without includes: `benches/run` names one of 30 bodies where it is there.
+const MJCF: &str = "DENAVIT_MJCF";
 
 pub fn loading() {
     let small = ROBOTS.iter().map(|(robot, file, _)| ((*robot).to_owned(), robot_text(file)));
@@ -24,6 +27,22 @@ pub fn loading() {
         if urdf_rs::read_from_string(&text).is_ok() {
             report(&robot, "urdf-rs", "load", 1, || _ = black_box(urdf_rs::read_from_string(black_box(&text))));
         }
+    }
+    let model = std::env::var_os(MJCF).map(PathBuf::from).and_then(|path| {
+        Some((path.file_stem()?.to_string_lossy().into_owned(), std::fs::read_to_string(&path).ok()?))
+    });
+    if let Some((name, text)) = model {
+        let urdf = |text: &str| {
+            denavit_mjcf::read("model.xml", text, &mut |name| Err(format!("{name} is not read")))
+                .expect("a model in MJCF")
+        };
+        report(&name, "denavit, MJCF to a robot", "mjcf", 1, || {
+            black_box(urdf::read("model.xml", &urdf(black_box(&text))).expect("a robot"));
+        });
+        report(&name, "denavit, MJCF to the text of a URDF", "mjcf", 1, || _ = black_box(urdf(black_box(&text))));
+        report(&name, "roxmltree, the XML alone", "mjcf", 1, || {
+            black_box(roxmltree::Document::parse(black_box(&text)).expect("XML").root_element().range());
+        });
     }
     let (robot, file, _) = ROBOTS[0];
     let path = robot_file(file);

@@ -12,7 +12,7 @@ fuzz_target!(|text: &str| {
         Ok(made) => {
             if let Ok(robot) = urdf::read("fuzz.xml", &made) {
                 assert!(robot.inventory().items.iter().all(|item| item.place.line > 0 && !item.what.is_empty()));
-                let options = denavit_mjcf::WriteOptions { fix_inertia: true, mesh: &|_| None };
+                let options = denavit_mjcf::WriteOptions { fix_inertia: true, mesh: &|_| None, srdf: None };
                 let _ = denavit_mjcf::write(&robot, &options);
             }
         }

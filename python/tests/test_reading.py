@@ -211,3 +211,19 @@ def test_what_the_canonical_robot_must_have_said_of_it_is_said() -> None:
     assert any("1.5708" in note for note in robot.notes)
     kept = dn.load(UR5E).canonical(keep_link_frames=True)
     assert dn.diff(kept, dn.load(UR5E).canonical(link_frames="keep")).same
+
+
+MJCF = """<mujoco model="arm"><worldbody><body name="base"><geom size=".1"/><body name="tip" pos="0 0 .5">
+  <joint name="j" axis="0 1 0" range="-90 90"/><geom size=".1"/></body></body></worldbody></mujoco>"""
+SDF = """<sdf version="1.9"><model name="arm"><link name="base"/><link name="tip"><pose>0 0 .5 0 0 0</pose></link>
+  <joint name="j" type="revolute"><parent>base</parent><child>tip</child><axis><xyz>0 1 0</xyz>
+  <limit><lower>-1.5707963267948966</lower><upper>1.5707963267948966</upper></limit></axis></joint></model></sdf>"""
+
+
+@pytest.mark.parametrize(("name", "text"), [("arm.xml", MJCF), ("arm.sdf", SDF)], ids=["MJCF", "SDF"])
+def test_mjcf_and_sdf_are_robots(name: str, text: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    chain = dn.load(str(tmp_path / name)).chain()
+    turned = chain.fk([np.pi / 2])
+    np.testing.assert_allclose(np.asarray(turned)[:3, 3], [0, 0, 0.5], atol=1e-12)
+    np.testing.assert_allclose(np.asarray(turned)[:3, 0], [0, 0, -1], atol=1e-12)

@@ -573,6 +573,9 @@ pub struct DiffArguments {
     /// Joint zero offsets and senses do not matter
     #[arg(long)]
     pub up_to_zeros: bool,
+    /// One was made of the other by way of this format: what it cannot say does not count
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub through: Option<RobotFormatName>,
     /// Added, removed and renamed links, joints and frames matter, too
     #[arg(long)]
     pub count_names: bool,
@@ -663,6 +666,12 @@ pub struct ExportArguments {
     /// Change an inertia that no body can have to the nearest possible one, where the format refuses it
     #[arg(long)]
     pub fix_inertia: bool,
+    /// SRDF of the robot: an MJCF has its disabled collisions as excluded contacts and its states as keys
+    #[arg(long, value_name = "FILE")]
+    pub srdf: Option<String>,
+    /// Where the SRDF goes that an MJCF's excluded contacts and keys make
+    #[arg(long, value_name = "FILE")]
+    pub srdf_out: Option<PathBuf>,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -5,13 +5,15 @@ use denavit_model::Robot;
 use denavit_model::formats::Format;
 use denavit_model::robot::Geometry;
 
-/// Takes out of both what one of the two formats has no word for; what was taken, a line for each kind and side.
-pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism)) -> Vec<String> {
-    let (formats, mut notes) = ((a.0.source.format(), b.0.source.format()), Vec::new());
-    if formats.0 == formats.1 {
-        return notes;
-    }
-    for ((robot, mechanism), other) in [(a, formats.1), (b, formats.0)] {
+/// Takes out of both what one of the two formats, or one that they went through, has no word for; what was taken, a line for
+/// each kind and side.
+pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism), through: Option<Format>) -> Vec<String> {
+    let mut notes = Vec::new();
+    let formats: Vec<Format> = [a.0.source.format(), b.0.source.format()].into_iter().chain(through).collect();
+    let has = |format: Format| formats.contains(&format);
+    for (robot, mechanism) in [a, b] {
+        let own = robot.source.format();
+        let Some(other) = formats.iter().find(|format| **format != own) else { continue };
         let mut taken = |count: usize, what: &str| {
             if count > 0 {
                 notes.push(format!(
@@ -29,7 +31,12 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism)) -> Vec<St
             counts[0] += usize::from(joint.soft_limits.take().is_some());
             counts[1] += usize::from(joint.calibration.take().is_some());
             counts[2] += usize::from(joint.idle_range.take().is_some());
-            if formats.0 == Format::Mjcf || formats.1 == Format::Mjcf {
+            if has(Format::Sdf) {
+                // A negative limit is none in SDF.
+                joint.limits.velocity = joint.limits.velocity.filter(|velocity| *velocity >= 0.0);
+                joint.limits.effort = joint.limits.effort.filter(|effort| *effort >= 0.0);
+            }
+            if has(Format::Mjcf) {
                 counts[3] += usize::from(joint.limits.velocity.take().is_some());
                 // MuJoCo has no force range of 0, and no range without room.
                 joint.limits.effort = joint.limits.effort.filter(|effort| *effort > 0.0);
@@ -49,7 +56,7 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism)) -> Vec<St
         ]) {
             taken(count, what);
         }
-        if formats.0 == Format::Mjcf || formats.1 == Format::Mjcf {
+        if has(Format::Mjcf) {
             let mut left_out = 0;
             for body in &mut mechanism.bodies {
                 let before = body.shapes.len();

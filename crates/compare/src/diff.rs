@@ -60,7 +60,9 @@ pub fn compare(a: &Subject, b: &Subject, options: &Options) -> Result<Comparison
         _ => (a.mechanism(options.reading), b.mechanism(options.reading)),
     };
     let only_one = match (a, b) {
-        (Subject::Robot(one), Subject::Robot(other)) => across::level((one, &mut in_a), (other, &mut in_b)),
+        (Subject::Robot(one), Subject::Robot(other)) => {
+            across::level((one, &mut in_a), (other, &mut in_b), options.through)
+        }
         _ => Vec::new(),
     };
     if in_a.has_screws() != in_b.has_screws() {

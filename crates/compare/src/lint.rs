@@ -19,7 +19,7 @@ pub use rules::RULES;
 pub use sheet::Sheet;
 
 use crate::report::Level;
-use denavit_model::{Robot, urdf};
+use denavit_model::{Place, Robot, urdf};
 use finding::Found;
 
 /// A rule: what it looks for, why that matters, and how it looks.
@@ -107,6 +107,20 @@ pub fn check_and_read(
     }
     findings.sort_by(|one, other| (one.place.line, one.rule).cmp(&(other.place.line, other.rule)));
     (findings, read.ok())
+}
+
+/// Findings of [unreadable](RULES) for what keeps a description in another format from being a robot: places and sentences.
+pub fn refused(problems: &[(Place, String)], config: &Config) -> Vec<Finding> {
+    let rule = &rules::unreadable::RULE;
+    let Some(level) = config.level_of(rule) else { return Vec::new() };
+    let finding = |(place, message): &(Place, String)| Finding {
+        rule: rule.code,
+        level,
+        place: place.clone(),
+        message: message.clone(),
+        fix: Vec::new(),
+    };
+    problems.iter().map(finding).collect()
 }
 
 /// Whether findings make a check fail: at least one is an error.

@@ -7,25 +7,12 @@
 
 use denavit_export::sources::{Stated, read_vendor_table};
 use denavit_load::{NEARLY_PARALLEL, Options, Selection, TableOptions, from_text};
+use seeded::{Random, mutated};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        usize::try_from(self.next() % bound.max(1) as u64).unwrap()
-    }
-}
+#[path = "../../../tests/seeded.rs"]
+mod seeded;
 
 /// Words that matter to the readers.
 const WORDS: &str = "theta§alpha_i-1§d [in]§a (mm)§beta§offset§kind§pitch§scale§q1§q2 - 90°§-π/2§(§)§-§*§/§°§\"§'§|§,§;§\t§ §\n§│§├───┤§+---+§base§\
@@ -85,47 +72,17 @@ fn seeds() -> Vec<(String, String)> {
     found
 }
 
-fn changed(text: &str, others: &[(String, String)], random: &mut Random) -> String {
-    let words: Vec<&str> = WORDS.split('§').collect();
-    let mut letters: Vec<char> = text.chars().collect();
-    for _ in 0..=random.below(6) {
-        let at = random.below(letters.len() + 1);
-        let until = (at + 1 + random.below(12)).min(letters.len()).max(at);
-        let word = words[random.below(words.len())];
-        match random.below(6) {
-            0 => drop(letters.drain(at..until)),
-            1 => drop(letters.splice(at..at, word.chars())),
-            2 => drop(letters.splice(at..until, word.chars())),
-            3 => {
-                let copy: Vec<char> = letters[at..until].to_vec();
-                let to = random.below(letters.len() + 1);
-                drop(letters.splice(to..to, copy));
-            }
-            4 => {
-                let (_, other) = &others[random.below(others.len())];
-                let lines: Vec<&str> = other.lines().collect();
-                let line = format!("\n{}\n", lines[random.below(lines.len())]);
-                drop(letters.splice(at..at, line.chars()));
-            }
-            _ => {
-                if let Some(letter) = letters.get_mut(at) {
-                    *letter = char::from_u32(u32::try_from(random.below(0x2600)).unwrap()).unwrap_or('x');
-                }
-            }
-        }
-    }
-    letters.into_iter().collect()
-}
-
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let seconds: u64 = arguments.next().map_or(10, |word| word.parse().unwrap());
     let mut random = Random(arguments.next().map_or(1, |word| word.parse().unwrap()));
     let seeds = seeds();
+    let words: Vec<&str> = WORDS.split('§').collect();
     let (begin, mut executions, mut robots) = (Instant::now(), 0u64, 0u64);
     while begin.elapsed() < Duration::from_secs(seconds) {
         let (name, text) = &seeds[random.below(seeds.len())];
-        let text = changed(text, &seeds, &mut random);
+        let text = mutated(&[text, &seeds[random.below(seeds.len())].1], &words, 6, &mut random);
+        let text = String::from_utf8_lossy(&text).into_owned();
         let start = Instant::now();
         let mut options = Options::default();
         if std::path::Path::new(&name).extension().is_some_and(|ending| ending == "conf") {

@@ -6,7 +6,7 @@ use crate::{LoadError, read_text};
 use denavit_compare::Finding;
 use denavit_compare::lint::config::FILE_NAME;
 use denavit_compare::lint::{self, Config, ConfigError, Lookup};
-use denavit_model::{Inventory, Robot};
+use denavit_model::{Inventory, Place, Robot};
 use denavit_xacro::{PackageError, PackagePath, files};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -88,6 +88,11 @@ impl Rules {
             Err(error) => Lookup::NotFound(error.to_string()),
         };
         self.home.within(|| lint::check_and_read(file, text, &lookup, &self.config))
+    }
+
+    /// What keeps a description in another format from being a robot, as findings.
+    pub fn refused(&self, problems: &[(Place, String)]) -> Vec<Finding> {
+        lint::refused(problems, &self.config)
     }
 
     /// What the rules find in an SRDF that belongs to a robot, and what became of everything in it.

@@ -22,6 +22,7 @@ mod error;
 pub mod json;
 #[cfg(feature = "calibrate")]
 pub mod measured;
+mod merged;
 mod meshes;
 mod read;
 mod revision;
@@ -32,7 +33,7 @@ mod urdf_text;
 
 pub use canonical::{canonical, same_table};
 pub use checked::{CheckError, CheckOptions, Rules};
-pub use convert::{ConvertOptions, convert, sidecar_of};
+pub use convert::{ConvertOptions, convert, sidecar_of, srdf_of};
 pub use error::LoadError;
 pub use meshes::{MeshFile, Meshes, meshes};
 pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};

@@ -5,7 +5,11 @@
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Measurements, Units, poses, read, read_export, read_socket};
 use denavit_model::{Chain, Outcome, examples};
+use seeded::{Random, mutated};
 use std::time::{Duration, Instant};
+
+#[path = "../../../tests/seeded.rs"]
+mod seeded;
 
 fn rows(text: &str) -> Measurements {
     read("d.csv", text.as_bytes(), &examples::planar_arm(), Units::default()).unwrap().data
@@ -65,23 +69,6 @@ fn every_cell_is_understood_carried_or_reported() {
     let said: Vec<String> = loaded.notes.iter().map(ToString::to_string).collect();
     assert!(said.iter().any(|note| note.contains("above the header not read")), "{said:?}");
     assert!(said.iter().any(|note| note == "in 1 rows nothing was measured, lines 4"), "{said:?}");
-}
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        usize::try_from(self.next() % bound.max(1) as u64).unwrap()
-    }
 }
 
 /// Words that matter to the readers.
@@ -171,44 +158,6 @@ const SEEDS: &[&str] = &[
     "units = \"mm,deg\"\njoints = [\"column 1\", \"column 2\"]\nx = [\"a\", \"b\"]\neuler = { order = \"ZYX\", columns = [\"c\", \"d\", \"e\"] }\n",
 ];
 
-fn mutated(random: &mut Random) -> Vec<u8> {
-    let mut bytes = SEEDS[random.below(SEEDS.len())].as_bytes().to_vec();
-    for _ in 0..=random.below(4) {
-        let at = random.below(bytes.len() + 1);
-        match random.below(6) {
-            0 => {
-                let word = WORDS[random.below(WORDS.len())].as_bytes();
-                bytes.splice(at..at, word.iter().copied());
-            }
-            1 if at < bytes.len() => {
-                bytes[at] = (random.next() & 0xff) as u8;
-            }
-            2 => {
-                let end = (at + 1 + random.below(12)).min(bytes.len());
-                bytes.drain(at.min(end)..end);
-            }
-            3 => {
-                let end = (at + random.below(40)).min(bytes.len());
-                let part = bytes[at..end].to_vec();
-                let to = random.below(bytes.len() + 1);
-                bytes.splice(to..to, part);
-            }
-            4 => {
-                let word = WORDS[random.below(WORDS.len())].as_bytes();
-                let end = (at + random.below(6)).min(bytes.len());
-                bytes.splice(at..end, word.iter().copied());
-            }
-            _ => {
-                let other = SEEDS[random.below(SEEDS.len())].as_bytes();
-                let from = random.below(other.len());
-                bytes.truncate(at);
-                bytes.extend_from_slice(&other[from..]);
-            }
-        }
-    }
-    bytes
-}
-
 /// All readers on one input.
 fn read_all(bytes: &[u8], chain: &Chain, options: &[ImportOptions]) {
     let units = Units { length: 1e-3, angle: 1.0 };
@@ -265,7 +214,7 @@ fn no_input_makes_a_reader_panic_or_run_for_ever() {
         if enough {
             break;
         }
-        let bytes = mutated(&mut random);
+        let bytes = mutated(SEEDS, WORDS, 4, &mut random);
         let one = Instant::now();
         read_all(&bytes, &chain, &options);
         executions += 1;

@@ -17,6 +17,13 @@ use settings::{FromGeoms, Settings};
 use shape::Meshes;
 pub use shape::Shape;
 use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// Beyond this no hinge turns in rad, two turns and more: a round number is degrees.
+const LEAST_DEGREES: f64 = 15.0;
+
+/// A control range that goes beyond the joint's by less than this part of it is rounded, or holds against gravity.
+const BEYOND: f64 = 0.1;
 
 /// A line of a file, by its index.
 pub type At = (usize, usize);
@@ -79,6 +86,8 @@ pub struct Model {
     pub bodies: Vec<Body>,
     pub kept: Vec<Kept>,
     pub notes: Vec<(Place, String)>,
+    /// Notes of a rule of `check`.
+    pub findings: Vec<(String, Place, String)>,
     pub understood: usize,
 }
 
@@ -90,20 +99,22 @@ pub fn model(document: &Document, files: &mut Files) -> Result<Model, FormatErro
         meshes: Meshes::default(),
         kept: Vec::new(),
         notes: Vec::new(),
+        findings: Vec::new(),
+        hinges: Vec::new(),
         problems: Vec::new(),
         understood: 0,
         bodies: Vec::new(),
         unnamed: HashMap::new(),
     };
     reader.model(files);
-    let Reader { mut kept, notes, problems, understood, bodies, .. } = reader;
+    let Reader { mut kept, notes, findings, problems, understood, bodies, .. } = reader;
     if !problems.is_empty() {
         return Err(FormatError { problems });
     }
     let file = |kept: &Kept| document.files.iter().position(|file| *file == kept.loss.place.file);
     kept.sort_by_key(|kept| (file(kept), kept.loss.place.line));
     let name = document.root.get("model").unwrap_or_default().to_owned();
-    Ok(Model { name, bodies, kept, notes, understood })
+    Ok(Model { name, bodies, kept, notes, findings, understood })
 }
 
 struct Reader<'a> {
@@ -112,6 +123,9 @@ struct Reader<'a> {
     meshes: Meshes,
     kept: Vec<Kept>,
     notes: Vec<(Place, String)>,
+    findings: Vec<(String, Place, String)>,
+    /// Ranges of hinges as they are written, with their places.
+    hinges: Vec<(f64, f64, Place)>,
     problems: Vec<(Place, String)>,
     understood: usize,
     bodies: Vec<Body>,
@@ -189,6 +203,7 @@ impl Reader<'_> {
         }
         self.totals();
         self.others();
+        self.angle_unit();
         self.unique_names();
     }
 
@@ -200,6 +215,37 @@ impl Reader<'_> {
 
     fn note(&mut self, item: &Item, what: impl Into<String>) {
         self.notes.push((self.document.place(item), what.into()));
+    }
+
+    fn finding(&mut self, rule: &str, place: Place, what: impl Into<String>) {
+        self.findings.push((rule.to_owned(), place, what.into()));
+    }
+
+    /// Says where no hinge of a model in degrees turns as far as a model in rad may, or hinges of one in rad turn much farther.
+    fn angle_unit(&mut self) {
+        let farthest = |(lower, upper, _): &(f64, f64, Place)| lower.abs().max(upper.abs());
+        let in_degrees = self.settings.angles.unit != 1.0;
+        let hinges = std::mem::take(&mut self.hinges);
+        if in_degrees {
+            let turns = hinges.iter().map(farthest).fold(0.0, f64::max);
+            if let (true, Some((lower, upper, place))) = (turns > 0.0 && turns <= TAU + 0.1, hinges.first()) {
+                let many = if hinges.len() > 1 { format!(" ({} hinges alike)", hinges.len()) } else { String::new() };
+                let what = format!(
+                    "its range {lower} … {upper} counts in degrees{many}, which looks like radians; write <compiler angle=\"radian\"/>"
+                );
+                self.finding("angle-unit", place.clone(), what);
+            }
+            return;
+        }
+        for (lower, upper, place) in &hinges {
+            let is_round = |bound: f64| bound.abs() >= LEAST_DEGREES && (2.0 * bound).fract() == 0.0;
+            if is_round(*lower) || is_round(*upper) {
+                let what = format!(
+                    "its range {lower} … {upper} counts in radians, which looks like degrees; write radians, or <compiler angle=\"degree\"/>"
+                );
+                self.finding("angle-unit", place.clone(), what);
+            }
+        }
     }
 
     /// The value, or nothing where it is wrong, which is then reported.
@@ -513,6 +559,20 @@ impl Reader<'_> {
         }
         let read = self.joint_of(&resolved, stand);
         let Some(mut joint) = self.good(item, read) else { return };
+        if let (Kind::Hinge | Kind::Slide, Ok(Some(range))) = (joint.kind, numbers(&resolved, "range", 2..=2)) {
+            let (place, [lower, upper]) = (self.document.place(item), [range[0], range[1]]);
+            if joint.range.is_none() && lower < upper {
+                let fix = if resolved.get("limited") == Some("false") {
+                    "take limited=\"false\" out"
+                } else {
+                    "write limited=\"true\""
+                };
+                let what = format!("its range {lower} … {upper} has no effect; {fix}, or take the range out");
+                self.finding("range-without-effect", place, what);
+            } else if joint.kind == Kind::Hinge && lower < upper {
+                self.hinges.push((lower, upper, place));
+            }
+        }
         if joint.name.is_empty() {
             let owner = self.bodies[stand.body].name.clone();
             let word = match joint.kind {
@@ -758,6 +818,23 @@ impl Reader<'_> {
         };
         joint.effort = joint.effort.or(effort);
         joint.velocity = joint.velocity.or(velocity);
+        let range = joint.range;
+        self.servo(item, range);
+    }
+
+    /// Says where a position servo may be told to go beyond its joint's range.
+    fn servo(&mut self, item: &Item, range: Option<(f64, f64)>) {
+        let control = numbers(item, "ctrlrange", 2..=2).ok().flatten().filter(|control| control[0] < control[1]);
+        let (Some(control), Some((lower, upper)), "position") = (control, range, item.tag.as_str()) else { return };
+        let room = BEYOND * (upper - lower);
+        if control[0] < lower - room || control[1] > upper + room {
+            let what = format!(
+                "its ctrlrange {} … {} goes beyond the joint's range, {lower:.4} … {upper:.4}; write that, or inheritrange=\"1\"",
+                control[0], control[1]
+            );
+            let place = self.document.place(item);
+            self.finding("control-beyond-range", place, what);
+        }
     }
 
     /// Bodies and sites share URDF's one space of link names.

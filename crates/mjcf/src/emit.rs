@@ -5,9 +5,8 @@ use crate::document::Document;
 use crate::write::numbers;
 use denavit_model::formats::{Builder, Format};
 use denavit_model::nalgebra::Vector3;
-use denavit_model::robot::Geometry;
 use denavit_model::se3::{self, Pose};
-use denavit_model::write::escaped;
+use denavit_model::write::{self, escaped};
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
@@ -18,9 +17,10 @@ const NOTHING: f64 = 1e-15;
 pub fn urdf(document: &Document, model: &Model) -> String {
     let mut builder = Builder::new(Format::Mjcf, document.files[0].clone());
     builder.translation.files.clone_from(&document.files);
-    let Model { name, bodies, kept, notes, understood } = model;
+    let Model { name, bodies, kept, notes, findings, understood } = model;
     builder.translation.kept.clone_from(kept);
     builder.translation.notes.clone_from(notes);
+    builder.translation.findings.clone_from(findings);
     builder.translation.understood = *understood;
     let links = bodies
         .iter()
@@ -112,20 +112,7 @@ impl Text {
     fn shape(&mut self, shape: &Shape) {
         let Some(geometry) = &shape.geometry else { return };
         let name = shape.name.as_ref().map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
-        let geometry = match geometry {
-            Geometry::Box(edges) => format!("<box size=\"{}\"/>", numbers(edges)),
-            Geometry::Cylinder { radius, length } => format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>"),
-            Geometry::Capsule { radius, length } => format!("<capsule radius=\"{radius}\" length=\"{length}\"/>"),
-            Geometry::Sphere(radius) => format!("<sphere radius=\"{radius}\"/>"),
-            Geometry::Mesh { filename, scale } if *scale == [1.0; 3] => {
-                format!("<mesh filename=\"{}\"/>", escaped(filename))
-            }
-            Geometry::Mesh { filename, scale } => {
-                format!("<mesh filename=\"{}\" scale=\"{}\"/>", escaped(filename), numbers(scale))
-            }
-            _ => return,
-        };
-        let content = format!("{}<geometry>{geometry}</geometry>", origin(&shape.pose));
+        let content = format!("{}<geometry>{}</geometry>", origin(&shape.pose), write::geometry(geometry));
         if shape.seen {
             let colour = shape.rgba.map_or_else(String::new, |rgba| {
                 format!("<material name=\"\"><color rgba=\"{}\"/></material>", numbers(&rgba))

@@ -108,6 +108,7 @@ const ELEMENTS: &[Known] = &[
             "group",
             "rgba",
             "material",
+            "shellinertia",
         ],
         kept: &[
             "condim",
@@ -118,7 +119,6 @@ const ELEMENTS: &[Known] = &[
             "solimp",
             "margin",
             "gap",
-            "shellinertia",
             "hfield",
             "fluidshape",
             "fluidcoef",

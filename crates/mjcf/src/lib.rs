@@ -27,8 +27,10 @@ mod known;
 mod mass;
 mod mesh;
 mod place;
+mod srdf;
 mod write;
 
+pub use srdf::{Srdf, srdf};
 pub use write::{WriteOptions, write};
 
 use denavit_model::formats::FormatError;

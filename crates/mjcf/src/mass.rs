@@ -19,7 +19,7 @@ pub struct Mass {
     pub tensor: Matrix3<f64>,
 }
 
-/// A solid's volume (m³) and its inertia tensor about its centre for a density of 1 kg/m³.
+/// A solid's volume (m³), or a shell's area (m²), and its inertia tensor about its centre for a density of 1 kg/m³ or 1 kg/m².
 #[derive(Debug, Clone, Copy)]
 pub struct Solid {
     pub volume: f64,
@@ -63,6 +63,45 @@ impl Solid {
         let across = own + ball * (half * half + 0.75 * half * radius);
         let [x, z] = [middle.tensor[(0, 0)] + across, middle.tensor[(2, 2)] + own];
         Self::new(middle.volume + ball, [x, x, z])
+    }
+
+    /// The surface of a ball of this radius (m).
+    pub fn sphere_shell(radius: f64) -> Self {
+        let area = 4.0 * PI * radius * radius;
+        Self::new(area, [area * radius * radius * 2.0 / 3.0; 3])
+    }
+
+    /// The six faces of a box of half-edges a, b, c (m).
+    pub fn cuboid_shell(half: [f64; 3]) -> Self {
+        // Of both faces across each axis, the mean square along each.
+        let area = |axis: usize| 8.0 * half[(axis + 1) % 3] * half[(axis + 2) % 3];
+        let square = |face: usize, along: usize| half[along].powi(2) / if face == along { 1.0 } else { 3.0 };
+        let second = [0, 1, 2].map(|along| (0..3).map(|face| area(face) * square(face, along)).sum::<f64>());
+        let [x, y, z] = second;
+        Self::new((0..3).map(area).sum(), [y + z, x + z, x + y])
+    }
+
+    /// The side of a cylinder of this radius and half-length along z (m).
+    fn tube(radius: f64, half: f64) -> Self {
+        let area = 4.0 * PI * radius * half;
+        let across = area * (radius * radius / 2.0 + half * half / 3.0);
+        Self::new(area, [across, across, area * radius * radius])
+    }
+
+    /// Side and ends of a cylinder of this radius and half-length along z (m).
+    pub fn cylinder_shell(radius: f64, half: f64) -> Self {
+        let tube = Self::tube(radius, half);
+        let ends = 2.0 * PI * radius * radius;
+        let across = tube.tensor[(0, 0)] + ends * (radius * radius / 4.0 + half * half);
+        Self::new(tube.volume + ends, [across, across, tube.tensor[(2, 2)] + ends * radius * radius / 2.0])
+    }
+
+    /// The surface of a capsule of this radius and half-length along z without the caps (m).
+    pub fn capsule_shell(radius: f64, half: f64) -> Self {
+        let (tube, ball) = (Self::tube(radius, half), Self::sphere_shell(radius));
+        // A half sphere's centre is half the radius from its flat side.
+        let across = tube.tensor[(0, 0)] + ball.tensor[(0, 0)] + ball.volume * half * (half + radius);
+        Self::new(tube.volume + ball.volume, [across, across, tube.tensor[(2, 2)] + ball.tensor[(2, 2)]])
     }
 
     /// The solid with this mass (kg), placed.

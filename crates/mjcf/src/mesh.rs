@@ -1,4 +1,4 @@
-//! The solid that a mesh file bounds: STL, binary or text, and OBJ.
+//! The solid that a mesh file bounds: STL, binary or text, OBJ, and MuJoCo's own MSH.
 
 use crate::mass::Solid;
 use denavit_model::nalgebra::{Matrix3, Vector3};
@@ -15,6 +15,7 @@ pub fn triangles(name: &str, bytes: &[u8]) -> Result<Triangles, String> {
     let found = match ending.as_str() {
         "stl" => stl(bytes),
         "obj" => obj(bytes),
+        "msh" => msh(bytes),
         _ => return Err(format!("a .{ending} file is not read for its volume; give the body an <inertial>")),
     }?;
     if found.is_empty() {
@@ -41,6 +42,40 @@ fn stl(bytes: &[u8]) -> Result<Triangles, String> {
         corners.push(point(line.split_whitespace().skip(1))?);
     }
     Ok(corners.chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect())
+}
+
+/// Four counts, of vertices, normals, texture coordinates and faces; then these, numbers of 32 bits.
+fn msh(bytes: &[u8]) -> Result<Triangles, String> {
+    let word = |index: usize| bytes.get(4 * index..4 * index + 4).map(|b| [b[0], b[1], b[2], b[3]]);
+    let count = |index: usize| {
+        let count = word(index).map(i32::from_le_bytes).and_then(|count| usize::try_from(count).ok());
+        count.filter(|count| *count <= MOST)
+    };
+    let wrong = "it is no MSH file of MuJoCo: its length does not fit its counts";
+    let [Some(points), Some(normals), Some(coordinates), Some(faces)] = [0, 1, 2, 3].map(count) else {
+        return Err(wrong.into());
+    };
+    let first = 4 + 3 * points + 3 * normals + 2 * coordinates;
+    if bytes.len() != 4 * (first + 3 * faces) {
+        return Err(wrong.into());
+    }
+    let point = |index: usize| {
+        let numbers = [0, 1, 2].map(|k| word(4 + 3 * index + k).map(f32::from_le_bytes).map(f64::from));
+        let [Some(x), Some(y), Some(z)] = numbers else { return None };
+        [x, y, z].iter().all(|number| number.is_finite()).then(|| Vector3::new(x, y, z))
+    };
+    let corner = |at: usize| {
+        let index = word(at).map(i32::from_le_bytes).and_then(|index| usize::try_from(index).ok());
+        index
+            .filter(|index| *index < points)
+            .and_then(point)
+            .ok_or("a face names a vertex that is not there".to_owned())
+    };
+    let face = |index: usize| {
+        let at = first + 3 * index;
+        Ok([corner(at)?, corner(at + 1)?, corner(at + 2)?])
+    };
+    (0..faces).map(face).collect()
 }
 
 fn point<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vector3<f64>, String> {
@@ -89,9 +124,11 @@ pub enum Inside {
     Absolute,
     /// Signed: MuJoCo's `exact`, right for every closed surface.
     Signed,
+    /// Nothing: the surface has the mass, MuJoCo's `shell`.
+    Nothing,
 }
 
-/// The solid of a density of 1 kg/m³ inside a mesh.
+/// The solid of a density of 1 kg/m³ inside a mesh, or its surface of 1 kg/m².
 pub fn solid(triangles: &Triangles, inside: Inside) -> Result<Solid, String> {
     // From the centre of the surface, as MuJoCo does.
     let mut area = 0.0;
@@ -105,6 +142,17 @@ pub fn solid(triangles: &Triangles, inside: Inside) -> Result<Solid, String> {
         return Err("its triangles have no area".into());
     }
     middle /= area;
+    if inside == Inside::Nothing {
+        let mut second = Matrix3::zeros();
+        for corners in triangles {
+            let own = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0;
+            let [a, b, c] = corners.map(|corner| corner - middle);
+            let sum = a + b + c;
+            let squares = a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose();
+            second += squares * (own / 12.0);
+        }
+        return Ok(Solid { volume: area, centre: middle, tensor: Matrix3::identity() * second.trace() - second });
+    }
     let volume_of = |[a, b, c]: [Vector3<f64>; 3]| {
         let signed = a.dot(&b.cross(&c)) / 6.0;
         if inside == Inside::Absolute { signed.abs() } else { signed }

@@ -4,6 +4,7 @@ mod inertia;
 mod names;
 
 use crate::mass::LEAST;
+use crate::srdf::{self, Slot, Srdf};
 use denavit_model::formats::{FormatError, Loss, Written};
 use denavit_model::notes::Place;
 use denavit_model::placed::PlacedRobot;
@@ -24,6 +25,8 @@ pub struct WriteOptions<'a> {
     /// A mesh's file as MuJoCo is to find it, by what the robot calls it; `None`: as the robot writes it, a package's name as
     /// a folder.
     pub mesh: &'a dyn Fn(&str) -> Option<String>,
+    /// What stands beside the robot: its pairs whose contact does not count and its states are written, too.
+    pub srdf: Option<&'a Srdf>,
 }
 
 impl std::fmt::Debug for WriteOptions<'_> {
@@ -46,7 +49,7 @@ impl std::fmt::Debug for WriteOptions<'_> {
 /// let text = r#"<robot name="r"><link name="a"/><link name="b"/>
 ///   <joint name="j" type="continuous"><axis xyz="0 0 1"/><parent link="a"/><child link="b"/></joint></robot>"#;
 /// let robot = denavit_model::urdf::read("r.urdf", text)?;
-/// let written = denavit_mjcf::write(&robot, &denavit_mjcf::WriteOptions { fix_inertia: false, mesh: &|_| None })?;
+/// let written = denavit_mjcf::write(&robot, &denavit_mjcf::WriteOptions { fix_inertia: false, mesh: &|_| None, srdf: None })?;
 /// assert!(written.text.contains(r#"<joint name="j" type="hinge" axis="0 0 1"/>"#));
 /// assert!(written.losses[0].to_string().contains("has no mass"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -66,9 +69,19 @@ pub fn write(robot: &Robot, options: &WriteOptions) -> Result<Written, FormatErr
         assets_named: Names::default(),
         losses: Vec::new(),
         problems: Vec::new(),
+        qpos: Vec::new(),
+        body_of: HashMap::new(),
     };
     writer.all();
-    let Writer { out, assets, equalities, losses, problems, .. } = writer;
+    let (beside, beside_losses) = match options.srdf {
+        Some(srdf) => {
+            let body = |link: &str| writer.body_of.get(link).cloned();
+            srdf::sections(srdf, &writer.placed, &writer.qpos, &body)
+        }
+        None => Default::default(),
+    };
+    let Writer { out, assets, equalities, mut losses, problems, .. } = writer;
+    losses.extend(beside_losses);
     if !problems.is_empty() {
         return Err(FormatError { problems });
     }
@@ -83,6 +96,7 @@ pub fn write(robot: &Robot, options: &WriteOptions) -> Result<Written, FormatErr
     if !equalities.is_empty() {
         let _ = write!(text, "  <equality>\n{equalities}  </equality>\n");
     }
+    text.push_str(&beside);
     text.push_str("</mujoco>\n");
     Ok(Written { text, losses, sidecar: None, proof: Vec::new() })
 }
@@ -102,6 +116,10 @@ struct Writer<'a> {
     assets_named: Names,
     losses: Vec<Loss>,
     problems: Vec<(Place, String)>,
+    /// Every number of `qpos`, in MuJoCo's order.
+    qpos: Vec<Slot>,
+    /// What a link's body is called.
+    body_of: HashMap<String, String>,
 }
 
 /// Numbers with blanks between them; -0 is 0.
@@ -149,6 +167,7 @@ impl Writer<'_> {
             }
             let is_world = world && link == robot.root;
             if is_world {
+                self.body_of.insert(robot.links[link].name.clone(), "world".into());
                 self.link_parts(&robot.links[link], &indent, true);
             } else {
                 self.body(link, &indent);
@@ -187,6 +206,7 @@ impl Writer<'_> {
         if renamed {
             self.lose(own.at, owner, "its name", format!("MJCF has taken that name; the body is called \"{name}\""));
         }
+        self.body_of.insert(own.name.clone(), name.clone());
         let carrier = self.placed.carrier(link);
         let at = carrier.map_or_else(String::new, |joint| place(&robot.joints[joint].origin));
         let _ = writeln!(self.out, "{indent}<body name=\"{}\"{at}>", escaped(&name));
@@ -376,6 +396,7 @@ impl Writer<'_> {
             );
         }
         let name = escaped(&name);
+        self.slots(joint);
         let numbers_of = self.joint_numbers(joint);
         let mut lines: Vec<String> = Vec::new();
         match &joint.kind {
@@ -445,7 +466,7 @@ impl Writer<'_> {
                 );
             }
             JointKind::Unknown(word) if ["ball", "spherical"].contains(&word.as_str()) => {
-                lines.push(format!("name=\"{name}\" type=\"ball\""));
+                lines.push(format!("name=\"{name}\" type=\"ball\"{}", dynamics(joint)));
             }
             other => self.lose(joint.at, owner(), other.word(), "MJCF has no such joint; written as a fixed one"),
         }
@@ -463,6 +484,25 @@ impl Writer<'_> {
                 _ => self.element(owner(), element),
             }
         }
+    }
+
+    /// The numbers of `qpos` that a joint takes.
+    fn slots(&mut self, joint: &Joint) {
+        let index = self.robot.joint_index(&joint.name).unwrap_or(0);
+        let still = |numbers: &[f64]| numbers.iter().map(|number| Slot::Still(*number)).collect::<Vec<_>>();
+        let ball = [1.0, 0.0, 0.0, 0.0];
+        self.qpos.extend(match &joint.kind {
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => vec![Slot::Joint(index, 1.0)],
+            JointKind::Screw(pitch) => vec![Slot::Joint(index, 1.0), Slot::Joint(index, pitch.metres_per_radian())],
+            JointKind::Planar => still(&[0.0; 3]),
+            JointKind::Floating if joint.parent == self.robot.root && is_world(self.robot) => {
+                let [x, y, z, w] = se3::quaternion_xyzw(&se3::rotation_from_rpy(joint.origin.rpy));
+                still(&[&joint.origin.xyz[..], &[w, x, y, z]].concat())
+            }
+            JointKind::Floating => still(&[&[0.0; 3][..], &ball].concat()),
+            JointKind::Unknown(word) if ["ball", "spherical"].contains(&word.as_str()) => still(&ball),
+            _ => Vec::new(),
+        });
     }
 
     fn mimic(&mut self, joint: &Joint, name: &str) {
@@ -514,12 +554,13 @@ impl Writer<'_> {
             }
             _ => {}
         }
-        let dynamics = joint.dynamics();
-        for (word, value) in [("damping", dynamics.damping), ("frictionloss", dynamics.friction)] {
-            if value != 0.0 {
-                let _ = write!(out, " {word}=\"{value}\"");
-            }
-        }
-        out
+        out + &dynamics(joint)
     }
+}
+
+/// Damping and friction where they are not 0, as attributes.
+fn dynamics(joint: &Joint) -> String {
+    let dynamics = joint.dynamics();
+    let words = [("damping", dynamics.damping), ("frictionloss", dynamics.friction)];
+    words.iter().filter(|(_, value)| *value != 0.0).map(|(word, value)| format!(" {word}=\"{value}\"")).collect()
 }

@@ -315,3 +315,56 @@ fn something_unknown_in_every_position_is_reported() {
     }
     assert!(places > 15, "{places}");
 }
+
+/// The mass and principal moments that MuJoCo 4.0.0 compiles of the same.
+#[test]
+fn shells_weigh_what_mujoco_says() {
+    for (geom, mass, [x, y, z]) in [
+        ("type=\"sphere\" size=\".3\"", 2.261946710584651, [0.1357168, 0.1357168, 0.1357168]),
+        ("type=\"box\" size=\".1 .2 .3\"", 1.76, [0.10826667, 0.08426667, 0.04853333]),
+        ("type=\"cylinder\" size=\".1 .3\"", 0.879645943005142, [0.03801327, 0.03801327, 0.00816814]),
+        ("type=\"capsule\" size=\".1 .3\"", 1.0053096491487339, [0.05822418, 0.05822418, 0.00921534]),
+    ] {
+        let robot = body("", &format!("<joint/><geom {geom} shellinertia=\"true\" density=\"2\"/>"));
+        let inertial = robot.links.iter().find(|link| link.name == "b").unwrap().inertial.as_ref().unwrap();
+        assert!((inertial.mass - mass).abs() < 1e-14, "{geom}: {}", inertial.mass);
+        for (index, moment) in [x, y, z].into_iter().enumerate() {
+            assert!((inertial.tensor[(index, index)] - moment).abs() < 6e-9, "{geom}: {}", inertial.tensor);
+        }
+    }
+    let unknown = body("", "<joint/><geom type=\"ellipsoid\" size=\".1 .2 .3\" shellinertia=\"true\"/>");
+    assert!(unknown.notes.iter().any(|note| note.to_string().contains("ellipsoid")), "{:?}", unknown.notes);
+}
+
+/// Six corners and eight faces in MuJoCo's own format; the figures are those that MuJoCo 4.0.0 compiles.
+#[test]
+fn meshes_of_mujocos_own_format_weigh_what_mujoco_says() {
+    let corners: [[f32; 3]; 6] =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 0.2], [0.5, 0.5, -1.0]];
+    let faces: [[i32; 3]; 8] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4], [1, 0, 5], [2, 1, 5], [3, 2, 5], [0, 3, 5]];
+    let mut bytes: Vec<u8> = [6, 0, 0, 8_i32].iter().flat_map(|count| count.to_le_bytes()).collect();
+    bytes.extend(corners.iter().flatten().flat_map(|number| number.to_le_bytes()));
+    bytes.extend(faces.iter().flatten().flat_map(|number| number.to_le_bytes()));
+    for (inertia, mass, [x, y, z]) in [
+        ("legacy", 400.0, [37.6, 37.6, 40.0]),
+        ("exact", 400.0, [37.6, 37.6, 40.0]),
+        ("shell", 3313.100941140352, [519.01639929, 519.01639929, 552.18349019]),
+    ] {
+        let text = format!(
+            "<mujoco><asset><mesh name=\"m\" file=\"m.msh\" inertia=\"{inertia}\"/></asset><worldbody><body name=\"b\"><freejoint/>\
+             <geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>"
+        );
+        let urdf = denavit_mjcf::read("m.xml", &text, &mut |_| Ok(bytes.clone())).unwrap();
+        let robot = urdf::read("m.xml", &urdf).unwrap();
+        let inertial = robot.links.iter().find_map(|link| link.inertial.as_ref()).unwrap();
+        // Corners are numbers of 32 bits.
+        assert!((inertial.mass / mass - 1.0).abs() < 1e-8, "{inertia}: {}", inertial.mass);
+        for (index, moment) in [x, y, z].into_iter().enumerate() {
+            assert!((inertial.tensor[(index, index)] / moment - 1.0).abs() < 1e-7, "{inertia}: {}", inertial.tensor);
+        }
+        let mut broken = bytes.clone();
+        broken.truncate(100);
+        let urdf = denavit_mjcf::read("m.xml", &text, &mut |_| Ok(broken.clone())).unwrap();
+        assert!(urdf.contains("no MSH file of MuJoCo"), "{urdf}");
+    }
+}

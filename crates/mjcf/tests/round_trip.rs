@@ -8,7 +8,7 @@ use denavit_model::{Reading, Robot, se3, urdf};
 use proptest::prelude::*;
 
 fn written(robot: &Robot) -> denavit_model::formats::Written {
-    denavit_mjcf::write(robot, &WriteOptions { fix_inertia: false, mesh: &|_| None })
+    denavit_mjcf::write(robot, &WriteOptions { fix_inertia: false, mesh: &|_| None, srdf: None })
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -103,13 +103,15 @@ fn what_no_body_can_have_is_refused_or_changed_by_choice() {
     let text = "<robot name=\"r\"><link name=\"a\"/>\n<link name=\"b\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"3\"/>
       </inertial></link><joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>";
     let robot = urdf::read("r.urdf", text).unwrap();
-    let error =
-        denavit_mjcf::write(&robot, &WriteOptions { fix_inertia: false, mesh: &|_| None }).unwrap_err().to_string();
+    let error = denavit_mjcf::write(&robot, &WriteOptions { fix_inertia: false, mesh: &|_| None, srdf: None })
+        .unwrap_err()
+        .to_string();
     assert!(
         error.starts_with("r.urdf:2: link \"b\": no body has the principal moments") && error.contains("fix-inertia"),
         "{error}"
     );
-    let changed = denavit_mjcf::write(&robot, &WriteOptions { fix_inertia: true, mesh: &|_| None }).unwrap();
+    let changed =
+        denavit_mjcf::write(&robot, &WriteOptions { fix_inertia: true, mesh: &|_| None, srdf: None }).unwrap();
     assert!(changed.losses.iter().any(|loss| loss.what == "its inertia"));
     assert!(changed.text.contains("diaginertia=\"1.5"), "{}", changed.text);
 }

@@ -136,6 +136,8 @@ pub struct Translation {
     pub kept: Vec<Kept>,
     /// What was read otherwise than it is written, or needs a word: place and sentence.
     pub notes: Vec<(Place, String)>,
+    /// Notes that are findings of a rule of `check`: its name, place and sentence.
+    pub findings: Vec<(String, Place, String)>,
     /// How many elements and attributes were understood.
     pub understood: usize,
     /// How many lines of the text stand up to the end of the instruction.
@@ -154,6 +156,7 @@ impl Translation {
             lines: Vec::new(),
             kept: Vec::new(),
             notes: Vec::new(),
+            findings: Vec::new(),
             understood: 0,
             header: 0,
         }
@@ -192,6 +195,9 @@ impl Translation {
                 ["note", file, line, element, what] => {
                     result.notes.push((place(file, line, element)?, what.to_owned()));
                 }
+                ["finding", rule, file, line, element, what] => {
+                    result.findings.push((rule.to_owned(), place(file, line, element)?, what.to_owned()));
+                }
                 [kind @ ("kept" | "unknown"), file, line, element, what, why, text] => result.kept.push(Kept {
                     loss: Loss { place: place(file, line, element)?, what: what.to_owned(), why: why.to_owned() },
                     text: text.to_owned(),
@@ -207,7 +213,9 @@ impl Translation {
 
     /// What must be said of the reading: the notes, then one for each kind of thing that is not understood.
     pub(crate) fn reader_notes(&self) -> Vec<Note> {
-        let own = self.notes.iter().map(|(place, what)| Note::Mended { place: place.clone(), what: what.clone() });
+        let found = self.findings.iter().map(|(_, place, what)| (place, what));
+        let own = self.notes.iter().map(|(place, what)| (place, what)).chain(found);
+        let own = own.map(|(place, what)| Note::Mended { place: place.clone(), what: what.clone() });
         let mut notes: Vec<Note> = own.collect();
         let unknown: Vec<&Kept> = self.kept.iter().filter(|kept| !kept.understood).collect();
         let kind = |kept: &Kept| kept.loss.what.split('=').next().unwrap_or_default().to_owned();
@@ -238,6 +246,9 @@ impl Translation {
         record(&["understood", &self.understood.to_string()]);
         for (place, what) in &self.notes {
             record(&["note", &place.file, &place.line.to_string(), &place.element, what]);
+        }
+        for (rule, place, what) in &self.findings {
+            record(&["finding", rule, &place.file, &place.line.to_string(), &place.element, what]);
         }
         for Kept { loss: Loss { place, what, why }, text, understood } in &self.kept {
             let kind = if *understood { "kept" } else { "unknown" };
@@ -404,6 +415,7 @@ mod tests {
         builder.translation.understood = 12;
         let place = Place { file: "part?>.sdf".into(), line: 3, element: "plugin \"p\"".into() };
         builder.translation.notes.push((place.clone(), "a\ttab".into()));
+        builder.translation.findings.push(("rule".into(), place.clone(), "found".into()));
         builder.translation.kept.push(Kept {
             loss: Loss { place, what: "<plugin>".into(), why: "no word".into() },
             text: "<plugin\n a:b=\"?>\"/>".into(),
@@ -425,7 +437,7 @@ mod tests {
         assert_eq!(robot.source.place(robot.links[0].at, "x").to_string(), "part?>.sdf:8: x");
         let inventory = robot.inventory();
         assert_eq!(inventory.reported().map(|item| item.what.as_str()).collect::<Vec<_>>(), ["<plugin>"]);
-        assert_eq!(robot.notes.len(), 2, "{:?}", robot.notes);
+        assert_eq!(robot.notes.len(), 3, "{:?}", robot.notes);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use crate::element::{Element, ElementNode};
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Origin, Robot, Shape};
 use crate::se3;
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -31,10 +31,10 @@ pub fn urdf(robot: &Robot) -> String {
     }
     out.push_str(">\n");
     for link in &robot.links {
-        link_text(&mut out, link);
+        out.push_str(&self::link(link));
     }
     for joint in &robot.joints {
-        joint_text(&mut out, robot, joint);
+        out.push_str(&self::joint(robot, joint));
     }
     for further in &robot.elements {
         let _ = writeln!(out, "  {}", element(further));
@@ -93,11 +93,13 @@ fn prefixes(robot: &Robot) -> BTreeSet<&str> {
     found
 }
 
-fn numbers(values: &[f64]) -> String {
+/// Numbers with blanks between them, each so that it reads back as itself.
+pub fn numbers(values: &[f64]) -> String {
     values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-fn origin(origin: &Origin) -> String {
+/// An `<origin>`; empty where it is the identity and nothing else was written.
+pub fn origin(origin: &Origin) -> String {
     let unwritten = origin.rpy_written.is_none() && origin.quat_written.is_none();
     if origin.xyz == [0.0; 3] && origin.rpy == [0.0; 3] && unwritten {
         return String::new();
@@ -127,38 +129,44 @@ fn origin(origin: &Origin) -> String {
     format!("<origin xyz=\"{}\" rpy=\"{} {} {}\"/>", numbers(&origin.xyz), angle(0), angle(1), angle(2))
 }
 
-fn link_text(out: &mut String, link: &Link) {
+/// A `<link>` with everything in it, lines with their ends.
+pub fn link(link: &Link) -> String {
     let mut parts: Vec<String> = Vec::new();
     parts.extend(link.inertial.as_ref().map(inertial));
     parts.extend(link.visuals.iter().map(|visual| shape("visual", visual)));
     parts.extend(link.collisions.iter().map(|collision| shape("collision", collision)));
     parts.extend(link.elements.iter().map(element));
-    with_parts(out, &format!("link name=\"{}\"", escaped(&link.name)), "link", &parts);
+    with_parts(&format!("link name=\"{}\"", escaped(&link.name)), "link", &parts)
 }
 
-fn with_parts(out: &mut String, open: &str, tag: &str, parts: &[String]) {
+fn with_parts(open: &str, tag: &str, parts: &[String]) -> String {
     if parts.is_empty() {
-        let _ = writeln!(out, "  <{open}/>");
-        return;
+        return format!("  <{open}/>\n");
     }
-    let _ = writeln!(out, "  <{open}>");
+    let mut out = format!("  <{open}>\n");
     for part in parts.iter().filter(|part| !part.is_empty()) {
         let _ = writeln!(out, "    {part}");
     }
     let _ = writeln!(out, "  </{tag}>");
+    out
 }
 
-fn inertial(inertial: &Inertial) -> String {
-    let t = &inertial.tensor;
+/// An `<inertial>`.
+pub fn inertial(inertial: &Inertial) -> String {
+    let (at, tensor) = (origin(&inertial.origin), inertia(&inertial.tensor));
+    format!("<inertial>{at}<mass value=\"{}\"/>{tensor}</inertial>", inertial.mass)
+}
+
+/// An `<inertia>`.
+pub fn inertia(t: &Matrix3<f64>) -> String {
     let entries = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
     let tensor = entries.map(|(name, row, column)| format!(" {name}=\"{}\"", t[(row, column)])).concat();
-    let at = origin(&inertial.origin);
-    format!("<inertial>{at}<mass value=\"{}\"/><inertia{tensor}/></inertial>", inertial.mass)
+    format!("<inertia{tensor}/>")
 }
 
-fn shape(tag: &str, shape: &Shape) -> String {
-    let name = shape.name.as_ref().map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
-    let geometry = match &shape.geometry {
+/// What stands in a `<geometry>`; empty where the robot's text has nothing there.
+pub fn geometry(geometry: &Geometry) -> String {
+    match geometry {
         Geometry::Box(edges) => format!("<box size=\"{}\"/>", numbers(edges)),
         Geometry::Cylinder { radius, length } => format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>"),
         Geometry::Capsule { radius, length } => format!("<capsule radius=\"{radius}\" length=\"{length}\"/>"),
@@ -171,12 +179,19 @@ fn shape(tag: &str, shape: &Shape) -> String {
         }
         Geometry::Other(word) if word.is_empty() => String::new(),
         Geometry::Other(word) => format!("<{word}/>"),
-    };
+    }
+}
+
+/// A `<visual>` or `<collision>`, by its tag.
+pub fn shape(tag: &str, shape: &Shape) -> String {
+    let name = shape.name.as_ref().map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
+    let geometry = geometry(&shape.geometry);
     let further: String = shape.elements.iter().map(element).collect();
     format!("<{tag}{name}>{}<geometry>{geometry}</geometry>{further}</{tag}>", origin(&shape.origin))
 }
 
-fn joint_text(out: &mut String, robot: &Robot, joint: &Joint) {
+/// A `<joint>` with everything in it, lines with their ends.
+pub fn joint(robot: &Robot, joint: &Joint) -> String {
     let link = |index: usize| escaped(robot.links.get(index).map_or("", |link| link.name.as_str()));
     let mut parts = vec![
         origin(&joint.origin),
@@ -212,5 +227,5 @@ fn joint_text(out: &mut String, robot: &Robot, joint: &Joint) {
     };
     parts.extend(others.into_iter().map(element));
     let open = format!("{tag} name=\"{}\" type=\"{}\"", escaped(&joint.name), escaped(joint.kind.word()));
-    with_parts(out, &open, tag, &parts);
+    with_parts(&open, tag, &parts)
 }

@@ -27,9 +27,20 @@ pub(crate) fn of_link<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Lin
     let step = within(reader, model, link.frame, link.scope, inertial)?;
     let mass = match inertial.child("mass") {
         Some(part) => value(reader, part)?,
-        None => "1".to_owned(),
+        None => {
+            reader.finding(
+                "default-inertia",
+                link.part,
+                "its <inertial> has no <mass>, and SDF's default is read: 1 kg",
+            );
+            "1".to_owned()
+        }
     };
     let inertia = inertial.child("inertia");
+    if inertia.is_none() {
+        let what = "its <inertial> has no <inertia>, and SDF's default is read: 1 kg·m² about each axis";
+        reader.finding("default-inertia", link.part, what);
+    }
     let mut entries = Vec::new();
     for (tag, default) in ENTRIES {
         entries.push(match inertia.and_then(|inertia| inertia.child(tag)) {
@@ -49,7 +60,7 @@ pub(crate) fn say_defaults(reader: &mut Reader) {
     if let Some(first) = defaults.first() {
         let many = if defaults.len() > 1 { format!(" ({} links)", defaults.len()) } else { String::new() };
         let what = format!("there is no <inertial>{many}; SDF's default is read, 1 kg and 1 kg·m² about each axis");
-        reader.note(*first, what);
+        reader.finding("default-inertia", *first, what);
     }
 }
 

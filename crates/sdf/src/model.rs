@@ -130,6 +130,8 @@ pub(crate) struct Reader<'a> {
     pub understood: usize,
     /// Links without `<inertial>`.
     pub defaults: Vec<Part<'a>>,
+    /// Notes of a rule of `check`.
+    pub findings: Vec<(String, denavit_model::Place, String)>,
     wanted: Vec<Wanted<'a>>,
     /// Prefixes of included models that were not found, with their URI and the reason.
     missing: Vec<(String, String, String)>,
@@ -147,6 +149,7 @@ impl<'a> Reader<'a> {
             kept: Vec::new(),
             understood: 0,
             defaults: Vec::new(),
+            findings: Vec::new(),
             wanted: Vec::new(),
             missing: Vec::new(),
             into_missing: Vec::new(),
@@ -167,6 +170,12 @@ impl<'a> Reader<'a> {
     pub fn problem(&mut self, part: Part, kind: Kind) {
         let place = self.place_in(part);
         self.problems.push(SdfProblem { place, kind });
+    }
+
+    /// A note of a rule of `check`.
+    pub fn finding(&mut self, rule: &str, part: Part, what: impl Into<String>) {
+        let place = self.place_in(part);
+        self.findings.push((rule.to_owned(), place, what.into()));
     }
 
     pub fn note(&mut self, part: Part, what: impl Into<String>) {

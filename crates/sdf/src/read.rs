@@ -145,6 +145,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         let mut builder = Builder::new(Format::Sdf, self.reader.sources.files[0].name.clone());
         builder.translation.files = self.reader.sources.files.iter().map(|file| file.name.clone()).collect();
         builder.translation.notes = std::mem::take(&mut self.reader.notes);
+        builder.translation.findings = std::mem::take(&mut self.reader.findings);
         builder.translation.kept = std::mem::take(&mut self.reader.kept);
         builder.translation.understood = self.reader.understood;
         let first = self.line_of(self.model.part);

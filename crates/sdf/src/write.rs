@@ -52,15 +52,11 @@ pub fn write(robot: &Robot) -> Result<Written, FormatError> {
     let carriers = robot.carriers();
     let further = Further::of(robot);
     let parts: Vec<Part> = (0..robot.links.len()).map(|link| part(robot, link, carriers[link], &further)).collect();
-    let mut writer = Writer {
-        robot,
-        names: Names::of(robot, &parts),
-        parts,
-        further,
-        out: String::new(),
-        losses: Vec::new(),
-        problems: Vec::new(),
-    };
+    let mut further = further;
+    let names = Names::of(robot, &parts);
+    further.rename(&names);
+    let mut writer =
+        Writer { robot, names, parts, further, out: String::new(), losses: Vec::new(), problems: Vec::new() };
     writer.model();
     if !writer.problems.is_empty() {
         return Err(FormatError { problems: writer.problems });

@@ -10,6 +10,8 @@ mod features;
 mod limits;
 mod mutation;
 mod packages;
+#[path = "../../../tests/seeded.rs"]
+mod seeded;
 mod support;
 mod vendor;
 mod xml;

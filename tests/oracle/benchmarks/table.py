@@ -19,6 +19,7 @@ TABLES = [
     ("Jacobian and pose, one configuration", "jacobian", "pinocchio (C++)"),
     ("Forward kinematics, a batch of 1000, per configuration on one core", "batch", "pinocchio (C++)"),
     ("Loading a URDF that is in memory (pinocchio, yourdfpy, roboticstoolbox: from the file)", "load", "urdf-rs"),
+    ("Reading an MJCF that is in memory (MuJoCo: from the file)", "mjcf", "MuJoCo, parsed and compiled"),
     ("The whole process, one robot", "process", None),
 ]
 

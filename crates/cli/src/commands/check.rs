@@ -11,7 +11,7 @@ use crate::source;
 use baseline::{Known, Recorded};
 use denavit_compare::lint::{self, srdf};
 use denavit_compare::report::{self, FileInventory, Report};
-use denavit_load::{CheckOptions, Rules, UrdfText};
+use denavit_load::{CheckOptions, LoadError, Rules, UrdfText};
 use denavit_model::Robot;
 use fixed::Fixed;
 use std::fmt::Write as _;
@@ -160,6 +160,12 @@ impl<'a> Checked<'a> {
             let rules = Rules::of(&file, &self.options())?;
             let urdf = match source::urdf_text(&file, written, self.source) {
                 Ok(urdf) => urdf,
+                // A model in another format is refused with all that is wrong with it, as a URDF is.
+                Err(Failure::Load(LoadError::Format(error))) => {
+                    let findings = rules.refused(&error.problems);
+                    self.files.push(File { name: name.clone(), findings, inventory: None });
+                    continue;
+                }
                 Err(failure) => {
                     self.any_is_xacro = true;
                     self.go_on_without(failure, names)?;

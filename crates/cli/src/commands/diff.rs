@@ -1,6 +1,6 @@
 //! `denavit diff`: how two robots differ.
 
-use crate::args::DiffArguments;
+use crate::args::{DiffArguments, RobotFormatName};
 use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::Status;
@@ -45,6 +45,7 @@ fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
         samples: arguments.samples as usize,
         seed: arguments.seed,
         reading: super::reading(arguments.exact),
+        through: arguments.through.map(RobotFormatName::format),
         ..Options::default()
     })
 }

@@ -29,7 +29,12 @@ pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
             return converted(arguments, Format::Urdf, &file, &text);
         }
     }
-    for (given, option) in [(arguments.proof, "--proof"), (arguments.fix_inertia, "--fix-inertia")] {
+    for (given, option) in [
+        (arguments.proof, "--proof"),
+        (arguments.fix_inertia, "--fix-inertia"),
+        (arguments.srdf.is_some(), "--srdf"),
+        (arguments.srdf_out.is_some(), "--srdf-out"),
+    ] {
         if given {
             return Err(Failure::Argument(format!(
                 "{option} is for a conversion; say to which format: --to mjcf, sdf or urdf"
@@ -63,18 +68,45 @@ fn by_name(arguments: &ExportArguments) -> Option<Format> {
 /// Writes the robot in another format, with what it lost beside it.
 fn converted(arguments: &ExportArguments, to: Format, file: &str, text: &str) -> Result<Status, Failure> {
     let robot = &arguments.robot;
-    let mut outputs = Outputs::beside(robot.files());
+    if arguments.fix_inertia && to != Format::Mjcf {
+        let name = to.name();
+        return Err(Failure::Argument(format!(
+            "--fix-inertia: {name} takes every inertia as it is; leave the option out"
+        )));
+    }
+    if arguments.srdf.is_some() && to != Format::Mjcf {
+        let name = to.name();
+        return Err(Failure::Argument(format!(
+            "--srdf: {name} says nothing of what an SRDF says; keep the SRDF beside it"
+        )));
+    }
+    let srdf = arguments.srdf.as_deref().map(source::read_text).transpose()?;
+    let mut outputs = Outputs::beside(robot.files().chain(arguments.srdf.as_deref()));
     let place = arguments.output.as_deref().unwrap_or(Path::new("-"));
     let own = outputs.add("--output", place)?;
     let to_file = !outputs.take_standard_output();
     let sidecar = to_file.then(|| denavit_load::sidecar_of(place));
     let beside = sidecar.as_ref().map(|sidecar| outputs.add("--output", sidecar)).transpose()?;
+    let of_srdf = outputs.add_if("--srdf-out", arguments.srdf_out.as_deref())?;
     let source = source::options(&robot.source)?;
     let output = arguments.output.as_deref().filter(|_| to_file);
-    let options = ConvertOptions { to, output, fix_inertia: arguments.fix_inertia, source: &source };
-    let written = denavit_load::convert(file, text, &options)?;
+    let options = ConvertOptions {
+        to,
+        output,
+        fix_inertia: arguments.fix_inertia,
+        srdf: srdf.as_ref().map(|(file, text)| (file.as_str(), text.as_str())),
+        source: &source,
+    };
+    let mut written = denavit_load::convert(file, text, &options)?;
     let mut texts = vec![(own, written.text.clone())];
     texts.extend(beside.zip(written.sidecar.clone()));
+    if let Some(place) = of_srdf {
+        let srdf = denavit_load::srdf_of(file, text, &source)?;
+        texts.push((place, srdf.text));
+        // What the SRDF says is not lost.
+        written.losses.retain(|loss| !["<exclude>", "<key>"].contains(&loss.what.as_str()));
+        written.losses.extend(srdf.losses);
+    }
     outputs.write(&texts)?;
     for (loss, others) in kinds(&written.losses) {
         let more = if others == 0 { String::new() } else { format!(" (and {others} more like it)") };

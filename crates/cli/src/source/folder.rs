@@ -3,10 +3,12 @@
 use crate::args::SourceArguments;
 use crate::failure::Failure;
 use crate::output;
+use denavit_model::formats::{Format, root_element};
 use std::path::{Path, PathBuf};
 
 /// Words on the command line as sources, each a name, and the arguments of xacro files among them. A folder stands for the
-/// robots below it, hidden folders left out: every URDF, and each xacro file, table and list of screw axes that is a robot.
+/// robots below it, hidden folders left out: every URDF, MJCF and SDF, and each xacro file, table and list of screw axes that is a
+/// robot.
 pub fn sources(words: &[String], arguments: &mut SourceArguments) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
     for word in words {
@@ -42,6 +44,7 @@ fn robots_in(folder: &Path, arguments: &SourceArguments) -> Result<Vec<String>, 
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         match extension.as_deref() {
             Some("urdf") => robots.push(name),
+            Some("xml" | "mjcf" | "sdf") if is_a_model(&path) => robots.push(name),
             Some("xacro") => match super::load_quietly(&name, arguments) {
                 Ok(_) => robots.push(name),
                 Err(failure) => {
@@ -50,12 +53,29 @@ fn robots_in(folder: &Path, arguments: &SourceArguments) -> Result<Vec<String>, 
                     output::mention(format!("{name}: left out, as it is no robot by itself: {reason}"));
                 }
             },
-            // Folders of robots hold measurements and settings in these formats, too.
-            Some("csv" | "json" | "yaml" | "yml") if super::load_quietly(&name, arguments).is_ok() => robots.push(name),
+            // A world may be a building. Folders of robots hold measurements and settings in these formats, too.
+            Some("csv" | "json" | "yaml" | "yml" | "world") if super::load_quietly(&name, arguments).is_ok() => {
+                robots.push(name)
+            }
             _ => {}
         }
     }
     Ok(robots)
+}
+
+/// Whether a file is MJCF or SDF by its root element. Parts that others include are none, and neither is a scene around an
+/// included robot: it has no body of its own.
+fn is_a_model(path: &Path) -> bool {
+    let text = match std::fs::read(path) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
+        // Whoever reads it says why it cannot be read.
+        Err(_) => return true,
+    };
+    match (Format::of_text(&text), root_element(&text)) {
+        (Some(Format::Mjcf), Some("mujoco")) => text.contains("<body"),
+        (Some(Format::Sdf), _) => true,
+        _ => false,
+    }
 }
 
 /// The SRDF files in the folders among words of the command line.

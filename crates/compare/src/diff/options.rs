@@ -1,5 +1,6 @@
 //! What counts, over which range, and how hard to look.
 
+use denavit_model::formats::Format;
 use denavit_model::tree::Reading;
 
 /// How two robots are compared.
@@ -27,6 +28,8 @@ pub struct Options {
     pub seed: u64,
     /// How decimal literals of angles and axes are read.
     pub reading: Reading,
+    /// A format on the way from one to the other: what it cannot say does not count.
+    pub through: Option<Format>,
 }
 
 /// What is compared.
@@ -65,6 +68,7 @@ impl Default for Options {
             samples: 4096,
             seed: 1,
             reading: Reading::Intended,
+            through: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::Place;
+use denavit_model::formats::Format;
 use serde::Serialize;
 use std::fmt;
 
@@ -72,7 +73,9 @@ impl Found {
             Where::Offset(at, element) => sheet.place(at, element),
             Where::Place(place) => place,
         };
-        let fix = self.fix.into_iter().map(|edit| sheet.in_original(edit)).collect();
+        // Of another format the text that was read is no text of the user's.
+        let own = sheet.format() == Format::Urdf;
+        let fix = self.fix.into_iter().filter(|_| own).map(|edit| sheet.in_original(edit)).collect();
         Finding { rule: rule.code, level, place, message: self.message, fix }
     }
 }

@@ -6,6 +6,8 @@ use denavit_model::nalgebra::Vector3;
 use denavit_model::{PlacedRobot, ProblemKind, Reading, Robot};
 use roxmltree::Node;
 
+mod actuator_beyond_range;
+mod angle_unit;
 mod axis_missing;
 mod axis_noise;
 mod axis_not_unit;
@@ -16,6 +18,7 @@ mod closed_loop;
 mod commas;
 mod continuous_limits;
 pub(in crate::lint) mod dangling_reference;
+mod default_inertia;
 mod degrees;
 mod duplicate_name;
 mod effort_or_velocity;
@@ -36,6 +39,7 @@ mod nearly_parallel;
 mod not_a_tree;
 pub(in crate::lint) mod not_understood;
 mod origin_far;
+mod range_without_effect;
 mod root_inertia;
 mod rounded_pi;
 mod shared_name;
@@ -91,12 +95,24 @@ pub const RULES: &[Rule] = &[
     xacro_left::RULE,
     closed_loop::RULE,
     calibration::RULE,
+    angle_unit::RULE,
+    range_without_effect::RULE,
+    actuator_beyond_range::RULE,
+    default_inertia::RULE,
 ];
 
 /// What kept the file from being read, of the kinds asked for.
 fn problems(sheet: &Sheet, wanted: impl Fn(&ProblemKind) -> bool) -> Vec<Found> {
     let found = sheet.problems().iter().filter(|problem| wanted(&problem.kind));
     found.map(|problem| Found::placed(problem.place.clone(), problem.kind.to_string())).collect()
+}
+
+/// What the reader of another format found of a rule.
+fn of_reader(sheet: &Sheet, rule: &str) -> Vec<Found> {
+    let translation = sheet.robot().and_then(|robot| robot.source.translation.as_ref());
+    let findings = translation.iter().flat_map(|translation| &translation.findings);
+    let own = findings.filter(|(name, ..)| name == rule);
+    own.map(|(_, place, what)| Found::placed(place.clone(), what.clone())).collect()
 }
 
 /// The link or joint that an element is in, in words; the element itself where it is in none.

@@ -1,6 +1,7 @@
 //! A file laid out for the rules: the robot, its XML, and the way back to the original text.
 
 use crate::lint::{Edit, Lookup};
+use denavit_model::formats::Format;
 use denavit_model::robot::{Joint, Link, SourceText};
 use denavit_model::{Place, Problem, Robot, UrdfError};
 use roxmltree::{Document, Node, NodeId, ParsingOptions};
@@ -44,6 +45,16 @@ impl<'a> Sheet<'a> {
     /// Links, where the file is a robot.
     pub(super) fn links(&self) -> &'a [Link] {
         self.robot().map_or(&[], |robot| &robot.links)
+    }
+
+    /// The format that the robot was written in.
+    pub(super) fn format(&self) -> Format {
+        self.source().map_or(Format::Urdf, SourceText::format)
+    }
+
+    /// What states a joint's bounds in that format.
+    pub(super) fn limit_word(&self) -> &'static str {
+        if self.format() == Format::Mjcf { "range" } else { "<limit>" }
     }
 
     /// Every element of the file.

@@ -97,6 +97,7 @@ impl Reader<'_> {
             let inside = match resolved.get("inertia") {
                 None | Some("legacy") => Some(Inside::Absolute),
                 Some("exact") => Some(Inside::Signed),
+                Some("shell") => Some(Inside::Nothing),
                 Some(_) => None,
             };
             Ok(Mesh { file, scale, refpos, refquat, inside, own: own_triangles(&resolved)? })
@@ -126,6 +127,7 @@ impl Reader<'_> {
     fn geom_of(&mut self, item: &Item, owner: &str, files: &mut Files) -> Result<Shape, String> {
         let word = item.get("type").unwrap_or(if item.get("mesh").is_some() { "mesh" } else { "sphere" });
         let size = numbers(item, "size", 1..=3)?.unwrap_or_default();
+        let shell = item.get("shellinertia") == Some("true");
         let along = if ["capsule", "cylinder", "box", "ellipsoid"].contains(&word) { from_to(item)? } else { None };
         let mut pose = match along {
             Some((pose, _)) => pose,
@@ -151,26 +153,34 @@ impl Reader<'_> {
             "sphere" | "capsule" | "ellipsoid" | "cylinder" | "box" if item.get("mesh").is_some() => (None, None),
             "sphere" => {
                 let size = needed(1)?;
-                (Some(Geometry::Sphere(size[0])), Some(Solid::ellipsoid([size[0]; 3])))
+                let solid = if shell { Solid::sphere_shell(size[0]) } else { Solid::ellipsoid([size[0]; 3]) };
+                (Some(Geometry::Sphere(size[0])), Some(solid))
             }
             "capsule" => {
                 let size = needed(2)?;
                 let geometry = Geometry::Capsule { radius: size[0], length: 2.0 * size[1] };
-                (Some(geometry), Some(Solid::capsule(size[0], size[1])))
+                let solid = if shell { Solid::capsule_shell } else { Solid::capsule };
+                (Some(geometry), Some(solid(size[0], size[1])))
             }
             "cylinder" => {
                 let size = needed(2)?;
                 let geometry = Geometry::Cylinder { radius: size[0], length: 2.0 * size[1] };
-                (Some(geometry), Some(Solid::cylinder(size[0], size[1])))
+                let solid = if shell { Solid::cylinder_shell } else { Solid::cylinder };
+                (Some(geometry), Some(solid(size[0], size[1])))
             }
             "box" => {
                 let size = needed(3)?;
                 let geometry = Geometry::Box([2.0 * size[0], 2.0 * size[1], 2.0 * size[2]]);
-                (Some(geometry), Some(Solid::cuboid([size[0], size[1], size[2]])))
+                let solid = if shell { Solid::cuboid_shell } else { Solid::cuboid };
+                (Some(geometry), Some(solid([size[0], size[1], size[2]])))
             }
             "ellipsoid" => {
                 let size = needed(3)?;
-                (None, Some(Solid::ellipsoid([size[0], size[1], size[2]])))
+                if shell {
+                    let what = "its mass is not known here: the surface of an ellipsoid has no closed form; give the body an <inertial>";
+                    self.note(item, what);
+                }
+                (None, Some(Solid::ellipsoid([size[0], size[1], size[2]])).filter(|_| !shell))
             }
             "mesh" => {
                 let name = item.get("mesh").ok_or("is of type mesh and names none; write mesh=\"…\"")?;
@@ -319,7 +329,7 @@ fn own_triangles(item: &Item) -> Result<Option<Triangles>, String> {
 
 /// The solid inside a mesh, as its asset turns and scales it.
 fn solid_of(found: &Mesh, files: &mut Files) -> Result<Solid, String> {
-    let inside = found.inside.ok_or("has a kind of inertia that is not computed here (convex, shell)")?;
+    let inside = found.inside.ok_or("has a kind of inertia that is not computed here (inertia=\"convex\")")?;
     let mut triangles = match (&found.own, &found.file) {
         (Some(own), _) => own.clone(),
         (None, Some(file)) => {

@@ -1,12 +1,14 @@
 //! What a robot says beside links and joints: what is in `<gazebo>` is SDF and goes back where it belongs.
 
+use super::names::Names;
 use crate::known::{JOINT, LINK, MODEL};
+use crate::names::fresh;
 use denavit_model::Robot;
 use denavit_model::element::Element;
 use denavit_model::formats::Loss;
 use denavit_model::robot::Shape;
 use denavit_model::write;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 /// Attributes of URDF's `<dynamics>` that are elements of SDF's.
 pub(crate) const DYNAMICS: [&str; 4] = ["damping", "friction", "spring_reference", "spring_stiffness"];
@@ -17,7 +19,7 @@ pub(crate) struct Further<'a> {
     links: Vec<(&'a str, Element)>,
     joints: Vec<(&'a str, Element)>,
     model: Vec<Element>,
-    lost: Vec<(usize, String, &'static str)>,
+    lost: Vec<(usize, String, String)>,
 }
 
 /// Whether SDF has this element in a link.
@@ -46,7 +48,7 @@ impl<'a> Further<'a> {
         for element in &robot.elements {
             if element.tag() != "gazebo" {
                 if element.tag() != "material" {
-                    further.lost.push((element.at, element.label(), "SDF has no such element"));
+                    further.lost.push((element.at, element.label(), "SDF has no such element".into()));
                 }
                 continue;
             }
@@ -67,12 +69,37 @@ impl<'a> Further<'a> {
                     (Some(_), Some(link), _) if in_link => further.links.push((&link.name, child)),
                     _ => {
                         let what = format!("<{tag}> in {}", element.label());
-                        further.lost.push((element.at, what, "it is a word of URDF's own for Gazebo, not of SDF"));
+                        further.lost.push((
+                            element.at,
+                            what,
+                            "it is a word of URDF's own for Gazebo, not of SDF".into(),
+                        ));
                     }
                 }
             }
         }
         further
+    }
+
+    /// Joints, frames and links inside `<gazebo>` get names that the model has not taken.
+    pub fn rename(&mut self, names: &Names) {
+        let mut known: HashSet<String> = names.links.iter().chain(&names.joints).cloned().collect();
+        for element in &mut self.model {
+            let at = element.at;
+            let Some(node) = element.nodes.first_mut() else { continue };
+            if !["joint", "frame", "link", "model"].contains(&node.tag.as_str()) {
+                continue;
+            }
+            let Some((_, name)) = node.attributes.iter_mut().find(|(name, _)| name == "name") else { continue };
+            let wanted = name.clone();
+            *name = fresh(&mut known, &wanted);
+            if *name != wanted {
+                let what = format!("name of {} \"{wanted}\" in gazebo", node.tag);
+                let why =
+                    format!("names of links, joints and frames are one set in SDF: it is called \"{name}\" there");
+                self.lost.push((at, what, why));
+            }
+        }
     }
 
     pub fn on_link(&self, name: &str) -> bool {
@@ -154,7 +181,6 @@ impl<'a> Further<'a> {
     /// What SDF has no place for.
     pub fn losses(&mut self, robot: &Robot) -> Vec<Loss> {
         let lost = std::mem::take(&mut self.lost).into_iter();
-        lost.map(|(at, what, why)| Loss { place: robot.source.place(at, what.clone()), what, why: why.to_owned() })
-            .collect()
+        lost.map(|(at, what, why)| Loss { place: robot.source.place(at, what.clone()), what, why }).collect()
     }
 }

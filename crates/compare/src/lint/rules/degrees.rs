@@ -5,6 +5,7 @@ use crate::lint::sheet::words;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::JointKind;
+use denavit_model::formats::Format;
 use denavit_model::robot::Joint;
 use roxmltree::Node;
 use std::f64::consts::TAU;
@@ -38,6 +39,10 @@ fn is_power_of_ten(value: f64) -> bool {
 
 fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
+    // An MJCF says in which unit it counts, and has a rule of its own.
+    if sheet.format() == Format::Mjcf {
+        return found;
+    }
     // A robot of which one joint is in degrees is in degrees.
     let surely = sheet.joints().iter().any(|joint| range_in_degrees(joint, false));
     for joint in sheet.joints() {

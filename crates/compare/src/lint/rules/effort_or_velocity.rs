@@ -4,6 +4,7 @@ use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::JointKind;
+use denavit_model::formats::Format;
 
 pub(super) const RULE: Rule = Rule {
     code: "D024",
@@ -19,6 +20,10 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
+    // MJCF limits no speed, and states forces with what drives the joint.
+    if sheet.format() == Format::Mjcf {
+        return found;
+    }
     for joint in sheet.joints().iter().filter(|joint| matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic))
     {
         let at = sheet.below(joint.at, &["limit"]);

@@ -4,6 +4,7 @@ use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::JointKind;
+use denavit_model::formats::Format;
 
 pub(super) const RULE: Rule = Rule {
     code: "D020",
@@ -31,8 +32,12 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             continue;
         }
         let hint = if joint.kind == JointKind::Revolute { ", or type=\"continuous\"" } else { "" };
-        let what =
-            format!("a {} joint without position limits; write <limit lower=… upper=…>{hint}", joint.kind.word());
+        let fix = match sheet.format() {
+            Format::Mjcf => "range=\"LOWER UPPER\"",
+            Format::Sdf => "<limit> with <lower> and <upper>",
+            _ => "<limit lower=… upper=…>",
+        };
+        let what = format!("a {} joint without position limits; write {fix}{hint}", joint.kind.word());
         found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
     }
     found

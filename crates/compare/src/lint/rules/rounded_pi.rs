@@ -71,7 +71,7 @@ fn limits(sheet: &Sheet, joint: &Joint) -> Option<Found> {
             edits.push(Edit { start, end: start + written.len(), text });
         }
     }
-    let what = format!("<limit>: {}, {beyond:.1e} rad beyond it; write all digits", readings.join(", "));
+    let what = format!("{}: {}, {beyond:.1e} rad beyond it; write all digits", sheet.limit_word(), readings.join(", "));
     (!edits.is_empty()).then(|| Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(edits))
 }
 

@@ -3,7 +3,7 @@
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
-use denavit_model::Note;
+use denavit_model::{Note, Place};
 
 pub(super) const RULE: Rule = Rule {
     code: "D007",
@@ -20,9 +20,14 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(sheet: &Sheet) -> Vec<Found> {
     let notes = sheet.robot().map_or(&[][..], |robot| &robot.notes);
+    // Other formats have rules of their own.
+    let elsewhere = |place: &Place, what: &str| {
+        let translation = sheet.robot().and_then(|robot| robot.source.translation.as_ref());
+        translation.is_some_and(|t| t.findings.iter().any(|(_, at, said)| at == place && said == what))
+    };
     let found = notes.iter().filter_map(|note| match note {
         // Commas between numbers have a rule of their own, which fixes them.
-        Note::Mended { place, what } if !what.contains("has commas") => {
+        Note::Mended { place, what } if !what.contains("has commas") && !elsewhere(place, what) => {
             Some(Found::placed(place.clone(), what.clone()))
         }
         _ => None,

@@ -4,6 +4,7 @@ use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
 use crate::report::Level;
 use denavit_model::JointKind;
+use denavit_model::formats::Format;
 
 pub(super) const RULE: Rule = Rule {
     code: "D015",
@@ -20,7 +21,8 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(sheet: &Sheet) -> Vec<Found> {
     let unknown = sheet.joints().iter().filter_map(|joint| match &joint.kind {
-        JointKind::Unknown(word) => {
+        // Other formats have kinds of their own.
+        JointKind::Unknown(word) if sheet.format() == Format::Urdf => {
             let what = format!("type \"{word}\" is not one of URDF's; write revolute, continuous, prismatic, fixed, …");
             Some(Found::at(joint.at, format!("joint \"{}\"", joint.name), what))
         }
