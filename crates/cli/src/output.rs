@@ -3,6 +3,7 @@
 #![expect(clippy::print_stderr, reason = "this module is where the program speaks")]
 
 mod destination;
+mod notes;
 mod staged;
 mod wrapped;
 
@@ -56,6 +57,7 @@ pub fn print_sentences(text: &str) -> Result<(), Failure> {
 
 /// Says what went wrong.
 pub fn complain(failure: &Failure) {
+    tell_notes(false);
     let text = failure.to_string();
     let text = with_flags(&text);
     let each_line = matches!(failure, Failure::Load(LoadError::Urdf(_) | LoadError::Format(_)));
@@ -73,7 +75,35 @@ pub fn remark(notes: &[Note]) {
 
 /// Says on standard error what is no error, but may not be meant.
 pub fn mention(text: impl std::fmt::Display) {
-    eprintln!("note: {}", readable(&with_flags(&text.to_string())));
+    let note = text.to_string();
+    match GATHERED.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+        Some(notes) => notes.push(note),
+        None => print_note(&note),
+    }
+}
+
+/// Notes of a command that tells them at its end; `None` where each is told at once.
+static GATHERED: Mutex<Option<Vec<String>>> = Mutex::new(None);
+
+/// From here on notes wait for [`tell_notes`].
+pub fn gather_notes() {
+    *GATHERED.lock().unwrap_or_else(PoisonError::into_inner) = Some(Vec::new());
+}
+
+/// Tells the notes that wait: all, or one of each kind and ten lines at most.
+pub fn tell_notes(all: bool) {
+    let Some(notes) = GATHERED.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+    let lines = if all { notes::once(notes) } else { notes::grouped(notes, "--verbose") };
+    lines.iter().for_each(|line| print_note(line));
+}
+
+fn print_note(note: &str) {
+    let line = format!("note: {}", readable(&with_flags(note)));
+    let width = if io::stderr().is_terminal() { terminal_size::terminal_size_of(io::stderr()) } else { None };
+    match width {
+        Some((terminal_size::Width(width), _)) => eprintln!("{}", wrapped::wrapped(&line, usize::from(width))),
+        None => eprintln!("{line}"),
+    }
 }
 
 /// Whether text on standard output is coloured: on a terminal that has not been told otherwise.

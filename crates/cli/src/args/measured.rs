@@ -89,6 +89,9 @@ pub struct CalibrateArguments {
     /// What to take out of a bag.
     #[command(flatten)]
     pub bag: BagArguments,
+    /// Print every note; without it one of each kind, and ten lines at most
+    #[arg(long)]
+    pub verbose: bool,
     /// Print a map of the data's columns to start from, and do nothing else
     #[arg(long, requires = "data")]
     pub columns_draft: bool,

@@ -35,6 +35,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     if arguments.columns_draft {
         return draft(arguments);
     }
+    output::gather_notes();
     let places = Places::of(arguments)?;
     let MeasuredRobot { robot, tips } = measured::robot_with_tips(&arguments.robot)?;
     can_be_identified(&robot.chain)?;
@@ -53,7 +54,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
             Progress::Geometry => "fitting the geometry",
             Progress::Effects => "searching for effects",
             Progress::Curves => "fitting error curves of the joints",
-            Progress::Judgement => "judging on rows held out",
+            Progress::Judgement => "evaluating on held-out rows",
         });
         ControlFlow::Continue(())
     })?;
@@ -69,6 +70,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
     if !places.outputs.take_standard_output() {
         output::print_sentences(&text::report(&result))?;
     }
+    output::tell_notes(arguments.verbose);
     Ok(Status::Same)
 }
 

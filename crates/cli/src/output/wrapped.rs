@@ -1,10 +1,11 @@
-//! Sentences that fit the terminal: lines that are too long continue in further ones, tables stay as they are.
+//! Text that fits the terminal: sentences and rows of tables that are too long continue in further lines.
 
 /// Narrower than this nothing is wrapped: words would stand one below the other.
 const NARROWEST: usize = 20;
 
 /// Text with its lines no longer than `width` characters where they have blanks; further lines are indented by two more than
-/// theirs. A line with columns, which have two blanks or more between them, stays as it is.
+/// theirs. A line with columns, which have two blanks or more between them, is folded between columns: rows that are aligned stay
+/// aligned.
 pub(super) fn wrapped(text: &str, width: usize) -> String {
     if width < NARROWEST {
         return text.to_owned();
@@ -12,8 +13,13 @@ pub(super) fn wrapped(text: &str, width: usize) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
         let (words, end) = line.strip_suffix('\n').map_or((line, ""), |line| (line, "\n"));
-        if words.chars().count() <= width || words.trim_start().contains("  ") {
+        if words.chars().count() <= width {
             out.push_str(line);
+            continue;
+        }
+        if words.trim_start().contains("  ") {
+            out.push_str(&folded(words, width));
+            out.push_str(end);
             continue;
         }
         let indent = words.len() - words.trim_start().len();
@@ -37,18 +43,48 @@ pub(super) fn wrapped(text: &str, width: usize) -> String {
     out
 }
 
+/// A row of a table in several lines, each broken after a column.
+fn folded(row: &str, width: usize) -> String {
+    let letters: Vec<char> = row.chars().collect();
+    let blank = |at: usize| letters.get(at).is_none_or(|c| *c == ' ');
+    let ends: Vec<usize> = (1..=letters.len()).filter(|&at| !blank(at - 1) && blank(at) && blank(at + 1)).collect();
+    let (mut out, mut start, mut indent) = (String::new(), 0, 0);
+    while start < letters.len() {
+        let room = start + width.saturating_sub(indent);
+        let rest = ends.iter().copied().filter(|end| *end > start);
+        let end = rest.clone().take_while(|end| *end <= room).last().or_else(|| rest.clone().next());
+        let end = end.unwrap_or(letters.len());
+        if start > 0 {
+            out.push('\n');
+            out.push_str(&" ".repeat(indent));
+        }
+        out.extend(&letters[start..end]);
+        (start, indent) = (end, 2);
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::wrapped;
 
     #[test]
-    fn long_sentences_are_wrapped_and_tables_are_not() {
+    fn long_sentences_are_wrapped_and_tables_are_folded_between_columns() {
         let text = "  a sentence that is longer than thirty\nshort\njoint_1  0.1 ± 0.2  0.3 ± 0.4  0.5 ± 0.6\n";
         let expected =
-            "  a sentence that is longer\n    than thirty\nshort\njoint_1  0.1 ± 0.2  0.3 ± 0.4  0.5 ± 0.6\n";
+            "  a sentence that is longer\n    than thirty\nshort\njoint_1  0.1 ± 0.2  0.3 ± 0.4\n    0.5 ± 0.6\n";
         assert_eq!(wrapped(text, 30), expected);
         assert_eq!(wrapped(text, 80), text);
         assert_eq!(wrapped(text, 10), text);
+    }
+
+    #[test]
+    fn rows_that_are_aligned_are_folded_at_the_same_columns() {
+        let text = "errors in mm   train rms    mean  test rms\nnominal           3.8908  3.6523    4.6298\n";
+        assert_eq!(
+            wrapped(text, 34),
+            "errors in mm   train rms    mean\n    test rms\nnominal           3.8908  3.6523\n      4.6298\n"
+        );
     }
 
     #[test]
