@@ -139,14 +139,14 @@ def test_effects_look_as_sure_as_they_are(explorer):
     rivals = [words for words in why if words.startswith("alternatives: ")]
     assert len(rivals) == bool(report["effects"][0].get("ambiguous_with")), why
     assert float(named.locator("meter").get_attribute("value")) == pytest.approx(report["effects"][0]["probability"], rel=1e-9)
-    assert page.locator("#effects-found .open, #unnamed").count() == 0 and "has no structure" in shown
+    assert page.locator("#effects-found .open, #unnamed").count() == 0 and "no unexplained structure" in shown
     page.locator("#effects").scroll_into_view_if_needed()
     shot(page, "effects-light")
-    # The same effect, less sure, and structure that no effect explains: shown by the page's own hand, and otherwise than a named one.
+    # The same effect, less sure, and unexplained structure: shown by the page's own hand, and otherwise than a named one.
     unsure = {"title": "one of: joint_compliance at shoulder_lift_joint (60 %), link_compliance at elbow_joint (30 %)", "named": False, "numbers": ["coefficient 1"], "why": "corrected for, not named"}
-    said = {"heading": "no effect is sure enough to be named, of 9 candidates", "effects": [{"said": unsure, "probability": 0.6}], "structured": True, "ending": "structure remains that no effect explains (p 1.0e-4): wrist_1_joint 40 %"}
+    said = {"heading": "no cause is certain enough to be named, of 9 candidates", "effects": [{"said": unsure, "probability": 0.6}], "structured": True, "ending": "unexplained structure (p 1.0e-4): wrist_1_joint 40 %"}
     page.evaluate("said => document.getElementById('effects').replaceWith(window.denavit.effects(said))", said)
-    expect(page.locator("#effects-heading")).to_have_text("No effect is sure enough to be named, of 9 candidates")
+    expect(page.locator("#effects-heading")).to_have_text("No cause is certain enough to be named, of 9 candidates")
     assert page.locator("#effects-found .named").count() == 0
     expect(page.locator("#effects-found .open b")).to_have_text(unsure["title"])
     expect(page.locator("#unnamed")).to_have_text(said["ending"])

@@ -62,7 +62,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
     strong.sort_by(|a, b| printed(a).total_cmp(&printed(b)).then_with(|| (&a.0, &a.1).cmp(&(&b.0, &b.1))));
     strong.truncate(LISTED);
     if !strong.is_empty() {
-        text.push_str("poorly separated parameters, strongest correlations\n");
+        text.push_str("parameters that these data hardly distinguish, strongest correlations\n");
         let pair = |(a, b, value): &(String, String, f64)| vec![format!("  {a}"), b.clone(), format!("{value:.2}")];
         text.push_str(&table(&strong.iter().map(pair).collect::<Vec<_>>()));
     }

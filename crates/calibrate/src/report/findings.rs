@@ -1,4 +1,4 @@
-//! What the tracer found, as text for a terminal: each effect, why it is claimed, its rivals, and what remains.
+//! What the tracer found, as text for a terminal: each effect, why it is claimed, its alternatives, and unexplained structure.
 
 use crate::effects::catalogue::Kind;
 use crate::trace::infer::named::Alternative;
@@ -59,14 +59,18 @@ pub struct Said {
     pub numbers: Vec<String>,
     /// How sure it is.
     pub why: String,
-    /// What may act in the stead of a named one.
+    /// Alternatives to a named one.
     pub rivals: Option<String>,
 }
 
 /// A finding in the words of the report.
 pub fn said(finding: &Finding, trace: &Trace) -> Said {
     let (rivals, own) = (rivals(finding), title(finding, trace));
-    let again = format!("selected in {:.0} % of half-sample refits", 100.0 * finding.found_again);
+    let again = match finding.found_again {
+        share if share <= 0.0 => "selected in no half-sample refit".to_owned(),
+        share if share >= 1.0 => "selected in all half-sample refits".to_owned(),
+        share => format!("selected in {} of half-sample refits", percent(share)),
+    };
     let (title, why, rivals) = if finding.named {
         let rivals = (!rivals.is_empty()).then(|| format!("alternatives: {}", rivals.join(", ")));
         (own, format!("probability {}, {again}", percent(finding.probability)), rivals)
@@ -77,7 +81,7 @@ pub fn said(finding: &Finding, trace: &Trace) -> Said {
         let beside = if finding.stands_in() {
             "; unexplained structure may account for as much"
         } else if finding.is_outweighed() {
-            ", but more is left that no effect explains"
+            ", but there is more unexplained structure"
         } else {
             ""
         };
@@ -119,17 +123,17 @@ pub fn named_first(trace: &Trace) -> Vec<&Finding> {
     named
 }
 
-/// What the structure that no effect explains follows; none where nothing of structure remains.
+/// What unexplained structure follows; `None` without such structure.
 pub fn structure(trace: &Trace) -> Option<String> {
     let left = &trace.leftover;
     left.structured.then(|| format!("{} ({})", places(trace), probability(left.p_value)))
 }
 
-/// Joints and covariates that hold what is left, each with its share.
+/// Joints and covariates that unexplained structure follows, each with its share.
 fn places(trace: &Trace) -> String {
     let place = |place: &crate::trace::Structure| {
         let name = place.joint.as_deref().or(place.covariate.as_deref()).unwrap_or("run order");
-        format!("{name} {:.0} %", 100.0 * place.share)
+        format!("{name} {}", percent(place.share))
     };
     trace.leftover.places.iter().map(place).collect::<Vec<_>>().join(", ")
 }
@@ -142,23 +146,23 @@ pub fn heading(trace: &Trace) -> String {
     } else if trace.findings.iter().any(|finding| finding.named) {
         "effects selected".to_owned()
     } else {
-        "no effect is sure enough to be named".to_owned()
+        "no cause is certain enough to be named".to_owned()
     };
     format!("{what}, of {} candidates", trace.candidates)
 }
 
-/// What it ends with: what no effect explains.
+/// What it ends with: unexplained structure.
 pub fn ending(trace: &Trace) -> String {
     let left = &trace.leftover;
     let chance = probability(left.p_value);
     if left.structured {
-        format!("structure remains that no effect explains ({chance}): {}", places(trace))
+        format!("unexplained structure ({chance}): {}", places(trace))
     } else {
-        format!("what remains has no structure ({chance})")
+        format!("no unexplained structure ({chance})")
     }
 }
 
-/// The effects with their numbers and rivals, then what no effect explains.
+/// The effects with their numbers and alternatives, then unexplained structure.
 pub fn findings(trace: &Trace) -> String {
     let mut text = heading(trace) + "\n";
     for finding in named_first(trace) {

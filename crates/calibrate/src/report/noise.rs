@@ -61,14 +61,14 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
     }
     let bounds: Vec<String> = open.iter().filter_map(|of| bound(of)).collect();
     if !bounds.is_empty() {
-        let _ = writeln!(text, "  not seen in these data, and with 95 % below: {}", bounds.join(", "));
+        let _ = writeln!(text, "  not detected; 95 % upper bounds: {}", bounds.join(", "));
     }
     if let Some(lever) = &noise.lever {
         let [x, y, z] = lever.value.map(|length| length * 1e3);
         let [a, b, c] = lever.std.map(|length| length * 1e3);
         let _ = writeln!(
             text,
-            "  what is off in orientation is off in position, too, as if it turned about a point away from the target by \
+            "  orientation and position err together, as if the target turned about a point away from it by \
              {:.1} ± {a:.1}, {:.1} ± {b:.1}, {:.1} ± {c:.1} mm in the target's axes",
             -x, -y, -z
         );
@@ -76,7 +76,7 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
     if let Some(order) = noise.run_order.filter(|order| order.claimed) {
         let _ = writeln!(
             text,
-            "  rows that were measured one after the other err alike: correlation {:.2} ({:.2} to {:.2})",
+            "  neighbouring rows have correlated errors: correlation {:.2} ({:.2} to {:.2})",
             order.lag_1, order.low, order.high
         );
     }
