@@ -10,18 +10,18 @@ pub mod infer;
 
 mod by_carrier;
 mod contest;
+mod downdate;
 mod drifts;
 mod findings;
 mod holdout;
-pub(crate) mod leftover;
 pub(crate) mod linear;
 mod portrait;
 mod projector;
 mod refine;
 pub(crate) mod search;
 mod select;
-mod settle;
-mod without;
+mod selection;
+pub(crate) mod unexplained;
 
 use crate::effects::catalogue::Kind;
 use crate::effects::curve_modes::CurveModes;
@@ -35,10 +35,10 @@ use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
 use crate::trace::infer::hypotheses::Open;
 use crate::trace::infer::named::{Alternative, likely, sure};
-pub use leftover::{Leftover, Structure};
 pub use portrait::{Portrait, PortraitPoint};
 use serde::Serialize;
 use std::sync::Arc;
+pub use unexplained::{Structure, UnexplainedStructure};
 
 /// What the tracer may look for, and how sure it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -164,7 +164,7 @@ pub struct Trace {
     /// The first pass: the best candidate of each kind at each place.
     pub scan: Vec<ScanCell>,
     /// What no entry explains.
-    pub leftover: Leftover,
+    pub leftover: UnexplainedStructure,
     /// The sets of causes that are left possible, where they are more than one.
     pub open: Option<Arc<Open>>,
 }
@@ -188,5 +188,5 @@ pub fn scan(
 /// `data` as given to the geometric fit, with run order added by
 /// [`crate::effects::survey::with_run_order`] where it is known.
 pub fn trace(statics: &Statics, data: &Measurements, geometric: &Fit<NoEffects>, options: &TraceOptions) -> Trace {
-    with_threads(|| settle::trace(statics, data, geometric, options))
+    with_threads(|| selection::trace(statics, data, geometric, options))
 }

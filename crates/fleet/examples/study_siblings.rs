@@ -15,7 +15,7 @@ use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::identify::residual_statistics::{errors, placed, residuals};
-use denavit_calibrate::identify::threads::{dealt, on_this_thread};
+use denavit_calibrate::identify::threads::{on_this_thread, par_map};
 use denavit_calibrate::observation::arm::{Arm, AxisBasis};
 use denavit_calibrate::observation::measurements::{Units, read_socket};
 use denavit_calibrate::observation::parameters::ParameterKind;
@@ -148,7 +148,7 @@ fn square(found: &Calibration) -> f64 {
 
 fn on_all_cores<T: Send>(count: u64, work: impl Fn(u64) -> T + Sync) -> Vec<T> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    dealt(0..count, threads, || (), |(), index| work(index))
+    par_map(0..count, threads, || (), |(), index| work(index))
 }
 
 /// Root of the mean square, mm.

@@ -8,7 +8,7 @@ pub use files::{CorpusFile, Findings, robots_in};
 pub use history::{Became, GitChange, changes};
 
 use crate::error::FleetError;
-use denavit_calibrate::identify::threads::dealt;
+use denavit_calibrate::identify::threads::par_map;
 use serde::Serialize;
 
 /// How a corpus is looked at.
@@ -66,5 +66,5 @@ pub fn corpus(names: &[String], options: &CorpusOptions, tell: &(dyn Fn(&str) + 
 
 /// The work done on each item by `threads`, in the order of the items.
 pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], threads: usize, work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    dealt(items.iter(), threads.min(items.len()), || (), |(), item| work(item))
+    par_map(items.iter(), threads.min(items.len()), || (), |(), item| work(item))
 }

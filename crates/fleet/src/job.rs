@@ -12,7 +12,7 @@ use crate::store::table::Rows;
 use crate::store::{Held, Runs};
 use crate::tasks;
 use denavit_calibrate::identify::stop::Stop;
-use denavit_calibrate::identify::threads::dealt;
+use denavit_calibrate::identify::threads::par_map;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 
@@ -86,7 +86,7 @@ impl Ledger {
     /// Those of some entries that are to be done; the others are counted as known.
     fn undone(&mut self, entries: Vec<Entry>) -> Vec<Job> {
         let robots = Robots::default();
-        let of_entries = dealt(entries.iter(), threads(), || (), |(), entry| key(entry, &robots));
+        let of_entries = par_map(entries.iter(), threads(), || (), |(), entry| key(entry, &robots));
         let mut jobs = Vec::new();
         for (entry, key) in entries.into_iter().zip(of_entries) {
             if self.keys.insert(key.clone()) && !self.runs.done.contains_key(&key) {

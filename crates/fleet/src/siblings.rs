@@ -14,7 +14,7 @@ use crate::tasks;
 use denavit_calibrate::identify::information::Information;
 use denavit_calibrate::identify::posterior::{Earlier, same_drawing};
 use denavit_calibrate::identify::siblings::Drawing;
-use denavit_calibrate::identify::threads::dealt;
+use denavit_calibrate::identify::threads::par_map;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use denavit_model::{Chain, ChainJoint};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -233,7 +233,7 @@ impl Priors {
             let chain = robots.values().next().and_then(|entry| tasks::chain(entry));
             let Some(learned) = chain.and_then(|chain| Learned::of(&chain, &siblings)) else { continue };
             let of = |(): &mut (), serial: &str| Some((serial.to_owned(), learned.prior(Some(serial))?.to_json()));
-            priors.insert(kind, dealt(robots.into_keys(), threads, || (), of).into_iter().flatten().collect());
+            priors.insert(kind, par_map(robots.into_keys(), threads, || (), of).into_iter().flatten().collect());
         }
         Ok(Self(priors))
     }

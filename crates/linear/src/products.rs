@@ -1,7 +1,7 @@
 //! Gram matrices: products of columns of numbers, formed in vectors of the machine, several columns at a time.
 
 use crate::panel::{Line, PANEL, each_sum, lines_of};
-use crate::threads::{available, dealt};
+use crate::threads::{available, par_map};
 use crate::triangle::WORTH_A_THREAD;
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
@@ -44,7 +44,7 @@ pub fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
     let panels = columns.chunks(PANEL * rows).zip(result.chunks_mut(PANEL * count)).enumerate();
     let threads = if columns.len() * count / 2 < WORTH_A_THREAD { 1 } else { available() };
     // Each product for itself: none depends on how many threads there are.
-    dealt(
+    par_map(
         panels,
         threads,
         || (),

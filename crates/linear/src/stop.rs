@@ -42,7 +42,7 @@ impl Stop {
 }
 
 /// Ends the work here where it was asked to stop.
-pub fn look() {
+pub fn check_cancelled() {
     if HERE.with_borrow(|stop| stop.as_ref().is_some_and(|stop| stop.0.load(Ordering::Relaxed))) {
         resume_unwind(Box::new(Stopped));
     }
@@ -77,7 +77,7 @@ mod tests {
         assert!(stop.unless_asked(work).is_none());
         assert!(done.load(Ordering::Relaxed) < 500, "{done:?} of 1000 were done");
         // Outside of it nothing is stopped.
-        look();
+        check_cancelled();
         assert_eq!(Stop::default().unless_asked(|| in_parallel(&items, |item| *item)), Some(items));
     }
 

@@ -1,6 +1,6 @@
 //! Work on all cores; where there is one alone, as in a web page, or where the caller keeps the cores busy, no thread is started.
 
-use crate::stop::{carried, look};
+use crate::stop::{carried, check_cancelled};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -59,7 +59,7 @@ fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
 
 /// The work done on each item, in the order of the items.
 pub fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    dealt(items.iter(), available().min(items.len()), || (), |(), item| work(item))
+    par_map(items.iter(), available().min(items.len()), || (), |(), item| work(item))
 }
 
 /// The same, each on a thread of its own: where one takes many small pieces of work.
@@ -94,12 +94,12 @@ pub fn each_alone_until<T: Sync, R: Send>(
         }
     };
     let asked = items.iter().enumerate().take_while(|_| !ended.load(Relaxed));
-    dealt(asked, available().min(items.len()), || (), one);
+    par_map(asked, available().min(items.len()), || (), one);
     found.into_inner().expect("taking a result does not panic").0
 }
 
 /// Two pieces of work side by side, where there is a thread for the second.
-pub fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
+pub fn join<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
     if available() == 1 {
         return (one(), other());
     }
@@ -114,12 +114,12 @@ pub fn in_stretches<S, R: Send>(
 ) -> Vec<R> {
     let stretches = (0..rows).step_by(ROWS_AT_ONCE).map(|from| from..(from + ROWS_AT_ONCE).min(rows));
     let threads = available().min(stretches.len());
-    dealt(stretches, threads, start, work)
+    par_map(stretches, threads, start, work)
 }
 
 /// The work done on each item, in the order of the items, by `threads` threads at most, the calling one included. An item is dealt
 /// out as soon as a thread is free; each thread begins with what `start` makes.
-pub fn dealt<I: Iterator + Send, S, R: Send>(
+pub fn par_map<I: Iterator + Send, S, R: Send>(
     items: I,
     threads: usize,
     start: impl Fn() -> S + Sync,
@@ -128,7 +128,7 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
     if threads <= 1 {
         let mut own = start();
         let one = |item| {
-            look();
+            check_cancelled();
             work(&mut own, item)
         };
         return items.map(one).collect();
@@ -139,7 +139,7 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
         let mut own: Option<S> = None;
         let mut some = Vec::new();
         loop {
-            look();
+            check_cancelled();
             let next = queue.lock().expect("taking an item does not panic").next();
             let Some((index, item)) = next else { break };
             some.push((index, work(own.get_or_insert_with(&start), item)));
@@ -163,7 +163,7 @@ pub fn dealt<I: Iterator + Send, S, R: Send>(
 
 /// What is in a cell; where there is nothing, it is made. Threads that come at one time may each make it: none waits for another, which may
 /// do a part of this one's work while it waits itself.
-pub fn made<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
+pub fn get_or_make<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     cell.get().unwrap_or_else(|| {
         let made = make();
         cell.get_or_init(|| made)
@@ -180,13 +180,13 @@ mod tests {
         let cell = OnceLock::new();
         // Each asks for what takes work on all threads itself.
         let sum = || in_parallel(&items, |item| item * item).into_iter().sum::<usize>();
-        let work = || in_parallel(&items, |item| in_parallel(&items, |other| item * other + *made(&cell, sum)));
+        let work = || in_parallel(&items, |item| in_parallel(&items, |other| item * other + *get_or_make(&cell, sum)));
         let expected: Vec<Vec<usize>> =
             items.iter().map(|item| items.iter().map(|other| item * other + 20_540).collect()).collect();
         assert_eq!(work(), expected);
         assert_eq!(on_threads(4, work), expected);
         assert_eq!(on_this_thread(work), expected);
-        assert_eq!(on_threads(4, || both(|| 1, || rayon::current_thread_index().is_some())), (1, true));
+        assert_eq!(on_threads(4, || join(|| 1, || rayon::current_thread_index().is_some())), (1, true));
     }
 
     #[test]

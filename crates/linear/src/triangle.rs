@@ -2,8 +2,8 @@
 //! sums.
 
 use crate::panel::{Line, PANEL, each_sum, lines_of};
-use crate::stop::look;
-use crate::threads::{available, dealt};
+use crate::stop::check_cancelled;
+use crate::threads::{available, par_map};
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Rows that a thread takes at once.
@@ -32,13 +32,13 @@ impl Triangle {
     /// Factors a symmetric matrix given row by row, of which the lower triangle is read; `None` unless it is positive.
     pub fn factor(mut cells: Vec<f64>, size: usize) -> Option<Self> {
         for from in (0..size).step_by(PANEL) {
-            look();
+            check_cancelled();
             let to = (from + PANEL).min(size);
             let (above, below) = cells.split_at_mut(to * size);
             let panel = Panel::factored(&mut above[from * size..], (from, to), size)?;
             // The rows below each for itself: no sum depends on how many threads there are.
             let threads = if below.len() / size * from * PANEL < WORTH_A_THREAD { 1 } else { available() };
-            dealt(below.chunks_mut(ROWS * size), threads, || (), |(), rows| panel.solve(rows, 0, size));
+            par_map(below.chunks_mut(ROWS * size), threads, || (), |(), rows| panel.solve(rows, 0, size));
         }
         Some(Self { cells, size })
     }
@@ -61,7 +61,7 @@ impl Triangle {
         let panels = self.panels();
         let threads = if columns.len() * size < WORTH_A_THREAD { 1 } else { available() };
         let each = columns.chunks_mut((ROWS * size).max(1));
-        dealt(each, threads, || (), |(), some| panels.iter().for_each(|panel| panel.solve(some, 0, size)));
+        par_map(each, threads, || (), |(), some| panels.iter().for_each(|panel| panel.solve(some, 0, size)));
         columns
     }
 
@@ -89,7 +89,7 @@ impl Triangle {
             let first = block * ROWS;
             panels[first / PANEL..].iter().for_each(|panel| panel.solve(some, first, size));
         };
-        dealt(each, threads, || (), |(), (block, some)| invert(block, some));
+        par_map(each, threads, || (), |(), (block, some)| invert(block, some));
         columns
     }
 

@@ -92,7 +92,7 @@ pub struct Gains {
 }
 
 /// What acts in the rows: the effects bound to their columns, and where their coefficients stand in the earlier order.
-struct Able {
+struct Usable {
     statics: Statics,
     effects: Vec<(Effect, Range<usize>)>,
     curves: Vec<AbleCurve>,
@@ -105,7 +105,7 @@ struct AbleCurve {
     places: Range<usize>,
 }
 
-impl Able {
+impl Usable {
     fn parts(&self) -> usize {
         self.effects.len() + self.curves.len()
     }
@@ -132,12 +132,12 @@ struct Judge<'a> {
     weights: &'a [f64],
     options: &'a IdentifyOptions,
     earlier: &'a Earlier,
-    able: &'a Able,
+    usable: &'a Usable,
 }
 
 impl Judge<'_> {
     fn fitted(&self, kept: &[bool], weight: f64, robust: bool) -> Fit<Varying> {
-        let (model, numbers) = self.able.model(kept);
+        let (model, numbers) = self.usable.model(kept);
         let options = self.options;
         let counted = self.earlier.counted(weight);
         let chain = &self.start.nominal;
@@ -154,16 +154,16 @@ impl Judge<'_> {
         let end = varying.layout.effects.start + coefficients.len();
         let modes: Vec<usize> = (end..varying.layout.effects.end).collect();
         let others: Vec<usize> = (0..varying.layout.len()).filter(|index| !modes.contains(index)).collect();
-        let of_curves = kept[self.able.effects.len()..].iter().zip(&self.able.curves).filter(|(kept, _)| **kept);
+        let of_curves = kept[self.usable.effects.len()..].iter().zip(&self.usable.curves).filter(|(kept, _)| **kept);
         let unsure = CurveModes {
             shapes: of_curves.map(|(_, own)| own.modes.clone()).collect(),
             covariance: varying.covariance.select_rows(&modes).select_columns(&modes),
             cross: varying.covariance.select_rows(&modes).select_columns(&others),
         };
         let mut layout = varying.layout.with_effects(model.parameters());
-        let places = &self.able.model(kept).1[..coefficients.len()];
+        let places = &self.usable.model(kept).1[..coefficients.len()];
         // What was expected of the coefficients, whatever the curves are.
-        let before = self.able.model(kept).0.numbers()[..coefficients.len()].to_vec();
+        let before = self.usable.model(kept).0.numbers()[..coefficients.len()].to_vec();
         layout.effects_prior = self.earlier.counted(weight).of_effects(&layout, places, before, 0);
         let fit = Fit {
             arm: varying.arm,
@@ -195,8 +195,8 @@ impl Judge<'_> {
 
     /// The parts that the rows do not speak against, and the weight of the axes beside them.
     fn parts(&self) -> (Vec<bool>, f64) {
-        let contradicted = CONTRADICTED + (self.able.parts().max(1) as f64).ln();
-        let all = vec![true; self.able.parts()];
+        let contradicted = CONTRADICTED + (self.usable.parts().max(1) as f64).ln();
+        let all = vec![true; self.usable.parts()];
         let (mut kept, (mut weight, mut reached)) = (all.clone(), self.weighted(&all));
         for _ in 0..2 * kept.len() {
             let changed = |part: usize| {
@@ -225,11 +225,11 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     let known = earlier.effects.as_ref()?;
     let geometric = &identification.geometric;
     let options = options.for_data(&geometric.arm.nominal, data);
-    let (able, mut parts, indices) = able(known, data);
-    let all = vec![true; able.parts()];
-    let (whole, places) = able.model(&all);
+    let (usable, mut parts, indices) = usable(known, data);
+    let all = vec![true; usable.parts()];
+    let (whole, places) = usable.model(&all);
     let whole = Arc::new(whole.settled());
-    let held = EffectModel::beside(&able.statics, Some(&whole));
+    let held = EffectModel::beside(&usable.statics, Some(&whole));
     let plain = FitOptions { robust: false, ..options.fit };
     let anew = fit(data, &identification.nominal.layout, &placed.fit.arm, &held, &geometric.weights, &plain);
     let std: Vec<f64> = places[..whole.numbers().len()].iter().map(|&index| known.std[index]).collect();
@@ -241,7 +241,7 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     let ones = vec![1.0; some.observations()];
     let alone = fit_stage(some, &geometric.arm, &NoEffects, &ones, &by_itself);
     let judge =
-        Judge { data: some, start: &anew.arm, weights: &alone.weights, options: &options, earlier, able: &able };
+        Judge { data: some, start: &anew.arm, weights: &alone.weights, options: &options, earlier, usable: &usable };
     let (kept, weight) = judge.parts();
     let reached = judge.evidence(&kept, weight);
     let gain = |part: usize| {
@@ -261,8 +261,8 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     let first_field = known.model.effects.len() - known.fields;
     let gains_of = |wanted: &[bool]| {
         let of = |part: &usize| wanted[*part];
-        let fields = (0..able.effects.len()).filter(|part| indices[*part] >= first_field).filter(of);
-        let curves = (able.effects.len()..able.parts()).filter(of);
+        let fields = (0..usable.effects.len()).filter(|part| indices[*part] >= first_field).filter(of);
+        let curves = (usable.effects.len()..usable.parts()).filter(of);
         Gains { fields: fields.map(|part| gains[part]).collect(), curves: curves.map(|part| gains[part]).collect() }
     };
     Some(Carried {
@@ -300,11 +300,11 @@ fn put_together(fit: &Fit<EffectModel>, fields: usize, held: &EffectModel, std: 
 }
 
 /// What can act in these rows; all parts; and which of those each of the first is.
-fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, Vec<usize>) {
+fn usable(known: &KnownEffects, data: &Measurements) -> (Usable, Vec<CarriedPart>, Vec<usize>) {
     let model = &known.model;
     let chain = &model.statics.chain;
-    let (mut able, mut parts, mut indices) =
-        (Able { statics: model.statics.clone(), effects: Vec::new(), curves: Vec::new() }, Vec::new(), Vec::new());
+    let (mut usable, mut parts, mut indices) =
+        (Usable { statics: model.statics.clone(), effects: Vec::new(), curves: Vec::new() }, Vec::new(), Vec::new());
     let first_field = model.effects.len() - known.fields;
     let mut end = 0;
     for (index, effect) in model.effects.iter().enumerate() {
@@ -334,7 +334,7 @@ fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, V
         } else {
             match bound {
                 Ok(effect) => {
-                    able.effects.push((effect, places));
+                    usable.effects.push((effect, places));
                     indices.push(index);
                 }
                 Err(missing) => {
@@ -348,7 +348,7 @@ fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, V
     for (curve, modes) in model.curves.iter().zip(&known.modes) {
         let places = end..end + modes.len();
         end = places.end;
-        able.curves.push(AbleCurve { curve: curve.clone(), modes: modes.clone(), places });
+        usable.curves.push(AbleCurve { curve: curve.clone(), modes: modes.clone(), places });
         indices.push(parts.len());
         parts.push(CarriedPart {
             kind: "error_curve",
@@ -358,7 +358,7 @@ fn able(known: &KnownEffects, data: &Measurements) -> (Able, Vec<CarriedPart>, V
             log_evidence: None,
         });
     }
-    (able, parts, indices)
+    (usable, parts, indices)
 }
 
 impl Carried {

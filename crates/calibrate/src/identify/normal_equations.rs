@@ -3,7 +3,7 @@
 use crate::identify::jacobian_block::JacobianBlock;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::simd_residuals;
-use crate::identify::threads::{available, dealt, in_stretches};
+use crate::identify::threads::{available, in_stretches, par_map};
 use crate::observation::arm::Arm;
 use crate::observation::parameters::Effects;
 use fearless_simd::{Level, dispatch};
@@ -75,7 +75,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         }
         let threads = if self.data.values() < VALUES_FOR_THREADS { 1 } else { available().min(blocks.len()) };
         let start = || self.scratch(arm);
-        let done = dealt(blocks.into_iter(), threads, start, |scratch, (rows, squares)| {
+        let done = par_map(blocks.into_iter(), threads, start, |scratch, (rows, squares)| {
             self.block(arm, weights, rows, squares, scratch)
         });
         let mut channels = vec![Channel::zeros(self.layout.len()); self.data.scene.channels.len()];

@@ -4,8 +4,8 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::Driver;
 use crate::effects::model::{Coupling, Term};
+use crate::trace::downdate::Reduced;
 use crate::trace::select::{LEAST_DELTA_BIC, State, Tracer};
-use crate::trace::without::Without;
 use denavit_model::nalgebra::DMatrix;
 
 /// Pieces of the slow course that are tried under steps; 0: steps alone.
@@ -47,7 +47,7 @@ impl Tracer<'_> {
         let judged = |terms: &[Candidate]| {
             let scanned = terms.iter().map(|candidate| candidate.scanned).sum();
             let gain = projector.gain_of(&together(terms));
-            scorer.judged(&Without::nothing(&projector), &Candidate { scanned, ..terms[0].clone() }, gain).delta_bic
+            scorer.judged(&Reduced::nothing(&projector), &Candidate { scanned, ..terms[0].clone() }, gain).delta_bic
         };
         let had: Vec<Candidate> = own.iter().map(|&index| state.chosen[index].clone()).collect();
         let mut best = (judged(&had), had);
@@ -66,7 +66,7 @@ impl Tracer<'_> {
                 let tried: Vec<Candidate> = all.into_iter().step_by(stride).map(step).collect();
                 let scored = scorer.score(&with_terms, &tried);
                 let Some(first) = scored.into_iter().max_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic)) else { break };
-                let refined = scorer.refined(&Without::nothing(&with_terms), &self.survey, &first.candidate);
+                let refined = scorer.refined(&Reduced::nothing(&with_terms), &self.survey, &first.candidate);
                 let Driver::Steps { at, .. } = &refined.candidate.term.driver else { break };
                 if refined.delta_bic < LEAST_DELTA_BIC || places.contains(&at[0]) {
                     break;

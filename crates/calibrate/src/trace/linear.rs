@@ -6,7 +6,7 @@ use crate::effects::model::EffectModel;
 use crate::effects::probe::Probe;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
-use crate::identify::threads::{in_stretches, made};
+use crate::identify::threads::{get_or_make, in_stretches};
 use crate::observation::arm::Arm;
 use crate::observation::gauge;
 use crate::observation::measurements::Measurements;
@@ -194,7 +194,7 @@ impl Linear {
     /// The arm in every row of the data that it was linearised on, as the model has it give way.
     pub fn postures(&self, data: &Measurements) -> &[Posture] {
         let (model, arm) = &self.at;
-        made(&self.postures, || postures(model, arm, data)).as_slice()
+        get_or_make(&self.postures, || postures(model, arm, data)).as_slice()
     }
 
     /// Values measured and kept.

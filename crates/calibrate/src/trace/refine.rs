@@ -5,8 +5,8 @@ use crate::effects::driver::{BumpShape, Driver};
 use crate::effects::survey::Survey;
 use crate::observation::measurements::Column;
 use crate::trace::by_carrier::{ByCarrier, ByRow};
+use crate::trace::downdate::Reduced;
 use crate::trace::search::{CandidateScorer, Scored};
-use crate::trace::without::Without;
 
 /// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what noise lets one tell.
 const HALVINGS: usize = 16;
@@ -23,7 +23,7 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 
 impl CandidateScorer<'_> {
     /// The candidate with its scanned numbers where it explains most, scored.
-    pub fn refined(&self, model: &Without<'_>, survey: &Survey, candidate: &Candidate) -> Scored {
+    pub fn refined(&self, model: &Reduced<'_>, survey: &Survey, candidate: &Candidate) -> Scored {
         let by_row = ByRow::new(self.linear, model.model);
         let here = by_row.with(candidate.term.carrier);
         let score = |driver: Driver, scanned: usize| {
@@ -101,7 +101,7 @@ impl CandidateScorer<'_> {
     /// Where step `k` explains most: among the places within a stretch of the run around it.
     fn best_place(
         &self,
-        (carrier, model): (&ByCarrier<'_>, &Without<'_>),
+        (carrier, model): (&ByCarrier<'_>, &Reduced<'_>),
         candidate: &Candidate,
         covariate: &Column,
         at: &[f64],

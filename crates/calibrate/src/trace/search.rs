@@ -4,16 +4,16 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::threads::{both, in_parallel, in_stretches, made};
+use crate::identify::threads::{get_or_make, in_parallel, in_stretches, join};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
 use crate::trace::ScanCell;
 use crate::trace::by_carrier::{ByCarrier, ByRow, Driven, alike};
+use crate::trace::downdate::{Reduced, Whole};
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Products, Projector, UNSEEN};
 use crate::trace::select::{State, Tracer};
-use crate::trace::without::{Whole, Without};
 use denavit_model::nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::borrow::Cow;
@@ -50,9 +50,9 @@ impl Scored {
 #[derive(Debug, Clone)]
 pub struct Models<'a> {
     /// Geometry far beyond its tolerances.
-    pub loose: Without<'a>,
+    pub loose: Reduced<'a>,
     /// Geometry in its tolerances.
-    pub firm: Without<'a>,
+    pub firm: Reduced<'a>,
 }
 
 /// Scores candidates against the model linearised at a state.
@@ -98,18 +98,18 @@ impl Linearised {
     /// Geometry far beyond its tolerances, and all effects.
     pub(crate) fn loose(&self) -> &Whole {
         let Linear { residual, effects, .. } = &self.linear;
-        made(&self.loose, || Whole::new(self.linear.loose(), effects, residual))
+        get_or_make(&self.loose, || Whole::new(self.linear.loose(), effects, residual))
     }
 
     /// Geometry in its tolerances, and all effects (zero in the rows of the prior).
     pub(crate) fn firm(&self) -> &Whole {
         let Linear { residual, effects, .. } = &self.linear;
-        made(&self.firm, || Whole::new(self.linear.in_tolerances(), effects, &self.linear.firm(residual)))
+        get_or_make(&self.firm, || Whole::new(self.linear.in_tolerances(), effects, &self.linear.firm(residual)))
     }
 
     /// With all effects.
     pub(crate) fn models(&self) -> Models<'_> {
-        let (loose, firm) = both(|| self.loose().without(&[]), || self.firm().without(&[]));
+        let (loose, firm) = join(|| self.loose().without(&[]), || self.firm().without(&[]));
         Models { loose, firm }
     }
 }
@@ -122,11 +122,11 @@ impl Tracer<'_> {
     }
 
     /// Scores every candidate of the catalogue, in its order, beside loose geometry and all or some of a state's effects.
-    pub(crate) fn scored(&self, state: &State, model: &Without<'_>) -> Vec<Scored> {
+    pub(crate) fn scored(&self, state: &State, model: &Reduced<'_>) -> Vec<Scored> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
         let all = || scorer.products(&at.loose().projector, &self.candidates, self.driven());
-        let (products, order) = made(&at.products, all);
+        let (products, order) = get_or_make(&at.products, all);
         scorer.all_judged(model, &self.candidates, model.gains(products, UNSEEN), order)
     }
 }
@@ -190,13 +190,13 @@ impl CandidateScorer<'_> {
     /// Scores every candidate against the model, in the order given.
     pub fn score(&self, model: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
         let (products, order) = self.products(model, candidates, &[]);
-        self.all_judged(&Without::nothing(model), candidates, products.gains(UNSEEN), &order)
+        self.all_judged(&Reduced::nothing(model), candidates, products.gains(UNSEEN), &order)
     }
 
     /// Every candidate with its gain, where these are in another order.
     fn all_judged(
         &self,
-        model: &Without<'_>,
+        model: &Reduced<'_>,
         candidates: &[Candidate],
         gains: Vec<Gain>,
         order: &[usize],
@@ -232,14 +232,14 @@ impl CandidateScorer<'_> {
     }
 
     /// What a term explains beside a model or a part of it; with the whole of it the carrier was multiplied.
-    pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, model: &Without<'_>, term: &Term) -> Gain {
+    pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, model: &Reduced<'_>, term: &Term) -> Gain {
         let values = self.driver_values(term);
         let driven = Driven { coupling: term.coupling, per_row: term.driver.len(self.statics), values: &values };
         model.gains(&carrier.products(&[driven]), UNSEEN)[0]
     }
 
     /// What an effect of the model explains when it is put back.
-    pub fn own(&self, model: &Without<'_>, candidate: &Candidate) -> Scored {
+    pub fn own(&self, model: &Reduced<'_>, candidate: &Candidate) -> Scored {
         self.judged(model, candidate, model.gain_of(&self.columns(&candidate.term)))
     }
 
@@ -249,7 +249,7 @@ impl CandidateScorer<'_> {
     }
 
     /// Scores a gain: information criterion and F-test.
-    pub fn judged(&self, model: &Without<'_>, candidate: &Candidate, gain: Gain) -> Scored {
+    pub fn judged(&self, model: &Reduced<'_>, candidate: &Candidate, gain: Gain) -> Scored {
         let used = gain.rank + candidate.scanned;
         let values = self.linear.values() as f64;
         let (free, rss) = ((self.linear.residual.len() - model.rank()) as f64, model.rss());

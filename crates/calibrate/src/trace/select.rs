@@ -7,17 +7,17 @@ use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::identify::solve::{Fit, FitOptions};
-use crate::identify::threads::{available, both, each_alone, in_parallel, made};
+use crate::identify::threads::{available, each_alone, get_or_make, in_parallel, join};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::{DISTANCE, POSE, POSITION};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
+use crate::trace::downdate::{Reduced, Whole};
 use crate::trace::drifts::COARSE;
 use crate::trace::holdout::{Folds, held_out};
-use crate::trace::leftover::{self, Block};
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::search::{CandidateScorer, Linearised, Models, Scored, carriers_of, driven, leaders};
-use crate::trace::without::{Whole, Without};
+use crate::trace::unexplained::{self, Block};
 use crate::trace::{ScanCell, TraceOptions};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, OnceLock};
@@ -135,7 +135,7 @@ impl<'a> Tracer<'a> {
         let candidates: Vec<Candidate> =
             KINDS.iter().filter(|entry| wanted(entry.kind)).flat_map(|entry| (entry.terms)(&survey)).collect();
         let mut carriers = carriers_of(candidates.iter().map(|candidate| &candidate.term));
-        for carrier in leftover::carriers(&survey) {
+        for carrier in unexplained::carriers(&survey) {
             if !carriers.contains(&carrier) {
                 carriers.push(carrier);
             }
@@ -223,12 +223,12 @@ impl<'a> Tracer<'a> {
 
     /// What drives each candidate, see [`driven`].
     pub(crate) fn driven(&self) -> &[Vec<f64>] {
-        made(&self.driven, || driven(self.data, self.statics, &self.candidates)).as_slice()
+        get_or_make(&self.driven, || driven(self.data, self.statics, &self.candidates)).as_slice()
     }
 
     /// Functions of one or two variables that what no entry explains is written as.
     pub(crate) fn blocks(&self) -> &[Block] {
-        self.blocks.get_or_init(|| leftover::blocks(self))
+        self.blocks.get_or_init(|| unexplained::blocks(self))
     }
 
     /// A search step by step, from geometry alone.
@@ -372,12 +372,12 @@ impl<'a> Tracer<'a> {
 
     pub(crate) fn linearised<'b>(&self, state: &'b State) -> &'b Linearised {
         let linear = || linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers);
-        made(&state.at, || Linearised::new(linear()))
+        get_or_make(&state.at, || Linearised::new(linear()))
     }
 
     /// Loose geometry and all effects of a state but those of these indices, and the residual that this would leave: all that finding scanned
     /// numbers takes.
-    pub(crate) fn loosely_without<'b>(&self, state: &'b State, left_out: &[usize]) -> Without<'b> {
+    pub(crate) fn loosely_without<'b>(&self, state: &'b State, left_out: &[usize]) -> Reduced<'b> {
         self.linearised(state).loose().without(&state.columns_of(left_out))
     }
 
@@ -419,7 +419,7 @@ impl<'a> Tracer<'a> {
         let columns = scorer.columns(&scored.candidate.term);
         let stands = self.data.first_of_posture();
         folds.iter().any(|&folds| {
-            let (without, with) = both(
+            let (without, with) = join(
                 || held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds, &stands),
                 || held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds, &stands),
             );
@@ -590,7 +590,7 @@ impl<'a> Tracer<'a> {
             }
             let linear = self.linear(&state);
             let scorer = self.scorer(linear);
-            let leftover = leftover::examine(self, &scorer);
+            let leftover = unexplained::examine(self, &scorer);
             if !leftover.structured {
                 break;
             }

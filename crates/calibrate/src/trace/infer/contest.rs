@@ -100,7 +100,7 @@ pub struct Contest<'a> {
 
 /// Candidates with everything else of a setting taken out.
 #[derive(Debug, Clone)]
-pub struct Ground {
+pub struct Marginal {
     /// Products of all candidates' columns.
     schur: Vec<f64>,
     right: Vec<f64>,
@@ -112,7 +112,7 @@ pub struct Ground {
 }
 
 /// Geometry, frames, curves and structure of a setting: which columns, their products with the prior, and what they must bring.
-struct Held {
+struct Fixed {
     index: Vec<usize>,
     /// Lower triangle, row by row.
     matrix: Vec<f64>,
@@ -131,7 +131,7 @@ impl Contest<'_> {
     }
 
     /// Everything of a setting but the candidates, with its prior.
-    fn held(&self, gram: &Gram, setting: &Setting) -> Held {
+    fn held(&self, gram: &Gram, setting: &Setting) -> Fixed {
         let mut index: Vec<usize> = (0..self.always).collect();
         let mut prior = vec![0.0; self.always];
         let mut log_prior = 0.0;
@@ -190,19 +190,19 @@ impl Contest<'_> {
         }
         let right: Vec<f64> =
             (0..size).map(|i| gram.right[index[i]] + if i < self.always { self.pull[i] } else { 0.0 }).collect();
-        Held { index, matrix, right, log_prior, odds }
+        Fixed { index, matrix, right, log_prior, odds }
     }
 
     /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
     ///
     /// A part of the run may lack a setup of the instrument, or have too little of it: what places it is then held where it is.
-    pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Ground> {
+    pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Marginal> {
         self.ground_held(gram, setting, 0.0).or_else(|| self.ground_held(gram, setting, HELD))
     }
 
     /// The same with so much more on the diagonal of geometry and frames, whose own is 1.
-    fn ground_held(&self, gram: &Gram, setting: &Setting, more: f64) -> Option<Ground> {
-        let Held { index, mut matrix, right, log_prior, odds } = self.held(gram, setting);
+    fn ground_held(&self, gram: &Gram, setting: &Setting, more: f64) -> Option<Marginal> {
+        let Fixed { index, mut matrix, right, log_prior, odds } = self.held(gram, setting);
         let size = index.len();
         let scale_of = |own: f64| if own > 0.0 { own.powf(-0.5) } else { 1.0 };
         let scale: Vec<f64> = (0..size).map(|i| scale_of(matrix[i * size + i])).collect();
@@ -232,19 +232,19 @@ impl Contest<'_> {
         let right = cross_gram(&half, &shares, size);
         let right = columns.iter().zip(right).map(|(&column, share)| gram.right[column] - share).collect();
         let left = gram.square + self.charge - dot(&half, &half);
-        (left > 0.0 && base.is_finite()).then_some(Ground { schur, right, width, base, left, count: gram.count })
+        (left > 0.0 && base.is_finite()).then_some(Marginal { schur, right, width, base, left, count: gram.count })
     }
 
     /// The score of a set at a setting.
-    pub fn at(&self, ground: &Ground, set: &[usize]) -> f64 {
+    pub fn at(&self, ground: &Marginal, set: &[usize]) -> f64 {
         self.asked(set).score(ground, &mut Vec::new())
     }
 
     /// What a set asks of a setting.
-    fn asked(&self, set: &[usize]) -> Asked {
+    fn asked(&self, set: &[usize]) -> ColumnSet {
         // Members' columns follow each other among the candidates' products.
         let first = self.members.first().map_or(0, |member| member.columns.start);
-        let mut asked = Asked { columns: Vec::new(), precisions: Vec::new(), odds: 0.0 };
+        let mut asked = ColumnSet { columns: Vec::new(), precisions: Vec::new(), odds: 0.0 };
         for member in set.iter().map(|&member| &self.members[member]) {
             asked.odds += member.log_odds;
             for column in member.columns.clone() {
@@ -256,7 +256,7 @@ impl Contest<'_> {
     }
 
     /// The model of a set at a setting, its prior as wide as suits it: what is needed to say what it predicts.
-    pub fn system(&self, gram: &Gram, (ground, setting): (&Ground, &Setting), set: &[usize]) -> (Vec<usize>, System) {
+    pub fn system(&self, gram: &Gram, (ground, setting): (&Marginal, &Setting), set: &[usize]) -> (Vec<usize>, System) {
         let asked = self.asked(set);
         let at = |width: f64| (asked.at_width(ground, width, &mut Vec::new()), width);
         let best = WIDTHS.into_iter().map(at).max_by(|a, b| a.0.total_cmp(&b.0));
@@ -281,35 +281,40 @@ impl Contest<'_> {
     }
 
     /// The score of a set at the setting that suits it best.
-    pub fn best<'g>(&self, grounds: impl IntoIterator<Item = &'g Ground>, set: &[usize]) -> (f64, usize) {
+    pub fn best<'g>(&self, grounds: impl IntoIterator<Item = &'g Marginal>, set: &[usize]) -> (f64, usize) {
         let (asked, mut room) = (self.asked(set), Vec::new());
         let scores = grounds.into_iter().enumerate().map(|(index, ground)| (asked.score(ground, &mut room), index));
         scores.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
     }
 
     /// From each start, the best single change after the other: add, drop, swap. Every set on the way is kept.
-    pub fn climbed<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>) -> Seen {
+    pub fn climbed<'s>(&self, grounds: &[Marginal], starts: impl IntoIterator<Item = &'s Vec<usize>>) -> Seen {
         self.way(grounds, starts, Some(Seen::new())).seen.unwrap_or_default()
     }
 
     /// The best set that is found in this way, where changes of a set are scored at the setting alone that suits it. Of the others nothing is kept,
     /// so that scores need not be worked out which are no better than that of the set that was changed. Where no setting can be solved nothing is found.
-    pub fn best_from(&self, grounds: &[Ground], starts: &[Vec<usize>]) -> Vec<usize> {
+    pub fn best_from(&self, grounds: &[Marginal], starts: &[Vec<usize>]) -> Vec<usize> {
         if grounds.is_empty() {
             return Vec::new();
         }
         self.way(grounds, starts, None).best.map_or_else(Vec::new, |(_, set)| set)
     }
 
-    fn way<'s>(&self, grounds: &[Ground], starts: impl IntoIterator<Item = &'s Vec<usize>>, seen: Option<Seen>) -> Way {
+    fn way<'s>(
+        &self,
+        grounds: &[Marginal],
+        starts: impl IntoIterator<Item = &'s Vec<usize>>,
+        seen: Option<Seen>,
+    ) -> Visited {
         let members = (0..self.members.len()).map(|member| self.asked(&[member])).collect();
-        let mut way = Way::new(members, grounds.len(), seen);
-        starts.into_iter().for_each(|start| self.climb(grounds, &mut way, start));
+        let mut way = Visited::new(members, grounds.len(), seen);
+        starts.into_iter().for_each(|start| self.hill_climb(grounds, &mut way, start));
         way
     }
 
     /// The same from one start, as far as no other has been.
-    fn climb(&self, grounds: &[Ground], way: &mut Way, start: &[usize]) {
+    fn hill_climb(&self, grounds: &[Marginal], way: &mut Visited, start: &[usize]) {
         let mut set = start.to_vec();
         set.sort_unstable();
         let mut key = way.key_of(&set);
@@ -338,7 +343,7 @@ impl Contest<'_> {
     }
 
     /// The score of a set with its key, and the one setting at which its changes are scored, where not all that is seen is kept.
-    fn scored(&self, grounds: &[Ground], way: &mut Way, (set, key): (&[usize], u64)) -> (f64, Option<usize>) {
+    fn scored(&self, grounds: &[Marginal], way: &mut Visited, (set, key): (&[usize], u64)) -> (f64, Option<usize>) {
         let all_kept = way.seen.is_some();
         if all_kept && let Some(score) = way.score_above(key, f64::NEG_INFINITY) {
             return (score, None);
@@ -352,8 +357,8 @@ impl Contest<'_> {
     /// setting or at that of all which suits best. Where the sets on the way are not kept, what is no better has any score that is no better.
     fn looked_at(
         &self,
-        (grounds, at): (&[Ground], Option<usize>),
-        way: &mut Way,
+        (grounds, at): (&[Marginal], Option<usize>),
+        way: &mut Visited,
         (set, key, here): (&[usize], u64, f64),
         swapping: bool,
     ) -> Vec<(Change, f64)> {
@@ -392,8 +397,8 @@ impl Contest<'_> {
     /// member alone took is given back. Where a score is not above `least`, it may be any that is not.
     fn changed(
         &self,
-        grounds: &[Ground],
-        members: &[Asked],
+        grounds: &[Marginal],
+        members: &[ColumnSet],
         set: &[usize],
         changes: &[Change],
         least: f64,
@@ -409,7 +414,7 @@ impl Contest<'_> {
             own.odds - out.odds + into.odds - price_of_width(columns)
         };
         let odds: Vec<f64> = changes.iter().map(odds).collect();
-        let at_ground = |ground: &Ground| -> Vec<f64> {
+        let at_ground = |ground: &Marginal| -> Vec<f64> {
             // What may be left of the data where a score is above the least, but for determinants.
             let most_left: Vec<f64> = odds.iter().map(|odds| ground.most_left(least - odds)).collect();
             let (mut best, mut room) = (vec![f64::NEG_INFINITY; changes.len()], Vec::new());
@@ -464,9 +469,9 @@ impl Contest<'_> {
     /// Searches from several starts, and finds the settings that suit the sets which matter.
     ///
     /// Returns every set seen, and the settings with what they leave of the candidates.
-    pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<(Ground, Setting)>) {
+    pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<(Marginal, Setting)>) {
         let mut settings: Vec<Setting> = Vec::new();
-        let mut grounds: Vec<Ground> = Vec::new();
+        let mut grounds: Vec<Marginal> = Vec::new();
         self.add(gram, &self.first_settings(), &mut settings, &mut grounds);
         let (mut seen, mut known) = (Seen::new(), 0);
         if grounds.is_empty() {
@@ -515,7 +520,7 @@ impl Contest<'_> {
         gram: &Gram,
         wanted: &[Setting],
         settings: &mut Vec<Setting>,
-        grounds: &mut Vec<Ground>,
+        grounds: &mut Vec<Marginal>,
     ) -> Vec<usize> {
         let place = |settings: &[Setting], wanted: &Setting| settings.iter().position(|other| other == wanted);
         let mut new: Vec<Setting> = Vec::new();
@@ -570,9 +575,9 @@ enum Known {
 }
 
 /// Where searches have been.
-struct Way {
+struct Visited {
     /// What each member asks of a setting.
-    members: Vec<Asked>,
+    members: Vec<ColumnSet>,
     /// A random number for each member; those of a set, combined by exclusive or, are its key. That two sets share one is not to be expected.
     keys: Vec<u64>,
     /// The same for each ground: what is known of a set at this one alone has the set's key combined with it.
@@ -586,8 +591,8 @@ struct Way {
     seen: Option<Seen>,
 }
 
-impl Way {
-    fn new(members: Vec<Asked>, grounds: usize, seen: Option<Seen>) -> Self {
+impl Visited {
+    fn new(members: Vec<ColumnSet>, grounds: usize, seen: Option<Seen>) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(0);
         let mut keys = |count: usize| (0..count).map(|_| random.random()).collect();
         let (keys, keys_of_grounds) = (keys(members.len()), keys(grounds));
@@ -639,7 +644,7 @@ fn price_of_width(columns: usize) -> f64 {
 }
 
 /// The columns of a set, and what is expected of them.
-struct Asked {
+struct ColumnSet {
     /// Among the candidates' products.
     columns: Vec<usize>,
     /// Of each column the precision that unit information gives, and the least.
@@ -648,7 +653,7 @@ struct Asked {
     odds: f64,
 }
 
-impl Asked {
+impl ColumnSet {
     /// Prior precision of a coefficient. A cause may be far stronger than what one row shows of it: its prior is as
     /// wide as suits it (the g of Zellner's prior by empirical Bayes; George, Foster 2000), one width for all.
     fn precision(&self, column: usize, width: f64) -> f64 {
@@ -657,7 +662,7 @@ impl Asked {
     }
 
     /// The score at a setting, the prior as wide as suits it, less the price of choosing that; `room` is used again.
-    fn score(&self, ground: &Ground, room: &mut Vec<f64>) -> f64 {
+    fn score(&self, ground: &Marginal, room: &mut Vec<f64>) -> f64 {
         if self.columns.is_empty() {
             return ground.score(0.0, 0.0) + self.odds;
         }
@@ -666,7 +671,7 @@ impl Asked {
     }
 
     /// The widths that may suit the set after a single change: that which suits it now, and those beside it. Where the set is nothing, all.
-    fn widths_near(&self, ground: &Ground, room: &mut Vec<f64>) -> &'static [f64] {
+    fn widths_near(&self, ground: &Marginal, room: &mut Vec<f64>) -> &'static [f64] {
         if self.columns.is_empty() {
             return &WIDTHS;
         }
@@ -676,7 +681,7 @@ impl Asked {
     }
 
     /// The same with a prior of this width.
-    fn at_width(&self, ground: &Ground, width: f64, room: &mut Vec<f64>) -> f64 {
+    fn at_width(&self, ground: &Marginal, width: f64, room: &mut Vec<f64>) -> f64 {
         let of = |i: usize| self.columns[i];
         let product = |i: usize, k: usize| ground.schur[of(i) * ground.width + of(k)];
         let explained = self.explained(width, product, |i| ground.right[of(i)], room);
@@ -737,22 +742,22 @@ impl Explained {
     }
 }
 
-/// What the columns of a set take of all candidates' products, at one setting and one width of the prior: [`Ground`] beside that set.
-struct Taken<'a> {
-    set: &'a Asked,
-    ground: &'a Ground,
+/// What the columns of a set take of all candidates' products, at one setting and one width of the prior: [`Marginal`] beside that set.
+struct Downdated<'a> {
+    set: &'a ColumnSet,
+    ground: &'a Marginal,
     width: f64,
     /// L⁻¹ times the products of the set's columns with all columns, column by column of the set; L is Cholesky's factor of S + P.
     shares: Vec<f64>,
     /// The factor's diagonal, and L⁻¹ r.
     pivots: Vec<f64>,
     halves: Vec<f64>,
-    left: Left,
+    left: Remainder,
 }
 
 /// What is left of all candidates' products beside a set.
 #[derive(Clone)]
-struct Left {
+struct Remainder {
     /// Of each column what the set leaves of its square and of its product with the data.
     square: Vec<f64>,
     right: Vec<f64>,
@@ -764,13 +769,13 @@ struct Left {
     log_determinant: f64,
 }
 
-impl Asked {
+impl ColumnSet {
     /// None where the system is not positive.
-    fn taken<'a>(&'a self, ground: &'a Ground, width: f64) -> Option<Taken<'a>> {
+    fn taken<'a>(&'a self, ground: &'a Marginal, width: f64) -> Option<Downdated<'a>> {
         let all = ground.width;
         let mut shares: Vec<f64> = Vec::with_capacity(self.columns.len() * all);
         let (mut pivots, mut halves) = (Vec::new(), Vec::new());
-        let mut left = Left {
+        let mut left = Remainder {
             square: (0..all).map(|k| ground.schur[k * all + k]).collect(),
             right: ground.right.clone(),
             before: (0..all).map(|k| if k > 0 { ground.schur[k * all + k - 1] } else { 0.0 }).collect(),
@@ -803,7 +808,7 @@ impl Asked {
             left.drop += half * half;
             left.log_determinant += (square / precision).ln();
         }
-        Some(Taken { set: self, ground, width, shares, pivots, halves, left })
+        Some(Downdated { set: self, ground, width, shares, pivots, halves, left })
     }
 
     /// Where the columns of one of its members are among its own.
@@ -813,7 +818,7 @@ impl Asked {
     }
 }
 
-impl Left {
+impl Remainder {
     /// Without the columns.
     fn bare(&self) -> Self {
         let (drop, log_determinant) = (self.drop, self.log_determinant);
@@ -828,10 +833,10 @@ impl Left {
     }
 }
 
-impl Taken<'_> {
+impl Downdated<'_> {
     /// What is left without some of the set's columns, these places in it. What they take beyond the others are the shares along their
     /// columns of L⁻¹, made orthogonal; that is given back, where the other columns are of interest. None where the system is not positive.
-    fn without(&self, places: Range<usize>, others: bool) -> Option<Left> {
+    fn without(&self, places: Range<usize>, others: bool) -> Option<Remainder> {
         let (all, count) = (self.ground.width, self.pivots.len());
         let mut left = if others { self.left.clone() } else { self.left.bare() };
         let mut roots: Vec<Vec<f64>> = Vec::with_capacity(places.len());
@@ -877,7 +882,7 @@ impl Taken<'_> {
 
     /// The score with more columns beside what is left, but for prior odds; -∞ where more is left of the data than `most_left`. `room` is used
     /// again.
-    fn with(&self, left: &Left, other: &Asked, most_left: f64, room: &mut Vec<f64>) -> f64 {
+    fn with(&self, left: &Remainder, other: &ColumnSet, most_left: f64, room: &mut Vec<f64>) -> f64 {
         let (all, of) = (self.ground.width, |i: usize| other.columns[i]);
         // A member's columns follow each other.
         let product = |i: usize, k: usize| match i - k {
@@ -899,7 +904,7 @@ impl Taken<'_> {
     }
 }
 
-impl Ground {
+impl Marginal {
     /// Where candidates explain so much more, at the price of these determinants.
     fn score(&self, drop: f64, determinants: f64) -> f64 {
         let left = (self.left - drop) / self.count;
@@ -965,9 +970,9 @@ mod tests {
         ((value * 7 + k * 13) as f64 * 0.61).sin() + 0.3 * ((value * k + 3) as f64 * 1.7).cos()
     }
 
-    fn scores_after_changes_are_those_of_the_sets(contest: &Contest<'_>, grounds: &[Ground], set: &[usize]) {
+    fn scores_after_changes_are_those_of_the_sets(contest: &Contest<'_>, grounds: &[Marginal], set: &[usize]) {
         let members = [None, Some(0), Some(1), Some(2), Some(3)];
-        let asked: Vec<Asked> = (0..4).map(|member| contest.asked(&[member])).collect();
+        let asked: Vec<ColumnSet> = (0..4).map(|member| contest.asked(&[member])).collect();
         let outs = members.iter().filter(|out| out.is_none_or(|out| set.contains(&out)));
         let changes: Vec<Change> = outs
             .flat_map(|&out| members.iter().map(move |&into| Change { out, into }))

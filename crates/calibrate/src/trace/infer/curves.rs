@@ -25,9 +25,9 @@ use crate::trace::infer::gram::{Columns, Gram};
 use crate::trace::infer::maximum::{self, NEGLIGIBLE};
 use crate::trace::infer::model::{Hyperparameters, Kernel};
 use crate::trace::infer::replicates;
-use crate::trace::leftover::Block;
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::search::CandidateScorer;
+use crate::trace::unexplained::Block;
 use denavit_model::nalgebra::DMatrix;
 use std::ops::Range;
 

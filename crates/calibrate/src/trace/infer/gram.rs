@@ -6,8 +6,8 @@
 
 use crate::effects::curve::Waves;
 use crate::identify::gram::{cross_gram, gram_of};
-use crate::identify::stop::look;
-use crate::identify::threads::{available, dealt};
+use crate::identify::stop::check_cancelled;
+use crate::identify::threads::{available, par_map};
 use crate::identify::triangle::dot;
 
 /// Rows whose waves are at hand at once: these stay in the processor's memory.
@@ -101,12 +101,12 @@ impl Gram {
         let partial = |part: usize| {
             let mut sums = Self::zeros(plain, size);
             for range in stretches.iter().skip(part).step_by(parts) {
-                look();
+                check_cancelled();
                 add_stretch(columns, waves, readings, range.clone(), &mut sums);
             }
             sums
         };
-        let mut done = dealt(0..parts, available().min(parts), || (), |(), part| partial(part)).into_iter();
+        let mut done = par_map(0..parts, available().min(parts), || (), |(), part| partial(part)).into_iter();
         let mut sum = done.next().expect("there is a part");
         done.for_each(|part| sum.add(&part, 1.0));
         sum

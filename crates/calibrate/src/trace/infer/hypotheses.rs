@@ -14,7 +14,7 @@ use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::gram::cross_gram;
 use crate::identify::solve::Fit;
-use crate::identify::threads::{available, dealt};
+use crate::identify::threads::{available, par_map};
 use crate::identify::triangle::dot;
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
@@ -469,7 +469,7 @@ impl Hypotheses {
     pub fn predicted(&self, hypothesis: usize) -> Predicted {
         let Hypothesis { columns, solved, .. } = &self.list[hypothesis];
         let each = self.lines.cells.chunks_exact(self.lines.width.max(1));
-        let features = dealt(
+        let features = par_map(
             each,
             available(),
             || vec![0.0; columns.len()],

@@ -12,15 +12,15 @@ use crate::identify::solve::{Fit, gross};
 use crate::identify::threads::{each_alone, each_alone_until};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::trace::infer::contest::{Contest, Ground, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
+use crate::trace::infer::contest::{Contest, Marginal, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
 use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::gram::Gram;
 use crate::trace::infer::hypotheses::{Cause, Open, OpenSet};
 use crate::trace::infer::lines::beside_a_scale;
 use crate::trace::infer::model::{Kernel, LARGEST};
 use crate::trace::infer::predictor::Predictor;
-use crate::trace::leftover::Block;
 use crate::trace::search::handicap;
+use crate::trace::unexplained::Block;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cell::OnceCell;
@@ -220,7 +220,7 @@ pub(crate) fn judge(
     let mut kept: Vec<usize> = which.iter().filter_map(|set| seen.get(set)).map(|(_, setting)| *setting).collect();
     kept.sort_unstable();
     kept.dedup();
-    let grounds = |contest: &Contest<'_>, gram: &Gram| -> Vec<Ground> {
+    let grounds = |contest: &Contest<'_>, gram: &Gram| -> Vec<Marginal> {
         kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect()
     };
     let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
@@ -313,7 +313,7 @@ fn causes(set: &[usize], names: &[Name]) -> Vec<Cause> {
 /// The curves that suit a set best, of the settings without structure.
 fn curves_beside(
     contest: &Contest<'_>,
-    settings: &[(Ground, Setting)],
+    settings: &[(Marginal, Setting)],
     set: &[usize],
     joints: &[usize],
 ) -> Vec<(usize, Kernel)> {

@@ -1,8 +1,8 @@
 //! What a prediction holds beside causes that are named: the best set among the models without structure that has no name, for such
 //! structure says that something is there, but predicts nothing.
 
-use crate::identify::threads::{in_parallel, made};
-use crate::trace::infer::contest::{Contest, Ground, Seen, Setting, best_of};
+use crate::identify::threads::{get_or_make, in_parallel};
+use crate::trace::infer::contest::{Contest, Marginal, Seen, Setting, best_of};
 use crate::trace::infer::field::beyond_chance;
 use crate::trace::infer::gram::Gram;
 use std::sync::OnceLock;
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 pub(super) struct Predictor<'a> {
     contest: &'a Contest<'a>,
     settings: Vec<&'a Setting>,
-    grounds: Vec<Ground>,
+    grounds: Vec<Marginal>,
     /// Of the run.
     parts: &'a [Gram],
     pub(super) set: Vec<usize>,
@@ -24,15 +24,15 @@ impl<'a> Predictor<'a> {
     /// The best of the sets that are found from these, at the settings without structure that suit them.
     pub(super) fn new(
         contest: &'a Contest<'a>,
-        settings: &'a [(Ground, Setting)],
+        settings: &'a [(Marginal, Setting)],
         starts: &[Vec<usize>],
         parts: &'a [Gram],
     ) -> Self {
-        let predict: Vec<&(Ground, Setting)> =
+        let predict: Vec<&(Marginal, Setting)> =
             settings.iter().filter(|(_, setting)| setting.unnamed.is_none()).collect();
         let suits = in_parallel(starts, |set| contest.best(predict.iter().map(|(ground, _)| ground), set).1);
         let suit = predict.iter().enumerate().filter(|(place, _)| suits.contains(place));
-        let (grounds, settings): (Vec<Ground>, Vec<&Setting>) =
+        let (grounds, settings): (Vec<Marginal>, Vec<&Setting>) =
             suit.map(|(_, (ground, setting))| (ground.clone(), setting)).unzip();
         let seen = contest.climbed(&grounds, starts);
         Self { contest, settings, grounds, parts, set: best_of(&seen), seen, left: OnceLock::new() }
@@ -55,7 +55,7 @@ impl<'a> Predictor<'a> {
 
     /// What its own set leaves of each part.
     fn own(&self) -> Option<&Vec<f64>> {
-        made(&self.left, || self.held_out(&self.set)).as_ref()
+        get_or_make(&self.left, || self.held_out(&self.set)).as_ref()
     }
 
     /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.

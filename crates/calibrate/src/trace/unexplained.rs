@@ -48,7 +48,7 @@ pub struct Structure {
 
 /// What no entry explains.
 #[derive(Debug, Clone)]
-pub struct Leftover {
+pub struct UnexplainedStructure {
     /// Whether it is more than chance, all blocks counted.
     pub structured: bool,
     /// Probability of the best block by chance, all blocks counted.
@@ -63,7 +63,7 @@ pub struct Leftover {
     pub(crate) drop: f64,
 }
 
-impl Default for Leftover {
+impl Default for UnexplainedStructure {
     fn default() -> Self {
         Self {
             structured: false,
@@ -99,14 +99,14 @@ pub fn carriers(survey: &Survey) -> Vec<Carrier> {
 }
 
 /// Tests every block against the model, takes the best, and again, until nothing is left.
-pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Leftover {
+pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> UnexplainedStructure {
     let linear = scorer.linear;
     let blocks = tracer.blocks();
     let tests = blocks.len() as f64;
     let mut open: Vec<usize> = (0..blocks.len()).collect();
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
     let mut projector = linear.loose().beside(&[&linear.effects], &linear.residual);
-    let mut leftover = Leftover::default();
+    let mut leftover = UnexplainedStructure::default();
     for round in 0..MOST_BLOCKS {
         let mut scored = gains(linear, &projector, blocks, &open);
         // By how far each is beyond chance: probabilities of strong structure all round to zero.

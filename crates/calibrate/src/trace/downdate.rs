@@ -21,7 +21,7 @@ pub struct Whole {
 
 /// A model without some of its effects, and what it leaves of a residual that is without them, too.
 #[derive(Debug, Clone)]
-pub struct Without<'a> {
+pub struct Reduced<'a> {
     /// The model with them.
     pub model: &'a Projector,
     /// What it can do with them alone: directions of length 1 at right angles to one another, shares in its basis, one after the other.
@@ -40,10 +40,10 @@ impl Whole {
     }
 
     /// Without these columns of effects, which act with these coefficients in the residual.
-    pub fn without(&self, left_out: &[(usize, f64)]) -> Without<'_> {
+    pub fn without(&self, left_out: &[(usize, f64)]) -> Reduced<'_> {
         let rank = self.projector.rank();
         if left_out.is_empty() || rank == 0 {
-            return Without::nothing(&self.projector);
+            return Reduced::nothing(&self.projector);
         }
         let is_left_out = |column: usize| left_out.iter().any(|(other, _)| *other == column);
         let columns = self.effects.len() / rank;
@@ -70,7 +70,7 @@ impl Whole {
                 basis.push(own.into_iter().map(|cell| cell / left).collect());
             }
         }
-        let mut without = Without::nothing(&self.projector);
+        let mut without = Reduced::nothing(&self.projector);
         for direction in &basis[first..] {
             let mut whole = vec![0.0; self.geometry];
             whole.extend(direction);
@@ -84,7 +84,7 @@ impl Whole {
     }
 }
 
-impl<'a> Without<'a> {
+impl<'a> Reduced<'a> {
     /// A model with all that it has.
     pub fn nothing(model: &'a Projector) -> Self {
         Self { model, directions: Vec::new(), along: Vec::new() }

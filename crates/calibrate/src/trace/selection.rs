@@ -8,7 +8,7 @@ use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::identify::solve::Fit;
-use crate::identify::threads::{both, in_parallel};
+use crate::identify::threads::{in_parallel, join};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
@@ -18,8 +18,8 @@ use crate::trace::infer::deflection::with_terms;
 use crate::trace::infer::field::Beside;
 use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, OtherRows, Question, judge};
-use crate::trace::leftover::{self, Block, Leftover};
 use crate::trace::select::{Proposals, State, Tracer, same_terms};
+use crate::trace::unexplained::{self, Block, UnexplainedStructure};
 use crate::trace::{Finding, Portrait, Trace, TraceOptions};
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ pub(crate) fn trace(
             &options.curves,
         )
     };
-    let (curves, found) = both(all_curves, || search(tracer, data.len()));
+    let (curves, found) = join(all_curves, || search(tracer, data.len()));
     let known = &curves.fit.effects.curves;
     let with = |terms: &[Candidate], from: &Fit<EffectModel>, data: &Measurements, survey: &Survey| {
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
@@ -136,7 +136,7 @@ pub(crate) fn trace(
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
     let (leftover, portraits) =
-        both(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
+        join(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
     // What names a cause is the structure without fields beside it.
     let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
     let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
@@ -161,7 +161,7 @@ fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<O
     let of = |tracer: &'a Tracer<'a>| OtherRows {
         survey: &tracer.survey,
         data: tracer.data,
-        structures: leftover::of_these_rows(tracer, structures),
+        structures: unexplained::of_these_rows(tracer, structures),
     };
     tracers.iter().skip(1).map(of).collect()
 }
@@ -170,7 +170,7 @@ fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<O
 /// other rows.
 fn spurious(
     judged: &[Judged],
-    leftover: &Leftover,
+    leftover: &UnexplainedStructure,
     (tracers, thinnings): (&[Tracer<'_>], &[Vec<usize>]),
     data: &Measurements,
     fit: &Fit<EffectModel>,
@@ -235,8 +235,8 @@ fn with_fields(
     survey: &Survey,
     (data, rows): (&Measurements, &[usize]),
     reference: &Arm,
-    (mut last, mut leftover): (CurveFit, Leftover),
-) -> (CurveFit, Leftover) {
+    (mut last, mut leftover): (CurveFit, UnexplainedStructure),
+) -> (CurveFit, UnexplainedStructure) {
     for _ in 0..MOST_FIELDS {
         let thin = on_rows(&last.fit, data, rows);
         let beside = Beside { survey, data: tracer.data, fit: &thin, reference, options: tracer.options.curves };
@@ -248,7 +248,12 @@ fn with_fields(
 }
 
 /// The fit with a smooth function of two joints more, where one of those that are left pays.
-fn with_field(beside: &Beside<'_>, data: &Measurements, last: &CurveFit, leftover: &Leftover) -> Option<CurveFit> {
+fn with_field(
+    beside: &Beside<'_>,
+    data: &Measurements,
+    last: &CurveFit,
+    leftover: &UnexplainedStructure,
+) -> Option<CurveFit> {
     let mut places = Vec::new();
     for place in leftover.blocks.iter().filter_map(Block::place) {
         if !places.contains(&place) && places.len() < PLACES {
@@ -288,10 +293,10 @@ fn rows_of(data: &Measurements, values: usize) -> usize {
 }
 
 /// What a fit leaves that smooth functions explain.
-fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> Leftover {
+fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> UnexplainedStructure {
     let state = State::new(Vec::new(), fit.clone());
     let linear = tracer.linear(&state);
-    leftover::examine(tracer, &tracer.scorer(linear))
+    unexplained::examine(tracer, &tracer.scorer(linear))
 }
 
 /// Causes that a joint's own curve may hide: its scale, its compliance, its play. Of several forms of one the plain ones are
