@@ -1,6 +1,6 @@
 //! A smooth function of two joints' readings beside geometry, effects and curves: a correction without a cause.
 //!
-//! Where a model leaves structure that hangs on two joints ([`crate::trace::leftover`]), it may become a field of the model: an error of
+//! Where a model leaves structure that hangs on two joints ([`crate::trace::unexplained`]), it may become a field of the model: an error of
 //! one joint that is a sum of products of waves of two readings ([`crate::effects::field`]), as large as the marginal likelihood has it.
 //! It has to pay: more by that likelihood than chance among all places would give it, and on rows that it was not fitted to, both
 //! when stretches of the run are left out and when rows between the others are.
