@@ -38,6 +38,18 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-load"],
     ),
     (
+        "denavit-lsp",
+        &[
+            "denavit-model",
+            "denavit-dh",
+            "denavit-export",
+            "denavit-compare",
+            "denavit-edit",
+            "denavit-xacro",
+            "denavit-load",
+        ],
+    ),
+    (
         "denavit-web",
         &[
             "denavit-model",

@@ -9,6 +9,9 @@ import { found, parsed } from "./meshes";
 /** What can be shown of a robot: its visual shapes, and what is drawn on demand. */
 export type Layer = "visual" | "collision" | "inertia" | "mass" | "axes" | "frames";
 
+/** What a link that is lit up gives off. */
+const LIT = 0x8a4b00;
+
 export class Body {
     readonly group = new Group();
     /** Distance of the farthest link from the root with all joints at 0, m. */
@@ -89,6 +92,16 @@ export class Body {
             count += (form.index?.count ?? form.getAttribute("position").count) / 3;
         });
         return count;
+    }
+
+    /** Lights up the shapes of a link, and of no other; null: of none. */
+    light(link: string | null): void {
+        for (const group of this.links) {
+            const lit = group.userData["link"] === link;
+            group.traverse((part) => {
+                if (part instanceof Mesh && part.material instanceof MeshStandardMaterial) part.material.emissive.setHex(lit ? LIT : 0);
+            });
+        }
     }
 
     /** Moves the joints; `value` gives the value of a driving joint, rad or m. */

@@ -318,6 +318,12 @@ addEventListener("hashchange", () => {
     if (chosenRobot(location.hash) !== undefined) location.reload();
 });
 
+// An editor beside the page says which link its cursor is in.
+addEventListener("message", ({ data }: MessageEvent<unknown>) => {
+    if (typeof data !== "object" || data === null || !("denavit" in data) || data.denavit !== "link" || !("link" in data)) return;
+    app.view.light(typeof data.link === "string" ? data.link : null);
+});
+
 void app.trying(begin);
 
 // Figures for those who test the page.

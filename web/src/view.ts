@@ -109,6 +109,12 @@ export class View {
         this.draw();
     }
 
+    /** Lights up a link of the robot and draws its frame; null: none. */
+    light(link: string | null): void {
+        this.bodies[0]?.light(link);
+        this.point(link);
+    }
+
     /** Moves a robot; `value` gives the value of a driving joint, rad or m. */
     move(index: 0 | 1, value: (joint: number) => number): void {
         this.bodies[index]?.move(value);

@@ -21,7 +21,7 @@ pub use measured::{
     BagArguments, CalibrateArguments, CameraArguments, CompensateArguments, GivenArguments, IdentifyArguments,
     ImportArguments, MeasureArguments, MeasureName, PlanArguments, SimulateArguments,
 };
-pub use program::{CompletionsArguments, ManArguments};
+pub use program::{CompletionsArguments, LspArguments, ManArguments};
 use std::path::PathBuf;
 
 /// A robot's URDF in; screw axes, Denavit-Hartenberg tables, comparison and calibration out.
@@ -98,6 +98,8 @@ pub enum Command {
     Compensate(CompensateArguments),
     /// Work over a fleet of robots: run a manifest into a store of Parquet files
     Fleet(FleetArguments),
+    /// Serve an editor: errors as you type, hover, definitions, rename, completion for URDF, xacro, SRDF, SDF and MJCF
+    Lsp(LspArguments),
     /// Print completions of the command line for a shell
     Completions(CompletionsArguments),
     /// Print the manual page, or write one for each command

@@ -25,6 +25,8 @@ pub mod hand_eye;
 pub mod identify;
 #[cfg(feature = "calibrate")]
 pub mod ik;
+#[cfg(feature = "lsp")]
+pub mod lsp;
 pub mod man;
 #[cfg(feature = "calibrate")]
 pub mod measure;

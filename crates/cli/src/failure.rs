@@ -106,7 +106,7 @@ pub enum Failure {
     ClosedPipe,
 }
 
-#[cfg(not(all(feature = "bags", feature = "calibrate", feature = "fleet")))]
+#[cfg(not(all(feature = "bags", feature = "calibrate", feature = "fleet", feature = "lsp")))]
 impl Failure {
     /// What this build leaves out, and how to get it.
     pub fn not_built(feature: &str) -> Self {

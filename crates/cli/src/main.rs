@@ -1,7 +1,7 @@
 //! The command `denavit`: reads arguments and files, calls the crates, prints. No mathematics here.
 
 // A smaller build parses what it cannot do, to say how to get it.
-#![cfg_attr(not(all(feature = "bags", feature = "fleet")), allow(dead_code, unused_imports))]
+#![cfg_attr(not(all(feature = "bags", feature = "fleet", feature = "lsp")), allow(dead_code, unused_imports))]
 
 mod args;
 #[cfg(feature = "calibrate")]
@@ -79,6 +79,10 @@ fn run(command: Command) -> Result<Status, Failure> {
         | Command::Compensate(_) => Err(Failure::not_built("calibrate")),
         #[cfg(not(feature = "fleet"))]
         Command::Fleet(_) => Err(Failure::not_built("fleet")),
+        #[cfg(feature = "lsp")]
+        Command::Lsp(arguments) => commands::lsp::run(&arguments),
+        #[cfg(not(feature = "lsp"))]
+        Command::Lsp(_) => Err(Failure::not_built("lsp")),
         Command::Completions(arguments) => commands::completions::run(&arguments),
         Command::Man(arguments) => commands::man::run(&arguments),
     }

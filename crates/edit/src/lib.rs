@@ -35,6 +35,7 @@ pub use operation::{OPERATIONS, Operation, OperationHelp, Words};
 pub use operations::calibration::{Actual, Frames};
 pub use operations::rename::Renaming;
 pub use proof::Proof;
+pub use references::{Kind, named_by_attribute, named_by_text};
 pub use value::Plane;
 
 use denavit_model::robot::{Robot, SourceText};

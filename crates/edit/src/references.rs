@@ -13,8 +13,10 @@ pub(crate) struct Names {
 
 /// What a name may stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
+    /// A link.
     Link,
+    /// A joint.
     Joint,
     /// A link, or where there is none of that name a joint.
     Either,
@@ -69,7 +71,20 @@ impl Names {
 }
 
 fn attribute_kind(node: Node, attribute: &Attribute) -> Option<Kind> {
-    let (tag, name) = (node.tag_name().name(), attribute.name());
+    named_by_attribute(node.tag_name().name(), attribute.name())
+}
+
+/// What the value of an attribute of a URDF or SRDF names, by its element's tag and its own name, both without prefixes; `None`
+/// where it names neither link nor joint.
+///
+/// # Examples
+/// ```
+/// use denavit_edit::{Kind, named_by_attribute};
+/// assert_eq!(named_by_attribute("parent", "link"), Some(Kind::Link));
+/// assert_eq!(named_by_attribute("gazebo", "reference"), Some(Kind::Either));
+/// assert_eq!(named_by_attribute("origin", "xyz"), None);
+/// ```
+pub fn named_by_attribute(tag: &str, name: &str) -> Option<Kind> {
     match (tag, name) {
         ("link", "name") => Some(Kind::Link),
         (tag, "name") if tag.ends_with("joint") && !OWN_NAME.contains(&tag) => Some(Kind::Joint),
@@ -82,8 +97,12 @@ fn attribute_kind(node: Node, attribute: &Attribute) -> Option<Kind> {
 
 /// What the text of an element names, by its tag, or by the name of a parameter.
 fn text_kind(node: Node) -> Option<Kind> {
-    let tag = node.tag_name().name();
-    let word = if tag == "param" { node.attribute("name").unwrap_or_default() } else { tag }.to_lowercase();
+    named_by_text(node.tag_name().name(), node.attribute("name"))
+}
+
+/// What the words in an element name, by its tag and its attribute `name`; `None` where they name neither link nor joint.
+pub fn named_by_text(tag: &str, name: Option<&str>) -> Option<Kind> {
+    let word = if tag == "param" { name.unwrap_or_default() } else { tag }.to_lowercase();
     if word.contains("joint") || word == "mimic" {
         Some(Kind::Joint)
     } else if LINK_WORDS.iter().any(|part| word.contains(part)) {

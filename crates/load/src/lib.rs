@@ -36,7 +36,7 @@ pub use checked::{CheckError, CheckOptions, Rules};
 pub use convert::{ConvertOptions, convert, sidecar_of, srdf_of};
 pub use error::LoadError;
 pub use meshes::{MeshFile, Meshes, meshes};
-pub use read::{Expanded, STANDARD_INPUT, expanded, from_text, load, read_bytes, read_text};
+pub use read::{Expanded, STANDARD_INPUT, expanded, expanded_with_trace, from_text, load, read_bytes, read_text};
 pub use robot::{Listing, Loaded, Selection};
 pub use table::{Made, NEARLY_PARALLEL, TableOptions};
 pub use urdf_text::{UrdfText, is_markup, urdf_text, why_a_part};

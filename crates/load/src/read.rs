@@ -128,8 +128,21 @@ fn stem(file: &str) -> String {
 /// # Errors
 /// The document does not expand.
 pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, LoadError> {
+    expansion(file, text, options, false)
+}
+
+/// As [`expanded`], with the [trace](Expanded::trace) that says where everything comes from.
+///
+/// # Errors
+/// The document does not expand.
+pub fn expanded_with_trace(file: &str, text: &str, options: &Options) -> Result<Expanded, LoadError> {
+    expansion(file, text, options, true)
+}
+
+fn expansion(file: &str, text: &str, options: &Options, trace: bool) -> Result<Expanded, LoadError> {
     let home = Home::of(file).map_err(|reason| LoadError::Read { file: file.to_owned(), reason })?;
-    let mut expanded = home.within(|| expanded_on(file, &home, text, options)).map_err(|error| home.error(error))?;
+    let mut expanded =
+        home.within(|| expanded_on(file, &home, text, options, trace)).map_err(|error| home.error(error))?;
     if home.is_revision() {
         for note in &mut expanded.notes {
             note.message = home.shown_in(&note.message);
@@ -146,11 +159,12 @@ pub fn expanded(file: &str, text: &str, options: &Options) -> Result<Expanded, L
     Ok(expanded)
 }
 
-fn expanded_on(file: &str, home: &Home, text: &str, options: &Options) -> Result<Expanded, XacroError> {
+fn expanded_on(file: &str, home: &Home, text: &str, options: &Options, trace: bool) -> Result<Expanded, XacroError> {
     let environment = environment();
     let settings = denavit_xacro::Options {
         packages: PackagePath::new(&options.package_path, &environment),
         environment,
+        trace,
         access: if options.allow_any_file { FileAccess::Any } else { FileAccess::default() },
         ..denavit_xacro::Options::default()
     };
@@ -214,6 +228,10 @@ fn from_git(object: &str) -> Result<Vec<u8>, String> {
     };
     if revision.starts_with('-') || path.starts_with('-') {
         return Err("neither a revision nor a path may begin with \"-\"; write ./-… for such a path".into());
+    }
+    if Path::new(path).is_absolute() {
+        let home = Home::of(&format!("git:{object}"))?;
+        return home.within(|| denavit_xacro::files::read(&home.path)).map_err(|error| error.to_string());
     }
     let shown = std::process::Command::new("git").args(["cat-file", "--end-of-options", "blob", object]).output();
     let shown = shown.map_err(|error| format!("git could not be run: {error}"))?;

@@ -32,11 +32,24 @@ impl Home {
     /// Git cannot be asked, or does not have the revision.
     pub fn of(source: &str) -> Result<Self, String> {
         let Some((name, path)) = object_of(source) else { return Ok(Self { path: source.into(), revision: None }) };
-        let shown = |arguments: &[&str]| git(Path::new("."), arguments).map(|bytes| line(&bytes));
+        // The repository of a path that says where it is may be another than the one around us.
+        let above =
+            Path::new(path).is_absolute().then(|| Path::new(path).ancestors().skip(1).find(|above| above.is_dir()));
+        let folder = above.flatten().unwrap_or(Path::new("."));
+        let shown = |arguments: &[&str]| git(folder, arguments).map(|bytes| line(&bytes));
         // A repository without a working tree has its files where it is itself.
         let top = shown(&["rev-parse", "--show-toplevel"]).or_else(|_| shown(&["rev-parse", "--absolute-git-dir"]))?;
         let top = PathBuf::from(top);
         let relative = path.starts_with("./") || path.starts_with("../") || path == "." || path == "..";
+        if let Ok(real) = folder.canonicalize()
+            && let (true, Ok(rest)) = (Path::new(path).is_absolute(), Path::new(path).strip_prefix(folder))
+        {
+            let path = real.join(rest);
+            return Ok(Self {
+                path,
+                revision: Some(Revision { name: name.to_owned(), files: files_of(name, &top)?, top }),
+            });
+        }
         let from = if relative { top.join(shown(&["rev-parse", "--show-prefix"])?) } else { top.clone() };
         let files = files_of(name, &top)?;
         let path = from.join(path);

@@ -22,6 +22,18 @@ use std::collections::HashMap;
 /// Drake's namespace for joints that URDF lacks.
 const DRAKE: &str = "http://drake.mit.edu";
 
+/// What may stand in the element at a path of tags below `<robot>`, such as `["joint", "limit"]`: attributes and elements that
+/// are understood or kept; `None` for a path that is neither.
+///
+/// # Examples
+/// ```
+/// let (attributes, _) = denavit_model::urdf::vocabulary(&["joint", "mimic"]).unwrap();
+/// assert_eq!(attributes, ["joint", "multiplier", "offset"]);
+/// ```
+pub fn vocabulary(path: &[&str]) -> Option<(Vec<&'static str>, Vec<&'static str>)> {
+    known::vocabulary(path)
+}
+
 /// Reads a robot from the text of a URDF.
 ///
 /// `file` is used in messages only. Read with a note, since what is meant is sure: a byte order mark, white space

@@ -19,8 +19,18 @@ pub struct Held {
     files: BTreeMap<PathBuf, Content>,
     links: BTreeMap<PathBuf, Content>,
     refused: BTreeMap<PathBuf, String>,
-    /// Where the disk is not seen; `None`: nowhere is it seen.
-    below: Option<PathBuf>,
+    seen: Seen,
+}
+
+/// What of the disk is seen beside held files.
+#[derive(Debug, Default)]
+enum Seen {
+    #[default]
+    Nothing,
+    /// What is not below this folder.
+    Outside(PathBuf),
+    /// Every file that is not held.
+    Rest,
 }
 
 enum Content {
@@ -49,7 +59,12 @@ impl Content {
 impl Held {
     /// No files, in place of what the disk has below a folder; elsewhere the disk is seen.
     pub fn below(folder: impl Into<PathBuf>) -> Self {
-        Self { below: Some(folder.into()), ..Self::default() }
+        Self { seen: Seen::Outside(folder.into()), ..Self::default() }
+    }
+
+    /// No files, over those of the disk: a file that is added hides the one of its name, as an editor's unsaved text does.
+    pub fn over_the_disk() -> Self {
+        Self { seen: Seen::Rest, ..Self::default() }
     }
 
     /// Adds a file.
@@ -86,6 +101,18 @@ impl Held {
             from_here.next().is_some_and(|name| name.starts_with(folder))
         };
         first(&self.files) || first(&self.links)
+    }
+
+    /// The held file that a path leads to, by its name or by the links of the disk.
+    fn hiding(&self, path: &Path) -> Option<PathBuf> {
+        let named = lexical(&std::path::absolute(path).ok()?);
+        if self.files.contains_key(&named) {
+            return Some(named);
+        }
+        // Few files are held: a link is followed only where the last name is one of theirs.
+        let last = named.file_name()?;
+        self.files.keys().any(|held| held.file_name() == Some(last)).then_some(())?;
+        path.canonicalize().ok().filter(|real| self.files.contains_key(real))
     }
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
@@ -139,7 +166,7 @@ pub(crate) fn held() -> Option<Arc<Held>> {
 
 /// Whether files are held in place of the whole disk.
 pub fn are_held() -> bool {
-    HELD.with_borrow(|held| held.as_ref().is_some_and(|held| held.below.is_none()))
+    HELD.with_borrow(|held| held.as_ref().is_some_and(|held| matches!(held.seen, Seen::Nothing)))
 }
 
 /// The content of a file.
@@ -222,10 +249,14 @@ pub(crate) fn entries(folder: &Path) -> Vec<PathBuf> {
 /// Looks among the held files where they stand in place of the disk, and on the disk elsewhere.
 fn look<T>(path: &Path, held: impl FnOnce(&Held, &Path) -> T, disk: impl FnOnce(&Path) -> T) -> T {
     let Some(files) = self::held() else { return disk(path) };
-    let Some(root) = &files.below else {
-        let path = lexical(path);
-        let resolved = files.resolved(&path).unwrap_or(path);
-        return held(&files, &resolved);
+    let root = match &files.seen {
+        Seen::Nothing => {
+            let path = lexical(path);
+            let resolved = files.resolved(&path).unwrap_or(path);
+            return held(&files, &resolved);
+        }
+        Seen::Rest => return if let Some(name) = files.hiding(path) { held(&files, &name) } else { disk(path) },
+        Seen::Outside(root) => root,
     };
     let Some(inside) = inside(path, root) else { return disk(path) };
     match files.resolved(&inside) {
@@ -305,6 +336,23 @@ mod tests {
             assert!(PackagePath::default().packages().is_empty());
         });
         assert!(exists(Path::new(env!("CARGO_MANIFEST_DIR"))));
+    }
+
+    #[test]
+    fn an_unsaved_text_hides_the_file_of_its_name_and_nothing_else() {
+        let top = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+        let mut held = Held::over_the_disk();
+        held.add(&top.join("Cargo.toml"), b"unsaved".to_vec());
+        held.add(&top.join("not/saved.xacro"), b"new".to_vec());
+        with(Some(Arc::new(held)), || {
+            assert!(!are_held());
+            assert_eq!(read(&top.join("src/../Cargo.toml")).unwrap(), b"unsaved");
+            assert_eq!(read(&top.join("not/saved.xacro")).unwrap(), b"new");
+            assert!(is_file(&top.join("src/lib.rs")) && !exists(&top.join("not/other.xacro")));
+            assert_eq!(canonical(&top.join("Cargo.toml")).unwrap(), top.join("Cargo.toml"));
+            assert!(entries(&top).contains(&top.join("src")));
+        });
+        assert_ne!(read(&top.join("Cargo.toml")).unwrap(), b"unsaved");
     }
 
     #[test]

@@ -39,6 +39,17 @@ pub(crate) struct Element {
     pub file: Rc<SourceFile>,
     /// The element's name in the start tag.
     pub range: Range<usize>,
+    /// Of an element that was produced: the macros that it was produced in.
+    pub calls: Option<Rc<Call>>,
+}
+
+/// A macro call that is being carried out, and the one around it.
+#[derive(Debug)]
+pub(crate) struct Call {
+    pub name: Rc<str>,
+    pub defined: Spot,
+    pub called: Spot,
+    pub around: Option<Rc<Call>>,
 }
 
 #[derive(Debug, Clone)]
@@ -87,12 +98,16 @@ impl Element {
             children: Vec::new(),
             file: Rc::clone(&self.file),
             range: self.range.clone(),
+            calls: None,
         }
     }
 
     pub fn set_attribute(&mut self, name: Rc<str>, value: Rc<str>, range: Range<usize>) {
         match self.attributes.iter_mut().find(|attribute| attribute.name == name) {
-            Some(attribute) => attribute.value = value,
+            Some(attribute) => {
+                attribute.value = value;
+                attribute.range = range;
+            }
             None => self.attributes.push(Attribute { name, value, name_range: range.clone(), range }),
         }
     }
@@ -194,5 +209,13 @@ fn element(file: &Rc<SourceFile>, node: roxmltree::Node<'_, '_>, depth: usize) -
     for child in node.children() {
         children.extend(convert(file, child, depth + 1)?);
     }
-    Ok(Element { name: rest[..length].into(), namespaces, attributes, children, file: Rc::clone(file), range })
+    Ok(Element {
+        name: rest[..length].into(),
+        namespaces,
+        attributes,
+        children,
+        file: Rc::clone(file),
+        range,
+        calls: None,
+    })
 }

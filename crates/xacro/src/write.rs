@@ -2,13 +2,22 @@
 
 use std::fmt::Write as _;
 
+use crate::trace::{AttributeOrigin, ElementOrigin};
 use crate::tree::{Element, Node};
+
+/// The text, and where its elements come from.
+pub(crate) struct Written {
+    pub text: String,
+    trace: bool,
+    pub elements: Vec<ElementOrigin>,
+}
 
 const INDENT: &str = "  ";
 
 /// Writes a document: two spaces for each level, attributes in their order, comments kept.
-pub(crate) fn document(before: &[Node], root: &Element, after: &[Node]) -> String {
-    let mut out = String::from("<?xml version=\"1.0\"?>\n");
+pub(crate) fn document(before: &[Node], root: &Element, after: &[Node], trace: bool) -> Written {
+    let text = String::from("<?xml version=\"1.0\"?>\n");
+    let mut out = Written { text, trace, elements: Vec::new() };
     for node in before {
         write_node(&mut out, node, 0);
     }
@@ -19,7 +28,7 @@ pub(crate) fn document(before: &[Node], root: &Element, after: &[Node]) -> Strin
     out
 }
 
-fn write_node(out: &mut String, node: &Node, level: usize) {
+fn write_node(out: &mut Written, node: &Node, level: usize) {
     if let Node::Element(element) = node {
         return write_element(out, element, level, true);
     }
@@ -28,14 +37,18 @@ fn write_node(out: &mut String, node: &Node, level: usize) {
     {
         return;
     }
-    out.push_str(&INDENT.repeat(level));
+    out.text.push_str(&INDENT.repeat(level));
     write_inline(out, node);
-    out.push('\n');
+    out.text.push('\n');
 }
 
-fn write_inline(out: &mut String, node: &Node) {
+fn write_inline(out: &mut Written, node: &Node) {
+    if let Node::Element(element) = node {
+        return write_element(out, element, 0, false);
+    }
+    let out = &mut out.text;
     match node {
-        Node::Element(element) => write_element(out, element, 0, false),
+        Node::Element(_) => {}
         Node::Text(text) => escape(out, &text.value, false),
         // "]]>" would end the section.
         Node::Cdata(value) => {
@@ -54,16 +67,34 @@ fn write_inline(out: &mut String, node: &Node) {
     }
 }
 
-fn write_element(out: &mut String, element: &Element, level: usize, pretty: bool) {
+fn write_element(written: &mut Written, element: &Element, level: usize, pretty: bool) {
     let (indent, newline) = if pretty { (INDENT.repeat(level), "\n") } else { (String::new(), "") };
+    let trace = written.trace;
+    let out = &mut written.text;
+    let at = out.len() + indent.len();
     let _ = write!(out, "{indent}<{}", element.name);
-    let namespaces = element.namespaces.iter().map(|(name, value)| (name, value));
-    let attributes = element.attributes.iter().map(|attribute| (&attribute.name, &attribute.value));
-    for (name, value) in namespaces.chain(attributes) {
+    let mut origins = Vec::new();
+    let namespaces = element.namespaces.iter().map(|(name, value)| (name, value, None));
+    let attributes =
+        element.attributes.iter().map(|attribute| (&attribute.name, &attribute.value, Some(&attribute.range)));
+    for (name, value, range) in namespaces.chain(attributes) {
         let _ = write!(out, " {name}=\"");
+        let start = out.len();
         escape(out, value, true);
+        if let (true, Some(source)) = (trace, range) {
+            origins.push(AttributeOrigin { at: start..out.len(), source: source.clone() });
+        }
         out.push('"');
     }
+    if trace {
+        written.elements.push(ElementOrigin {
+            at,
+            spot: element.spot(),
+            attributes: origins,
+            calls: element.calls.clone(),
+        });
+    }
+    let out = &mut written.text;
     let is_blank = |node: &Node| matches!(node, Node::Text(text) if text.value.trim().is_empty());
     let has_words =
         element.children.iter().any(|node| matches!(node, Node::Text(_) | Node::Cdata(_)) && !is_blank(node));
@@ -75,16 +106,16 @@ fn write_element(out: &mut String, element: &Element, level: usize, pretty: bool
     if has_words || !pretty {
         // White space beside words may mean something.
         for child in &element.children {
-            write_inline(out, child);
+            write_inline(written, child);
         }
-        let _ = write!(out, "</{}>{newline}", element.name);
+        let _ = write!(written.text, "</{}>{newline}", element.name);
         return;
     }
     out.push('\n');
     for child in &element.children {
-        write_node(out, child, level + 1);
+        write_node(written, child, level + 1);
     }
-    let _ = write!(out, "{indent}</{}>{newline}", element.name);
+    let _ = write!(written.text, "{indent}</{}>{newline}", element.name);
 }
 
 fn escape(out: &mut String, text: &str, in_attribute: bool) {

@@ -22,6 +22,22 @@ pub struct CompletionsArguments {
     pub output: Option<PathBuf>,
 }
 
+const LSP_EXAMPLES: &str = "\
+An editor starts it and speaks the Language Server Protocol with it over standard input and output:
+  VS Code    the extension in editors/vscode
+  Neovim     vim.lsp.start({ name = 'denavit', cmd = { 'denavit', 'lsp' } })
+  Helix      [language-server.denavit] command = \"denavit\", args = [\"lsp\"]
+docs/editor.md has the rest, and the settings.";
+
+/// Arguments of `denavit lsp`.
+#[derive(Debug, Args)]
+#[command(after_help = LSP_EXAMPLES)]
+pub struct LspArguments {
+    /// Accepted, since editors pass it: there is no other way
+    #[arg(long)]
+    pub stdio: bool,
+}
+
 /// Arguments of `denavit man`.
 #[derive(Debug, Args)]
 pub struct ManArguments {

@@ -30,7 +30,7 @@ enum Named {
 
 const LINKS: &[(&str, Named)] = &[("link1", Named::Link), ("link2", Named::Link)];
 
-const KNOWN: &[Known] = &[
+static KNOWN: &[Known] = &[
     Known { tag: "robot", parent: "", attributes: &["name", "version"], names: &[] },
     Known {
         tag: "virtual_joint",
@@ -75,6 +75,16 @@ const KNOWN: &[Known] = &[
         names: &[("joint_name", Named::Joint)],
     },
 ];
+
+/// The elements that may stand in another one of an SRDF, by its tag.
+pub fn children_of(parent: &str) -> Vec<&'static str> {
+    KNOWN.iter().filter(|known| known.parent == parent).map(|known| known.tag).collect()
+}
+
+/// The attributes of an element of an SRDF, by its tag and that of the element around it.
+pub fn attributes_of(tag: &str, parent: &str) -> &'static [&'static str] {
+    KNOWN.iter().find(|known| known.tag == tag && known.parent == parent).map_or(&[], |known| known.attributes)
+}
 
 /// Whether a source is an SRDF: by its name, or as a `<robot>` without links but with groups and the like.
 pub fn is_srdf(file: &str, text: &str) -> bool {

@@ -101,6 +101,17 @@ static JOINT: Known = Known {
     ..placing("joint", &["name", "type"])
 };
 
+/// What may stand in the element at a path of tags below `<robot>`: attributes and elements that are understood or kept.
+pub(super) fn vocabulary(path: &[&str]) -> Option<(Vec<&'static str>, Vec<&'static str>)> {
+    let mut known = &ROBOT;
+    for tag in path {
+        known = known.children.iter().find(|child| child.tag == *tag)?;
+    }
+    let attributes = known.attributes.iter().chain(known.kept).copied().collect();
+    let children = known.children.iter().map(|child| child.tag).chain(known.carried.iter().copied()).collect();
+    Some((attributes, children))
+}
+
 /// The whole file. What closes a loop is carried and noted: see [`crate::loops`].
 pub(super) static ROBOT: Known = Known {
     children: &[&LINK, &JOINT],

@@ -13,7 +13,8 @@ use crate::limits::Meter;
 use crate::packages::{PackagePath, package_of};
 use crate::place::{SourceFile, Spot};
 use crate::scope::{Macros, Scope};
-use crate::tree::{self, Document, Element, Node, Text};
+use crate::trace::{EvaluatedAt, Trace};
+use crate::tree::{self, Call, Document, Element, Node, Text};
 use crate::write;
 
 pub(super) type Outcome<T> = Result<T, Box<XacroError>>;
@@ -36,6 +37,10 @@ pub(super) struct Expander<'a> {
     pub evaluating: Vec<Rc<str>>,
     pub parsed: HashMap<Rc<str>, Rc<Expression>>,
     pub documents: HashMap<PathBuf, Rc<Document>>,
+    /// The macro call that is being carried out.
+    pub call: Option<Rc<Call>>,
+    /// What expressions came to, where that is asked for.
+    pub values: Vec<EvaluatedAt>,
 }
 
 /// Macros and properties in sight.
@@ -72,6 +77,8 @@ pub(super) fn run(source: &Source, given: &[(String, String)], options: &Options
         evaluating: Vec::new(),
         parsed: HashMap::new(),
         documents: HashMap::new(),
+        call: None,
+        values: Vec::new(),
     };
     let document = match source {
         Source::Text { name, text, .. } => {
@@ -89,8 +96,10 @@ pub(super) fn run(source: &Source, given: &[(String, String)], options: &Options
     let sight = Sight { macros: Rc::new(Macros::default()), symbols: Scope::root() };
     let root = expander.root(&document.root, &sight)?;
     expander.note_unused_arguments();
+    let mut written = write::document(&document.before, &root, &document.after, options.trace);
     Ok(Expanded {
-        urdf: write::document(&document.before, &root, &document.after),
+        trace: options.trace.then(|| Trace::of(std::mem::take(&mut written.elements), expander.values)),
+        urdf: written.text,
         notes: expander.notes,
         files_read: expander.files_read,
         arguments: expander.declared,
@@ -151,6 +160,7 @@ impl Expander<'_> {
     /// Evaluates an element, with its attributes and children.
     pub fn element(&mut self, source: &Rc<Element>, sight: &Sight) -> Outcome<Element> {
         let mut output = Output::new(source.bare(), true);
+        output.element.calls.clone_from(&self.call);
         self.start_tag(source, sight, &mut output)?;
         self.children(source, sight, &mut output)?;
         Ok(output.element)

@@ -10,7 +10,7 @@ use crate::error::{ErrorKind, Frame, XacroError, did_you_mean, near};
 use crate::expression::Value;
 use crate::place::Spot;
 use crate::scope::{Entry, Macro, Macros, Parameter, Scope};
-use crate::tree::{Element, Node};
+use crate::tree::{Call, Element, Node};
 
 impl Expander<'_> {
     pub fn define_macro(&mut self, element: &Rc<Element>, sight: &Sight) -> Outcome<()> {
@@ -60,7 +60,15 @@ impl Expander<'_> {
         self.meter.enter().map_err(|error| frame(error.at(&element.spot())))?;
         let mut body = Output::new(definition.body.bare(), false);
         body.element.namespaces.clone_from(&definition.body.namespaces);
+        let around = self.call.take();
+        self.call = Some(Rc::new(Call {
+            name: name.into(),
+            defined: definition.body.spot(),
+            called: element.spot(),
+            around: around.clone(),
+        }));
         self.children(&definition.body, &inner, &mut body).map_err(frame)?;
+        self.call = around;
         self.meter.leave();
         output.drop_comments();
         self.adopt(body.element, element, output);

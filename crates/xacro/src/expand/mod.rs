@@ -17,6 +17,7 @@ use crate::error::{ErrorKind, XacroError};
 use crate::limits::Limits;
 use crate::packages::{Environment, PackagePath};
 use crate::place::Place;
+use crate::trace::Trace;
 
 /// What is to be expanded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,6 +59,8 @@ pub struct Options {
     pub access: FileAccess,
     /// Bounds on what the document may cost.
     pub limits: Limits,
+    /// Whether the result says where everything in it comes from.
+    pub trace: bool,
 }
 
 /// The result of an expansion.
@@ -72,6 +75,8 @@ pub struct Expanded {
     pub files_read: Vec<PathBuf>,
     /// The arguments that the document declares, in order.
     pub arguments: Vec<Argument>,
+    /// Where everything in it comes from, where that was asked for.
+    pub trace: Option<Trace>,
 }
 
 /// Something that is no error, but may not be meant.

@@ -11,7 +11,11 @@ use crate::limits::Meter;
 use crate::place::Spot;
 use crate::scope::{Entry, Scope};
 use crate::text::{Segment, segments};
+use crate::trace::EvaluatedAt;
 use crate::yaml;
+
+/// Values beyond these are not traced.
+const MOST_VALUES: usize = 100_000;
 
 impl Expander<'_> {
     /// The value of a text: typed if it is a single expression, otherwise words.
@@ -38,7 +42,11 @@ impl Expander<'_> {
                     let whole = spot.within(text, range.start - 2..range.end + 1);
                     let inner = spot.within(text, range.clone());
                     let words = self.words(&text[range], &inner, scope)?;
-                    Value::Text(self.substitution(&words, &whole)?)
+                    let value = self.substitution(&words, &whole)?;
+                    if self.options.trace && self.values.len() < MOST_VALUES {
+                        self.values.push(EvaluatedAt { spot: inner, value: Rc::clone(&value) });
+                    }
+                    Value::Text(value)
                 }
             });
         }
@@ -65,6 +73,13 @@ impl Expander<'_> {
         let written = self.words(inner, spot, scope)?;
         let trimmed = written.trim();
         let outcome = self.evaluate(trimmed, spot, scope);
+        if self.options.trace
+            && self.values.len() < MOST_VALUES
+            && let Ok(value) = &outcome
+            && let Ok(words) = value.to_text(&mut self.meter)
+        {
+            self.values.push(EvaluatedAt { spot: spot.clone(), value: words });
+        }
         outcome.map_err(|fault| {
             if fault.error.place.is_some() {
                 return fault.error;

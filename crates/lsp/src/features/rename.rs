@@ -1,0 +1,108 @@
+//! Another name for a link or joint, wherever it is used.
+
+use crate::features::definition::{Target, is_part_of_tree, target, uses};
+use crate::names::{Kind, Language};
+use crate::session::{Session, descriptions_near};
+use crate::uri::uri_of;
+use gen_lsp_types::{Range, TextEdit, Uri, WorkspaceEdit};
+use std::collections::HashMap;
+use std::path::Path;
+
+fn renamed(session: &Session, path: &Path, at: usize) -> Result<Target, String> {
+    let target =
+        target(session, path, at).ok_or("there is no name here; put the cursor on the name of a link or joint")?;
+    let kind = target.occurrence.kind;
+    if !is_part_of_tree(kind) {
+        return Err(format!(
+            "only links and joints are renamed, and \"{}\" names the {}",
+            target.occurrence.name,
+            kind.word()
+        ));
+    }
+    if target.occurrence.name.contains('$') {
+        return Err(format!(
+            "{} is made by an expression; rename the property or the text that it is made of",
+            target.occurrence.name
+        ));
+    }
+    Ok(target)
+}
+
+/// The bytes of the name that would be renamed.
+pub(crate) fn prepare(session: &Session, path: &Path, at: usize) -> Result<Range, String> {
+    let target = renamed(session, path, at)?;
+    let text = session.files.text(path).ok_or("the file is gone")?;
+    Ok(text.range(&target.occurrence.range))
+}
+
+/// The edits that give a link or joint another name.
+pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Result<WorkspaceEdit, String> {
+    let mut target = renamed(session, path, at)?;
+    if new.trim().is_empty() || new.contains(['<', '>', '"', '\'', '&', '$']) || new.contains(char::is_whitespace) {
+        return Err(format!("\"{new}\" cannot be a name; write letters, digits, _, - and /"));
+    }
+    let old = target.occurrence.name.clone();
+    let robots: Vec<_> = session.robots_of(path).into_iter().chain(session.robots_of_srdf(path)).collect();
+    for robot in robots.iter().filter_map(|analysis| analysis.robot.as_ref()) {
+        let (is_link, is_joint) = (robot.link_index(&old).is_some(), robot.joint_index(&old).is_some());
+        if target.occurrence.kind == Kind::Either {
+            target.occurrence.kind = if is_link || !is_joint { Kind::Link } else { Kind::Joint };
+        }
+        let taken = match target.occurrence.kind {
+            Kind::Joint => robot.joint_index(new).is_some(),
+            _ => robot.link_index(new).is_some(),
+        };
+        if taken {
+            return Err(format!("{}: a {} has the name \"{new}\" already", robot.name, target.occurrence.kind.word()));
+        }
+    }
+    let kind = target.occurrence.kind;
+    let mut found = uses(session, path, &target);
+    // A reference that may mean either means a link where there is one.
+    let both = robots.iter().filter_map(|analysis| analysis.robot.as_ref());
+    let both = both.filter(|robot| robot.link_index(&old).is_some() && robot.joint_index(&old).is_some()).count() > 0;
+    if both && kind == Kind::Joint {
+        found.retain(|found| {
+            let names = session.files.names(&found.at.file);
+            let is_either = names.is_some_and(|names| {
+                names.iter().any(|name| name.range == found.at.range && name.kind == Kind::Either)
+            });
+            !is_either
+        });
+    }
+    if let Some(made) = found.iter().find(|found| !found.plain) {
+        let place = session.files.text(&made.at.file).map_or(0, |text| text.line_of(made.at.range.start) + 1);
+        return Err(format!(
+            "an expression makes the {} \"{old}\" at {}:{place}; rename it there",
+            kind.word(),
+            made.at.file.display()
+        ));
+    }
+    let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
+    let mut change = |file: &Path, range: std::ops::Range<usize>| {
+        if let Some(text) = session.files.text(file) {
+            let edits = changes.entry(uri_of(file)).or_default();
+            edits.push(TextEdit { range: text.range(&range), new_text: new.to_owned() });
+        }
+    };
+    for found in &found {
+        change(&found.at.file, found.at.range.clone());
+    }
+    // SRDF files beside the robot that nobody has open.
+    let names: Vec<&str> = robots.iter().filter_map(|analysis| Some(analysis.robot.as_ref()?.name.as_str())).collect();
+    let seen: Vec<&Path> = found.iter().map(|found| found.at.file.as_path()).collect();
+    for file in descriptions_near(path).iter().filter(|file| !seen.contains(&file.as_path())) {
+        let Some(text) = session.files.text(file) else { continue };
+        if Language::of(file, &text.text) != Language::Srdf {
+            continue;
+        }
+        let own = denavit_compare::lint::srdf::robot_of(&text.text).unwrap_or_default();
+        let named = session.files.names(file).filter(|_| names.contains(&own.as_str()));
+        for name in
+            named.iter().flat_map(|names| names.iter()).filter(|name| name.name == old && kind.may_mean(name.kind))
+        {
+            change(file, name.range.clone());
+        }
+    }
+    Ok(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() })
+}
