@@ -285,17 +285,21 @@ impl Session {
     /// The robots of a file as they were when it could last be read.
     pub fn last_robots_of(&self, path: &Path) -> Vec<Rc<Analysis>> {
         let now = self.robots_of(path).into_iter().chain(self.robots_of_srdf(path));
-        let last = self.last.values().filter(|last| last.files.iter().any(|file| file == path)).cloned();
+        let own = self.srdf_for(path);
+        let named = |last: &Rc<Analysis>| own.is_some() && last.robot.as_ref().map(|robot| &robot.name) == own.as_ref();
+        let last = self.last.values().filter(|last| named(last) || last.files.iter().any(|file| file == path)).cloned();
         now.chain(last).collect()
+    }
+
+    /// The name of the robot that a file is for, where that is an SRDF.
+    fn srdf_for(&self, path: &Path) -> Option<String> {
+        let text = self.files.text(path).filter(|_| self.is_srdf(path))?;
+        Some(denavit_compare::lint::srdf::robot_of(&text.text).unwrap_or_default())
     }
 
     /// The robots that an SRDF is for.
     pub fn robots_of_srdf(&self, path: &Path) -> Vec<Rc<Analysis>> {
-        if !self.is_srdf(path) {
-            return Vec::new();
-        }
-        let Some(text) = self.files.text(path) else { return Vec::new() };
-        let name = denavit_compare::lint::srdf::robot_of(&text.text).unwrap_or_default();
+        let Some(name) = self.srdf_for(path) else { return Vec::new() };
         let named = |analysis: &&Rc<Analysis>| analysis.robot.as_ref().is_some_and(|robot| robot.name == name);
         self.analyses.values().filter(named).cloned().collect()
     }
