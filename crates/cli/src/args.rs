@@ -98,7 +98,7 @@ pub enum Command {
     Compensate(CompensateArguments),
     /// Work over a fleet of robots: run a manifest into a store of Parquet files
     Fleet(FleetArguments),
-    /// Serve an editor: errors as you type, hover, definitions, rename, completion for URDF, xacro, SRDF, SDF and MJCF
+    /// Serve an editor: errors as you type, hover, definitions, rename, completion
     Lsp(LspArguments),
     /// Print completions of the command line for a shell
     Completions(CompletionsArguments),

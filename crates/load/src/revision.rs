@@ -41,14 +41,11 @@ impl Home {
         let top = shown(&["rev-parse", "--show-toplevel"]).or_else(|_| shown(&["rev-parse", "--absolute-git-dir"]))?;
         let top = PathBuf::from(top);
         let relative = path.starts_with("./") || path.starts_with("../") || path == "." || path == "..";
-        if let Ok(real) = folder.canonicalize()
-            && let (true, Ok(rest)) = (Path::new(path).is_absolute(), Path::new(path).strip_prefix(folder))
-        {
-            let path = real.join(rest);
-            return Ok(Self {
-                path,
-                revision: Some(Revision { name: name.to_owned(), files: files_of(name, &top)?, top }),
-            });
+        if Path::new(path).is_absolute() {
+            let real = folder.canonicalize().map_err(|error| error.to_string())?;
+            let rest = Path::new(path).strip_prefix(folder).map_err(|error| error.to_string())?;
+            let (path, files) = (real.join(rest), files_of(name, &top)?);
+            return Ok(Self { path, revision: Some(Revision { name: name.to_owned(), top, files }) });
         }
         let from = if relative { top.join(shown(&["rev-parse", "--show-prefix"])?) } else { top.clone() };
         let files = files_of(name, &top)?;

@@ -108,7 +108,7 @@ impl Traced {
         Some((range, values))
     }
 
-    /// Where the value of an attribute of the result stands in the source.
+    /// Where the source writes the value of an attribute of the result.
     pub fn source_of(&self, at: &Range<usize>) -> Option<Spot> {
         let next = self.trace.elements.partition_point(|element| element.at <= at.start);
         let element = self.trace.elements.get(next.checked_sub(1)?)?;
@@ -295,7 +295,9 @@ impl Work<'_> {
             message.push_str(help);
         }
         if let Some(expression) = &error.expression {
-            message.push_str(&format!(" (in the expression {expression})"));
+            message.push_str(" (in the expression ");
+            message.push_str(expression);
+            message.push(')');
         }
         let covered = error.line.as_ref().map_or(1, |(_, covered)| *covered);
         let at = error.place.as_ref().map(|place| self.place(place, covered));
@@ -328,10 +330,8 @@ impl Work<'_> {
             let file = if file == self.name { PathBuf::from(self.name) } else { real(Path::new(file)) };
             // What is fixed in text of another format would be fixed in the translation.
             let is_own = self.files.text(&file).is_some_and(|text| text.text == made.urdf);
-            let fix: Vec<(Range<usize>, String)> = match is_own {
-                true => finding.fix.into_iter().map(|edit| (edit.start..edit.end, edit.text)).collect(),
-                false => Vec::new(),
-            };
+            let edits = finding.fix.into_iter().filter(|_| is_own);
+            let fix: Vec<(Range<usize>, String)> = edits.map(|edit| (edit.start..edit.end, edit.text)).collect();
             let first = fix.iter().map(|(range, _)| range).find(|range| !range.is_empty()).cloned();
             let on_line = self.line(&file, *line);
             let at = match first {

@@ -12,6 +12,9 @@
 //!
 //! It changes no file: what an editor shows hides the file of its name, and every change is an answer that the editor carries out.
 
+// Tables of what names what are read line by line; names of files are in small letters where their ends are compared.
+#![allow(clippy::match_same_arms, clippy::case_sensitive_file_extension_comparisons)]
+
 mod analysis;
 mod diagnostics;
 mod features;

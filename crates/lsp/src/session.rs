@@ -30,7 +30,7 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    fn seen(&self, text: Text, path: &Path) -> Seen {
+    fn seen(text: Text, path: &Path) -> Seen {
         let markup = scan(&text.text);
         let names = occurrences(&text.text, &markup, Language::of(path, &text.text));
         Seen { text: Rc::new(text), markup: Rc::new(markup), names: Rc::new(names) }
@@ -46,7 +46,7 @@ impl Files {
         let bytes = std::fs::read(path).ok();
         let seen = bytes.and_then(|bytes| String::from_utf8(bytes).ok()).map(|text| {
             let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
-            self.seen(Text::new(text, self.encoding), path)
+            Self::seen(Text::new(text, self.encoding), path)
         });
         self.read.borrow_mut().insert(path.to_path_buf(), seen.clone());
         seen
@@ -107,7 +107,7 @@ impl Session {
 
     /// Takes the text of a buffer; gives the files whose problems are to be shown anew.
     pub fn set(&mut self, path: &Path, text: String) {
-        let seen = self.files.seen(Text::new(text, self.files.encoding), path);
+        let seen = Files::seen(Text::new(text, self.files.encoding), path);
         self.files.open.insert(path.to_path_buf(), seen);
         self.files.read.borrow_mut().clear();
     }

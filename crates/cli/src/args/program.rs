@@ -32,11 +32,7 @@ docs/editor.md has the rest, and the settings.";
 /// Arguments of `denavit lsp`.
 #[derive(Debug, Args)]
 #[command(after_help = LSP_EXAMPLES)]
-pub struct LspArguments {
-    /// Accepted, since editors pass it: there is no other way
-    #[arg(long)]
-    pub stdio: bool,
-}
+pub struct LspArguments {}
 
 /// Arguments of `denavit man`.
 #[derive(Debug, Args)]

@@ -280,8 +280,7 @@ impl Offer<'_> {
                 }
             }
             // A new link or joint has a name of its own.
-            (None, "link", "name") | (None, "joint", "name")
-                if self.language() == Language::Urdf && self.way(tag).len() == 1 => {}
+            (None, "link" | "joint", "name") if self.language() == Language::Urdf && self.way(tag).len() == 1 => {}
             (None, local, name) => {
                 let kind = match self.language() {
                     Language::Mjcf if name.starts_with("joint") => Some(Named::Joint),

@@ -117,7 +117,7 @@ pub(crate) fn uses(session: &Session, path: &Path, target: &Target) -> Vec<Use> 
     found
 }
 
-/// The macro whose parameter a property is; `None` where it is none.
+/// The macro whose parameter a property is; `None` where it is no parameter.
 fn parameter_home(session: &Session, path: &Path, name: &Occurrence) -> Option<Bytes<usize>> {
     if name.kind != Kind::Property {
         return None;

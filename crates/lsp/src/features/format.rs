@@ -6,10 +6,16 @@ use std::path::Path;
 
 /// An indentation that nobody asked for.
 const INDENT: u64 = 2;
+/// Nobody indents by more.
+const WIDEST: u64 = 16;
 
 pub(crate) fn format(session: &Session, path: &Path, size: Option<u64>, tabs: bool) -> Result<Vec<TextEdit>, String> {
     let Some(text) = session.files.text(path) else { return Ok(Vec::new()) };
-    let step = if tabs { "\t".to_owned() } else { " ".repeat(size.unwrap_or(INDENT).min(16) as usize) };
+    let step = if tabs {
+        "\t".to_owned()
+    } else {
+        " ".repeat(usize::try_from(size.unwrap_or(INDENT).min(WIDEST)).map_err(|error| error.to_string())?)
+    };
     let formatted = formatted(&text.text, &step).ok_or("the file is not well-formed XML; correct it first")?;
     if formatted == text.text {
         return Ok(Vec::new());
