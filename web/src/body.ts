@@ -9,9 +9,6 @@ import { found, parsed } from "./meshes";
 /** What can be shown of a robot: its visual shapes, and what is drawn on demand. */
 export type Layer = "visual" | "collision" | "inertia" | "mass" | "axes" | "frames";
 
-/** What a link that is lit up gives off. */
-const LIT = 0x8a4b00;
-
 export class Body {
     readonly group = new Group();
     /** Distance of the farthest link from the root with all joints at 0, m. */
@@ -99,7 +96,9 @@ export class Body {
         for (const group of this.links) {
             const lit = group.userData["link"] === link;
             group.traverse((part) => {
-                if (part instanceof Mesh && part.material instanceof MeshStandardMaterial) part.material.emissive.setHex(lit ? LIT : 0);
+                if (!(part instanceof Mesh && part.material instanceof MeshStandardMaterial)) return;
+                const own = (part.userData["own"] ??= part.material.color.getHex()) as number;
+                part.material.color.setHex(lit ? COLOURS.a : own);
             });
         }
     }
