@@ -321,7 +321,7 @@ addEventListener("hashchange", () => {
 // An editor beside the page says which link its cursor is in.
 addEventListener("message", ({ data }: MessageEvent<unknown>) => {
     if (typeof data !== "object" || data === null || !("denavit" in data) || data.denavit !== "link" || !("link" in data)) return;
-    app.view.light(typeof data.link === "string" ? data.link : null);
+    app.view.lightUp(typeof data.link === "string" ? data.link : null);
 });
 
 void app.trying(begin);

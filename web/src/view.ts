@@ -110,7 +110,7 @@ export class View {
     }
 
     /** Lights up a link of the robot and draws its frame; null: none. */
-    light(link: string | null): void {
+    lightUp(link: string | null): void {
         this.bodies[0]?.light(link);
         this.point(link);
     }

@@ -175,19 +175,17 @@ pub(crate) fn analyse(files: &Files, path: &Path, settings: &Settings, robots: &
         let known = robots(&own);
         let checked =
             known.iter().filter_map(|known| Some(rules.check_srdf(&name, &made.urdf, known.robot.as_ref()?).0));
-        match checked.min_by_key(Vec::len) {
-            Some(findings) => findings,
-            None => match roxmltree_error(&work, &made.urdf) {
-                Some(problem) => return Analysis { problems: vec![problem], ..made },
-                None => {
-                    let message = format!(
-                        "no robot \"{own}\" was found beside this file, so that its names are not checked; open its URDF"
-                    );
-                    made.problems.push(work.problem(work.root_name(), Level::Note, message));
-                    return made;
-                }
-            },
-        }
+        let Some(findings) = checked.min_by_key(Vec::len) else {
+            if let Some(problem) = roxmltree_error(&work, &made.urdf) {
+                return Analysis { problems: vec![problem], ..made };
+            }
+            let message = format!(
+                "no robot \"{own}\" was found beside this file, so that its names are not checked; open its URDF"
+            );
+            made.problems.push(work.problem(work.root_name(), Level::Note, message));
+            return made;
+        };
+        findings
     } else {
         let (findings, robot) = files.over_the_disk(|| rules.check_and_read(&name, &made.urdf));
         made.robot = robot;

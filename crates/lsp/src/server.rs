@@ -190,7 +190,7 @@ impl Server<'_> {
         match method.as_str() {
             "textDocument/didOpen" => {
                 let Some(opened) = read::<DidOpenTextDocumentParams>(params) else { return };
-                let Some(path) = self.path(&opened.text_document.uri) else { return };
+                let Some(path) = Self::path(&opened.text_document.uri) else { return };
                 self.uris.insert(path.clone(), opened.text_document.uri);
                 self.session.set(&path, opened.text_document.text);
                 self.changed.insert(path);
@@ -198,7 +198,7 @@ impl Server<'_> {
             "textDocument/didChange" => {
                 let Some(changed) = read::<DidChangeTextDocumentParams>(params) else { return };
                 let uri = &changed.text_document.text_document_identifier.uri;
-                let Some(path) = self.path(uri) else { return };
+                let Some(path) = Self::path(uri) else { return };
                 let Some(text) = self.session.files.text(&path) else { return };
                 let mut text = Text::clone(&text);
                 for change in changed.content_changes {
@@ -219,7 +219,7 @@ impl Server<'_> {
             }
             "textDocument/didClose" => {
                 let Some(closed) = read::<DidCloseTextDocumentParams>(params) else { return };
-                let Some(path) = self.path(&closed.text_document.uri) else { return };
+                let Some(path) = Self::path(&closed.text_document.uri) else { return };
                 self.session.close(&path);
                 self.changed.insert(path);
                 self.refresh();
@@ -241,7 +241,7 @@ impl Server<'_> {
         }
     }
 
-    fn path(&self, uri: &Uri) -> Option<PathBuf> {
+    fn path(uri: &Uri) -> Option<PathBuf> {
         path_of(uri).map(|path| real(&path))
     }
 
@@ -281,21 +281,21 @@ impl Server<'_> {
 
     fn asked(&self, params: &Value) -> Option<Asked> {
         let TextDocumentPositionParams { text_document, position } = read(params.clone())?;
-        let path = self.path(&text_document.uri)?;
+        let path = Self::path(&text_document.uri)?;
         let at = self.session.files.text(&path)?.offset(position);
         Some(Asked { path, at })
     }
 
-    fn file(&self, params: &Value) -> Option<PathBuf> {
+    fn file(params: &Value) -> Option<PathBuf> {
         let document: TextDocumentIdentifier = read(params.get("textDocument")?.clone())?;
-        self.path(&document.uri)
+        Self::path(&document.uri)
     }
 
     /// The answer, or why there is none; `None` for a method that is not known.
     fn result(&mut self, method: &str, params: Value) -> Option<Result<Value, String>> {
         let session = &self.session;
         let asked = self.asked(&params);
-        let file = self.file(&params);
+        let file = Self::file(&params);
         let nothing = Ok(Value::Null);
         let at = |answer: &dyn Fn(&Path, usize) -> Result<Value, String>| match &asked {
             Some(Asked { path, at }) => answer(path, *at),
@@ -337,7 +337,7 @@ impl Server<'_> {
             "workspace/executeCommand" => {
                 let Some(asked) = read::<ExecuteCommandParams>(params) else { return Some(nothing) };
                 let uri = asked.arguments.as_ref().and_then(|list| list.first()).and_then(Value::as_str);
-                let path = uri.and_then(|uri| self.path(&Uri::from(uri)));
+                let path = uri.and_then(|uri| Self::path(&Uri::from(uri)));
                 let result = commands::run(session, &asked.command, path.as_deref());
                 if let (Ok(words), false) = (&result, session.has_commands) {
                     self.say(3, words);

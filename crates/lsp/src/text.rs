@@ -14,6 +14,8 @@ pub(crate) enum Encoding {
 }
 
 /// A text and where its lines start.
+// A text has a text.
+#[allow(clippy::struct_field_names)]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Text {
     pub text: String,

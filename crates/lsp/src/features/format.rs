@@ -219,7 +219,7 @@ pub(crate) fn formatted(text: &str, step: &str) -> Option<String> {
         }
         match piece {
             Piece::Open(_) | Piece::Empty(_) if !was_in_words => {
-                out.push_str(&laid_out(tag, &step.repeat(depth), step, ending))
+                out.push_str(&laid_out(tag, &step.repeat(depth), step, ending));
             }
             _ => out.push_str(tag),
         }
