@@ -132,13 +132,11 @@ pub fn convert(file: &str, text: &str, options: &ConvertOptions) -> Result<Writt
 /// # Errors
 /// The source is no MJCF.
 pub fn srdf_of(file: &str, text: &str, options: &Options) -> Result<Written, LoadError> {
-    match from_text(file, text, options)?.robot {
-        Loaded::Robot(robot) => Ok(denavit_mjcf::srdf(&robot)?),
-        _ => {
-            let place = Place { file: file.to_owned(), line: 1, element: "file".into() };
-            Err(FormatError::one(place, "an SRDF is made of MJCF; name a model in MJCF").into())
-        }
+    if let Loaded::Robot(robot) = from_text(file, text, options)?.robot {
+        return Ok(denavit_mjcf::srdf(&robot)?);
     }
+    let place = Place { file: file.to_owned(), line: 1, element: "file".into() };
+    Err(FormatError::one(place, "an SRDF is made of MJCF; name a model in MJCF").into())
 }
 
 /// A description that is in the wanted format already.

@@ -137,8 +137,8 @@ impl<'a> Edits<'a> {
         let mut node = node;
         for (index, tag) in path.iter().enumerate() {
             let Some(next) = child(node, tag) else {
-                let opens: String = path[index..].iter().map(|tag| format!("<{tag}>")).collect();
-                let closes: String = path[index..].iter().rev().map(|tag| format!("</{tag}>")).collect();
+                let opens = path[index..].iter().map(|tag| format!("<{tag}>")).collect::<Vec<_>>().concat();
+                let closes = path[index..].iter().rev().map(|tag| format!("</{tag}>")).collect::<Vec<_>>().concat();
                 self.append(node, &format!("{opens}{value}{closes}"));
                 return;
             };

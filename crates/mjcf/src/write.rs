@@ -212,6 +212,7 @@ impl Writer<'_> {
         let _ = writeln!(self.out, "{indent}<body name=\"{}\"{at}>", escaped(&name));
         let inner = format!("{indent}  ");
         if let Some(joint) = carrier {
+            self.slots(&robot.joints[joint]);
             self.joint(&robot.joints[joint], &inner);
         }
         self.inertial(link, &inner);
@@ -396,7 +397,6 @@ impl Writer<'_> {
             );
         }
         let name = escaped(&name);
-        self.slots(joint);
         let numbers_of = self.joint_numbers(joint);
         let mut lines: Vec<String> = Vec::new();
         match &joint.kind {
@@ -562,5 +562,6 @@ impl Writer<'_> {
 fn dynamics(joint: &Joint) -> String {
     let dynamics = joint.dynamics();
     let words = [("damping", dynamics.damping), ("frictionloss", dynamics.friction)];
-    words.iter().filter(|(_, value)| *value != 0.0).map(|(word, value)| format!(" {word}=\"{value}\"")).collect()
+    let stated = words.iter().filter(|(_, value)| *value != 0.0);
+    stated.map(|(word, value)| format!(" {word}=\"{value}\"")).collect::<Vec<_>>().concat()
 }

@@ -25,16 +25,11 @@ pub(crate) fn of_link<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Lin
         return automatic(reader, model, link, inertial);
     }
     let step = within(reader, model, link.frame, link.scope, inertial)?;
-    let mass = match inertial.child("mass") {
-        Some(part) => value(reader, part)?,
-        None => {
-            reader.finding(
-                "default-inertia",
-                link.part,
-                "its <inertial> has no <mass>, and SDF's default is read: 1 kg",
-            );
-            "1".to_owned()
-        }
+    let mass = if let Some(part) = inertial.child("mass") {
+        value(reader, part)?
+    } else {
+        reader.finding("default-inertia", link.part, "its <inertial> has no <mass>, and SDF's default is read: 1 kg");
+        "1".to_owned()
     };
     let inertia = inertial.child("inertia");
     if inertia.is_none() {

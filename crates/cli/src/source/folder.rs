@@ -55,7 +55,7 @@ fn robots_in(folder: &Path, arguments: &SourceArguments) -> Result<Vec<String>, 
             },
             // A world may be a building. Folders of robots hold measurements and settings in these formats, too.
             Some("csv" | "json" | "yaml" | "yml" | "world") if super::load_quietly(&name, arguments).is_ok() => {
-                robots.push(name)
+                robots.push(name);
             }
             _ => {}
         }

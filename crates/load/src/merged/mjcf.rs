@@ -11,7 +11,7 @@ const TURNS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 pub(super) fn merged(text: &str, before: &Robot, after: &Robot) -> Option<Merged> {
     let document = parsed(text)?;
     let compilers = document.descendants().filter(|node| node.tag_name().name() == "compiler");
-    let in_rad = compilers.filter_map(|node| node.attribute("angle")).last() == Some("radian");
+    let in_rad = compilers.rev().find_map(|node| node.attribute("angle")) == Some("radian");
     let unit = if in_rad { 1.0 } else { 1.0_f64.to_radians() };
     let mut edits = Edits::of(text);
     for is in &after.joints {

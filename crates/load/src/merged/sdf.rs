@@ -34,8 +34,12 @@ pub(super) fn merged(text: &str, before: &Robot, after: &Robot) -> Option<Merged
             edits.set(node, "pose", format!("<pose>{} 0 0 0</pose>", words(&centre)));
             edits.set(node, "mass", format!("<mass>{mass}</mass>"));
             let tags = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"];
-            let entries: String =
-                tags.iter().zip(tensor).map(|(tag, value)| format!("<{tag}>{value}</{tag}>")).collect();
+            let entries = tags
+                .iter()
+                .zip(tensor)
+                .map(|(tag, value)| format!("<{tag}>{value}</{tag}>"))
+                .collect::<Vec<_>>()
+                .concat();
             edits.set(node, "inertia", format!("<inertia>{entries}</inertia>"));
         }
     }

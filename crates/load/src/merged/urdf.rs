@@ -115,7 +115,7 @@ impl<'a> Work<'a> {
     /// Sets attributes of an element of a joint, which is put there if it has none.
     fn set_values(&mut self, joint: Node<'a, 'a>, tag: &str, values: &[(&str, f64)]) {
         let Some(node) = child(joint, tag) else {
-            let words: String = values.iter().map(|(name, value)| format!(" {name}=\"{value}\"")).collect();
+            let words = values.iter().map(|(name, value)| format!(" {name}=\"{value}\"")).collect::<Vec<_>>().concat();
             self.edits.append(joint, &format!("<{tag}{words}/>"));
             return;
         };
