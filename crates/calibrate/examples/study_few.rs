@@ -3,7 +3,8 @@
 //! Of each set ten draws of 15 to 200 rows (postures are never split) are fitted and judged on up to 300 other rows: error of each stage over
 //! that of plain geometry, whether the predicted error holds, and by which the set is harmed. The draws are written to the first argument
 //! for other programs. In the environment: `MEASURED`, the folder of the sets (`../shared/measured`); `FAST`: no search for causes, so that
-//! the stage of today's named causes is left out; `DRAWS` (10), `FIRST` (0).
+//! the stage of today's named causes is left out; `DRAWS` (10), `FIRST` (0);
+//! `LOCAL`: rows near each other, judged on all others.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -74,12 +75,14 @@ fn main() {
             let values = (0..data.len()).map(|row| row as f64).collect();
             data.covariates.push(Covariate { name: "time".into(), values });
         }
+        let ordered = with_run_order(data.clone());
         for &size in &sizes {
             for draw in first..first + draws {
-                if let Some((train, test)) = drawn(&data, size, draw) {
+                let rows = if number("LOCAL", 0) > 0 { near(&data, size, draw) } else { drawn(&data, size, draw) };
+                if let Some((train, test)) = rows {
                     let line = serde_json::json!({"set": name, "n": size, "draw": draw, "train": train, "test": test});
                     writeln!(written, "{line}").unwrap();
-                    let outcome = judged(&real, &data, (&train, &test), fast, (name, size, draw));
+                    let outcome = judged(&real, &data, &ordered, (&train, &test), fast, (name, size, draw));
                     outcome.print();
                     all.push(outcome);
                 }
@@ -195,6 +198,35 @@ fn drawn(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, V
     (test.len() > 5).then_some((train, test))
 }
 
+/// Rows whose joints stand near those of one of them, and some of the others.
+fn near(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, Vec<usize>)> {
+    if data.len() < size + 6 {
+        return None;
+    }
+    let mut order: Vec<usize> = (0..data.len()).collect();
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64((1000 * size + draw) as u64));
+    let middle = data.reading(order[0]);
+    let width = |k: usize| {
+        let values = || (0..data.len()).map(|row| data.reading(row)[k]);
+        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        (high - low).max(1e-9)
+    };
+    let widths: Vec<f64> = (0..data.joints.len()).map(width).collect();
+    let far = |row: &usize| {
+        let there = data.reading(*row).iter().zip(middle).zip(&widths);
+        there.map(|((a, b), width)| ((a - b) / width).powi(2)).sum::<f64>()
+    };
+    let mut by_distance = order.clone();
+    by_distance.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    // Of the eighth that is nearest.
+    let nearest = &by_distance[..(2 * size).max(data.len() / 8).min(data.len())];
+    let mut train: Vec<usize> = order.iter().copied().filter(|row| nearest.contains(row)).take(size).collect();
+    let mut test: Vec<usize> = order.iter().copied().filter(|row| !train.contains(row)).take(JUDGES).collect();
+    train.sort_unstable();
+    test.sort_unstable();
+    Some((train, test))
+}
+
 fn rms(residuals: &[Residual]) -> f64 {
     1e3 * (residuals.iter().map(|r| r.place.norm_squared()).sum::<f64>() / residuals.len() as f64).sqrt()
 }
@@ -207,7 +239,8 @@ fn off<E: Effects>(fit: &Fit<E>, train: &Measurements, test: &Measurements) -> V
 fn judged(
     real: &Real,
     data: &Measurements,
-    (train, test): (&[usize], &[usize]),
+    ordered: &Measurements,
+    (train_rows, test_rows): (&[usize], &[usize]),
     fast: bool,
     (set, size, draw): (&str, usize, usize),
 ) -> Outcome {
@@ -222,7 +255,7 @@ fn judged(
         covered: [[0.0; 2]; 2],
         seconds: [0.0; 2],
     };
-    let (train, test) = (data.subset(train), data.subset(test));
+    let (train, test) = (data.subset(train_rows), data.subset(test_rows));
     let mut options = CalibrateOptions::geometry(&real.chain);
     options.trace = (!fast).then(|| TraceOptions::new(options.identify.clone()));
     let started = Instant::now();
@@ -233,8 +266,8 @@ fn judged(
     }
     outcome.seconds[0] = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let train = with_run_order(train);
-    // Which columns the order of rows gives does not matter to those that judge: what is not recorded is taken at its average.
+    // The side from which a joint came is told by the rows measured before, drawn or not.
+    let (train, test) = (ordered.subset(train_rows), ordered.subset(test_rows));
     let identify_options = IdentifyOptions::axes(&real.chain);
     let identification = identify(&real.chain, &train, &identify_options);
     outcome.nominal = rms(&off(&identification.nominal, &train, &test));
