@@ -5,8 +5,8 @@
 //! ```
 //! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): how unsure the place of the target is there by
 //! the posterior covariance, v_g: mean square error of plain geometry on postures that it was not fitted to (each left out once). Among the
-//! fitted postures h is near 1, far from them near 0. Outside the measured ranges the drawing T_n has a say, too: the three are weighed by
-//! 1/v, v_n and the geometry's own v_g + v_G(q) in the place of v_g.
+//! fitted postures h is near 1, far from them near 0. Outside the measured ranges the drawing T_n has a say, too, where that blend is expected to be
+//! off by far more (v) than the drawing is (v_n): a share v²/(v² + [`FAR_MORE`]⁴ v_n²).
 
 pub mod written;
 
@@ -18,6 +18,10 @@ use crate::observation::measurements::{Column, MissingColumn};
 use crate::observation::parameters::Sensitivity;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
+
+/// Outside the measured ranges the drawing has half a say where the blend is expected to be off by this many times what the drawing is off by
+/// among the measured postures. With equal says (1) it did harm on a Barrett WAM: a third of its draws of 15 rows were worse than geometry alone.
+const FAR_MORE: f64 = 4.0;
 
 /// What is predicted with.
 #[derive(Debug, Clone, PartialEq)]
@@ -230,19 +234,17 @@ impl Averaged {
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
             return Blend { shares: [0.0, 0.0], variance: whole };
         }
-        let apart =
-            |way: &Pose| (way * Point3::from(self.known.target) - Point3::from(self.known.target)).norm_squared() / 3.0;
-        let Some(to_drawn) = &robots.to_drawn else {
-            let share = of_geometry / (of_geometry + robots.of_all);
-            let between = share * (1.0 - share) * apart(&robots.to_averaged);
-            return Blend { shares: [share, 0.0], variance: share * robots.of_all + (1.0 - share) * whole + between };
-        };
-        let weights = [1.0 / robots.of_all, 1.0 / of_drawing, 1.0 / whole];
-        let sum = weights.iter().sum::<f64>();
-        let [averaged, drawn] = [weights[0] / sum, weights[1] / sum];
-        let between =
-            averaged * (1.0 - averaged) * apart(&robots.to_averaged) + drawn * (1.0 - drawn) * apart(to_drawn);
-        Blend { shares: [averaged, drawn], variance: 3.0 / sum + between }
+        let moved = |way: &Pose| way * Point3::from(self.known.target) - Point3::from(self.known.target);
+        let share = of_geometry / (of_geometry + robots.of_all);
+        let way = moved(&robots.to_averaged);
+        let variance = share * robots.of_all + (1.0 - share) * whole + share * (1.0 - share) * way.norm_squared() / 3.0;
+        let Some(to_drawn) = &robots.to_drawn else { return Blend { shares: [share, 0.0], variance } };
+        let drawn = 1.0 / (1.0 + (FAR_MORE.powi(2) * of_drawing / variance).powi(2));
+        let apart = (moved(to_drawn) - way * share).norm_squared() / 3.0;
+        Blend {
+            shares: [share * (1.0 - drawn), drawn],
+            variance: (1.0 - drawn) * variance + drawn * of_drawing + drawn * (1.0 - drawn) * apart,
+        }
     }
 
     /// Expected error of the blend: root of the mean square of each axis, m, the noise of a measured row not in it.
