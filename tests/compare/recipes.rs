@@ -47,9 +47,7 @@ impl Repository {
             .env("PATH", path)
             .env("GIT_CONFIG_GLOBAL", "/dev/null")
             .env("GIT_PAGER", "cat")
-            .env("GITHUB_STEP_SUMMARY", self.path("summary.md"))
-            .env("BASE", "HEAD")
-            .output()
+                        .output()
             .unwrap();
         let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         Ran { code: output.status.code().unwrap_or(-1), output: text.concat() }
@@ -82,16 +80,6 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 fn block_with(page: &str, language: &str, words: &str) -> String {
     let found = blocks(page, language).into_iter().find(|block| block.contains(words));
     found.unwrap_or_else(|| panic!("docs/ci.md has no {language} block with {words}"))
-}
-
-/// The lines below `key` in a YAML file that are indented deeper, without their indentation.
-fn indented(yaml: &str, step: &str, key: &str) -> String {
-    let after = &yaml[yaml.find(step).unwrap()..];
-    let mut lines = after.lines().skip_while(|line| !line.trim_start().starts_with(key));
-    let own = lines.next().unwrap();
-    let depth = |line: &str| line.len() - line.trim_start().len();
-    let block = lines.take_while(|line| line.trim().is_empty() || depth(line) > depth(own));
-    block.map(|line| line.trim().to_owned() + "\n").collect()
 }
 
 #[test]
@@ -291,20 +279,92 @@ fn the_plain_hook_stops_a_broken_file() {
     assert!(stopped.output.contains("arm.urdf:1: error D004"), "{}", stopped.output);
 }
 
+/// The action's report, its comment through a `gh` of our own, and the branch that keeps its pictures.
 #[test]
-fn the_github_steps_annotate_and_summarise() {
+fn the_action_reports_comments_once_and_keeps_pictures() {
     let Some(repository) = Repository::new() else { return };
-    let action = page("examples/github-action.yml");
-    let step = indented(&action, "Still the same robots?", "run:");
-    assert_eq!(repository.run("bash", &step).code, 0);
+    let action = support::top().join("action");
+    let report = |out: &str| {
+        let ran = repository.run("bash", &format!("{}/report HEAD ../{out}", action.display()));
+        assert_eq!(ran.code, 0, "{}", ran.output);
+        ran.output
+    };
+    let out = format!("{}-out", repository.folder.path().file_name().unwrap().to_str().unwrap());
+    let made = repository.folder.path().parent().unwrap().join(&out);
+    let read = |name: &str| std::fs::read_to_string(made.join(name)).unwrap();
+    report(&out);
+    assert_eq!(read("result"), "different=0\nfindings=0\n");
+    assert!(read("badge.json").contains("\"color\": \"brightgreen\""), "{}", read("badge.json"));
     repository.edit();
-    let run = repository.run("bash", &step);
-    assert_eq!(run.code, 1, "{}", run.output);
-    assert!(run.output.contains("::error file=arm.urdf,line="), "{}", run.output);
-    let summary = std::fs::read_to_string(repository.path("summary.md")).unwrap();
-    assert!(summary.contains("| joint \"elbow_joint\" | axis moved by 2 mm |"), "{summary}");
-    let rules = repository.run("bash", &indented(&action, "name: Rules", "run:"));
-    assert!(rules.code == 0 || rules.output.contains("::error file=arm.urdf"), "{}", rules.output);
+    let said = report(&out);
+    assert!(said.contains("::error file=arm.urdf,line="), "{said}");
+    assert_eq!(read("result"), "different=1\nfindings=0\n");
+    let comment = read("comment.md");
+    assert!(comment.contains("### Robots: 1 of 1 different") && comment.contains("axis moved by 2 mm"), "{comment}");
+    assert!(read("pictures/arm.urdf.svg").starts_with("<svg"), "no picture");
+    assert!(read("findings.sarif").contains("\"2.1.0\"") && read("diff.json").contains("denavit.diff.robots/1"));
+    // A `gh` that has no comment at first, and then the one that it was told to post.
+    std::fs::create_dir(repository.path("bin")).unwrap();
+    let gh = "#!/bin/sh\ncase $* in *--paginate*) cat posted 2>/dev/null ;; *POST*) echo 7 > posted; echo POST >> log ;; \
+              *comments/7*) echo PATCH >> log ;; esac\n";
+    std::fs::write(repository.path("bin/gh"), gh).unwrap();
+    let comment = format!(
+        "chmod +x bin/gh; PATH=$PWD/bin:$PATH GITHUB_REPOSITORY=o/r; export PATH GITHUB_REPOSITORY; for i in 1 2; do {}/comment \
+         ../{out}/comment.md 3 || exit 1; done; cat log",
+        action.display()
+    );
+    let ran = repository.run("bash", &comment);
+    assert_eq!((ran.code, ran.output.as_str()), (0, "POST\nPATCH\n"));
+    let keep = format!(
+        "git init -q --bare origin.git && git remote add origin $PWD/origin.git && {0}/keep ../{out} denavit pull-3 && {0}/keep \
+         ../{out} denavit main && git -C origin.git ls-tree -r --name-only denavit && git -C origin.git rev-list --count denavit",
+        action.display()
+    );
+    let ran = repository.run("bash", &keep);
+    assert_eq!(
+        (ran.code, ran.output.as_str()),
+        (0, "main/arm.urdf.svg\nmain/badge.json\npull-3/arm.urdf.svg\npull-3/badge.json\n1\n")
+    );
+    std::fs::remove_dir_all(made).unwrap();
+}
+
+/// `hooks/denavit` takes a release once, and none that was changed on its way.
+#[test]
+fn the_hook_installs_the_release_of_its_version() {
+    let Some(repository) = Repository::new() else { return };
+    let version = env!("CARGO_PKG_VERSION");
+    let target = format!("{}-unknown-linux-musl", std::env::consts::ARCH);
+    if std::env::consts::OS != "linux" {
+        println!("skipped, because the archive of this test is for Linux");
+        return;
+    }
+    let release = format!(
+        "mkdir -p releases/v{version}/denavit-{version}-{target}/bin && cd releases/v{version} && printf '#!/bin/sh\necho \
+         released $*\n' > denavit-{version}-{target}/bin/denavit && chmod +x */bin/denavit && tar -czf \
+         denavit-{version}-{target}.tar.gz denavit-{version}-{target} && sha256sum *.tar.gz > SHA256SUMS"
+    );
+    assert_eq!(repository.run("bash", &release).code, 0);
+    let hook = support::top().join("hooks/denavit");
+    // Without the tests' own denavit on the PATH.
+    let run = |cache: &str| {
+        repository.run(
+            "bash",
+            &format!(
+                "PATH=/usr/local/bin:/usr/bin:/bin; unset DENAVIT; DENAVIT_CACHE=$PWD/{cache} \
+                 DENAVIT_RELEASES=file://$PWD/releases {} check x",
+                hook.display()
+            ),
+        )
+    };
+    let ran = run("cache");
+    assert_eq!((ran.code, ran.output.as_str()), (0, "released check x\n"));
+    assert_eq!(repository.run("bash", "mv releases gone").code, 0);
+    assert_eq!(run("cache").output, "released check x\n");
+    assert_eq!(repository.run("bash", "mv gone releases; echo >> releases/*/*.tar.gz").code, 0);
+    let refused = run("cache2");
+    assert_eq!(refused.code, 2, "{}", refused.output);
+    assert!(refused.output.contains("checksum") && !repository.path(&format!("cache2/{version}")).exists());
+    assert_eq!(std::fs::read_dir(repository.path("cache2")).unwrap().count(), 0);
 }
 
 #[test]

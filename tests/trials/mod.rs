@@ -15,7 +15,10 @@ mod measured_data;
 mod numbers;
 #[cfg(unix)]
 mod outputs;
+#[cfg(unix)]
+mod packages;
 mod priors;
+mod projects;
 mod program;
 mod sources;
 mod tables;

@@ -43,6 +43,7 @@ Examples:
   denavit ik ur5e.urdf --pose 0.4,0.2,0.5,180,0,0 --units m,deg --all   every way to reach a pose
   denavit table ur.urdf.xacro ur_type:=ur5e        xacro, without ROS
   denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
+  denavit diff --robots git:main                   the same for every robot of a repository
   denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
 
 ROBOT is a URDF, a xacro file, a D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), the kinematics file
@@ -553,19 +554,26 @@ pub struct DescribeArguments {
 #[command(after_long_help = what_is_compared())]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct DiffArguments {
-    /// The robot as it was: any source
+    /// The robot as it was: any source. With --robots the revision to compare with: git:REVISION
     pub a: String,
-    /// The robot as it is: any source
-    pub b: String,
+    /// The robot as it is: any source. With --robots a second revision [default: the working tree]
+    #[arg(required_unless_present = "robots")]
+    pub b: Option<String>,
+    /// Compare every robot of the repository: those that denavit.toml names, or else every description in it
+    #[arg(long)]
+    pub robots: bool,
+    /// Draw each robot that differs, before and after, as an SVG in this folder, which `--format markdown` shows
+    #[arg(long, value_name = "FOLDER", requires = "robots")]
+    pub pictures: Option<PathBuf>,
     /// What some sources need.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Lengths closer than this are equal, m
-    #[arg(long, value_name = "M", default_value_t = 1e-7, value_parser = numbers::tolerance)]
-    pub tolerance_m: f64,
-    /// Angles closer than this are equal, rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-6, value_parser = numbers::tolerance)]
-    pub tolerance_rad: f64,
+    /// Lengths closer than this are equal, m [default: what denavit.toml states, else 1e-7]
+    #[arg(long, value_name = "M", value_parser = numbers::tolerance)]
+    pub tolerance_m: Option<f64>,
+    /// Angles closer than this are equal, rad [default: what denavit.toml states, else 1e-6]
+    #[arg(long, value_name = "RAD", value_parser = numbers::tolerance)]
+    pub tolerance_rad: Option<f64>,
     /// Compare only this
     #[arg(long, value_enum)]
     pub only: Option<OnlyName>,
@@ -768,8 +776,8 @@ pub struct FingerprintArguments {
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct CheckArguments {
     /// Any sources, or folders for all robots that are in them; SRDF files beside their URDF. NAME:=VALUE are arguments of
-    /// the xacro files among them
-    #[arg(required_unless_present_any = ["rules", "explain"], value_name = "ROBOT")]
+    /// the xacro files among them [default: the robots that denavit.toml names]
+    #[arg(value_name = "ROBOT")]
     pub files: Vec<String>,
     /// Leave out a rule, by code or name; `all` leaves out all that are not denied
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
@@ -790,6 +798,7 @@ pub struct CheckArguments {
     #[arg(long)]
     pub fix: bool,
     /// Known findings, as --write-baseline wrote them: only what is new is reported, and only new errors make the exit code 1
+    /// [default: what denavit.toml names]
     #[arg(long, value_name = "FILE")]
     pub baseline: Option<PathBuf>,
     /// Write the findings of this run into FILE, for --baseline, instead of reporting them

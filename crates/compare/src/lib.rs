@@ -1,7 +1,7 @@
 //! Is it still the same robot? Differences with bounds, fingerprints, and rules for URDF files.
 //!
 //! ```text
-//! a, b ──► Mechanism (no link frames) ──► Comparison ──► text · json · junit · sarif · github · markdown
+//! a, b ──► Mechanism (no link frames) ──► Comparison ──► text · json · junit · sarif · github · markdown · badge
 //! a    ──► Mechanism ──► Fingerprint
 //! text ──► RULES ──► findings ──► the same reports, or the text with what is certain fixed
 //! ```
@@ -17,6 +17,7 @@ pub mod lint;
 pub mod mechanism;
 pub mod proof;
 pub mod report;
+pub mod robots;
 pub mod subject;
 mod words;
 

@@ -2,6 +2,7 @@
 //!
 //! Every format takes the same [`Report`]; [`FORMATS`] lists them for arguments, docs and tests.
 
+mod badge;
 mod entries;
 mod github;
 mod json;
@@ -13,14 +14,18 @@ mod text;
 pub use entries::{Entry, Level};
 
 use crate::comparison::Comparison;
+use crate::robots::Robots;
 use crate::lint::Finding;
 use denavit_model::Inventory;
 
 /// What a report is made of.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum Report<'a> {
     /// Two robots compared.
     Comparison(&'a Comparison),
+    /// The robots of a repository in two revisions.
+    Robots(&'a Robots),
     /// Files compared with the rules; with the names of all that were looked at.
     Findings {
         /// Every file, clean or not.
@@ -71,6 +76,7 @@ pub const FORMATS: &[ReportFormat] = &[
     ReportFormat { name: "sarif", summary: "SARIF 2.1.0, for code scanning", render: sarif::render },
     ReportFormat { name: "github", summary: "annotations of a GitHub workflow", render: github::render },
     ReportFormat { name: "markdown", summary: "for a pull-request comment", render: markdown::render },
+    ReportFormat { name: "badge", summary: "the JSON that shields.io makes a badge of", render: badge::render },
 ];
 
 fn plain(report: &Report) -> String {

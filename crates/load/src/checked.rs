@@ -2,9 +2,8 @@
 
 use crate::read::environment;
 use crate::revision::Home;
-use crate::{LoadError, read_text};
+use crate::{LoadError, Project};
 use denavit_compare::Finding;
-use denavit_compare::lint::config::FILE_NAME;
 use denavit_compare::lint::{self, Config, ConfigError, Lookup};
 use denavit_model::{Inventory, Place, Robot};
 use denavit_xacro::{PackageError, PackagePath, files};
@@ -58,11 +57,10 @@ impl Rules {
         let robot = home.path.as_path();
         let mut folders = options.package_path.clone();
         let mut config = Config::default();
-        if let Some(path) = options.config.clone().or_else(|| nearest_config(robot)) {
-            let (name, text) = read_text(&path.to_string_lossy())?;
-            config = Config::read(&name, &text)?;
-            let beside = path.parent().unwrap_or(Path::new("."));
-            folders.extend(config.package_path.iter().map(|folder| beside.join(folder)));
+        if let Some(path) = options.config.clone().or_else(|| Project::file_for(robot)) {
+            let project = Project::open(&path.to_string_lossy(), path.parent().unwrap_or(Path::new(".")))?;
+            folders.extend(project.package_path);
+            config = project.rules;
         }
         config.allow(&options.allow)?;
         config.deny(&options.deny)?;
@@ -99,9 +97,4 @@ impl Rules {
     pub fn check_srdf(&self, file: &str, text: &str, robot: &Robot) -> (Vec<Finding>, Inventory) {
         lint::srdf::check(file, text, robot, &self.config)
     }
-}
-
-fn nearest_config(robot: &Path) -> Option<PathBuf> {
-    let robot = files::canonical(robot).ok()?;
-    robot.ancestors().skip(1).map(|folder| folder.join(FILE_NAME)).find(|path| files::is_file(path))
 }

@@ -118,13 +118,13 @@ pub(crate) fn object_of(source: &str) -> Option<(&str, &str)> {
 }
 
 /// What git prints, or why it does not.
-fn git(folder: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
+pub(crate) fn git(folder: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
     let run = Command::new("git").arg("-C").arg(folder).args(arguments).output();
     let run = run.map_err(|error| format!("git could not be run: {error}"))?;
     if run.status.success() { Ok(run.stdout) } else { Err(String::from_utf8_lossy(&run.stderr).trim().to_owned()) }
 }
 
-fn line(bytes: &[u8]) -> String {
+pub(crate) fn line(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).trim_end_matches(['\n', '\r']).to_owned()
 }
 

@@ -11,7 +11,7 @@ use crate::source;
 use baseline::{Known, Recorded};
 use denavit_compare::lint::{self, srdf};
 use denavit_compare::report::{self, FileInventory, Report};
-use denavit_load::{CheckOptions, LoadError, Rules, UrdfText};
+use denavit_load::{CheckOptions, LoadError, Project, ProjectRobot, Rules, UrdfText};
 use denavit_model::Robot;
 use fixed::Fixed;
 use std::fmt::Write as _;
@@ -34,34 +34,50 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         output::print(&lint::explain(rule))?;
         return Ok(Status::Same);
     }
-    let mut source = SourceArguments {
+    let common = SourceArguments {
         package_path: arguments.package_path.clone(),
         allow_any_file: arguments.allow_any_file,
         ..SourceArguments::default()
     };
-    let mut names = source::sources(&arguments.files, &mut source)?;
+    let project = match &arguments.config {
+        Some(path) => Some(Project::open(&path.to_string_lossy(), path.parent().unwrap_or(Path::new(".")))?),
+        None => Project::of(Path::new("."))?,
+    };
     let beside = source::srdf_files(&arguments.files)?;
-    names.extend(beside.iter().cloned());
-    let baseline = arguments.baseline.as_deref().map(Known::read).transpose()?;
+    let asked = if arguments.files.is_empty() {
+        named(project.as_ref(), &common)?
+    } else {
+        let mut source = common.clone();
+        let mut names = source::sources(&arguments.files, &mut source)?;
+        names.extend(beside.iter().cloned());
+        names.into_iter().map(|name| Asked { name, source: source.clone() }).collect()
+    };
+    let source = asked.first().map_or_else(|| common.clone(), |asked| asked.source.clone());
+    let names: Vec<String> = asked.iter().map(|asked| asked.name.clone()).collect();
+    let known = project.and_then(|project| project.baseline).filter(|_| arguments.write_baseline.is_none());
+    let known = arguments.baseline.clone().or(known);
+    let baseline = known.as_deref().map(Known::read).transpose()?;
     let recorded = arguments.write_baseline.as_deref().map(|path| Recorded::to(path, &names)).transpose()?;
-    let inputs = names.iter().map(String::as_str).chain(source.files());
-    let inputs = inputs.chain(arguments.baseline.as_deref().and_then(Path::to_str));
+    let inputs = names.iter().map(String::as_str).chain(asked.iter().flat_map(|asked| asked.source.files()));
+    let inputs = inputs.chain(known.as_deref().and_then(Path::to_str));
     refuse_to_replace_a_robot(arguments.json.place(), &source)?;
     let delivery = match recorded {
         Some(_) => None,
         None => Some(Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?),
     };
-    let mut checked = Checked::new(arguments, &source, &beside);
-    checked.all(&names)?;
+    let mut checked = Checked::new(arguments, &beside);
+    checked.all(&asked)?;
     let Checked { files, fixed, any_is_xacro, unread, .. } = checked;
     if unread == names.len() {
         return Err(Failure::Argument(format!("none of {unread} files can be read; nothing was checked")));
     }
-    source.are_of_use(any_is_xacro)?;
+    if !arguments.files.is_empty() {
+        source.are_of_use(any_is_xacro)?;
+    }
     fixed.write()?;
     let status = match (recorded, delivery) {
         (Some(recorded), _) => recorded.write(&files)?,
-        (None, Some(delivery)) => report(&delivery, arguments, files, baseline.as_ref())?,
+        (None, Some(delivery)) => report(&delivery, arguments, files, baseline.as_ref().zip(known.as_deref()))?,
         (None, None) => Status::Same,
     };
     if unread == 0 {
@@ -71,18 +87,45 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     Ok(Status::Error)
 }
 
+/// A source that is to be checked, and how it is read.
+struct Asked {
+    name: String,
+    source: SourceArguments,
+}
+
+/// The robots that `denavit.toml` names.
+fn named(project: Option<&Project>, common: &SourceArguments) -> Result<Vec<Asked>, Failure> {
+    let robots = project.map(|project| &project.robots[..]).unwrap_or_default();
+    if robots.is_empty() {
+        return Err(Failure::Argument(
+            "no robot is named, neither here nor in a denavit.toml; name a file or a folder, or write [robots.NAME] \
+             file = \"…\" into denavit.toml"
+                .into(),
+        ));
+    }
+    let here = Path::new(".").canonicalize().unwrap_or_default();
+    let asked = |robot: &ProjectRobot| {
+        let path = robot.file.strip_prefix(&here).unwrap_or(&robot.file);
+        let mut source = common.clone();
+        source.values = robot.arguments.iter().map(|(name, value)| format!("{name}:={value}")).collect();
+        source.package_path.extend(project.into_iter().flat_map(|project| project.package_path.clone()));
+        Asked { name: path.to_string_lossy().into_owned(), source }
+    };
+    Ok(robots.iter().map(asked).collect())
+}
+
 /// Delivers what was found, less what a baseline knows.
 fn report(
     delivery: &Delivery,
     arguments: &CheckArguments,
     files: Vec<File>,
-    baseline: Option<&Known>,
+    baseline: Option<(&Known, &Path)>,
 ) -> Result<Status, Failure> {
     let (mut names, mut findings, mut inventories) = (Vec::new(), Vec::new(), Vec::new());
     let (mut known, mut gone) = (0, 0);
     for File { name, findings: found, inventory } in files {
         match baseline {
-            Some(baseline) => {
+            Some((baseline, _)) => {
                 let (new, hidden) = baseline.new_among(&name, found);
                 known += hidden;
                 gone += baseline.known_of(&name) - hidden;
@@ -106,7 +149,7 @@ fn report(
         name => rendered(name),
     };
     delivery.deliver(own, || rendered("json"))?;
-    if let (Some(path), true) = (&arguments.baseline, gone > 0) {
+    if let (Some((_, path)), true) = (baseline, gone > 0) {
         let path = path.display();
         output::mention(format!(
             "{path}: {gone} finding(s) of the baseline are fixed in these files; --write-baseline {path} takes them out"
@@ -127,7 +170,6 @@ pub struct File {
 /// The work over all files.
 struct Checked<'a> {
     arguments: &'a CheckArguments,
-    source: &'a SourceArguments,
     /// SRDF files that nobody named: they were in a folder.
     beside: &'a [String],
     files: Vec<File>,
@@ -139,26 +181,26 @@ struct Checked<'a> {
 }
 
 impl<'a> Checked<'a> {
-    fn new(arguments: &'a CheckArguments, source: &'a SourceArguments, beside: &'a [String]) -> Self {
+    fn new(arguments: &'a CheckArguments, beside: &'a [String]) -> Self {
         let (files, robots) = (Vec::new(), Vec::new());
-        Self { arguments, source, beside, files, robots, fixed: Fixed::new(), any_is_xacro: false, unread: 0 }
+        Self { arguments, beside, files, robots, fixed: Fixed::new(), any_is_xacro: false, unread: 0 }
     }
 
-    fn all(&mut self, names: &[String]) -> Result<(), Failure> {
+    fn all(&mut self, asked: &[Asked]) -> Result<(), Failure> {
         let mut later = Vec::new();
-        for name in names {
+        for Asked { name, source } in asked {
             let (file, written) = match source::read_text(name) {
                 Ok(read) => read,
                 Err(failure) => {
-                    self.go_on_without(failure, names)?;
+                    self.go_on_without(failure, asked)?;
                     continue;
                 }
             };
-            if self.arguments.robots_only && self.is_part(&file, &written) {
+            if self.arguments.robots_only && is_part(&file, &written, source) {
                 continue;
             }
             let rules = Rules::of(&file, &self.options())?;
-            let urdf = match source::urdf_text(&file, written, self.source) {
+            let urdf = match source::urdf_text(&file, written, source) {
                 Ok(urdf) => urdf,
                 // A model in another format is refused with all that is wrong with it, as a URDF is.
                 Err(Failure::Load(LoadError::Format(error))) => {
@@ -168,7 +210,7 @@ impl<'a> Checked<'a> {
                 }
                 Err(failure) => {
                     self.any_is_xacro = true;
-                    self.go_on_without(failure, names)?;
+                    self.go_on_without(failure, asked)?;
                     continue;
                 }
             };
@@ -189,12 +231,29 @@ impl<'a> Checked<'a> {
                 self.files.push(File { name: name.clone(), findings, inventory: Some(inventory) });
             }
         }
+        self.join_variants();
         Ok(())
     }
 
+    /// Robots of one file with other arguments: what is found in several of them is said once.
+    fn join_variants(&mut self) {
+        let mut joined: Vec<File> = Vec::new();
+        for file in std::mem::take(&mut self.files) {
+            match joined.iter_mut().find(|known| known.name == file.name) {
+                Some(known) => {
+                    let new = file.findings.into_iter().filter(|finding| !known.findings.contains(finding));
+                    let new: Vec<_> = new.collect();
+                    known.findings.extend(new);
+                }
+                None => joined.push(file),
+            }
+        }
+        self.files = joined;
+    }
+
     /// A file that cannot be read keeps nobody from the findings of the others.
-    fn go_on_without(&mut self, failure: Failure, names: &[String]) -> Result<(), Failure> {
-        if names.len() == 1 {
+    fn go_on_without(&mut self, failure: Failure, asked: &[Asked]) -> Result<(), Failure> {
+        if asked.len() == 1 {
             return Err(failure);
         }
         self.unread += 1;
@@ -209,18 +268,6 @@ impl<'a> Checked<'a> {
             config: self.arguments.config.clone(),
             package_path: self.arguments.package_path.clone(),
         }
-    }
-
-    /// Whether a xacro file is a part of robots and none by itself, which is then said.
-    fn is_part(&self, file: &str, written: &str) -> bool {
-        if !file.to_ascii_lowercase().ends_with(".xacro") {
-            return false;
-        }
-        let why = source::why_a_part(file, written, self.source);
-        if let Some(why) = &why {
-            output::mention(format!("{file}: left out, as it is no robot by itself: {why}"));
-        }
-        why.is_some()
     }
 
     fn robot(&mut self, name: &str, file: &str, urdf: &UrdfText, rules: &Rules) -> Result<(), Failure> {
@@ -263,6 +310,18 @@ impl<'a> Checked<'a> {
              denavit check arm.urdf {name}"
         )))
     }
+}
+
+/// Whether a xacro file is a part of robots and none by itself, which is then said.
+fn is_part(file: &str, written: &str, source: &SourceArguments) -> bool {
+    if !file.to_ascii_lowercase().ends_with(".xacro") {
+        return false;
+    }
+    let why = source::why_a_part(file, written, source);
+    if let Some(why) = &why {
+        output::mention(format!("{file}: left out, as it is no robot by itself: {why}"));
+    }
+    why.is_some()
 }
 
 /// `check --json a.json b.json` may mean two tables to check; the first is not lost for that.

@@ -1,4 +1,6 @@
-//! `denavit diff`: how two robots differ.
+//! `denavit diff`: how two robots differ, or all robots of a repository.
+
+mod robots;
 
 use crate::args::{DiffArguments, RobotFormatName};
 use crate::delivery::Delivery;
@@ -7,36 +9,42 @@ use crate::output::Status;
 use crate::source;
 use denavit_compare::report::{self, Report};
 use denavit_compare::{Options, Range, Scope, Verdict, compare};
+use denavit_load::Project;
+use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
     let options = options(arguments)?;
-    let inputs = [arguments.a.as_str(), arguments.b.as_str()].into_iter().chain(arguments.source.files());
+    let Some(b) = arguments.b.as_deref().filter(|_| !arguments.robots) else { return robots::run(arguments, &options) };
+    let inputs = [arguments.a.as_str(), b].into_iter().chain(arguments.source.files());
     let delivery = Delivery::of(arguments.output.as_deref(), &arguments.json, inputs)?;
-    let robots = source::load_all(&[&arguments.a, &arguments.b], &arguments.source)?;
-    let (a, b) = (&robots[0], &robots[1]);
-    let comparison = compare(&a.subject(&arguments.a), &b.subject(&arguments.b), &options)?;
+    let robots = source::load_all(&[&arguments.a, b], &arguments.source)?;
+    let comparison = compare(&robots[0].subject(&arguments.a), &robots[1].subject(b), &options)?;
     let found = Report::Comparison(&comparison);
-    let rendered =
-        |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(&found));
-    let own = || match arguments.format.as_str() {
-        "text" => Ok(report::text(&found, delivery.colour())),
-        name => rendered(name),
-    };
-    delivery.deliver(own, || rendered("json"))?;
+    deliver(&delivery, &arguments.format, &found)?;
     Ok(if comparison.verdict == Verdict::Different { Status::Different } else { Status::Same })
 }
 
+fn deliver(delivery: &Delivery, format: &str, found: &Report) -> Result<(), Failure> {
+    let rendered =
+        |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(found));
+    let own = || match format {
+        "text" => Ok(report::text(found, delivery.colour())),
+        name => rendered(name),
+    };
+    delivery.deliver(own, || rendered("json"))
+}
+
 fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
-    for (option, value) in [("--tolerance-m", arguments.tolerance_m), ("--tolerance-rad", arguments.tolerance_rad)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(Failure::Argument(format!("{option} {value}: write a finite number, 0 or more")));
-        }
-    }
+    let stated = match (arguments.tolerance_m, arguments.tolerance_rad) {
+        (Some(_), Some(_)) => None,
+        _ => Project::of(Path::new("."))?,
+    };
+    let (defaults, stated) = (Options::default(), stated.unwrap_or_default());
     let q_range = arguments.q_range.iter().map(|written| range(written)).collect::<Result<Vec<Range>, Failure>>()?;
     Ok(Options {
-        tolerance_m: arguments.tolerance_m,
-        tolerance_rad: arguments.tolerance_rad,
+        tolerance_m: arguments.tolerance_m.or(stated.tolerance_m).unwrap_or(defaults.tolerance_m),
+        tolerance_rad: arguments.tolerance_rad.or(stated.tolerance_rad).unwrap_or(defaults.tolerance_rad),
         scope: if arguments.only.is_some() { Scope::Kinematics } else { Scope::Everything },
         up_to_base: arguments.up_to_base,
         up_to_zeros: arguments.up_to_zeros,
@@ -46,7 +54,7 @@ fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
         seed: arguments.seed,
         reading: super::reading(arguments.exact),
         through: arguments.through.map(RobotFormatName::format),
-        ..Options::default()
+        ..defaults
     })
 }
 

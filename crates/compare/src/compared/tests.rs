@@ -157,15 +157,6 @@ fn a_new_frame_counts_but_not_for_motion() {
 }
 
 #[test]
-fn the_page_on_git_and_ci_shows_the_list() {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/ci.md");
-    let text = std::fs::read_to_string(page).unwrap();
-    let listed = listed();
-    let listed = shown(&listed, Shown::CommandLine);
-    assert!(text.contains(&*listed), "docs/ci.md does not show:\n{listed}");
-}
-
-#[test]
 fn a_text_that_is_no_fingerprint_is_told_from_another_fingerprint() {
     let own = fingerprint(&Subject::Robot(&urdf::read("r", ROBOT).unwrap()), 1e-6);
     assert_eq!(own.comparable(&own.to_string()), Ok(()));

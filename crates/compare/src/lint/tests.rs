@@ -88,13 +88,6 @@ fn rules_are_allowed_and_denied_by_number_and_name() {
 }
 
 #[test]
-fn a_config_file_says_where_it_is_wrong() {
-    let error = Config::read("denavit.toml", "[check]\nallow = []\nalow = []\n").unwrap_err();
-    let message = error.to_string();
-    assert!(message.starts_with("denavit.toml:3: unknown field `alow`"), "{message}");
-}
-
-#[test]
 fn an_unreadable_file_has_findings_with_lines() {
     let findings = check("r.urdf", "<robot name='r'>\n<<<<<<< HEAD\n</robot>", &lookup, &Config::default());
     let found: Vec<String> = findings.iter().map(ToString::to_string).collect();

@@ -2,6 +2,7 @@
 
 use crate::comparison::{Comparison, Verdict};
 use crate::report::Report;
+use crate::robots::{Member, State};
 use crate::words;
 
 /// How serious an entry is.
@@ -49,6 +50,7 @@ impl Report<'_> {
     pub fn entries(&self) -> Vec<Entry> {
         match self {
             Self::Comparison(comparison) => of_comparison(comparison),
+            Self::Robots(robots) => robots.members.iter().flat_map(of_member).collect(),
             Self::Findings { findings, .. } => findings
                 .iter()
                 .map(|finding| Entry {
@@ -61,6 +63,27 @@ impl Report<'_> {
                 })
                 .collect(),
         }
+    }
+}
+
+fn of_member(member: &Member) -> Vec<Entry> {
+    let entry = |level, subject: &str, message| Entry {
+        code: "diff".into(),
+        level,
+        file: member.file.clone(),
+        line: None,
+        subject: subject.into(),
+        message,
+    };
+    match &member.state {
+        State::Compared { comparison, .. } => of_comparison(comparison),
+        State::Unreadable { why, counts: true } => vec![entry(Level::Error, "robot", format!("cannot be read: {why}"))],
+        State::Unreadable { why, counts: false } => {
+            vec![entry(Level::Note, "robot", format!("cannot be read, nor could it before: {why}"))]
+        }
+        State::New => vec![entry(Level::Note, "note", "new".into())],
+        State::Removed => vec![entry(Level::Note, "note", "removed".into())],
+        State::Untouched => Vec::new(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::comparison::Comparison;
 use crate::report::{Entry, FileInventory, Report};
+use crate::robots::Robots;
 use denavit_model::{Inventory, Outcome};
 use serde::Serialize;
 
@@ -18,6 +19,8 @@ struct FindingOut<'a> {
 
 /// What a comparison is called, and its version.
 const COMPARISON: &str = "denavit.diff/1";
+/// What the robots of a repository are called, and their version.
+const ROBOTS: &str = "denavit.diff.robots/1";
 /// What findings are called, and their version.
 const FINDINGS: &str = "denavit.check/1";
 
@@ -26,6 +29,13 @@ struct ComparisonOut<'a> {
     schema: &'static str,
     #[serde(flatten)]
     comparison: &'a Comparison,
+}
+
+#[derive(Serialize)]
+struct RobotsOut<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    robots: &'a Robots,
 }
 
 #[derive(Serialize)]
@@ -74,6 +84,7 @@ pub(super) fn render(report: &Report) -> String {
         Report::Comparison(comparison) => {
             serde_json::to_string_pretty(&ComparisonOut { schema: COMPARISON, comparison })
         }
+        Report::Robots(robots) => serde_json::to_string_pretty(&RobotsOut { schema: ROBOTS, robots }),
         Report::Findings { files, findings, inventories, known } => {
             let findings = findings.iter().map(|finding| FindingOut {
                 rule: finding.rule,

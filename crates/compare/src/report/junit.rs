@@ -2,6 +2,7 @@
 
 use crate::comparison::{Comparison, Verdict};
 use crate::report::{Entry, Level, Report};
+use crate::robots::{Member, Robots, State};
 use std::fmt::Write;
 
 /// A test case.
@@ -55,6 +56,7 @@ pub fn suite(name: &str, cases: &[Case]) -> String {
 pub(super) fn render(report: &Report) -> String {
     let cases = match report {
         Report::Comparison(comparison) => of_comparison(comparison, report.entries()),
+        Report::Robots(robots) => robots.members.iter().map(|member| of_member(member, &robots.before)).collect(),
         Report::Findings { files, .. } => {
             let mut entries = report.entries();
             entries.retain(|entry| entry.level != Level::Note);
@@ -84,6 +86,24 @@ fn failure<'a>(entries: impl Iterator<Item = &'a Entry>) -> Option<CaseFailure> 
 
 fn line(entry: &Entry) -> String {
     entry.line.map_or_else(|| entry.sentence(), |line| format!("{}:{line}: {}", entry.file, entry.sentence()))
+}
+
+/// A case for each robot.
+fn of_member(member: &Member, before: &str) -> Case {
+    let report = Report::Robots(&Robots { members: vec![member.clone()], ..Robots::default() });
+    let entries = report.entries();
+    let skipped = match &member.state {
+        State::New => Some("new".into()),
+        State::Removed => Some("removed".into()),
+        State::Unreadable { why, counts: false } => Some(format!("cannot be read, nor could it before: {why}")),
+        _ => None,
+    };
+    Case {
+        class: format!("denavit.diff.{before}"),
+        name: member.name.clone(),
+        failure: failure(entries.iter().filter(|entry| entry.level == Level::Error)),
+        skipped,
+    }
 }
 
 /// A case for each thing that differs; one that passes or fails for the whole.

@@ -1,13 +1,15 @@
 //! Markdown for a pull-request comment: the verdict, then a table.
 
 use crate::comparison::{Comparison, Verdict};
-use crate::report::{Level, Report};
+use crate::report::{Entry, Level, Report};
+use crate::robots::{Member, Robots, State};
 use crate::words;
 use std::fmt::Write;
 
 pub(super) fn render(report: &Report) -> String {
     match report {
         Report::Comparison(comparison) => of_comparison(comparison, report),
+        Report::Robots(robots) => of_robots(robots),
         Report::Findings { files, .. } => of_findings(files.len(), report),
     }
 }
@@ -48,6 +50,107 @@ fn of_comparison(comparison: &Comparison, report: &Report) -> String {
     let within = format!("{} and {}", words::length(comparison.tolerance_m), words::angle(comparison.tolerance_rad));
     let _ = writeln!(out, "\nTolerances: {within}.");
     out
+}
+
+/// A comment on GitHub holds 65536 characters; bytes are counted here, and the table comes first.
+const MOST_BYTES: usize = 60_000;
+/// Rows of the table.
+const MOST_ROWS: usize = 200;
+
+fn of_robots(robots: &Robots) -> String {
+    let mut out = format!("### Robots: {}\n", robots.counts());
+    let listed: Vec<_> = robots.members.iter().filter(|member| !matches!(member.state, State::Untouched)).collect();
+    if !listed.is_empty() {
+        out.push_str("\n| robot | | tip displaced by up to | nowhere by more than | what changed |\n|---|---|---:|---:|---|\n");
+    }
+    for member in listed.iter().take(MOST_ROWS) {
+        let (verdict, tip, what) = row(member);
+        let [up_to, most] = tip.unwrap_or_default();
+        let _ = writeln!(out, "| {} | {verdict} | {up_to} | {most} | {} |", cell(&named(member)), cell(&what));
+    }
+    if listed.len() > MOST_ROWS {
+        let _ = writeln!(out, "\n{} more robots changed.", listed.len() - MOST_ROWS);
+    }
+    let mut left_out = 0;
+    for member in &listed {
+        let State::Compared { comparison, picture } = &member.state else { continue };
+        if comparison.verdict == Verdict::Same {
+            continue;
+        }
+        let mut part = format!("\n<details><summary><code>{}</code></summary>\n\n", html(&member.name));
+        part.push_str(&of_comparison(comparison, &Report::Comparison(comparison)));
+        if let Some(picture) = picture {
+            let _ = writeln!(part, "\n![{} before and after]({picture})", member.name.replace(['[', ']'], ""));
+        }
+        part.push_str("\n</details>\n");
+        if out.len() + part.len() > MOST_BYTES {
+            left_out += 1;
+        } else {
+            out.push_str(&part);
+        }
+    }
+    if left_out > 0 {
+        let _ = writeln!(out, "\nDetails of {left_out} more robots do not fit here.");
+    }
+    if !robots.left_out.is_empty() {
+        let files: Vec<String> = robots.left_out.iter().map(|file| format!("`{file}`")).collect();
+        let _ = writeln!(
+            out,
+            "\n<details><summary>{} xacro files are no robots by themselves, or need arguments (name them in \
+             denavit.toml)</summary>\n\n{}\n\n</details>",
+            files.len(),
+            files.join(", ")
+        );
+    }
+    let _ = writeln!(out, "\nCompared: `{}` → {}.", robots.before, robots.after);
+    out
+}
+
+fn named(member: &Member) -> String {
+    let mut out = format!("`{}`", member.name);
+    if member.name != member.file {
+        let _ = write!(out, "<br>{}", html(&member.file));
+    }
+    if let Some(before) = &member.file_before {
+        let _ = write!(out, "<br>was {}", html(before));
+    }
+    out
+}
+
+/// The verdict, how far the tip moves at most, and what changed.
+fn row(member: &Member) -> (&'static str, Option<[String; 2]>, String) {
+    let what = match &member.state {
+        State::Compared { comparison, .. } => {
+            let entries = Report::Comparison(comparison).entries();
+            let counted =
+                entries.iter().filter(|entry| entry.level == Level::Error && !entry.subject.starts_with("tip "));
+            let counted: Vec<String> = counted.map(Entry::sentence).collect();
+            let mut what = counted.first().cloned().unwrap_or_default();
+            if counted.len() > 1 {
+                let _ = write!(what, " (and {} more)", counted.len() - 1);
+            }
+            let tip = comparison.largest().filter(|tip| tip.sampled_m > comparison.tolerance_m);
+            let tip = tip.map(|tip| [words::length(tip.sampled_m), words::length(tip.bound_m)]);
+            return match comparison.verdict {
+                Verdict::Same => ("the same robot", tip, what),
+                Verdict::Different => ("**different**", tip, what),
+            };
+        }
+        State::Unreadable { why, .. } => why.lines().next().unwrap_or_default().to_owned(),
+        State::New | State::Removed | State::Untouched => String::new(),
+    };
+    let verdict = match &member.state {
+        State::New => "new",
+        State::Removed => "removed",
+        State::Unreadable { counts: true, .. } => "**cannot be read**",
+        State::Unreadable { .. } => "cannot be read, nor could it before",
+        State::Compared { .. } | State::Untouched => "",
+    };
+    (verdict, None, what)
+}
+
+fn html(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 fn of_findings(files: usize, report: &Report) -> String {

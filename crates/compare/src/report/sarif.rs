@@ -13,7 +13,7 @@ use std::fmt::Write;
 pub(super) fn render(report: &Report) -> String {
     let results: Vec<Value> = report.entries().iter().map(result).collect();
     let rules: Vec<Value> = match report {
-        Report::Comparison(_) => vec![json!({
+        Report::Comparison(_) | Report::Robots(_) => vec![json!({
             "id": "diff",
             "shortDescription": { "text": "The robot is not the one that it was" }
         })],

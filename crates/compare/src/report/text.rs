@@ -2,6 +2,7 @@
 
 use crate::comparison::{Comparison, Verdict};
 use crate::report::{Colour, Entry, FileInventory, Level, Report};
+use crate::robots::{Robots, State};
 use crate::words;
 use denavit_model::{Inventory, Outcome};
 use std::fmt::Write;
@@ -17,6 +18,10 @@ pub(super) fn render(report: &Report, colour: Colour) -> String {
         Colour::None => text.to_owned(),
     };
     let mut out = String::new();
+    if let Report::Robots(robots) = report {
+        of_robots(&mut out, robots, &paint);
+        return out;
+    }
     if let Report::Comparison(comparison) = report {
         let _ = writeln!(out, "{}", headline(comparison, &paint));
     }
@@ -42,6 +47,35 @@ pub(super) fn render(report: &Report, colour: Colour) -> String {
         let _ = writeln!(out, "{}", paint(if findings.is_empty() { GREEN } else { FAINT }, &counts));
     }
     out
+}
+
+/// Each robot that is not as it was, in whole; then the counts.
+fn of_robots(out: &mut String, robots: &Robots, paint: &dyn Fn(&str, &str) -> String) {
+    for member in &robots.members {
+        let who = member.title();
+        match &member.state {
+            State::Untouched => {}
+            State::Compared { comparison, .. } => {
+                let one = render(&Report::Comparison(comparison), Colour::None);
+                let verdict = match comparison.verdict {
+                    Verdict::Same => paint(GREEN, "the same robot"),
+                    Verdict::Different => paint(RED, "different"),
+                };
+                let _ = writeln!(out, "{who}: {verdict}");
+                one.lines().skip(1).for_each(|line| drop(writeln!(out, "{line}")));
+            }
+            State::New => drop(writeln!(out, "{who}: new")),
+            State::Removed => drop(writeln!(out, "{who}: removed")),
+            State::Unreadable { why, counts } => {
+                let words = if *counts { "cannot be read" } else { "cannot be read, nor could it before" };
+                let _ = writeln!(out, "{who}: {}: {why}", paint(if *counts { RED } else { FAINT }, words));
+            }
+        }
+    }
+    for left_out in &robots.left_out {
+        let _ = writeln!(out, "{}", paint(FAINT, &format!("{left_out}: left out, as it is no robot by itself")));
+    }
+    let _ = writeln!(out, "{} → {}: {}", robots.before, robots.after, robots.counts());
 }
 
 /// `214 understood, 3 carried along unchanged (2 <gazebo>, 1 <transmission>), 1 not understood`.

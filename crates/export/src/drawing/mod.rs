@@ -24,6 +24,7 @@ use labels::Label;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
+use std::fmt::Write as _;
 use strokes::Stroke;
 
 pub use scene::{far_from_scale, subscript};
@@ -81,6 +82,33 @@ pub fn skeleton(table: &Table, view: View, detail: Detail, units: Units) -> Stri
     environment
         .render_named_str("skeleton.svg", include_str!("../../templates/skeleton.svg"), Serde(&figure))
         .expect("the template names only fields of the figure")
+}
+
+/// Figures beside each other as one SVG document, each with its word above it.
+///
+/// `figures` are documents that [`skeleton`] made.
+pub fn side_by_side(figures: &[(&str, &str)]) -> String {
+    const WORD: f64 = 30.0;
+    let size = |figure: &str| {
+        let view = figure.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"'));
+        let numbers = view.expect("a skeleton has a viewBox").0.split(' ').map(|number| number.parse::<f64>());
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().expect("a viewBox is four numbers");
+        (numbers[2], numbers[3])
+    };
+    let (mut left, mut high, mut inside) = (0.0, 0.0f64, String::new());
+    for (word, figure) in figures {
+        let (width, height) = size(figure);
+        let _ = write!(inside, "<text x=\"{}\" y=\"20\">{word}</text>", left + 10.0);
+        let placed = format!("<svg x=\"{left}\" y=\"{WORD}\" width=\"{width}\" height=\"{height}\" ");
+        inside.push_str(&figure.replacen("<svg ", &placed, 1));
+        left += width;
+        high = high.max(height);
+    }
+    let high = high + WORD;
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {left} {high}\" width=\"{left}\" height=\"{high}\" \
+         font-family=\"sans-serif\" font-size=\"16\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{inside}</svg>\n"
+    )
 }
 
 /// The part of the sheet that has something on it, and a little more: left, top, width, height.
