@@ -74,7 +74,9 @@ fn crates_know_only_those_below_them() {
     let mut seen = 0;
     for package in metadata["packages"].as_array().unwrap() {
         let name = package["name"].as_str().unwrap();
-        let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else { continue };
+        let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else {
+            continue;
+        };
         seen += 1;
         for dependency in package["dependencies"].as_array().unwrap() {
             let other = dependency["name"].as_str().unwrap();
@@ -100,7 +102,9 @@ fn every_test_file_is_a_module_of_its_binary() {
     let mut seen = 0;
     for entry in std::fs::read_dir(top().join("crates")).unwrap() {
         let folder = entry.unwrap().path().join("tests");
-        let Ok(main) = std::fs::read_to_string(folder.join("main.rs")) else { continue };
+        let Ok(main) = std::fs::read_to_string(folder.join("main.rs")) else {
+            continue;
+        };
         for file in std::fs::read_dir(&folder).unwrap() {
             let path = file.unwrap().path();
             let name = path.file_stem().unwrap().to_str().unwrap();
@@ -199,6 +203,7 @@ fn libraries_name_no_flag_of_the_command_line() {
         "fleet/src/corpus/history.rs",
         "hand-eye/src/report.rs",
         "load/src/read.rs",
+        "load/src/repository.rs",
         "load/src/revision.rs",
         "model/src/settings.rs",
     ];
@@ -238,4 +243,100 @@ fn settings_in_messages_are_flags_of_the_command_line() {
         named.extend(settings);
     }
     assert_eq!(named.into_iter().collect::<Vec<_>>(), SETTINGS, "a setting that no message names");
+}
+
+/// Files of the library crates that others use, each with its crate's folder: the page's crate answers JavaScript.
+fn published_files() -> Vec<(std::path::PathBuf, std::path::PathBuf)> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(top().join("crates")).unwrap() {
+        let folder = entry.unwrap().path();
+        if !folder.ends_with("cli") && !folder.ends_with("web") {
+            let mut files = Vec::new();
+            rust_files(&folder.join("src"), &mut files);
+            all.extend(files.into_iter().map(|file| (folder.clone(), file)));
+        }
+    }
+    all
+}
+
+/// Whether a file is in a module that its crate keeps to itself.
+fn is_private(folder: &std::path::Path, file: &std::path::Path) -> bool {
+    let lib = std::fs::read_to_string(folder.join("src/lib.rs")).unwrap();
+    let inside = file.strip_prefix(folder.join("src")).unwrap().with_extension("");
+    let first = inside.components().next().unwrap().as_os_str().to_str().unwrap().to_owned();
+    lib.contains(&format!("\nmod {first};"))
+}
+
+#[test]
+fn no_public_function_fails_with_a_bare_text() {
+    // What a caller gives to fetch files fails with the caller's words; the rooms of calibrate are not for others.
+    let may = |folder: &std::path::Path, name: &str| folder.ends_with("calibrate") || name == "nothing";
+    let (mut found, mut seen) = (Vec::new(), 0);
+    for (folder, file) in published_files() {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for rest in text.split("pub fn ").skip(1) {
+            seen += 1;
+            let signature = rest.split(['{', ';']).next().unwrap();
+            let name = signature.split(['(', '<']).next().unwrap();
+            if signature.contains(", String>")
+                && signature.contains("-> Result<")
+                && !may(&folder, name)
+                && !is_private(&folder, &file)
+            {
+                found.push(format!("{}: {name}", file.display()));
+            }
+        }
+    }
+    assert!(seen > 1000, "{seen} functions were looked at");
+    assert!(found.is_empty(), "give the error a type:\n{}", found.join("\n"));
+}
+
+#[test]
+fn public_errors_hold_no_types_of_other_crates() {
+    const FOREIGN: &[&str] =
+        &["calamine", "csv", "mcap", "parquet", "roxmltree", "rusqlite", "saphyr_parser", "serde_json", "toml"];
+    let mut seen = 0;
+    for (_, file) in published_files() {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for rest in text.split("\npub enum ").skip(1) {
+            let body = rest.split("\n}").next().unwrap();
+            if !body.split_whitespace().next().unwrap_or_default().ends_with("Error") {
+                continue;
+            }
+            seen += 1;
+            let foreign = FOREIGN.iter().find(|name| body.contains(&format!("{name}::")));
+            assert!(foreign.is_none(), "{}: a public error holds a type of {foreign:?}", file.display());
+        }
+    }
+    assert!(seen > 20, "{seen} errors were looked at");
+}
+
+/// Errors grow with what is refused.
+#[test]
+fn public_errors_may_grow() {
+    let mut missing = Vec::new();
+    for (folder, file) in published_files() {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for (at, _) in text.match_indices("\npub enum ") {
+            let name = text[at + "\npub enum ".len()..].split([' ', '<']).next().unwrap();
+            let before = text[..at].rsplit("\n\n").next().unwrap();
+            if name.ends_with("Error") && !before.contains("#[non_exhaustive]") && !is_private(&folder, &file) {
+                missing.push(format!("{}: {name}", file.display()));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "#[non_exhaustive] is missing:\n{}", missing.join("\n"));
+}
+
+#[test]
+fn every_crate_says_what_a_registry_shows() {
+    for entry in std::fs::read_dir(top().join("crates")).unwrap() {
+        let folder = entry.unwrap().path();
+        let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        for key in ["description = ", "repository.workspace", "documentation = ", "readme = ", "rust-version.workspace"]
+        {
+            assert!(manifest.contains(&format!("\n{key}")), "{}: no {key}", folder.display());
+        }
+        assert!(folder.join("README.md").is_file(), "{}: no README.md", folder.display());
+    }
 }

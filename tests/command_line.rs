@@ -202,7 +202,9 @@ fn a_robot_that_is_not_the_vendors_is_told_apart_by_row_and_number() {
 fn every_table_of_the_project_matches_its_robot() {
     for table in crate::support::files(&crate::support::top().join("robots"), "csv") {
         let name = table.to_str().unwrap().to_owned();
-        let Some(stem) = name.strip_suffix("_dh.csv") else { continue };
+        let Some(stem) = name.strip_suffix("_dh.csv") else {
+            continue;
+        };
         let urdf = format!("{stem}.urdf");
         if !std::path::Path::new(&urdf).is_file() {
             continue;
@@ -216,7 +218,9 @@ fn every_table_of_the_project_matches_its_robot() {
 
 #[test]
 fn a_kinematics_file_makes_ur_description_the_robot_that_it_is_of() {
-    let Some(vendor) = crate::support::vendor() else { return };
+    let Some(vendor) = crate::support::vendor() else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let (file, ur5e) = (folder.path().join("ur.yaml"), robot("universal_robots/ur5e.urdf"));
     let file = file.to_str().unwrap();

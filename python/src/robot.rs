@@ -66,9 +66,10 @@ pub fn reading(exact: bool) -> Reading {
 pub fn stated(convention: Option<&str>, units: &str) -> PyResult<Stated> {
     let convention = convention.map(|word| self::convention("table_convention", word)).transpose()?;
     let stated = Stated { convention, ..Stated::default() }.with_units(units);
-    stated.map_err(|word| {
+    stated.map_err(|unknown| {
         argument(format!(
-            "table_units: \"{word}\" is no unit of a table; write one of lengths and one of angles, such as mm,deg"
+            "table_units: \"{}\" is no unit of a table; write one of lengths and one of angles, such as mm,deg",
+            unknown.word
         ))
     })
 }

@@ -34,7 +34,7 @@ pub struct Table {
 
 fn units(written: &str) -> PyResult<Units> {
     let units = Units::default().with_words(written);
-    units.map_err(|word| argument(format!("units: \"{word}\" is no unit; write m or mm, and deg or rad")))
+    units.map_err(|unknown| argument(format!("units: \"{}\" is no unit; write m or mm, and deg or rad", unknown.word)))
 }
 
 impl Table {

@@ -47,7 +47,7 @@ impl Repository {
             .env("PATH", path)
             .env("GIT_CONFIG_GLOBAL", "/dev/null")
             .env("GIT_PAGER", "cat")
-                        .output()
+            .output()
             .unwrap();
         let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         Ran { code: output.status.code().unwrap_or(-1), output: text.concat() }
@@ -84,7 +84,9 @@ fn block_with(page: &str, language: &str, words: &str) -> String {
 
 #[test]
 fn a_diff_against_head_names_the_joint_that_was_edited() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let command = "denavit diff git:HEAD:arm.urdf arm.urdf";
     assert!(page("docs/ci.md").contains(command));
     let same = repository.run("sh", command);
@@ -136,7 +138,9 @@ fn git_diff_shows_every_edit_of_a_robot_with_two_arms() {
         println!("the PR2 is skipped, because ../shared/vendor is not beside this clone");
     }
     for robot in [Some(PathBuf::from(&baxter)), pr2].into_iter().flatten() {
-        let Some(repository) = with_textconv(Some(&robot)) else { return };
+        let Some(repository) = with_textconv(Some(&robot)) else {
+            return;
+        };
         // The last moving joint of the file: of an arm that is not the default chain, or of a hand.
         let text = std::fs::read_to_string(&robot).unwrap();
         let name = if text.contains("r_elbow_flex_joint") { "r_elbow_flex_joint" } else { "right_e1" };
@@ -157,7 +161,9 @@ fn git_diff_shows_every_edit_of_a_robot_with_two_arms() {
 
 #[test]
 fn git_diff_shows_masses_limits_and_transmissions_and_not_another_spelling() {
-    let Some(repository) = with_textconv(None) else { return };
+    let Some(repository) = with_textconv(None) else {
+        return;
+    };
     repository.replace("<mass value=\"3.761\"/>", "<mass value=\"37.61\"/>");
     let changed = repository.changed();
     assert!(changed.iter().any(|line| line.starts_with('+') && line.contains("mass 37.61")), "{changed:?}");
@@ -173,7 +179,9 @@ fn git_diff_shows_masses_limits_and_transmissions_and_not_another_spelling() {
 
 #[test]
 fn the_difftool_says_it_in_words() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let docs = page("docs/ci.md");
     assert_eq!(repository.run("sh", &block_with(&docs, "sh", "difftool.denavit.cmd")).code, 0);
     repository.edit();
@@ -236,7 +244,9 @@ fn meshes_of_one_unknown_package_are_one_finding() {
 
 #[test]
 fn git_diff_shows_robots_and_files_that_are_none_as_they_are() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let docs = page("docs/ci.md");
     std::fs::write(repository.path(".gitattributes"), block_with(&docs, "gitattributes", "diff=urdf")).unwrap();
     assert_eq!(repository.run("sh", &block_with(&docs, "sh", "textconv")).code, 0);
@@ -253,7 +263,9 @@ fn git_diff_shows_robots_and_files_that_are_none_as_they_are() {
 
 #[test]
 fn the_pre_commit_hook_refuses_another_motion_and_lets_new_files_pass() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let hooks = page(".pre-commit-hooks.yaml");
     assert!(hooks.contains("entry: hooks/same-motion\n"));
     let hook = || repository.run("bash", support::top().join("hooks/same-motion").to_str().unwrap());
@@ -269,7 +281,9 @@ fn the_pre_commit_hook_refuses_another_motion_and_lets_new_files_pass() {
 
 #[test]
 fn the_plain_hook_stops_a_broken_file() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let hook = block_with(&page("docs/ci.md"), "sh", "git diff --cached");
     assert_eq!(repository.run("sh", &hook).code, 0, "nothing is staged");
     std::fs::write(repository.path("arm.urdf"), "<robot name=\"r\"><link name=\"a\"/><link name=\"a\"/></robot>\n")
@@ -282,7 +296,9 @@ fn the_plain_hook_stops_a_broken_file() {
 /// The action's report, its comment through a `gh` of our own, and the branch that keeps its pictures.
 #[test]
 fn the_action_reports_comments_once_and_keeps_pictures() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let action = support::top().join("action");
     let report = |out: &str| {
         let ran = repository.run("bash", &format!("{}/report HEAD ../{out}", action.display()));
@@ -294,7 +310,7 @@ fn the_action_reports_comments_once_and_keeps_pictures() {
     let read = |name: &str| std::fs::read_to_string(made.join(name)).unwrap();
     report(&out);
     assert_eq!(read("result"), "different=0\nfindings=0\n");
-    assert!(read("badge.json").contains("\"color\": \"brightgreen\""), "{}", read("badge.json"));
+    assert!(read("badge.json").contains("findings, no error\""), "{}", read("badge.json"));
     repository.edit();
     let said = report(&out);
     assert!(said.contains("::error file=arm.urdf,line="), "{said}");
@@ -305,7 +321,7 @@ fn the_action_reports_comments_once_and_keeps_pictures() {
     assert!(read("findings.sarif").contains("\"2.1.0\"") && read("diff.json").contains("denavit.diff.robots/1"));
     // A `gh` that has no comment at first, and then the one that it was told to post.
     std::fs::create_dir(repository.path("bin")).unwrap();
-    let gh = "#!/bin/sh\ncase $* in *--paginate*) cat posted 2>/dev/null ;; *POST*) echo 7 > posted; echo POST >> log ;; \
+    let gh = "#!/bin/sh\ncase $* in *--paginate*) cat posted 2>/dev/null || true ;; *POST*) echo 7 > posted; echo POST >> log ;; \
               *comments/7*) echo PATCH >> log ;; esac\n";
     std::fs::write(repository.path("bin/gh"), gh).unwrap();
     let comment = format!(
@@ -331,7 +347,9 @@ fn the_action_reports_comments_once_and_keeps_pictures() {
 /// `hooks/denavit` takes a release once, and none that was changed on its way.
 #[test]
 fn the_hook_installs_the_release_of_its_version() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let version = env!("CARGO_PKG_VERSION");
     let target = format!("{}-unknown-linux-musl", std::env::consts::ARCH);
     if std::env::consts::OS != "linux" {
@@ -369,7 +387,9 @@ fn the_hook_installs_the_release_of_its_version() {
 
 #[test]
 fn a_pinned_fingerprint_holds_until_an_edit() {
-    let Some(repository) = Repository::new() else { return };
+    let Some(repository) = Repository::new() else {
+        return;
+    };
     let docs = page("docs/ci.md");
     let pin = repository
         .run("sh", &format!("{} > arm.fingerprint", block_with(&docs, "sh", "denavit fingerprint arm").trim()));

@@ -351,7 +351,9 @@ fn xacro_repository() -> Option<Trial> {
 
 #[test]
 fn a_xacro_of_a_revision_is_expanded_with_what_that_revision_has() {
-    let Some(trial) = xacro_repository() else { return };
+    let Some(trial) = xacro_repository() else {
+        return;
+    };
     let diff = "diff git:HEAD:x/urdf/r.urdf.xacro x/urdf/r.urdf.xacro";
     let same = trial.run(diff).succeeded();
     assert!(same.contains("the same robot"), "{same}");
@@ -381,7 +383,9 @@ fn a_xacro_of_a_revision_is_expanded_with_what_that_revision_has() {
 #[cfg(unix)]
 #[test]
 fn a_link_in_a_revision_is_the_file_that_it_leads_to() {
-    let Some(trial) = xacro_repository() else { return };
+    let Some(trial) = xacro_repository() else {
+        return;
+    };
     let commit = "git add . && git -c user.name=a -c user.email=a@b commit -q -m link";
     assert!(sh(&trial, &format!("ln -s r.urdf.xacro x/urdf/l.urdf.xacro && ln -s nowhere broken.urdf && {commit}")));
     let same = trial.run("diff git:HEAD:x/urdf/l.urdf.xacro x/urdf/r.urdf.xacro").succeeded();
@@ -413,7 +417,9 @@ fn meshes_of_a_revision_are_those_of_the_revision() {
 
 #[test]
 fn what_a_revision_does_not_have_is_refused_by_its_name() {
-    let Some(trial) = xacro_repository() else { return };
+    let Some(trial) = xacro_repository() else {
+        return;
+    };
     assert!(sh(&trial, "git rm -q --cached x/urdf/m.xacro && git commit -qm 2"));
     trial.refuses(
         "diff git:HEAD:x/urdf/r.urdf.xacro x/urdf/r.urdf.xacro",
@@ -434,7 +440,9 @@ fn what_a_revision_does_not_have_is_refused_by_its_name() {
 
 #[test]
 fn what_is_outside_the_repository_is_read_as_it_is_now_and_said() {
-    let Some(trial) = xacro_repository() else { return };
+    let Some(trial) = xacro_repository() else {
+        return;
+    };
     let outside = Trial::new()
         .with("package.xml", "<package><name>far</name></package>")
         .with("l.xacro", "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><link name=\"far\"/></robot>");
@@ -448,7 +456,9 @@ fn what_is_outside_the_repository_is_read_as_it_is_now_and_said() {
 
 #[test]
 fn the_hooks_see_xacro_included_files_and_renamed_files() {
-    let Some(trial) = xacro_repository() else { return };
+    let Some(trial) = xacro_repository() else {
+        return;
+    };
     let hook = support::top().join("hooks/same-motion").to_str().unwrap().to_owned();
     let refused = |script: &str, code: i32, said: &str| {
         assert!(sh(&trial, script), "{script}");

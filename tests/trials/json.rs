@@ -22,7 +22,8 @@ const SIMULATE: &str = "simulate arm.urdf --rows 60 -o data.csv";
 
 const FLEET: &[&str] = &[SIMULATE, "fleet run plant.csv -o store"];
 
-/// Every kind of JSON that a command makes, but for a history in git, which `tests/oracle/fleet` makes.
+/// Every kind of JSON that a command makes, but for a history in git, which `tests/oracle/fleet` makes, and the robots of a
+/// repository (`projects.rs`).
 const KINDS: &[Kind] = &[
     printed("denavit.table/1", "a D-H table, readable as a source", "table arm.urdf --json"),
     printed("denavit.poe/1", "screw axes and home pose, readable as a source", "poe arm.urdf --json"),

@@ -18,8 +18,8 @@ mod outputs;
 #[cfg(unix)]
 mod packages;
 mod priors;
-mod projects;
 mod program;
+mod projects;
 mod sources;
 mod tables;
 mod tips;

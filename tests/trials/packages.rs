@@ -7,7 +7,11 @@ use std::process::{Command, Output};
 
 fn script(folder: &Path, words: &str) -> Output {
     let mut command = Command::new("bash");
-    command.args(["-c", words]).current_dir(folder).env("TOP", top()).env("DENAVIT_BUILT", env!("CARGO_BIN_EXE_denavit"));
+    command
+        .args(["-c", words])
+        .current_dir(folder)
+        .env("TOP", top())
+        .env("DENAVIT_BUILT", env!("CARGO_BIN_EXE_denavit"));
     command.env("SOURCE_DATE_EPOCH", "1772323200").env("GIT_CONFIG_GLOBAL", "/dev/null").output().unwrap()
 }
 
@@ -25,6 +29,13 @@ fn is_there(program: &str) -> bool {
     found
 }
 
+/// The program without its debug information, as a release has it.
+fn built(trial: &Trial) -> String {
+    let stripped = script(trial.folder(), "strip -o built $DENAVIT_BUILT");
+    let program = if stripped.status.success() { trial.path("built") } else { env!("CARGO_BIN_EXE_denavit").into() };
+    program.to_str().unwrap().to_owned()
+}
+
 /// The README's table, printed by a program that was unpacked.
 fn prints_the_table(folder: &Path, program: &str) {
     let table = succeeded(folder, &format!("{program} table {}", robot("universal_robots/ur5e.urdf")));
@@ -38,8 +49,8 @@ fn the_archive_has_the_program_its_pages_and_its_completions() {
     }
     let trial = Trial::new();
     let name = concat!("denavit-", env!("CARGO_PKG_VERSION"), "-x86_64-unknown-linux-gnu");
-    let pack = "$TOP/release/pack $DENAVIT_BUILT x86_64-unknown-linux-gnu out";
-    assert_eq!(succeeded(trial.folder(), pack).trim(), format!("out/{name}.tar.gz"));
+    let pack = format!("$TOP/release/pack {} x86_64-unknown-linux-gnu out", built(&trial));
+    assert_eq!(succeeded(trial.folder(), &pack).trim(), format!("out/{name}.tar.gz"));
     let listed = succeeded(trial.folder(), &format!("tar -tzf out/{name}.tar.gz && tar -xzf out/{name}.tar.gz"));
     for file in [
         "bin/denavit",
@@ -64,12 +75,15 @@ fn the_debian_package_runs_from_an_empty_root() {
         return;
     }
     let trial = Trial::new();
-    let made = succeeded(trial.folder(), "$TOP/release/deb $DENAVIT_BUILT amd64 out");
+    let made = succeeded(trial.folder(), &format!("$TOP/release/deb {} amd64 out", built(&trial)));
     let control = succeeded(trial.folder(), &format!("dpkg-deb --field {0} && dpkg-deb -x {0} root", made.trim()));
     assert!(control.contains("Package: denavit\n") && control.contains("Depends: libc6 (>= 2."), "{control}");
     prints_the_table(trial.folder(), "root/usr/bin/denavit");
     let listed = succeeded(trial.folder(), "cd root && find . -type f");
-    assert!(listed.contains("./usr/share/man/man1/denavit-diff.1.gz") && listed.contains("./usr/share/doc/denavit/copyright"));
+    assert!(
+        listed.contains("./usr/share/man/man1/denavit-diff.1.gz")
+            && listed.contains("./usr/share/doc/denavit/copyright")
+    );
 }
 
 #[test]

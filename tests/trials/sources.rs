@@ -171,7 +171,9 @@ fn the_export_has_the_numbers_of_the_table_or_says_that_it_has_not() {
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
     assert!(near(&rows("panda.urdf"), &rows("panda_dh.urdf")), "{:?} {:?}", rows("panda.urdf"), rows("panda_dh.urdf"));
     assert_eq!(trial.run("export panda_dh.urdf").succeeded(), trial.text("panda_dh.urdf"));
-    let Some(vendor) = crate::support::vendor() else { return };
+    let Some(vendor) = crate::support::vendor() else {
+        return;
+    };
     let mut hands = 0;
     for path in crate::support::files(&vendor.join("robots"), "urdf") {
         std::fs::copy(&path, trial.path("robot.urdf")).unwrap();

@@ -39,7 +39,7 @@ pub mod table;
 
 use crate::args::UnitsArguments;
 use crate::failure::Failure;
-use denavit_export::Units;
+use denavit_export::{Units, UnknownUnit};
 use denavit_model::Reading;
 use denavit_model::words::quoted;
 use serde::Serialize;
@@ -49,7 +49,7 @@ fn reading(exact: bool) -> Reading {
 }
 
 fn units(arguments: &UnitsArguments) -> Result<Units, Failure> {
-    Units::default().with_words(&arguments.units).map_err(|word| {
+    Units::default().with_words(&arguments.units).map_err(|UnknownUnit { word, .. }| {
         Failure::Argument(format!(
             "--units: \"{}\" is no unit of documents; write m or mm, and deg or rad",
             quoted(&word)

@@ -67,36 +67,6 @@
 //! assert!(tip.sampled_m <= tip.bound_m && (tip.bound_m - 0.002).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![cfg_attr(
-    feature = "calibrate",
-    doc = r#"
-The robot as it is, from measured rows:
-
-```
-use denavit::calibrate::{Measurements, observation::measurements::{self, Units}};
-use denavit::{CalibrateOptions, Options, Selection, calibrate, load};
-# std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/universal_robots"))?;
-
-let robot = load("ur5e.urdf", &Options::default())?.robot;
-let arm = Selection { file: "ur5e.urdf", base: Some("base"), tip: Some("tool0"), ..Selection::default() };
-let chain = robot.chain(&arm)?.value;
-# let rows = (0..40u32).map(|k| {
-#     let q: Vec<f64> = (0..6).map(|joint| f64::from((k * (joint + 3) * 7) % 40) / 20.0 - 1.0).collect();
-#     let tip = chain.fk(&q).translation.vector;
-#     let q: Vec<String> = q.iter().map(f64::to_string).collect();
-#     format!("{},{},{},{}\n", q.join(","), tip.x * 1.0005, tip.y, tip.z)
-# });
-# let names: Vec<&str> = chain.coordinates().iter().map(|joint| joint.name.as_str()).collect();
-# let file = format!("{},x,y,z\n{}", names.join(","), rows.collect::<String>());
-// One row per pose: joint values, then what an instrument saw.
-let data: Measurements = measurements::read("tracker.csv", file.as_bytes(), &chain, Units::default())?.data;
-let statics = robot.statics(&chain, Default::default());
-let result = calibrate(&chain, &statics, data, None, &CalibrateOptions::geometry(&chain))?;
-# let _ = result;
-# Ok::<(), Box<dyn std::error::Error>>(())
-```
-"#
-)]
 //!
 //! # Errors
 //! Every error is one sentence that names the file, the element and the fix. Lengths are m, angles rad, everywhere.
@@ -116,7 +86,8 @@ pub use denavit_edit::{Operation, apply};
 pub use denavit_export::{Sheet, formats};
 pub use denavit_ik::Solver;
 pub use denavit_load::{
-    LoadError, Loaded, NEARLY_PARALLEL, Opened, Options, Project, Rules, Selection, TableOptions, canonical, from_text, load,
+    LoadError, Loaded, NEARLY_PARALLEL, Opened, Options, Project, Rules, Selection, TableOptions, canonical, from_text,
+    load,
 };
 pub use denavit_model::{Chain, Pose, Reading, Robot};
 

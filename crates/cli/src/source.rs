@@ -5,6 +5,7 @@ mod folder;
 use crate::args::{ConventionName, RobotArguments, SeveralTips, SourceArguments};
 use crate::failure::Failure;
 use crate::output;
+use denavit_export::UnknownUnit;
 use denavit_export::sources::Stated;
 use denavit_load::{Options, Selection, UrdfText};
 use denavit_model::Quantity;
@@ -93,7 +94,7 @@ pub fn read_bytes(name: &str) -> Result<(String, Vec<u8>), Failure> {
 pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
     let convention = arguments.table_convention.map(ConventionName::convention);
     let stated = Stated { convention, ..Stated::default() };
-    stated.with_units(arguments.table_units.as_deref().unwrap_or_default()).map_err(|word| {
+    stated.with_units(arguments.table_units.as_deref().unwrap_or_default()).map_err(|UnknownUnit { word, .. }| {
         Failure::Argument(format!("--table-units: \"{}\" is no unit that is known here, or the second one of its kind; write one of {} and one of {}",
             quoted(&word),
             Unit::words(Quantity::Length),

@@ -14,8 +14,8 @@ mod text;
 pub use entries::{Entry, Level};
 
 use crate::comparison::Comparison;
-use crate::robots::Robots;
 use crate::lint::Finding;
+use crate::robots::Robots;
 use denavit_model::Inventory;
 
 /// What a report is made of.

@@ -20,5 +20,5 @@ pub mod sources;
 pub mod urdf;
 
 pub use formats::{FORMATS, Format, RenderError};
-pub use numbers::{AngleUnit, LengthUnit, Units};
+pub use numbers::{AngleUnit, LengthUnit, Units, UnknownUnit};
 pub use sheet::Sheet;

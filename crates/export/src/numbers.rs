@@ -3,6 +3,22 @@
 use denavit_model::chain::Quantity;
 use denavit_model::units::Unit;
 use std::f64::consts::PI;
+use thiserror::Error;
+
+/// A word that is no unit where it is written.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("\"{word}\" is no unit that is known here, or the second one of its kind")]
+#[non_exhaustive]
+pub struct UnknownUnit {
+    /// As written.
+    pub word: String,
+}
+
+impl UnknownUnit {
+    pub(crate) fn of(word: &str) -> Self {
+        Self { word: word.to_owned() }
+    }
+}
 
 /// Unit of lengths in a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,16 +60,16 @@ impl Units {
     /// use denavit_export::{AngleUnit, LengthUnit, Units};
     /// let units = Units::default().with_words("mm,rad").unwrap();
     /// assert_eq!((units.length, units.angle), (LengthUnit::Millimetre, AngleUnit::Radian));
-    /// assert_eq!(Units::default().with_words("inch"), Err("inch".to_owned()));
+    /// assert_eq!(Units::default().with_words("inch").unwrap_err().word, "inch");
     /// ```
-    pub fn with_words(mut self, words: &str) -> Result<Self, String> {
+    pub fn with_words(mut self, words: &str) -> Result<Self, UnknownUnit> {
         for word in words.split(',').map(str::trim).filter(|word| !word.is_empty()) {
             match Unit::of_any(word) {
                 Some(Unit::Metre) => self.length = LengthUnit::Metre,
                 Some(Unit::Millimetre) => self.length = LengthUnit::Millimetre,
                 Some(Unit::Degree) => self.angle = AngleUnit::Degree,
                 Some(Unit::Radian) => self.angle = AngleUnit::Radian,
-                _ => return Err(word.to_owned()),
+                _ => return Err(UnknownUnit::of(word)),
             }
         }
         Ok(self)

@@ -51,8 +51,7 @@ pub struct Pairs {
 /// Endings of what is a description by itself.
 const DESCRIPTIONS: [&str; 5] = ["urdf", "xacro", "sdf", "mjcf", "xml"];
 /// Endings of files that a description may be made from.
-const PARTS: [&str; 12] =
-    ["urdf", "xacro", "sdf", "mjcf", "xml", "yaml", "yml", "csv", "json", "stl", "obj", "msh"];
+const PARTS: [&str; 12] = ["urdf", "xacro", "sdf", "mjcf", "xml", "yaml", "yml", "csv", "json", "stl", "obj", "msh"];
 
 /// Every robot that the `denavit.toml` of the repository names, or else every description in it, in the revision `before`
 /// and in `after`; with `None` in the working tree. A file that was renamed is followed. `options` add packages.
@@ -95,7 +94,9 @@ impl<'a> Tree<'a> {
         let up = line(&ask(Path::new("."), &["rev-parse", "--show-cdup"])?);
         for revision in [Some(before), after].into_iter().flatten() {
             let commit = format!("{revision}^{{tree}}");
-            if revision.is_empty() || revision.starts_with('-') || git(&top, &["rev-parse", "--verify", &commit]).is_err()
+            if revision.is_empty()
+                || revision.starts_with('-')
+                || git(&top, &["rev-parse", "--verify", &commit]).is_err()
             {
                 let reason = "this clone has no such revision; fetch it (a CI server: with the whole history)";
                 return Err(failed(revision, reason.into()));
@@ -187,9 +188,9 @@ impl<'a> Tree<'a> {
             let named = old.and_then(|old| old.robots.iter().find(|known| known.name == robot.name));
             let before = match named {
                 Some(known) => Some(self.described(known, path(known), Some(self.before), &then)),
-                None => self
-                    .was_at(&after.path)
-                    .map(|old| self.described(robot, old.to_owned(), Some(self.before), &then)),
+                None => {
+                    self.was_at(&after.path).map(|old| self.described(robot, old.to_owned(), Some(self.before), &then))
+                }
             };
             match named {
                 Some(known) => followed.insert(known.name.clone()),

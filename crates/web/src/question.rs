@@ -316,5 +316,7 @@ pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<Ta
 
 /// Units of documents for people.
 pub fn units(written: &str) -> Result<Units, String> {
-    Units::default().with_words(written).map_err(|word| format!("\"{word}\" is no unit; write m or mm, and deg or rad"))
+    Units::default()
+        .with_words(written)
+        .map_err(|unknown| format!("\"{}\" is no unit; write m or mm, and deg or rad", unknown.word))
 }

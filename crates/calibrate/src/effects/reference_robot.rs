@@ -91,6 +91,7 @@ impl ReferenceRobot {
 
 /// Why the drawn robot of a file cannot be.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReferenceRobotError {
     /// Its chain.
     #[error(transparent)]

@@ -1,10 +1,8 @@
-use super::{By, COMPARED, listed};
+use super::{By, COMPARED};
 use crate::describe::describe;
 use crate::{Comparison, Options, Scope, Subject, Verdict, compare, fingerprint};
-use denavit_model::settings::{Shown, shown};
 use denavit_model::urdf;
 use std::fmt::Write as _;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 const ROBOT: &str = r#"<robot name="r">

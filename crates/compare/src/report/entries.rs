@@ -76,7 +76,15 @@ fn of_member(member: &Member) -> Vec<Entry> {
         message,
     };
     match &member.state {
-        State::Compared { comparison, .. } => of_comparison(comparison),
+        State::Compared { comparison, .. } => {
+            let mut entries = of_comparison(comparison);
+            // Lines of an expanded file are those of no file that anybody can open.
+            for entry in entries.iter_mut().filter(|entry| entry.file != member.file) {
+                entry.file.clone_from(&member.file);
+                entry.line = None;
+            }
+            entries
+        }
         State::Unreadable { why, counts: true } => vec![entry(Level::Error, "robot", format!("cannot be read: {why}"))],
         State::Unreadable { why, counts: false } => {
             vec![entry(Level::Note, "robot", format!("cannot be read, nor could it before: {why}"))]

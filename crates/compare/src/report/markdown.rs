@@ -59,9 +59,17 @@ const MOST_ROWS: usize = 200;
 
 fn of_robots(robots: &Robots) -> String {
     let mut out = format!("### Robots: {}\n", robots.counts());
-    let listed: Vec<_> = robots.members.iter().filter(|member| !matches!(member.state, State::Untouched)).collect();
+    let is_as_before = |member: &&Member| match &member.state {
+        State::Untouched => true,
+        State::Compared { comparison, .. } => comparison.verdict == Verdict::Same && member.file_before.is_none(),
+        _ => false,
+    };
+    let (same, mut listed): (Vec<_>, Vec<_>) = robots.members.iter().partition(is_as_before);
+    listed.sort_by_key(|member| rank(&member.state));
     if !listed.is_empty() {
-        out.push_str("\n| robot | | tip displaced by up to | nowhere by more than | what changed |\n|---|---|---:|---:|---|\n");
+        out.push_str(
+            "\n| robot | | tip displaced by up to | nowhere by more than | what changed |\n|---|---|---:|---:|---|\n",
+        );
     }
     for member in listed.iter().take(MOST_ROWS) {
         let (verdict, tip, what) = row(member);
@@ -92,18 +100,32 @@ fn of_robots(robots: &Robots) -> String {
     if left_out > 0 {
         let _ = writeln!(out, "\nDetails of {left_out} more robots do not fit here.");
     }
-    if !robots.left_out.is_empty() {
-        let files: Vec<String> = robots.left_out.iter().map(|file| format!("`{file}`")).collect();
-        let _ = writeln!(
-            out,
-            "\n<details><summary>{} xacro files are no robots by themselves, or need arguments (name them in \
-             denavit.toml)</summary>\n\n{}\n\n</details>",
-            files.len(),
-            files.join(", ")
-        );
-    }
+    let same = same.iter().filter(|member| !matches!(member.state, State::Untouched)).map(|member| &member.name);
+    folded(&mut out, "changed, and still the same robots", same);
+    let parts = "xacro files are no robots by themselves, or need arguments (name them in denavit.toml)";
+    folded(&mut out, parts, robots.left_out.iter());
     let _ = writeln!(out, "\nCompared: `{}` → {}.", robots.before, robots.after);
     out
+}
+
+/// What asks for attention first.
+fn rank(state: &State) -> u8 {
+    match state {
+        State::Unreadable { counts: true, .. } => 0,
+        State::Compared { comparison, .. } if comparison.verdict == Verdict::Different => 1,
+        State::Removed => 2,
+        State::New => 3,
+        State::Compared { .. } | State::Unreadable { .. } | State::Untouched => 4,
+    }
+}
+
+/// A list that is shown when it is asked for.
+fn folded<'a>(out: &mut String, words: &str, names: impl Iterator<Item = &'a String>) {
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    if !names.is_empty() {
+        let (count, names) = (names.len(), names.join(", "));
+        let _ = writeln!(out, "\n<details><summary>{count} {words}</summary>\n\n{names}\n\n</details>");
+    }
 }
 
 fn named(member: &Member) -> String {

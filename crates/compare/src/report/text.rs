@@ -62,10 +62,16 @@ fn of_robots(out: &mut String, robots: &Robots, paint: &dyn Fn(&str, &str) -> St
                     Verdict::Different => paint(RED, "different"),
                 };
                 let _ = writeln!(out, "{who}: {verdict}");
-                one.lines().skip(1).for_each(|line| drop(writeln!(out, "{line}")));
+                for line in one.lines().skip(1) {
+                    let _ = writeln!(out, "{line}");
+                }
             }
-            State::New => drop(writeln!(out, "{who}: new")),
-            State::Removed => drop(writeln!(out, "{who}: removed")),
+            State::New => {
+                let _ = writeln!(out, "{who}: new");
+            }
+            State::Removed => {
+                let _ = writeln!(out, "{who}: removed");
+            }
             State::Unreadable { why, counts } => {
                 let words = if *counts { "cannot be read" } else { "cannot be read, nor could it before" };
                 let _ = writeln!(out, "{who}: {}: {why}", paint(if *counts { RED } else { FAINT }, words));

@@ -1,6 +1,7 @@
 //! Convention and units of a table: what the user states, what the file states, what only its numbers tell.
 
 use super::header::Heading;
+use crate::numbers::UnknownUnit;
 use denavit_dh::Convention;
 use denavit_model::chain::Quantity;
 use denavit_model::units::Unit;
@@ -21,14 +22,14 @@ impl Stated {
     ///
     /// # Errors
     /// The word that is no unit, or the second of two units of one quantity.
-    pub fn with_units(self, words: &str) -> Result<Self, String> {
+    pub fn with_units(self, words: &str) -> Result<Self, UnknownUnit> {
         let mut stated = self;
         let (mut length, mut angle) = (None, None);
         for word in words.split([',', ' ']).filter(|word| !word.is_empty()) {
-            let unit = Unit::of_any(word).ok_or_else(|| word.to_owned())?;
+            let unit = Unit::of_any(word).ok_or_else(|| UnknownUnit::of(word))?;
             let slot = if unit.quantity() == Quantity::Length { &mut length } else { &mut angle };
             if slot.is_some_and(|known| known != unit) {
-                return Err(word.to_owned());
+                return Err(UnknownUnit::of(word));
             }
             *slot = Some(unit);
         }
@@ -86,7 +87,7 @@ const FILLERS: [&str; 14] = [
 ];
 
 /// The units that a comment such as `units: mm, deg` states.
-fn units_of(value: &str) -> Result<Stated, String> {
+fn units_of(value: &str) -> Result<Stated, UnknownUnit> {
     let spaced = value.to_lowercase().replace('°', " ° ");
     let words: Vec<&str> = spaced
         .split(|c: char| c.is_whitespace() || ",;/:=()[]".contains(c))
@@ -119,7 +120,7 @@ impl Said {
                 Some((key, value)) if key.split_whitespace().any(|word| ["unit", "units"].contains(&word)) => {
                     match units_of(&value) {
                         Ok(stated) => of_pairs = of_pairs.or(stated),
-                        Err(word) => unknown_unit = unknown_unit.or(Some((index, word))),
+                        Err(unknown) => unknown_unit = unknown_unit.or(Some((index, unknown.word))),
                     }
                 }
                 Some((key, value)) if ["convention", "robot"].contains(&key.as_str()) => {

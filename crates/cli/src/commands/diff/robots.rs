@@ -87,7 +87,7 @@ impl Work<'_> {
             (Some(Ok(a)), Some(Ok(b))) => self.compared(pair, &a, &b)?,
             (None | Some(Err(_)), Some(Ok(_))) => State::New,
             (Some(Ok(_)), None) => State::Removed,
-            (before, Some(Err(_))) if !is_named && before.is_none_or(|before| before.is_err()) && is_part(described) => {
+            (before, Some(Err(_))) if !is_named && before.as_ref().is_none_or(Result::is_err) && is_part(described) => {
                 self.left_out.push(described.path.clone());
                 return Ok(None);
             }
