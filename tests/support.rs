@@ -1,13 +1,12 @@
 //! Running the binary, and finding robots.
 
+#[path = "files.rs"]
+mod files;
+pub use files::{files, top};
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-
-/// The top folder of the project.
-pub fn top() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
-}
 
 /// A robot of the project, by its path below `robots/`.
 pub fn robot(path: &str) -> String {
@@ -21,21 +20,6 @@ pub fn vendor() -> Option<PathBuf> {
         println!("skipped, because the vendors' files (../shared/vendor) are not beside this clone");
     }
     folder.is_dir().then_some(folder)
-}
-
-/// Every file below `folder` with this extension, sorted.
-pub fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(files(&path, extension));
-        } else if path.extension().is_some_and(|known| known == extension) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
 }
 
 /// What a run of the binary gave.

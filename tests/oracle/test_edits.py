@@ -21,6 +21,7 @@ METRES = 1e-9
 FILES = [path for source, path in corpus.files() if source == "robots"]
 FILES += [path for source, path in corpus.files() if source != "robots"][::EVERY]
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
+DOUBLE = np.diag([2.0, 2.0, 2.0, 1.0])
 
 
 def load(path):
@@ -62,9 +63,41 @@ def asked(robot):
     named = lambda name, value: (name, value)
     if leaves:
         result.append((["reroot", leaves[-1]], leaves[-1], named, np.eye(4), keep))
+    slides = {joint.name for joint in robot.actuated_joints if joint.type == "prismatic"}
+    doubled = lambda name, value: (name, 2 * value if name in slides else value)
+    result.append((["scale", "2"], root, doubled, DOUBLE, keep))
     result.append((["mirror", "xz"], root, named, MIRROR, keep))
     result.append((["merge"], root, named, np.eye(4), keep))
     return result
+
+
+def moved_frames(before, path, values, folder):
+    """Edits that move link frames: every link's motion, seen from the root's old frame, stays. Counts of done and refused."""
+    root, counts = before.base_link, [0, 0]
+    links = [link.name for link in before.robot.links]
+    zero = frames(before, {}, links, root)
+    moved = frames(before, values, links, root)
+    for words in (["canonical"], ["recentre"]):
+        to = folder / f"{words[0]}.urdf"
+        if edit(path, words, to):
+            counts[1] += 1
+            continue
+        after = load(to)
+        # The root's new frame in its old one: at its centre of mass, where it has one.
+        shift = np.eye(4)
+        inertial = before.link_map[root].inertial
+        if words == ["recentre"] and inertial is not None and inertial.mass and inertial.origin is not None:
+            shift[:3, 3] = inertial.origin[:3, 3]
+        back = np.linalg.inv(shift)
+        new_zero, new_moved = frames(after, {}, links, root), frames(after, values, links, root)
+        size = max(1.0, max(np.linalg.norm(frame[:3, 3]) for frame in moved.values()))
+        for link in links:
+            expected = moved[link] @ np.linalg.inv(zero[link])
+            found = shift @ new_moved[link] @ np.linalg.inv(new_zero[link]) @ back
+            metres, radians = distance(expected, found)
+            assert metres < METRES * size and radians < METRES, (words, link, metres, radians)
+        counts[0] += 1
+    return counts
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -79,7 +112,7 @@ def test_frames_are_where_the_operation_says(path, tmp_path):
         pytest.skip("skipped, because joints have no names")
     spread = np.random.default_rng(1)
     values = {joint.name: spread.uniform(-1, 1) for joint in before.actuated_joints}
-    done = refused = 0
+    done, refused = moved_frames(before, path, values, tmp_path)
     for index, (words, base, joint_map, space, name) in enumerate(asked(before)):
         to = tmp_path / f"{index}.urdf"
         if edit(path, words, to):
@@ -93,7 +126,7 @@ def test_frames_are_where_the_operation_says(path, tmp_path):
         new_frames = frames(after, new, [name(link) for link in links], name(base))
         size = max(1.0, max(np.linalg.norm(frame[:3, 3]) for frame in old_frames.values()))
         for link in links:
-            expected = space @ old_frames[link] @ space
+            expected = space @ old_frames[link] @ np.linalg.inv(space)
             metres, radians = distance(expected, new_frames[name(link)])
             assert metres < METRES * size and radians < METRES, (words, link, metres, radians)
         done += 1

@@ -46,3 +46,86 @@ fn a_makers_figures_go_into_the_joint_origins() {
     assert!(said.contains("e-4 m and"), "{said}");
     assert!(trial.text("out.urdf").contains("0 0 0.1627"));
 }
+
+/// A tetrahedron in mm, as an OBJ file with a material that names a picture.
+const TETRAHEDRON: &str =
+    "mtllib paint.mtl\nv 0 0 0\nv 100 0 0\nv 0 200 0\nv 0 0 300\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+const SHAPED: &str = r#"<robot name="arm"> <link name="base">
+    <visual><geometry><mesh filename="package://arm_description/meshes/a.obj" scale="0.001 0.001 0.001"/></geometry></visual>
+    <collision><origin xyz="0 0 1"/><geometry><mesh filename="package://arm_description/meshes/a.obj" scale="0.001 0.001 0.001"/></geometry></collision>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision>
+  </link> </robot>"#;
+
+fn shaped() -> Trial {
+    let trial = Trial::new().with("shaped.urdf", SHAPED);
+    let folder = trial.path("arm_description/meshes");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(trial.path("new_description")).unwrap();
+    std::fs::write(folder.join("a.obj"), TETRAHEDRON).unwrap();
+    std::fs::write(folder.join("paint.mtl"), "newmtl p\nmap_Kd ../paint.png\n").unwrap();
+    std::fs::write(trial.path("arm_description/paint.png"), "a picture").unwrap();
+    trial
+        .with("arm_description/package.xml", "<package><name>arm_description</name></package>")
+        .with("new_description/package.xml", "<package><name>new_description</name></package>")
+}
+
+#[test]
+fn meshes_are_copied_with_what_they_name_and_their_paths_follow() {
+    let trial = shaped();
+    trial.refuses("edit shaped.urdf meshes --package-path . -o out.urdf", "meshes: write meshes --to FOLDER");
+    trial.run("edit shaped.urdf meshes --package-path . --to new_description/meshes -o out.urdf").succeeded();
+    let text = trial.text("out.urdf");
+    let path = "package://new_description/meshes/arm_description/meshes/a.obj";
+    assert_eq!(text.matches(path).count(), 2, "{text}");
+    assert_eq!(text.replace(path, "package://arm_description/meshes/a.obj"), SHAPED);
+    for (copy, content) in [
+        ("meshes/a.obj", TETRAHEDRON),
+        ("meshes/paint.mtl", "newmtl p\nmap_Kd ../paint.png\n"),
+        ("paint.png", "a picture"),
+    ] {
+        assert_eq!(trial.text(&format!("new_description/meshes/arm_description/{copy}")), content);
+    }
+    // Beside no package the way is that from the robot's file.
+    trial.run("edit shaped.urdf meshes --package-path . --to copies -o new_description/out.urdf").succeeded();
+    assert!(trial.text("new_description/out.urdf").contains(r#"filename="../copies/arm_description/meshes/a.obj""#));
+    std::fs::remove_file(trial.path("arm_description/meshes/a.obj")).unwrap();
+    trial.refuses("edit shaped.urdf meshes --package-path . --to others -o other.urdf", "there is no file");
+}
+
+#[test]
+fn shapes_around_a_mesh_hold_it_and_say_what_they_add() {
+    let trial = shaped();
+    let run = trial.run("edit shaped.urdf simplify-collision box --package-path . -o box.urdf --json box.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("all 12 corners of triangles are inside"), "{}", run.stdout);
+    // A tetrahedron has a sixth of its box.
+    assert!(run.stderr.contains("500 % of the mesh's volume"), "{}", run.stderr);
+    let text = trial.text("box.urdf");
+    assert!(text.contains(r#"<origin xyz="0.05 0.1 1.15"/><geometry><box size="0.100"#), "{text}");
+    assert!(text.contains("<sphere radius=\"0.1\"/>") && text.matches("a.obj").count() == 1, "{text}");
+    assert!(trial.text("box.json").contains("\"schema\": \"denavit.edit/1\""));
+    trial.refuses(
+        "edit shaped.urdf simplify-collision hull --package-path . -o hull.urdf",
+        "a hull is a file of its own; name the folder that it goes to",
+    );
+    trial.refuses(
+        "edit shaped.urdf simplify-collision cone -o out.urdf",
+        "there is no shape \"cone\"; write box, cylinder, sphere, smallest or hull",
+    );
+    trial.refuses("edit arm.urdf simplify-collision box -o out.urdf", "no collision shape of these links is a mesh");
+    trial.run("edit shaped.urdf simplify-collision hull --package-path . --to hulls -o hull.urdf").succeeded();
+    assert!(trial.text("hull.urdf").contains(r#"<mesh filename="hulls/a_hull.obj" scale="0.001 0.001 0.001"/>"#));
+    assert_eq!(trial.text("hulls/a_hull.obj").lines().filter(|line| line.starts_with("f ")).count(), 4);
+}
+
+#[test]
+fn the_model_of_a_controllers_file_is_that_of_the_robot() {
+    let conf = "[mounting]\ndelta_theta = [0, 0, 0, 0, 0, 0]\ndelta_d = [0.0002, 0, 0, 0, 0, 0]\ndelta_alpha = [0, 0, 0, 0, 0, 0]\n\
+                delta_a = [0, 0.001, 0, 0, 0, 0]\ncalibration_status = 2\n";
+    let trial = Trial::new().with("calibration.conf", conf);
+    let run = trial.run("edit arm.urdf set-calibration calibration.conf -o out.urdf");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("ur_type:=ur5e is taken"), "{}", run.stderr);
+    assert!(trial.text("out.urdf").contains("-0.424"), "{}", trial.text("out.urdf"));
+}

@@ -34,6 +34,7 @@ const KINDS: &[Kind] = &[
     printed("denavit.hand_eye/1", "where the instrument and the target are", "hand-eye --data pairs.csv --json"),
     printed("denavit.diff/1", "how two robots differ", "diff arm.urdf longer.urdf --json"),
     printed("denavit.check/1", "findings", "check bent.urdf --json"),
+    printed("denavit.edit/1", "what edits did, claim and prove", "edit arm.urdf flip elbow_joint -o out.urdf --json"),
     printed("denavit.fingerprint/1", "a short hash of the robot", "fingerprint arm.urdf --json"),
     printed("denavit.identifiability/1", "number and rank of parameters", "identify arm.urdf --json"),
     printed("denavit.plan/1", "poses to measure", "plan arm.urdf --count 10 --spread 100 --json"),

@@ -217,7 +217,23 @@ impl Outputs {
     /// Writes everything or changes no file: files are filled beside their targets, then streams are written, then files
     /// renamed.
     pub fn write(&self, texts: &[(Slot, String)]) -> Result<(), Failure> {
+        self.write_with(texts, &[])
+    }
+
+    /// The same with files below a folder, which is made where it is not there: all of them, or none.
+    pub fn write_with(&self, texts: &[(Slot, String)], below: &[(PathBuf, Vec<u8>)]) -> Result<(), Failure> {
         let mut files = Vec::new();
+        for (path, bytes) in below {
+            let failed =
+                |error: io::Error| Failure::Write { file: path.display().to_string(), reason: error.to_string() };
+            if let Some(folder) = path.parent() {
+                std::fs::create_dir_all(folder).map_err(failed)?;
+            }
+            match Destination::of(path)? {
+                Destination::File(target) => files.push(Staged::full(&target, path, bytes)?),
+                _ => return Err(failed(io::Error::other("it is no file"))),
+            }
+        }
         for (Slot(slot), text) in texts {
             let place = &self.places[*slot];
             if let Destination::File(target) = &place.destination {

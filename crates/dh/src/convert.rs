@@ -92,7 +92,7 @@ pub fn table(chain: &Chain, options: &Options) -> Result<Noted<Table>, ChainErro
 }
 
 /// The same motion with every joint offset folded into the axes and the home pose.
-fn without_offsets(chain: &Chain) -> Result<Chain, ChainError> {
+pub(crate) fn without_offsets(chain: &Chain) -> Result<Chain, ChainError> {
     let mut moved = Pose::identity();
     let mut joints = Vec::new();
     for joint in chain.joints() {

@@ -12,6 +12,7 @@ pub mod conventions;
 pub mod convert;
 pub mod gauge;
 pub mod matching;
+pub mod nearest;
 pub mod opw;
 pub mod straighten;
 pub mod table;

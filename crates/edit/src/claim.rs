@@ -1,6 +1,7 @@
 //! What an operation says of its result, for the proof to compare with it.
 
-use denavit_model::nalgebra::Vector3;
+use crate::solids::Hull;
+use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::se3::{self, Pose};
 use std::collections::BTreeMap;
 
@@ -102,6 +103,23 @@ pub struct Claim {
     pub compared: Compared,
     /// Links of the new robot that hold what comes from elsewhere.
     pub foreign: bool,
+    /// New names of mesh files by their old ones.
+    pub files: BTreeMap<String, String>,
+    /// Points that collision shapes of the new robot must hold.
+    pub(crate) enclosed: Vec<Enclosed>,
+}
+
+/// Points that a collision shape of the new robot must hold.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Enclosed {
+    /// Its link's new name.
+    pub link: String,
+    /// Which of the link's collision shapes.
+    pub index: usize,
+    /// In the link's frame, m.
+    pub points: Vec<Point3<f64>>,
+    /// What the shape's file holds, where it is a mesh.
+    pub hull: Option<Hull>,
 }
 
 /// What `denavit diff` must find.
@@ -135,8 +153,6 @@ pub enum Shapes {
     Kept,
     /// Those that are seen are; those that collide are other ones.
     CollisionsChange,
-    /// All are there; mesh files have other names.
-    FilesRenamed,
     /// All are there, turned by as much as a literal was off what it means.
     Turned,
 }
@@ -156,6 +172,8 @@ impl Claim {
             moves: None,
             compared: Compared::Same,
             foreign: false,
+            files: BTreeMap::new(),
+            enclosed: Vec::new(),
         }
     }
 }

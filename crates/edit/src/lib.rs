@@ -20,22 +20,27 @@
 
 mod claim;
 mod error;
+mod json;
 mod literal;
 mod operation;
 mod operations;
 mod proof;
 mod references;
+mod solids;
 mod tally;
 mod value;
 mod values;
 
 pub use claim::{Claim, JointMap, Space};
 pub use error::EditError;
+pub use json::{SCHEMA, to_json};
 pub use operation::{OPERATIONS, Operation, OperationHelp, Words};
 pub use operations::calibration::{Actual, Frames};
+pub use operations::collision::{Meshes, Simple, Simplified};
 pub use operations::rename::Renaming;
 pub use proof::Proof;
 pub use references::{Kind, named_by_attribute, named_by_text};
+pub use solids::Triangle;
 pub use value::Plane;
 
 use denavit_model::robot::{Robot, SourceText};
@@ -72,7 +77,9 @@ impl Files {
 pub struct Report {
     /// The operation as it was asked for.
     pub operation: String,
-    /// How nearly its claim holds.
+    /// Where it says that everything of the robot before is found.
+    pub claim: Claim,
+    /// How nearly that holds.
     pub proof: Proof,
     /// What changed: `joint_3 reversed`, `2 limits exchanged`.
     pub changes: Vec<String>,
@@ -95,6 +102,8 @@ pub struct Done {
     pub files: Files,
     /// One for each operation, in order.
     pub reports: Vec<Report>,
+    /// Mesh files that are new, by the names that the robot's text has for them.
+    pub meshes: Vec<Text>,
 }
 
 /// The new text of an operation, before it is proved.
@@ -105,8 +114,18 @@ pub(crate) struct Change {
     claim: Claim,
     /// Another robot that is part of the new one, and where.
     second: Option<(Robot, Claim)>,
+    /// Mesh files that the text names.
+    files: Vec<Text>,
     tally: Tally,
     notes: Vec<String>,
+}
+
+impl Change {
+    /// Of the robot alone: the SRDF stays.
+    fn of(urdf: String, srdf: Option<&SourceText>, claim: Claim, tally: Tally, notes: Vec<String>) -> Self {
+        let srdf = srdf.map(|srdf| srdf.text.clone());
+        Self { urdf, srdf, claim, second: None, files: Vec::new(), tally, notes }
+    }
 }
 
 /// Does the operations one after another, and proves each.
@@ -115,7 +134,7 @@ pub(crate) struct Change {
 /// The text is no robot, an operation cannot be done (with the reason), or what it claims does not hold of its result.
 pub fn apply(files: &Files, operations: &[Operation]) -> Result<Done, EditError> {
     let mut files = files.clone();
-    let mut reports = Vec::new();
+    let (mut reports, mut meshes) = (Vec::new(), Vec::new());
     for operation in operations {
         let robot = urdf::read(&files.urdf.file, &files.urdf.text)?;
         let srdf = files.srdf.as_ref().map(|srdf| SourceText::new(&srdf.file, &srdf.text));
@@ -130,16 +149,18 @@ pub fn apply(files: &Files, operations: &[Operation]) -> Result<Done, EditError>
         }
         reports.push(Report {
             operation: operation.to_string(),
+            claim: change.claim,
             proof,
             changes: change.tally.said(),
             notes: change.notes,
         });
         files.urdf.text = change.urdf;
+        meshes.extend(change.files);
         if let (Some(srdf), Some(text)) = (files.srdf.as_mut(), change.srdf) {
             srdf.text = text;
         }
     }
-    Ok(Done { files, reports })
+    Ok(Done { files, reports, meshes })
 }
 
 /// The differences of two texts as `diff -u` prints them; empty where they are the same.

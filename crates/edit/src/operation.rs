@@ -4,14 +4,16 @@ use crate::Change;
 use crate::Text;
 use crate::error::EditError;
 use crate::operations::calibration::{self, Actual};
+use crate::operations::collision::{self, Meshes, Simple, Simplified};
 use crate::operations::part::Side;
 use crate::operations::rename::Renaming;
-use crate::operations::{attach, frames, merge, mirror, part, rename, reroot, scale, sense, snap};
+use crate::operations::{attach, frames, merge, meshes, mirror, part, rename, reroot, scale, sense, snap};
 use crate::value::{self, Plane};
 use denavit_model::Quantity;
 use denavit_model::robot::{JointKind, Robot, SourceText};
 use denavit_model::se3::Pose;
 use denavit_model::units::Unit;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// An edit of a robot.
@@ -96,6 +98,20 @@ pub enum Operation {
         /// In the frame that it has: `x,y,z` or `x,y,z,roll,pitch,yaw`.
         to: String,
     },
+    /// Link frames go where the mass is.
+    Recentre {
+        /// Links; all where there is none.
+        links: Vec<String>,
+    },
+    /// Meshes that collide become simple shapes that hold them.
+    SimplifyCollision(Box<Simplified>),
+    /// Mesh files have other names.
+    Meshes {
+        /// Where they go, as it was asked for.
+        folder: String,
+        /// New names by the old ones, as the text writes them.
+        names: BTreeMap<String, String>,
+    },
     /// Angles and axes that were surely meant as round values become so.
     Snap,
     /// Every length times a factor.
@@ -172,6 +188,21 @@ pub const OPERATIONS: &[OperationHelp] = &[
         purpose: "move a link's frame to POSE, given in the frame that it has; nothing else moves",
     },
     OperationHelp {
+        name: "recentre",
+        usage: "recentre [LINK …]",
+        purpose: "move link frames to the centre of mass, or to the nearest point of the axis that the link turns about",
+    },
+    OperationHelp {
+        name: "simplify-collision",
+        usage: "simplify-collision SHAPE [LINK …] [--to FOLDER]",
+        purpose: "put a box, cylinder, sphere, the smallest of them or the hull around each mesh that collides; hulls go to FOLDER",
+    },
+    OperationHelp {
+        name: "meshes",
+        usage: "meshes --to FOLDER",
+        purpose: "copy mesh files, with what they name, into FOLDER, and rewrite their paths",
+    },
+    OperationHelp {
         name: "snap",
         usage: "snap",
         purpose: "write angles and axes that were surely meant as round values as such; each is listed with its bound",
@@ -209,6 +240,12 @@ pub struct Words {
     pub to: Option<String>,
     /// A maker's figures, which the second word names.
     pub actual: Option<Actual>,
+    /// What the robot's mesh files hold, and what stands before the names of new ones.
+    pub meshes: Meshes,
+    /// As `meshes`: what stands before the names of files in the folder of `to`.
+    pub folder: Option<String>,
+    /// New names of mesh files by their old ones.
+    pub copies: BTreeMap<String, String>,
 }
 
 impl Words {
@@ -256,6 +293,16 @@ impl Words {
         self.words.first().is_some_and(|name| name == "set-calibration")
     }
 
+    /// Whether the triangles of the robot's meshes are needed.
+    pub fn takes_meshes(&self) -> bool {
+        self.words.first().is_some_and(|name| name == "simplify-collision")
+    }
+
+    /// Whether the robot's mesh files are copied to the folder of `to`.
+    pub fn copies_meshes(&self) -> bool {
+        self.words.first().is_some_and(|name| name == "meshes")
+    }
+
     /// The first of the options that this operation has no use for.
     fn stray(&self) -> Option<&'static str> {
         let name = self.words.first().map_or("", String::as_str);
@@ -264,7 +311,7 @@ impl Words {
             ("--pose", self.pose.is_some(), &["attach"]),
             ("--prefix", self.prefix.is_some(), &["attach"]),
             ("--keep", !self.keep.is_empty(), &["merge"]),
-            ("--to", self.to.is_some(), &["origin"]),
+            ("--to", self.to.is_some(), &["origin", "meshes", "simplify-collision"]),
             ("--names", !self.names.is_empty(), &["mirror"]),
         ];
         given.into_iter().find(|(_, given, users)| *given && !users.contains(&name)).map(|(option, ..)| option)
@@ -331,9 +378,24 @@ impl Operation {
                 let file = only()?;
                 Self::SetCalibration { file, actual: Box::new(words.actual.clone().ok_or_else(wrong)?) }
             }
+            "recentre" => Self::Recentre { links: rest.iter().map(|word| (*word).to_owned()).collect() },
+            "simplify-collision" => {
+                let (shape, links) = rest.split_first().ok_or_else(wrong)?;
+                let shape = Simple::of(shape).ok_or_else(|| {
+                    EditError::Words(format!(
+                        "{name}: there is no shape \"{shape}\"; write box, cylinder, sphere, smallest or hull"
+                    ))
+                })?;
+                let links = links.iter().map(|word| (*word).to_owned()).collect();
+                let (meshes, folder) = (words.meshes.clone(), words.folder.clone());
+                Self::SimplifyCollision(Box::new(Simplified { shape, links, meshes, folder }))
+            }
+            "meshes" if rest.is_empty() => {
+                Self::Meshes { folder: words.to.clone().ok_or_else(wrong)?, names: words.copies.clone() }
+            }
             "canonical" if rest.is_empty() => Self::Canonical,
             "snap" if rest.is_empty() => Self::Snap,
-            "canonical" | "snap" => return Err(wrong()),
+            "canonical" | "snap" | "meshes" => return Err(wrong()),
             "origin" => Self::Origin { link: only()?, to: words.to.clone().ok_or_else(wrong)? },
             "scale" => Self::Scale { factor: only()?.parse().map_err(|_| wrong())? },
             "units" => {
@@ -367,6 +429,9 @@ impl Operation {
             Self::SetCalibration { file, actual } => calibration::set(robot, srdf, file, actual),
             Self::Canonical => frames::canonical(robot, srdf),
             Self::Origin { link, to } => frames::origin(robot, srdf, link, &value::pose(to)?),
+            Self::Recentre { links } => frames::recentre(robot, srdf, links),
+            Self::SimplifyCollision(asked) => collision::simplify(robot, srdf, asked),
+            Self::Meshes { names, .. } => meshes::meshes(robot, srdf, names),
             Self::Snap => snap::snap(robot, srdf),
             Self::Scale { factor } => scale::scale(robot, srdf, *factor),
         }
@@ -383,6 +448,11 @@ fn renaming(word: &str) -> Option<Renaming> {
     Some(Renaming { kind, old: old.to_owned(), new: new.to_owned() })
 }
 
+fn listed(f: &mut fmt::Formatter<'_>, operation: &str, names: &[String]) -> fmt::Result {
+    f.write_str(operation)?;
+    names.iter().try_for_each(|name| write!(f, " {name}"))
+}
+
 impl fmt::Display for Operation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -394,8 +464,7 @@ impl fmt::Display for Operation {
                 names.iter().try_for_each(|name| write!(f, " {}={}", name.old, name.new))
             }
             Self::Prefix { prefix } => write!(f, "prefix {prefix}"),
-            Self::Merge { joints, .. } if joints.is_empty() => f.write_str("merge"),
-            Self::Merge { joints, .. } => write!(f, "merge {}", joints.join(" ")),
+            Self::Merge { joints, .. } => listed(f, "merge", joints),
             Self::Attach { other, at, .. } => write!(f, "attach {} at {at}", other.file),
             Self::Extract { link } => write!(f, "extract {link}"),
             Self::Cut { link } => write!(f, "cut {link}"),
@@ -403,6 +472,11 @@ impl fmt::Display for Operation {
             Self::SetCalibration { file, .. } => write!(f, "set-calibration {file}"),
             Self::Canonical => f.write_str("canonical"),
             Self::Origin { link, to } => write!(f, "origin {link} to {to}"),
+            Self::Recentre { links } => listed(f, "recentre", links),
+            Self::SimplifyCollision(asked) => {
+                listed(f, &format!("simplify-collision {}", asked.shape.name()), &asked.links)
+            }
+            Self::Meshes { folder, .. } => write!(f, "meshes to {folder}"),
             Self::Snap => f.write_str("snap"),
             Self::Scale { factor } => write!(f, "scale {factor}"),
         }

@@ -2,8 +2,10 @@
 
 pub(crate) mod attach;
 pub(crate) mod calibration;
+pub(crate) mod collision;
 pub(crate) mod frames;
 pub(crate) mod merge;
+pub(crate) mod meshes;
 pub(crate) mod mirror;
 pub(crate) mod part;
 pub(crate) mod rename;

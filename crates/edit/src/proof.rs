@@ -22,8 +22,8 @@ pub struct Proof {
     pub samples: usize,
     /// Frames that were compared in each.
     pub frames: usize,
-    /// What the motion is.
-    motion: &'static str,
+    /// What the motion is, such as `moves as before`.
+    pub motion: &'static str,
 }
 
 impl fmt::Display for Proof {

@@ -146,3 +146,44 @@ fn round_values_are_written_and_calibrated_ones_stay() {
     assert_eq!(done.reports[0].changes, ["1 number made round"]);
     assert!(done.reports[0].notes[0].contains("1.5708 is 1.5707963267948966; no tip moves by more than"));
 }
+
+#[test]
+fn frames_go_to_the_mass_or_beside_it_on_the_axis() {
+    let text = ARM.replace(
+        "<link name=\"left_tip\"/>",
+        "<link name=\"left_tip\"><inertial><origin xyz=\"0.25 0 0.5\"/><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" \
+         iyz=\"0\" izz=\"1\"/></inertial></link>",
+    );
+    let done = edit(&text, "recentre").unwrap();
+    let robot = urdf::read("recentred.urdf", &done.files.urdf.text).unwrap();
+    let centre = |name: &str| robot.links[robot.link_index(name).unwrap()].inertial.as_ref().unwrap().origin.xyz;
+    // The plate is fixed; the tip turns about z.
+    assert_eq!((centre("left_plate"), centre("left_tip")), ([0.0; 3], [0.25, 0.0, 0.0]));
+    assert_eq!(robot.joints[1].origin.xyz, [0.0, 0.0, 1.0]);
+    assert!(done.files.urdf.text.contains(r#"<origin xyz="0.5 0 -0.5"/>"#), "{}", done.files.urdf.text);
+    assert_eq!(done.reports[0].changes, ["2 link frames moved to the mass"]);
+    let refused = edit(&text, "recentre left_camera").unwrap_err().to_string();
+    assert!(refused.ends_with("it has no mass, and so no centre of it"), "{refused}");
+}
+
+#[test]
+fn canonical_frames_are_those_of_the_export() {
+    let done = edit(ARM, "canonical").unwrap();
+    let robot = urdf::read("arm.urdf", ARM).unwrap();
+    let options = denavit_export::urdf::Options { reading: Reading::AsWritten, ..Default::default() };
+    assert_eq!(done.files.urdf.text, denavit_export::urdf::canonical(&robot, &options).unwrap().value);
+    let robot = urdf::read("canonical.urdf", &edit(FOLDED, "canonical").unwrap().files.urdf.text).unwrap();
+    // z along both axes, x along their common normal.
+    assert_eq!(robot.joints[0].axis.into_inner(), Vector3::z());
+    assert_eq!(
+        edit(FOLDED, "canonical;canonical").unwrap().files.urdf.text,
+        edit(FOLDED, "canonical").unwrap().files.urdf.text
+    );
+}
+
+const FOLDED: &str = r#"<robot name="folded"> <link name="base"/> <link name="arm"/> <link name="hand"/> <link name="tip"/>
+  <joint name="one" type="continuous"> <parent link="base"/> <child link="arm"/> <axis xyz="0 1 0"/> </joint>
+  <joint name="two" type="continuous"> <parent link="arm"/> <child link="hand"/> <origin xyz="1 0 0"/> <axis xyz="1 0 0"/> </joint>
+  <joint name="end" type="fixed"> <parent link="hand"/> <child link="tip"/> <origin xyz="0 0 1"/> </joint>
+</robot>
+"#;

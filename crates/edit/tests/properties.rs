@@ -1,8 +1,8 @@
 //! There and back: over random trees, and over what files state of a joint's values.
 
-use crate::support::{edit, edit_files};
+use crate::support::{edit, edit_files, words_of};
 use denavit_compare::{Options, Subject, Verdict, compare};
-use denavit_edit::{Files, Text};
+use denavit_edit::{Files, Operation, Text, apply};
 use denavit_model::{Reading, urdf};
 use proptest::prelude::*;
 use std::fmt::Write as _;
@@ -128,6 +128,40 @@ proptest! {
         let again = edit(&there, "reroot l0").unwrap().files.urdf.text;
         prop_assert!(is_same(&text, &again), "{there}{again}");
         prop_assert_eq!(urdf::read("again.urdf", &again).unwrap().links.len(), drawn.len() + 1);
+    }
+
+    #[test]
+    fn mirrored_twice_is_the_first(drawn in drawn(), plane in 0..3usize) {
+        let text = text_of(&drawn);
+        let plane = ["xy", "xz", "yz"][plane];
+        if let Ok(once) = edit(&text, &format!("mirror {plane}")) {
+            let again = edit(&once.files.urdf.text, &format!("mirror {plane}")).unwrap().files.urdf.text;
+            prop_assert!(is_same(&text, &again), "{again}");
+        }
+    }
+
+    #[test]
+    fn attached_then_extracted_is_the_same(drawn in drawn(), which in 0..9usize) {
+        let text = text_of(&drawn);
+        let mut words = words_of(&format!("attach other.urdf --at l{} --pose 0.1,0.2,0.3,10deg,0,20deg --prefix g_", which % (drawn.len() + 1)));
+        words.other = Some(Text { file: "other.urdf".into(), text: text.clone() });
+        let both = apply(&Files::urdf("robot.urdf", &*text), &[Operation::of(&words).unwrap()]).unwrap().files.urdf.text;
+        prop_assert!(is_same(&text, &edit(&both, "cut g_l0").unwrap().files.urdf.text));
+        let mut names = String::from("extract g_l0;rename");
+        for index in 0..=drawn.len() {
+            let _ = write!(names, " g_l{index}=l{index}");
+            if index > 0 {
+                let _ = write!(names, " g_j{index}=j{index}");
+            }
+        }
+        prop_assert!(is_same(&text, &edit(&both, &names).unwrap().files.urdf.text));
+    }
+
+    #[test]
+    fn what_is_recentred_is_there_already(drawn in drawn()) {
+        let text = text_of(&drawn);
+        let once = edit(&text, "recentre").unwrap().files.urdf.text;
+        prop_assert_eq!(&edit(&once, "recentre").unwrap().files.urdf.text, &once);
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub(crate) mod opw;
 mod origins;
 mod pal;
 mod robot_calibration;
+pub mod techman;
 mod ur;
 pub mod ur_conf;
 pub(crate) mod ur_models;
@@ -38,7 +39,8 @@ pub struct Maker {
 }
 
 /// Every form that can be written.
-pub const MAKERS: &[Maker] = &[ur::MAKER, xarm::MAKER, franka::MAKER, pal::MAKER, robot_calibration::MAKER];
+pub const MAKERS: &[Maker] =
+    &[ur::MAKER, ur_conf::MAKER, xarm::MAKER, franka::MAKER, pal::MAKER, robot_calibration::MAKER];
 
 /// Forms that people ask for and that are not public, with what is to be done instead.
 const NOT_PUBLIC: [(&str, &str); 2] = [
@@ -57,6 +59,11 @@ pub fn named(name: &str) -> Result<&'static Maker, MakerError> {
     let known: Vec<&str> = MAKERS.iter().map(|maker| maker.name).collect();
     let why = NOT_PUBLIC.iter().find(|(own, _)| *own == name).map_or("no such form", |(_, why)| why);
     Err(MakerError::Unknown { name: name.to_owned(), why, known: known.join(", ") })
+}
+
+/// The model of Universal Robots whose axes these are, as `ur_type` calls it, within what calibrations differ by.
+pub fn ur_model(chain: &Chain) -> Option<&'static str> {
+    ur_models::model_of(chain)
 }
 
 /// What a form is made from.

@@ -4,7 +4,7 @@
 
 use denavit_export::kinematics_yaml::AngleOrder;
 use denavit_export::makers::{self, Calibrated, MakerError, Written, named};
-use denavit_model::nalgebra::Vector6;
+use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::robot::Robot;
 use denavit_model::{Chain, Pose, Reading, Screw, se3};
 use std::fmt::Write as _;
@@ -209,7 +209,7 @@ fn what_a_form_cannot_hold_is_said() {
     assert!(matches!(of("pal", None), Err(MakerError::NeedsTree { .. })));
     let kinova = named("kinova").unwrap_err().to_string();
     assert!(kinova.contains("no ROS package of theirs reads a file of it"), "{kinova}");
-    assert!(kinova.contains("ur, xarm, franka, pal, robot-calibration"), "{kinova}");
+    assert!(kinova.contains("ur, ur-conf, xarm, franka, pal, robot-calibration"), "{kinova}");
     for (text, expected) in [
         ("kinematics:\n  joint1: {x: 0, y: 0}\n", "arm.yaml: kinematics.joint1.z is missing"),
         ("joint1:\n  kinematic: {x: 0, y: 0, z: a}\n", "arm.yaml:2: joint1.kinematic.z is \"a\", not a finite number"),
@@ -246,4 +246,68 @@ fn golden_files() {
             .collect();
         insta::assert_snapshot!(format!("maker_{maker}"), rounded.replace("-0.000000000", "0.000000000"));
     }
+}
+
+/// The model's table and the delta D-H that tmr_ros1's `tm_mod_urdf` has as its example, of a real arm.
+const TECHMAN: &str = "DHTable={0.,-90.,0.,145.2,0.,-270.,270,-90.,0.,429.,0.,0.,-180.,180.,0.,0.,411.5,0.,0.,-158.,158.,90.,90.,0.,-122.3,0.,\
+    -180.,180.,0.,90.,0.,106.,0.,-180.,180.,0.,0.,0.,113.15,0.,-270.,270.}\n\
+    DeltaDH={-0.001059821,0.02508766,0.009534874,0.,0.001116668,0.06614932,0.308224,0.0287381,0.06797475,-0.0319523,0.3752921,\
+    0.06614756,-0.006998898,0.06792655,-0.06083903,0.02092069,0.02965812,-0.1331249,0.06793034,0.02077797,0.08265772,0.03200645,\
+    0.01835932,0.06145732,0.08273286,0.6686108,0.6972408,-0.1793097,-0.0794057,1.425708}";
+
+#[test]
+fn techman_s_delta_is_added_to_its_table() {
+    use denavit_export::makers::techman;
+    use denavit_export::sources::Source;
+    assert!(techman::is_one(TECHMAN));
+    let Source::Table { table, .. } = techman::read("tm.txt", "tm5-900", TECHMAN).unwrap().source else {
+        panic!("a table")
+    };
+    assert!((table.rows[2].a() - 0.4290287381).abs() < 1e-15);
+    assert!((table.rows[6].beta().unwrap() - 1.425708f64.to_radians()).abs() < 1e-15);
+    // Of each joint Rz(θ) Tz(d) Tx(a) Rx(α) Ry(β), multiplied out with other means.
+    let numbers = |name: &str| -> Vec<f64> {
+        let inside = TECHMAN.split(name).nth(1).unwrap().trim_start_matches("={").split('}').next().unwrap();
+        inside.split(',').map(|word| word.parse().unwrap()).collect()
+    };
+    let (model, arm) = (numbers("DHTable"), numbers("DeltaDH"));
+    let mut expected = Pose::identity();
+    for joint in 0..6 {
+        let sum = |place: usize| model[7 * joint + place] + arm[5 * joint + place];
+        let turn = |axis: Vector3<f64>, degrees: f64| {
+            se3::pose(se3::rotation_about(&axis, degrees.to_radians()), Vector3::zeros())
+        };
+        let slide = |axis: Vector3<f64>, mm: f64| se3::pose(se3::rotation_from_rpy([0.0; 3]), axis * (mm / 1e3));
+        expected *= turn(Vector3::z(), sum(0)) * slide(Vector3::z(), sum(3)) * slide(Vector3::x(), sum(2));
+        expected *= turn(Vector3::x(), sum(1)) * turn(Vector3::y(), arm[5 * joint + 4]);
+    }
+    let (turned, moved) = se3::difference(&expected, &table.fk(&[0.0; 6]));
+    assert!(turned < 1e-12 && moved < 1e-12, "{turned} {moved}");
+    let Source::Table { table, .. } = techman::read("tm.txt", "tm5-900", &techman::drawn(TECHMAN)).unwrap().source
+    else {
+        panic!("a table")
+    };
+    assert_eq!((table.rows[2].a(), table.rows[6].beta().unwrap_or_default()), (0.429, 0.0));
+    let short = TECHMAN.replace("1.425708}", "}");
+    let error = techman::read("tm.txt", "tm", &short).unwrap_err().to_string();
+    assert!(error.contains("DHTable has 42 numbers and DeltaDH 29"), "{error}");
+}
+
+#[test]
+fn a_controllers_lists_are_those_of_the_calibrated_arm() {
+    use denavit_dh::Convention;
+    use denavit_dh::matching::{VendorTable, match_table};
+    use denavit_export::makers::ur_conf;
+    use denavit_export::sources::Source;
+    let tree = robot("universal_robots/ur5e.urdf");
+    let chain = as_built(&tree.chain(None, Some("tool0"), Reading::Intended).unwrap().value);
+    let file = written("ur-conf", &tree, &chain);
+    assert!(file.left_out.iter().any(|what| what.contains("flange")), "{:?}", file.left_out);
+    let Source::Table { table, .. } = ur_conf::read("arm.conf", "arm", &file.text, Some("ur5e")).unwrap().source else {
+        panic!("a table")
+    };
+    // Base and tool are free, as they are in a controller.
+    let found = match_table(&chain, &VendorTable::of(&table, Convention::Distal, false)).unwrap();
+    assert!(found.placement.position_error < 1e-9, "{}", found.placement.position_error);
+    assert!(found.placement.joints.iter().all(|joint| joint.zero.abs() < 1e-6), "{:?}", found.placement.joints);
 }

@@ -1,9 +1,15 @@
 //! The mesh files that a robot's shapes name.
 
+mod collada;
+mod copied;
+
+pub use copied::{Copies, Copy, copies};
+
 use crate::Options;
 use crate::read::environment;
 use crate::revision::Home;
 use denavit_model::Robot;
+use denavit_model::nalgebra::Vector3;
 use denavit_model::robot::Geometry;
 use denavit_xacro::{PackagePath, files};
 use std::path::Path;
@@ -43,6 +49,21 @@ pub fn meshes(robot: &Robot, file: &str, options: &Options, most: u64) -> Meshes
     }
 }
 
+/// The triangles that a mesh file holds, in its own frame, m: STL, OBJ, COLLADA, by its name's ending.
+///
+/// # Errors
+/// Another kind of file, or one that does not hold what it should; a sentence.
+pub fn triangles(name: &str, bytes: &[u8]) -> Result<Vec<[Vector3<f64>; 3]>, String> {
+    let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
+    match ending.as_str() {
+        "stl" | "obj" => return denavit_mjcf::mesh_triangles(name, bytes),
+        "dae" => {}
+        _ => return Err(format!("a .{ending} file is not read; there are .stl, .obj and .dae")),
+    }
+    let found = collada::triangles(bytes)?;
+    if found.is_empty() { Err("it has no triangles".into()) } else { Ok(found) }
+}
+
 fn meshes_of(robot: &Robot, file: &Path, options: &Options, most: u64) -> Meshes {
     let packages = PackagePath::new(&options.package_path, &environment()).near(file);
     let mut meshes = Meshes::default();
@@ -74,11 +95,16 @@ fn uris(robot: &Robot) -> Vec<&str> {
 }
 
 fn content(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    content_of(path, most, &ENDINGS)
+}
+
+/// The content of a file that is called by one of these endings when links are followed.
+fn content_of(path: &Path, most: u64, endings: &[&str]) -> Result<Vec<u8>, String> {
     let shown = path.display();
     let real = files::canonical(path).map_err(|_| format!("there is no file {shown}"))?;
     let ending = real.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    if !ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) {
-        return Err(format!("{shown} is no .stl, .dae or .obj file"));
+    if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
+        return Err(format!("{shown} is no file that ends in one of .{}", endings.join(", .")));
     }
     let Some(size) = files::size(&real).map_err(|error| format!("{shown}: {error}"))? else {
         return Err(format!("{shown} is no file"));

@@ -4,7 +4,7 @@ use crate::revision::Home;
 use crate::translate::{Translated, translated};
 use crate::{LoadError, Loaded, Opened, Options};
 use denavit_export::kinematics_yaml::AngleOrder;
-use denavit_export::makers::{self, ur_conf};
+use denavit_export::makers::{self, techman, ur_conf};
 use denavit_export::sources::{self, Read, Source};
 use denavit_model::Inventory;
 use denavit_model::words::{one_line, quoted};
@@ -47,6 +47,11 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
         let read = ur_conf::read(file, &stem(file), text, model.map(|(_, value)| value.as_str()))?;
         // The argument is its own.
         return Ok(Opened { is_xacro: model.is_some(), ..opened(file, read)? });
+    }
+    if techman::is_one(start) {
+        let read = techman::read(file, &stem(file), text)?;
+        without_arguments()?;
+        return opened(file, read);
     }
     if is_kinematics_file(file, start) {
         let order = if options.vendor_angles { AngleOrder::Vendor } else { AngleOrder::Urdf };

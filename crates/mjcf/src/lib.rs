@@ -30,6 +30,7 @@ mod place;
 mod srdf;
 mod write;
 
+pub use mesh::triangles as mesh_triangles;
 pub use srdf::{Srdf, srdf};
 pub use write::{WriteOptions, write};
 

@@ -9,7 +9,10 @@ pub type Triangles = Vec<[Vector3<f64>; 3]>;
 /// More triangles are refused.
 const MOST: usize = 5_000_000;
 
-/// The triangles of a mesh file, by its content and its name's ending.
+/// The triangles of a mesh file, by its content and its name's ending: STL, binary or text, and OBJ; in the file's numbers.
+///
+/// # Errors
+/// Another kind of file, or one that does not hold what it should; a sentence.
 pub fn triangles(name: &str, bytes: &[u8]) -> Result<Triangles, String> {
     let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
     let found = match ending.as_str() {

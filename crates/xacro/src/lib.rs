@@ -50,6 +50,6 @@ pub use detect::is_xacro;
 pub use error::{ErrorKind, Frame, XacroError};
 pub use expand::{Argument, Expanded, Note, Options, Source, expand};
 pub use limits::Limits;
-pub use packages::{Environment, PackageError, PackagePath};
+pub use packages::{Environment, PackageError, PackagePath, package_name};
 pub use place::Place;
 pub use trace::{AttributeOrigin, Evaluated, Origin, Span, Trace};

@@ -10,6 +10,8 @@ use crate::files;
 
 mod crawl;
 
+pub use crawl::package_name;
+
 /// Environment variables, as values: the library does not look at the process's own.
 ///
 /// ```

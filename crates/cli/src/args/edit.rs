@@ -1,6 +1,6 @@
 //! Arguments of `denavit edit`: operations one after another.
 
-use super::ConventionName;
+use super::{ConventionName, JsonArguments};
 use clap::{Args, Parser};
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -26,6 +26,7 @@ Examples:
   denavit edit arm.urdf attach gripper.urdf --at tool0 --pose 0,0,10mm,0,0,90deg --prefix gripper_ -o out.urdf
   denavit edit left_arm.urdf mirror xz --names left=right -o right_arm.urdf
   denavit edit ur5e.urdf set-calibration my_ur5e_calibration.yaml -o my_ur5e.urdf
+  denavit edit arm.urdf simplify-collision smallest --then meshes --to arm/meshes -o arm/arm.urdf
   denavit edit arm.urdf merge --keep tool0 --dry-run"
 }
 
@@ -67,8 +68,8 @@ pub struct OperationArguments {
     /// mirror: parts of names that are exchanged, such as left=right; may be given several times
     #[arg(long, value_name = "ONE=OTHER")]
     pub names: Vec<String>,
-    /// origin: where the frame goes, in the frame that it has
-    #[arg(long, value_name = "POSE", allow_hyphen_values = true)]
+    /// origin: where the frame goes, in the frame that it has; meshes, simplify-collision: the folder that mesh files go to
+    #[arg(long, value_name = "POSE|FOLDER", allow_hyphen_values = true)]
     pub to: Option<String>,
     /// set-calibration: the maker's table of the arm as drawn, which says how the figures lie on the robot
     #[arg(long, value_name = "FILE")]
@@ -103,11 +104,14 @@ pub struct EditOutputs {
     #[arg(long)]
     pub allow_any_file: bool,
     /// Print the changes as `diff -u` does, and write nothing
-    #[arg(long, conflicts_with_all = ["output", "srdf_out"])]
+    #[arg(long, conflicts_with_all = ["output", "srdf_out", "json"])]
     pub dry_run: bool,
     /// Write to a file, as a whole or not at all [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// What was done and proved, as JSON.
+    #[command(flatten)]
+    pub json: JsonArguments,
 }
 
 /// One operation with what stands beside it.
@@ -148,6 +152,7 @@ impl EditArguments {
             outputs.expand |= more.expand;
             outputs.dry_run |= more.dry_run;
             outputs.allow_any_file |= more.allow_any_file;
+            outputs.json.file = more.json.file.or(outputs.json.file);
             outputs.package_path.extend(more.package_path);
         }
         Ok((steps, outputs))

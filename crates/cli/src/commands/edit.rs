@@ -1,15 +1,18 @@
 //! `denavit edit`: operations on a URDF's text, each proved.
 
+mod meshes;
+
 use crate::args::{EditArguments, EditOutputs, OperationArguments, SourceArguments, Step};
 use crate::failure::Failure;
 use crate::output::{self, Outputs, Status};
 use crate::source::{self, Loaded};
 use denavit_dh::{Convention, Table};
 use denavit_edit::{Actual, Files, Frames, Operation, Text, Words, apply, unified_diff};
-use denavit_export::makers::ur_conf;
+use denavit_export::makers::{self, techman, ur_conf};
 use denavit_load::Selection;
 use denavit_model::Reading;
-use std::path::Path;
+use meshes::MeshFiles;
+use std::path::{Path, PathBuf};
 
 /// Runs the command.
 pub fn run(arguments: &EditArguments) -> Result<Status, Failure> {
@@ -30,9 +33,13 @@ pub fn run(arguments: &EditArguments) -> Result<Status, Failure> {
     let mut places = Outputs::beside(inputs);
     let urdf_place = places.add("--output", outputs.output.as_deref().unwrap_or(Path::new("-")))?;
     let srdf_place = places.add_if("--srdf-out", outputs.srdf_out.as_deref())?;
+    let json_place = places.add_if("--json", outputs.json.place())?;
     let files = files(&arguments.robot, &outputs, &source)?;
-    let operations =
-        steps.iter().map(|step| operation(step, &outputs, &source)).collect::<Result<Vec<Operation>, Failure>>()?;
+    let mut meshes = MeshFiles::of(files.urdf.clone());
+    let operations = steps
+        .iter()
+        .map(|step| operation(step, &outputs, &source, &mut meshes))
+        .collect::<Result<Vec<Operation>, Failure>>()?;
     let done = apply(&files, &operations)?;
     let in_the_way = outputs.dry_run || places.take_standard_output();
     let said: Vec<String> = done.reports.iter().map(ToString::to_string).collect();
@@ -48,19 +55,35 @@ pub fn run(arguments: &EditArguments) -> Result<Status, Failure> {
         output::print(&diff)?;
         return Ok(Status::Same);
     }
-    let mut texts = vec![(urdf_place, done.files.urdf.text)];
-    match (srdf_place, done.files.srdf) {
+    let mut texts = vec![(urdf_place, done.files.urdf.text.clone())];
+    match (srdf_place, done.files.srdf.clone()) {
         (Some(place), Some(srdf)) => texts.push((place, srdf.text)),
         (None, Some(after)) if files.srdf.as_ref() != Some(&after) => {
             output::mention(format!("{}: the SRDF changes, too; --srdf-out FILE writes it", after.file));
         }
         _ => {}
     }
-    places.write(&texts)?;
+    if let Some(place) = json_place {
+        texts.push((place, json(&done)?));
+    }
+    let hulls = done.meshes.iter().map(|mesh| {
+        let place =
+            meshes.place(&mesh.file).ok_or_else(|| Failure::Argument(format!("{}: it has no folder", mesh.file)))?;
+        Ok((place, mesh.text.clone().into_bytes()))
+    });
+    let hulls = hulls.collect::<Result<Vec<(PathBuf, Vec<u8>)>, Failure>>()?;
+    let mut beside = std::mem::take(&mut meshes.copies);
+    beside.extend(hulls);
+    places.write_with(&texts, &beside)?;
     if !in_the_way {
         output::print(&(said.join("\n") + "\n"))?;
     }
     Ok(Status::Same)
+}
+
+fn json(done: &denavit_edit::Done) -> Result<String, Failure> {
+    let text = denavit_edit::to_json(done).map_err(|error| Failure::Argument(format!("--json: {error}")))?;
+    Ok(text + "\n")
 }
 
 /// The text of a URDF, or what a xacro file stands for where it may be expanded.
@@ -88,7 +111,12 @@ fn files(robot: &str, outputs: &EditOutputs, source: &SourceArguments) -> Result
     Ok(Files { urdf, srdf })
 }
 
-fn operation(step: &Step, outputs: &EditOutputs, source: &SourceArguments) -> Result<Operation, Failure> {
+fn operation(
+    step: &Step,
+    outputs: &EditOutputs,
+    source: &SourceArguments,
+    meshes: &mut MeshFiles,
+) -> Result<Operation, Failure> {
     let Step { words, with } = step;
     let mut words = Words {
         words: words.clone(),
@@ -99,27 +127,43 @@ fn operation(step: &Step, outputs: &EditOutputs, source: &SourceArguments) -> Re
         keep: with.keep.clone(),
         names: with.names.clone(),
         to: with.to.clone(),
-        actual: None,
+        ..Words::default()
     };
     if let Some(name) = words.words.get(1).cloned() {
         if words.takes_a_robot() {
-            words.other = Some(urdf(&name, outputs, source)?);
+            let other = urdf(&name, outputs, source)?;
+            meshes.robots.push(other.clone());
+            words.other = Some(other);
         }
         if words.takes_a_calibration() {
-            words.actual = Some(actual(&name, with, source)?);
+            words.actual = Some(actual(&name, with, source, &meshes.robots[0])?);
         }
     }
+    meshes.prepare(&mut words, outputs.output.as_deref().unwrap_or(Path::new("-")), source)?;
     Ok(Operation::of(&words)?)
 }
 
 /// A maker's figures, and how they lie on the robot.
-fn actual(name: &str, with: &OperationArguments, source: &SourceArguments) -> Result<Actual, Failure> {
-    let source = SourceArguments {
+fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot: &Text) -> Result<Actual, Failure> {
+    let mut source = SourceArguments {
         vendor_angles: with.vendor_angles,
         table_convention: with.table_convention,
         table_units: with.table_units.clone(),
         ..source.clone()
     };
+    let (file, text) = source::read_text(name)?;
+    let says_model = source.values.iter().any(|value| value.starts_with(ur_conf::MODEL_ARGUMENT));
+    if ur_conf::is_one(&text) && !says_model {
+        let tree = denavit_edit::robot_of(robot)?;
+        let own = tree.chain(None, None, Reading::Intended).ok();
+        if let Some(model) = own.and_then(|chain| makers::ur_model(&chain.value)) {
+            output::mention(format!(
+                "{file}: the robot has the axes of a {model}; {}:={model} is taken",
+                ur_conf::MODEL_ARGUMENT
+            ));
+            source.values.push(format!("{}:={model}", ur_conf::MODEL_ARGUMENT));
+        }
+    }
     let loaded = source::load(name, &source)?;
     let selection = Selection { file: name, reading: Reading::AsWritten, ..Selection::default() };
     let chain = loaded.chain(&selection)?.value;
@@ -131,7 +175,7 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments) -> Re
                 "--nominal: this is no D-H table; write the table of the arm as drawn, in the form of the maker's actual one".into(),
             ));
         }
-        (Loaded::Table { .. }, None) => match drawn_ur(name, &source)? {
+        (Loaded::Table { .. }, None) => match drawn_inside(name, &source)? {
             Some((table, convention)) => Frames::AsNominal(Box::new(table), convention),
             None => {
                 return Err(Failure::Argument(format!(
@@ -145,17 +189,20 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments) -> Re
     Ok(Actual { chain, frames })
 }
 
-/// The ideal table that a UR controller's file adds to: the same file with nothing added.
-fn drawn_ur(name: &str, source: &SourceArguments) -> Result<Option<(Table, Convention)>, Failure> {
+/// The table of the model that a controller's file adds to: the same file with nothing added.
+fn drawn_inside(name: &str, source: &SourceArguments) -> Result<Option<(Table, Convention)>, Failure> {
     let (file, text) = source::read_text(name)?;
-    if !ur_conf::is_one(&text) {
-        return Ok(None);
-    }
     let nothing_added = |line: &str| match line.split_once('=') {
         Some((key, _)) if key.trim_start().starts_with("delta_") => format!("{key}= [0, 0, 0, 0, 0, 0]\n"),
         _ => format!("{line}\n"),
     };
-    let ideal: String = text.lines().map(nothing_added).collect();
+    let ideal: String = if ur_conf::is_one(&text) {
+        text.lines().map(nothing_added).collect()
+    } else if techman::is_one(&text) {
+        techman::drawn(&text)
+    } else {
+        return Ok(None);
+    };
     let options = denavit_load::Options { arguments_for_another: true, ..source::options(source)? };
     Ok(match denavit_load::from_text(&file, &ideal, &options)?.robot {
         Loaded::Table { table, convention, .. } => Some((table, convention)),

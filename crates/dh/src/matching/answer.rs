@@ -2,6 +2,7 @@
 
 use super::vendor::{DhNumber, VendorNumber};
 use crate::conventions::RowLabel;
+use denavit_model::chain::{Chain, ChainError, ChainJoint};
 use denavit_model::se3::Pose;
 use thiserror::Error;
 
@@ -84,6 +85,26 @@ pub struct Placement {
     pub position_error: f64,
     /// Largest rotation between the tips over the same configurations, rad.
     pub rotation_error: f64,
+}
+
+impl Placement {
+    /// The robot's chain in the table's frames, zeros and senses: what the table's numbers are to be compared with.
+    ///
+    /// # Errors
+    /// As [`Chain::new`]; does not happen for a chain that was one.
+    pub fn in_frames_of_the_table(&self, chain: &Chain) -> Result<Chain, ChainError> {
+        let back = self.base.inverse();
+        // robot(q) = exp(S (q + o)) …; with v = s q + z that is exp(s S (v - z + s o)).
+        let joints = chain.joints().iter().zip(&self.joints).map(|(joint, lies)| {
+            let sense = lies.sense.sign();
+            let screw = joint.screw.moved(&back);
+            let screw = if sense < 0.0 { screw.reversed() } else { screw };
+            ChainJoint { screw, offset: sense * joint.offset - lies.zero, ..joint.clone() }
+        });
+        let names = (chain.name(), chain.base(), chain.tip());
+        let home = back * chain.home() * self.tool.inverse();
+        Chain::new(names, chain.coordinates().to_vec(), joints.collect(), home)
+    }
 }
 
 /// A number of the table beside the robot's own in the same gauge.

@@ -79,6 +79,7 @@ pub(crate) fn attach(
         srdf: srdf.map(|srdf| srdf.text.clone()),
         claim: own,
         second: Some((original, others)),
+        files: Vec::new(),
         tally,
         notes,
     })

@@ -98,7 +98,7 @@ pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: 
         ..Claim::same(robot)
     };
     let notes = made.notes.iter().map(ToString::to_string).collect();
-    Ok(Change { urdf: made.value, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+    Ok(Change::of(made.value, srdf, claim, tally, notes))
 }
 
 /// The robot's joints for those of the chain: of the same names, or those of the default chain in order.

@@ -8,8 +8,9 @@ use crate::values::child;
 use denavit_export::urdf::text::{Edits, Moves, Nodes, Numbers, clean, joint_origin, parse, three};
 use denavit_export::urdf::{Options, canonical as canonical_text};
 use denavit_model::PlacedRobot;
+use denavit_model::nalgebra::{Rotation3, Vector3};
 use denavit_model::robot::{JointKind, Robot, SourceText};
-use denavit_model::se3::Pose;
+use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
 use denavit_model::urdf;
 
@@ -31,55 +32,131 @@ pub(crate) fn canonical(robot: &Robot, srdf: Option<&SourceText>) -> Result<Chan
 /// No such link, or a place off the axis that the link turns about.
 pub(crate) fn origin(robot: &Robot, srdf: Option<&SourceText>, name: &str, to: &Pose) -> Result<Change, EditError> {
     let link = error::link(robot, name)?;
-    let document = parse(robot)?;
-    let nodes = Nodes::of(robot, &document)?;
-    error::all_declared(robot, &nodes)?;
-    let mut edits = Edits::default();
-    let step = to.inverse();
-    let scale = to.translation.vector.amax();
+    let mut frames = vec![None; robot.links.len()];
+    frames[link] = Some(*to);
     if let Some(index) = robot.joint_to(link) {
         let joint = &robot.joints[index];
         let off = to.translation.vector.cross(&joint.axis).norm();
-        let turns = matches!(joint.kind, JointKind::Revolute | JointKind::Continuous | JointKind::Screw(_));
-        if turns && off > 1e-12 * scale {
+        if turns(&joint.kind) && off > 1e-12 * to.translation.vector.amax() {
             let what = "the link turns about this joint's axis, and in a URDF its frame lies on it; give a place on the axis, or \
                         attach a link to it with `attach`";
             return Err(refused_at_joint(robot, index, what));
         }
-        if !joint.kind.has_one_value() && joint.kind.moves() {
+        if several_values(&joint.kind) {
             let what = format!(
                 "the values of a {} joint are given in its child link's frame; they would change",
                 joint.kind.word()
             );
             return Err(refused_at_joint(robot, index, what));
         }
-        let pose = joint.origin.pose() * to;
-        let length = scale + pose.translation.vector.amax();
+    }
+    let mut tally = Tally::default();
+    tally.say(format!("the frame of {name} moved"));
+    moved(robot, srdf, &frames, tally, Vec::new())
+}
+
+/// Link frames where the mass is: at the centre of mass of a link, or, where a joint turns the link, at the point of the joint's
+/// axis that is nearest to it, since a URDF's joint turns about its child's origin. No frame turns.
+///
+/// # Errors
+/// No such link, or one without mass.
+pub(crate) fn recentre(robot: &Robot, srdf: Option<&SourceText>, names: &[String]) -> Result<Change, EditError> {
+    let mut frames = vec![None; robot.links.len()];
+    let mut notes = Vec::new();
+    let mut tally = Tally::default();
+    let named = names.iter().map(|name| error::link(robot, name)).collect::<Result<Vec<_>, _>>()?;
+    for (index, link) in robot.links.iter().enumerate() {
+        let asked = named.contains(&index);
+        if !asked && !named.is_empty() {
+            continue;
+        }
+        let Some(inertial) = link.inertial.as_ref().filter(|inertial| inertial.mass > 0.0) else {
+            if asked {
+                return Err(error::refused_at_link(robot, index, "it has no mass, and so no centre of it"));
+            }
+            continue;
+        };
+        let mut centre = Vector3::from(inertial.origin.xyz);
+        if let Some(joint) = robot.joint_to(index).map(|joint| &robot.joints[joint]) {
+            if several_values(&joint.kind) {
+                let kind = joint.kind.word();
+                notes.push(format!(
+                    "link \"{}\" keeps its frame: the values of the {kind} joint \"{}\" are given in it",
+                    link.name, joint.name
+                ));
+                continue;
+            }
+            if turns(&joint.kind) {
+                centre = joint.axis.into_inner() * joint.axis.dot(&centre);
+            }
+        }
+        let centre = centre.map(|x| clean(x, 1.0));
+        if centre.norm() > 0.0 {
+            frames[index] = Some(se3::pose(Rotation3::identity(), centre));
+            tally.count("link frame", "link frames", "moved to the mass");
+        }
+    }
+    if frames.iter().all(Option::is_none) {
+        tally.say("every frame is there already");
+    }
+    moved(robot, srdf, &frames, tally, notes)
+}
+
+fn turns(kind: &JointKind) -> bool {
+    matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Screw(_))
+}
+
+/// Whether the values of a joint are given in its child's frame.
+fn several_values(kind: &JointKind) -> bool {
+    !kind.has_one_value() && kind.moves()
+}
+
+/// The text with other link frames: old_from_new of each; `None` where the frame stays.
+fn moved(
+    robot: &Robot,
+    srdf: Option<&SourceText>,
+    frames: &[Option<Pose>],
+    tally: Tally,
+    mut notes: Vec<String>,
+) -> Result<Change, EditError> {
+    let document = parse(robot)?;
+    let nodes = Nodes::of(robot, &document)?;
+    error::all_declared(robot, &nodes)?;
+    let mut edits = Edits::default();
+    let steps: Vec<Option<Pose>> = frames.iter().map(|frame| frame.map(|frame| frame.inverse())).collect();
+    for (index, joint) in robot.joints.iter().enumerate() {
+        let (above, below) = (steps[joint.parent], frames[joint.child]);
+        if above.is_none() && below.is_none() {
+            continue;
+        }
+        let mut pose = joint.origin.pose();
+        let mut length = pose.translation.vector.amax();
+        if let Some(step) = above {
+            pose = step * pose;
+            length += step.translation.vector.amax();
+        }
+        if let Some(frame) = below {
+            pose *= frame;
+            length += frame.translation.vector.amax();
+        }
         joint_origin(&robot.source, &mut edits, nodes.joint(index), &Numbers::of(&pose, length));
-        if joint.kind.moves() {
-            let axis = (step.rotation * joint.axis.into_inner()).map(|x| clean(x, 1.0));
-            let same = (axis - joint.axis.into_inner()).norm() <= 4.0 * f64::EPSILON;
-            match child(nodes.joint(index), "axis") {
-                _ if same => {}
-                Some(node) => edits.attribute(&robot.source, node, "xyz", &three(axis.into())),
-                None => {
-                    let element = format!("<axis xyz=\"{}\"/>", three(axis.into()));
-                    edits.behind_origin(&robot.source, nodes.joint(index), &element);
-                }
+        let Some(step) = steps[joint.child].filter(|_| joint.kind.moves()) else { continue };
+        let axis = (step.rotation * joint.axis.into_inner()).map(|x| clean(x, 1.0));
+        let same = (axis - joint.axis.into_inner()).norm() <= 4.0 * f64::EPSILON;
+        match child(nodes.joint(index), "axis") {
+            _ if same => {}
+            Some(node) => edits.attribute(&robot.source, node, "xyz", &three(axis.into())),
+            None => {
+                let element = format!("<axis xyz=\"{}\"/>", three(axis.into()));
+                edits.behind_origin(&robot.source, nodes.joint(index), &element);
             }
         }
     }
-    for index in robot.joints_from(link) {
-        let pose = step * robot.joints[index].origin.pose();
-        let length = scale + pose.translation.vector.amax();
-        joint_origin(&robot.source, &mut edits, nodes.joint(index), &Numbers::of(&pose, length));
-    }
-    let steps = (0..robot.links.len()).map(|index| (index == link).then_some(step)).collect();
-    Moves::by_steps(robot, Reading::AsWritten, steps).contents(robot, &document, &nodes, &mut edits)?;
-    let mut tally = Tally::default();
-    tally.say(format!("the frame of {name} moved"));
+    let moves = Moves::by_steps(robot, Reading::AsWritten, steps);
+    moves.contents(robot, &document, &nodes, &mut edits)?;
+    notes.extend(moves.plugins_that_name(robot, &document).iter().map(ToString::to_string));
     let urdf = edits.apply(&robot.source)?;
-    given_anew(robot, srdf, urdf, tally, Vec::new())
+    given_anew(robot, srdf, urdf, tally, notes)
 }
 
 /// The claim of a text in which frames differ: by how much at joint values 0, and so at all.
@@ -107,5 +184,5 @@ fn given_anew(
     {
         claim.compared = crate::claim::Compared::No;
     }
-    Ok(Change { urdf: text, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+    Ok(Change::of(text, srdf, claim, tally, notes))
 }

@@ -82,7 +82,7 @@ pub(crate) fn merge(
         }
     }
     let srdf = srdf.map(|source| srdf::merged(source, &names, &mut tally)).transpose()?;
-    Ok(Change { urdf, srdf, claim, second: None, tally, notes })
+    Ok(Change { urdf, srdf, claim, second: None, files: Vec::new(), tally, notes })
 }
 
 fn fates(

@@ -81,14 +81,7 @@ pub(crate) fn mirror(
         Claim { space: Space { mirrored: Some(index), scale: 1.0 }, compared: Compared::No, ..Claim::same(robot) };
     let swapped = exchanged(robot, names);
     if swapped.links.is_empty() && swapped.joints.is_empty() {
-        return Ok(Change {
-            urdf: mirrored,
-            srdf: srdf.map(|srdf| srdf.text.clone()),
-            claim,
-            second: None,
-            tally,
-            notes,
-        });
+        return Ok(Change::of(mirrored, srdf, claim, tally, notes));
     }
     let made = urdf::read(&robot.source.file, &mirrored)?;
     let renamed = rename::renamed(&made, srdf, &swapped)?;
@@ -96,7 +89,7 @@ pub(crate) fn mirror(
     (claim.links, claim.joints) = (named.links, named.joints);
     tally.say(format!("{} names exchanged", swapped.links.len() + swapped.joints.len()));
     notes.extend(renamed.notes);
-    Ok(Change { urdf: renamed.urdf, srdf: renamed.srdf, claim, second: None, tally, notes })
+    Ok(Change { urdf: renamed.urdf, srdf: renamed.srdf, claim, second: None, files: Vec::new(), tally, notes })
 }
 
 /// `xyz`, and `rpy` or `quat_xyzw`, of the `<origin>` children.

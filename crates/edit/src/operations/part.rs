@@ -99,7 +99,7 @@ pub(crate) fn part(robot: &Robot, srdf: Option<&SourceText>, name: &str, side: S
         ));
     }
     let urdf = edits.apply(&robot.source)?;
-    Ok(Change { urdf, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+    Ok(Change::of(urdf, srdf, claim, tally, notes))
 }
 
 /// For each link whether it is this one, or carried by it.

@@ -84,7 +84,7 @@ pub(crate) fn renamed(robot: &Robot, srdf: Option<&SourceText>, names: &Names) -
         }
     }
     tally.say(format!("{count} places changed"));
-    Ok(Change { urdf, srdf, claim: claim(robot, names), second: None, tally, notes: left })
+    Ok(Change { urdf, srdf, claim: claim(robot, names), second: None, files: Vec::new(), tally, notes: left })
 }
 
 /// Where everything is under its new name.

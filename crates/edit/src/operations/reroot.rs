@@ -131,7 +131,7 @@ pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Re
         notes.extend(what_names_the_old_tree(robot, srdf));
     }
     let urdf = edits.apply(&robot.source)?;
-    Ok(Change { urdf, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+    Ok(Change::of(urdf, srdf, claim, tally, notes))
 }
 
 /// The joint `next` turned round onto the link that the fixed joint `index` leads to, without the link between them.

@@ -94,7 +94,7 @@ pub(crate) fn scale(robot: &Robot, srdf: Option<&SourceText>, factor: f64) -> Re
     let urdf = edits.apply(&robot.source)?;
     let claim = Claim { space: Space { mirrored: None, scale: factor }, compared: Compared::No, ..Claim::same(robot) };
     let notes = vec!["masses, torques and forces stay as they are".into()];
-    Ok(Change { urdf, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+    Ok(Change::of(urdf, srdf, claim, tally, notes))
 }
 
 /// Values of sliding joints outside of their own elements are not searched for: where there are some, that is said.

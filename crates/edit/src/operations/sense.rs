@@ -98,5 +98,5 @@ fn change(
         }
         None => None,
     };
-    Ok(Change { urdf, srdf, claim, second: None, tally, notes })
+    Ok(Change { urdf, srdf, claim, second: None, files: Vec::new(), tally, notes })
 }

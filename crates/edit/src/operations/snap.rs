@@ -61,7 +61,7 @@ pub(crate) fn snap(robot: &Robot, srdf: Option<&SourceText>) -> Result<Change, E
         masses: crate::claim::Masses::Free,
         ..Claim::same(robot)
     };
-    Ok(Change { urdf, srdf: srdf.map(|srdf| srdf.text.clone()), claim, second: None, tally, notes })
+    Ok(Change::of(urdf, srdf, claim, tally, notes))
 }
 
 struct Snapped<'a> {

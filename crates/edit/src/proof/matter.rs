@@ -2,7 +2,8 @@
 
 use super::Pair;
 use crate::claim::{Masses, Shapes, Space};
-use denavit_model::nalgebra::{Matrix3, Vector3};
+use crate::solids;
+use denavit_model::nalgebra::{Matrix3, Point3, Vector3};
 use denavit_model::robot::{Geometry, Link, Shape};
 use denavit_model::se3::{self, Pose};
 
@@ -101,6 +102,39 @@ pub(super) fn check(pair: &Pair) -> Result<(), String> {
         if collisions_stay && !alike(pair, &of(|link| &link.collisions), &link.collisions, size) {
             return Err(format!("a collision shape of link \"{}\" would be lost or moved", link.name));
         }
+        if !collisions_stay {
+            only_enclosing_ones_differ(pair, &of(|link| &link.collisions), link, size)?;
+        }
+    }
+    Ok(())
+}
+
+/// Collision shapes are those of before, one for one, but for those that hold what they stand for.
+fn only_enclosing_ones_differ(pair: &Pair, came: &[(Pose, &Shape)], link: &Link, size: f64) -> Result<(), String> {
+    if came.len() != link.collisions.len() {
+        return Err(format!("a collision shape of link \"{}\" would be lost", link.name));
+    }
+    for (index, (before, after)) in came.iter().zip(&link.collisions).enumerate() {
+        let enclosed = pair.claim.enclosed.iter().find(|of| of.link == link.name && of.index == index);
+        let Some(enclosed) = enclosed else {
+            if !alike(pair, std::slice::from_ref(before), std::slice::from_ref(after), size) {
+                return Err(format!("a collision shape of link \"{}\" would be moved", link.name));
+            }
+            continue;
+        };
+        let planes = match (&after.geometry, &enclosed.hull) {
+            (Geometry::Mesh { scale, .. }, Some(hull)) => hull.planes(*scale),
+            _ => Vec::new(),
+        };
+        let back = after.origin.pose().inverse();
+        let outside = |point: &&Point3<f64>| !solids::holds(&after.geometry, &planes, &(back * **point).coords);
+        if let Some(point) = enclosed.points.iter().find(outside) {
+            let name = &link.name;
+            return Err(format!(
+                "a corner of a mesh of link \"{name}\" would be outside of its new shape, at {:?}",
+                point.coords
+            ));
+        }
     }
     Ok(())
 }
@@ -133,7 +167,7 @@ fn same_geometry(pair: &Pair, old: &Geometry, new: &Geometry) -> bool {
             near(*a, *b) && near(*c, *d)
         }
         (Geometry::Mesh { filename: a, scale: c }, Geometry::Mesh { filename: b, scale: d }) => {
-            let names = a == b || pair.claim.shapes == Shapes::FilesRenamed;
+            let names = pair.claim.files.get(a.trim()).unwrap_or(a) == b;
             let sign = |index: usize| if pair.claim.space.mirrored == Some(index) { -1.0 } else { 1.0 };
             names && (0..3).all(|index| near(c[index] * sign(index), d[index]))
         }

@@ -12,13 +12,18 @@
 //! **Source.** github.com/UniversalRobots/Universal_Robots_ROS2_Driver, `ur_calibration`, which reads the same figures from a
 //! controller and adds them to its ideal table. The file does not name the model.
 
-use super::ur_models::{Model, names};
+use super::ur_models::{Model, model_of, names};
+use super::{Calibrated, Maker, MakerError, Written, tool_words, without_effects};
 use crate::kinematics_yaml::KinematicsFileError;
+use crate::numbers::exact;
 use crate::sources::{Read, Source};
-use denavit_dh::Convention;
+use denavit_dh::matching::{VendorTable, match_table};
+use denavit_dh::nearest::{Parallels, nearest};
+use denavit_dh::{Convention, Row};
 use denavit_model::Inventory;
 use denavit_model::notes::{Note, Place};
 use denavit_model::words::quoted;
+use std::fmt::Write as _;
 
 /// The name of the argument that names the model, as ur_description has it.
 pub const MODEL_ARGUMENT: &str = "ur_type";
@@ -115,6 +120,65 @@ pub fn read(file: &str, robot: &str, text: &str, model: Option<&str>) -> Result<
     table.chain()?.within_reach()?;
     assumed.push(format!("{file}: read as the calibration of a {}", model.name.to_uppercase().replace('E', "e")));
     Ok(Read { source: Source::Table { table, convention: Convention::Distal }, assumed, notes, inventory })
+}
+
+pub(super) const MAKER: Maker = Maker {
+    name: "ur-conf",
+    purpose: "the delta lists of a controller's calibration.conf, d2 to d4 of any size as the controller has them",
+    render,
+};
+
+/// What the arm adds to the ideal table of its model, in the four numbers of the controller.
+fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
+    let chain = calibrated.chain;
+    let other = |found: String| MakerError::OtherChain {
+        maker: "ur-conf",
+        wanted: "the six joints of a Universal Robots arm",
+        base: chain.base().to_owned(),
+        tip: chain.tip().to_owned(),
+        found,
+    };
+    let (tree, reading) = calibrated.drawn.ok_or(MakerError::NeedsTree { maker: "ur-conf" })?;
+    let drawn = tree.chain(Some(chain.base()), Some(chain.tip()), reading)?.value;
+    let name = model_of(&drawn).ok_or_else(|| other("other axes".into()))?;
+    let ideal = Model::named(name).map(|model| model.table("", &[[0.0; 4]; 6])).transpose();
+    let ideal = ideal.map_err(|error| other(error.to_string()))?.ok_or_else(|| other("other axes".into()))?;
+    let vendor = VendorTable::of(&ideal, Convention::Distal, false);
+    let lies = match_table(&drawn, &vendor).map_err(|error| other(error.to_string()))?;
+    let own = lies.placement.in_frames_of_the_table(chain).map_err(KinematicsFileError::from)?;
+    let found = nearest(&own, &ideal, Parallels::Dh).map_err(KinematicsFileError::from)?;
+    let rows = (1..=6).map(|index| (found.table.row(index), ideal.row(index)));
+    let mut lists: [Vec<String>; 4] = [const { Vec::new() }; 4];
+    for (actual, ideal) in rows {
+        let length = |row: &Row| row.d().unwrap_or(0.0);
+        let added = [
+            actual.theta() - ideal.theta(),
+            length(&actual) - length(&ideal),
+            actual.alpha() - ideal.alpha(),
+            actual.a() - ideal.a(),
+        ];
+        for (list, number) in lists.iter_mut().zip(added) {
+            list.push(exact(number));
+        }
+    }
+    let mut text = format!("# What this arm adds to the ideal table of a {name}; rad and m.\n[mounting]\n");
+    for (name, list) in LISTS.iter().zip(&lists) {
+        let _ = writeln!(text, "{name} = [{}]", list.join(", "));
+    }
+    text.push_str("calibration_status = 2\n");
+    let mut left_out = without_effects(calibrated);
+    for (what, pose) in [("base", &found.base), ("flange", &found.tool)] {
+        let words = tool_words(pose, chain.size());
+        left_out.extend(
+            words.map(|words| {
+                format!("a controller's table has no numbers for its {what}, which stands off by {words}")
+            }),
+        );
+    }
+    left_out.push(format!(
+        "the controller's checksum is not in it: no controller takes this file; `denavit table FILE {MODEL_ARGUMENT}:={name}` reads it"
+    ));
+    Ok(Written { text, left_out })
 }
 
 fn six(value: &str) -> Option<[f64; 6]> {

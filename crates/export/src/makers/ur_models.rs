@@ -96,12 +96,21 @@ fn relations(chain: &Chain) -> Option<Vec<(f64, f64)>> {
     Some(found)
 }
 
-/// The model whose arm this is, within what calibrations differ by.
+/// The model whose arm this is, within what calibrations differ by: of several the nearest, of those alike the first.
 pub(crate) fn model_of(chain: &Chain) -> Option<&'static str> {
     let own = relations(chain)?;
-    MODELS.iter().find_map(|model| {
+    let mut nearest: Option<(f64, &'static str)> = None;
+    for model in MODELS {
         let ideal = relations(&model.table("", &[[0.0; 4]; 6]).ok()?.chain().ok()?)?;
         let near = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0).abs() <= ANGLE && (a.1 - b.1).abs() <= LENGTH;
-        (own.len() == ideal.len() && own.iter().zip(&ideal).all(near)).then_some(model.name)
-    })
+        if own.len() != ideal.len() || !own.iter().zip(&ideal).all(near) {
+            continue;
+        }
+        let off = |(a, b): (&(f64, f64), &(f64, f64))| ((a.0 - b.0) / ANGLE).powi(2) + ((a.1 - b.1) / LENGTH).powi(2);
+        let miss: f64 = own.iter().zip(&ideal).map(off).sum();
+        if nearest.is_none_or(|(least, _)| miss < least) {
+            nearest = Some((miss, model.name));
+        }
+    }
+    nearest.map(|(_, name)| name)
 }

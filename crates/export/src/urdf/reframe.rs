@@ -197,6 +197,27 @@ impl<'a> Moves<'a> {
         Ok(())
     }
 
+    /// What programs beside the robot are told by link name: they get the new frames.
+    pub fn plugins_that_name(&self, robot: &Robot, document: &Document) -> Vec<Note> {
+        let named = document.descendants().filter(|node| {
+            let names = node.is_element() && node.first_element_child().is_none();
+            names
+                && node.text().is_some_and(|text| self.by_name.contains_key(text.trim()))
+                && node.ancestors().any(|above| is(&above, "gazebo"))
+        });
+        let named: Vec<Node> = named.collect();
+        let Some(first) = named.first() else { return Vec::new() };
+        let tag = first.tag_name().name();
+        let place = robot.source.place(first.range().start, format!("<{tag}>"));
+        let what = format!(
+            "simulator settings name links whose frames move ({} in all, this one \"{}\"); they now act at the new frames, \
+             ‹keep-link-frames› leaves the old ones where they are",
+            named.len(),
+            first.text().unwrap_or_default().trim()
+        );
+        vec![Note::Mended { place, what }]
+    }
+
     fn unfaithful(&self, at: usize) -> ExportError {
         ExportError::Unfaithful {
             file: self.source.file.clone(),
@@ -253,28 +274,7 @@ pub(crate) fn edit(
         }
     }
     moves.contents(robot, document, &nodes, edits)?;
-    Ok(plugins_that_name(robot, document, &moves))
-}
-
-/// What programs beside the robot are told by link name: they get the new frames.
-fn plugins_that_name(robot: &Robot, document: &Document, moves: &Moves) -> Vec<Note> {
-    let named = document.descendants().filter(|node| {
-        let names = node.is_element() && node.first_element_child().is_none();
-        names
-            && node.text().is_some_and(|text| moves.by_name.contains_key(text.trim()))
-            && node.ancestors().any(|above| is(&above, "gazebo"))
-    });
-    let named: Vec<Node> = named.collect();
-    let Some(first) = named.first() else { return Vec::new() };
-    let tag = first.tag_name().name();
-    let place = robot.source.place(first.range().start, format!("<{tag}>"));
-    let what = format!(
-        "simulator settings name links whose frames move ({} in all, this one \"{}\"); they now act at the new frames, \
-         ‹keep-link-frames› leaves the old ones where they are",
-        named.len(),
-        first.text().unwrap_or_default().trim()
-    );
-    vec![Note::Mended { place, what }]
+    Ok(moves.plugins_that_name(robot, document))
 }
 
 /// The length whose rounding a re-expressed translation carries, m.

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 /// Larger trees are no search path but somebody's home.
 const MOST_FOLDERS: usize = 20_000;
 
-/// The name that a folder's `package.xml` gives.
-pub(super) fn package_name(folder: &Path) -> Option<String> {
+/// The name that a folder's `package.xml` gives; `None` where there is none, or it has no name.
+pub fn package_name(folder: &Path) -> Option<String> {
     let manifest = String::from_utf8(files::read(&folder.join("package.xml")).ok()?).ok()?;
     let document = roxmltree::Document::parse(&manifest).ok()?;
     let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
