@@ -187,3 +187,12 @@ const FOLDED: &str = r#"<robot name="folded"> <link name="base"/> <link name="ar
   <joint name="end" type="fixed"> <parent link="hand"/> <child link="tip"/> <origin xyz="0 0 1"/> </joint>
 </robot>
 "#;
+
+#[test]
+fn a_tip_s_frame_moves_and_comes_back() {
+    let moved = edit(ARM, "origin left_camera --to 0,0,0.125,0,0,90deg").unwrap().files.urdf.text;
+    assert!(moved.contains(r#"<origin xyz="0.5 0 0.125" rpy="0 0 1.5707963267948966"/>"#), "{moved}");
+    let back = edit(&moved, "origin left_camera --to 0,0,-0.125,0,0,-90deg").unwrap().files.urdf.text;
+    let (before, after) = (urdf::read("a", ARM).unwrap(), urdf::read("b", &back).unwrap());
+    assert_eq!(before.joints[2].origin.xyz, after.joints[2].origin.xyz);
+}

@@ -14,6 +14,9 @@ use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
 use denavit_model::urdf;
 
+/// A frame that is off by less is where it was, m and rad.
+const STAYS: f64 = 1e-12;
+
 /// Link frames on the D-H frames, as `denavit export` puts them; every number as it is written.
 ///
 /// # Errors
@@ -179,9 +182,14 @@ fn given_anew(
             claim.links.insert(link.name.clone(), KeptLink { name: link.name.clone(), offset, matter: None });
         }
     }
-    if made.links[made.root].name == robot.links[root].name
-        && claim.links[&robot.links[root].name].offset != Pose::identity()
-    {
+    // The exact comparison looks at tips, from the root: where those frames are others it has nothing to say.
+    let moves = |link: usize| {
+        let offset = &claim.links[&robot.links[link].name].offset;
+        let (turned, moved) = se3::difference(offset, &Pose::identity());
+        turned > STAYS || moved > STAYS
+    };
+    let is_kept = made.links[made.root].name == robot.links[root].name;
+    if is_kept && moves(root) || robot.leaves().into_iter().any(moves) {
         claim.compared = crate::claim::Compared::No;
     }
     Ok(Change::of(text, srdf, claim, tally, notes))
