@@ -26,7 +26,7 @@ pub(crate) fn canonical(robot: &Robot, srdf: Option<&SourceText>) -> Result<Chan
     let mut tally = Tally::default();
     tally.say("link frames put on the D-H frames");
     let notes = made.notes.iter().map(ToString::to_string).collect();
-    given_anew(robot, srdf, made.value, tally, notes)
+    given_anew(robot, srdf, (made.value, Pose::identity()), tally, notes)
 }
 
 /// A link's frame at `to`, given in the frame that it has.
@@ -155,18 +155,19 @@ fn moved(
             }
         }
     }
+    let root = steps[robot.root].unwrap_or_else(Pose::identity);
     let moves = Moves::by_steps(robot, Reading::AsWritten, steps);
     moves.contents(robot, &document, &nodes, &mut edits)?;
     notes.extend(moves.plugins_that_name(robot, &document).iter().map(ToString::to_string));
     let urdf = edits.apply(&robot.source)?;
-    given_anew(robot, srdf, urdf, tally, notes)
+    given_anew(robot, srdf, (urdf, root), tally, notes)
 }
 
 /// The claim of a text in which frames differ: by how much at joint values 0, and so at all.
 fn given_anew(
     robot: &Robot,
     srdf: Option<&SourceText>,
-    text: String,
+    (text, root_step): (String, Pose),
     tally: Tally,
     notes: Vec<String>,
 ) -> Result<Change, EditError> {
@@ -175,7 +176,7 @@ fn given_anew(
     let mut claim = Claim::same(robot);
     // Where the root's own frame moves, everything is seen from it.
     let root = robot.root;
-    let seen = |link: usize| before.pose(root).inverse() * before.pose(link);
+    let seen = |link: usize| root_step * before.pose(root).inverse() * before.pose(link);
     for (index, link) in robot.links.iter().enumerate() {
         if let Some(twin) = made.link_index(&link.name) {
             let offset = after.pose(twin).inverse() * seen(index);
