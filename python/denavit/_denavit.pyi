@@ -36,6 +36,7 @@ class RowsGiven(TypedDict):
 class SearchGiven(TypedDict):
     scales: list[str]
     pitches: list[str]
+    zeros: list[str]
     effects: list[str]
     max_effects: int
     gear_ratios: list[str]

@@ -267,6 +267,7 @@ def calibrate(
     max_effects: int = 8,
     scales: Iterable[str] | Literal["all"] = (),
     pitches: Iterable[str] | Literal["all"] = (),
+    zeros: Iterable[str] | Literal["all"] = (),
     gear_ratio: Mapping[str, float] | None = None,
     prior: str | os.PathLike[str] | Fit | None = None,
     progress: Callable[[str], object] | None = None,
@@ -294,6 +295,8 @@ def calibrate(
         max_effects: No more effects than this.
         scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
+        zeros: Joints whose zeros are fitted, and no axis or effect: names, or ``"all"``. ``fit.parameters["elbow_joint.zero"]``
+            is what is added to the joint's reading, rad or m.
         gear_ratio: Motor turns per joint turn, by joint.
         prior: An earlier calibration of this robot to continue from, as a fit or as the JSON file that ``Fit.save`` or
             ``denavit calibrate --json`` wrote: what it knows of the axes replaces the drawing's tolerances, and its effects
@@ -336,6 +339,7 @@ def calibrate(
     search: _denavit.SearchGiven = {
         "scales": _words(scales),
         "pitches": _words(pitches),
+        "zeros": _words(zeros),
         "effects": ["none"] if effects is None else _words(effects),
         "max_effects": whole("max_effects", max_effects),
         "gear_ratios": [f"{joint}={number(f'gear_ratio[{joint!r}]', ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],

@@ -42,6 +42,7 @@ pub struct RowsGiven {
 pub struct SearchGiven {
     scales: Vec<String>,
     pitches: Vec<String>,
+    zeros: Vec<String>,
     effects: Vec<String>,
     max_effects: usize,
     gear_ratios: Vec<String>,
@@ -174,6 +175,7 @@ pub fn calibrate(
     let asked = SearchAsked {
         scales: search.scales,
         pitches: search.pitches,
+        zeros: search.zeros,
         effects: search.effects,
         max_effects: search.max_effects,
         gear_ratios: search.gear_ratios,

@@ -5,6 +5,7 @@ pub mod contract;
 pub mod diagnosis;
 pub mod drawing_differences;
 pub mod expected;
+mod joint_zeros;
 pub mod monitor;
 pub mod open;
 pub mod placed_anew;
@@ -15,8 +16,8 @@ mod tips;
 
 pub use self::stages::StageResiduals;
 
-use self::diagnosis::Diagnosis;
 use self::diagnosis::explained::{Explained, explained};
+use self::diagnosis::{Corrected, Diagnosis};
 use self::placed_anew::PlacedAnew;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{
@@ -46,7 +47,7 @@ use crate::identify::solve::{Fit, Unfinished, outside};
 use crate::identify::{Identification, IdentifyOptions, identify};
 use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use crate::observation::parameters::{Freedom, NoEffects};
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::infer::model::Kernel;
 use crate::trace::{Finding, Trace, TraceOptions, trace};
@@ -301,7 +302,15 @@ pub fn calibrate_and_tell(
     begin(Progress::Geometry)?;
     within_proportion(chain)?;
     let mut identification = identify(chain, &train, &options.identify);
-    let corrected = diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
+    let mut corrected = diagnosis::judge(chain, &train, &identification, &options.identify, &options.other_chains)?;
+    if let Some(zeros) =
+        corrected.as_ref().and_then(|corrected| free_zeros(chain, corrected, &options.identify.freedom))
+    {
+        // A zero that is looked for is no mistake: the fit starts from there.
+        let started = IdentifyOptions { start_zeros: zeros, ..options.identify.clone() };
+        identification = identify(chain, &train, &started);
+        corrected = None;
+    }
     if let Some(corrected) = &corrected {
         train = corrected.applied(chain, train);
         test = test.map(|test| corrected.applied(chain, test));
@@ -373,6 +382,8 @@ pub fn calibrate_and_tell(
         (Err(_), None) => kept(geometry.2, &train),
     };
     let repeats = lack_of_fit(&train, left, identifiable.rank);
+    let joint_zeros =
+        joint_zeros::joint_zeros(chain, &train, &identification, &options.identify, |fit| self::identified(fit).0);
     let report = CalibrationReport {
         schema: SCHEMA,
         origin: Origin::default(),
@@ -410,6 +421,7 @@ pub fn calibrate_and_tell(
             effects: carried.as_ref().map_or_else(Vec::new, |carried| carried.parts.clone()),
         }),
         differs_from_drawing: differs,
+        joint_zeros,
         effects: entries(true),
         one_of: entries(false),
         prospect: None,
@@ -435,6 +447,15 @@ pub fn calibrate_and_tell(
     };
     describe(&mut result, statics);
     Ok(result)
+}
+
+/// What the mistakes add to each coordinate's reading, if they are all zeros that are free.
+fn free_zeros(chain: &Chain, corrected: &Corrected, freedom: &Freedom) -> Option<Vec<f64>> {
+    let each = corrected.mistakes.iter().map(|mistake| mistake.zeros(chain)).collect::<Option<Vec<_>>>()?;
+    let sum = |k: usize| each.iter().map(|zeros| zeros[k]).sum::<f64>();
+    let zeros: Vec<f64> = (0..chain.coordinates().len()).map(sum).collect();
+    let free = |k: usize| (0..chain.joints().len()).any(|j| freedom.zeros[j] && chain.joints()[j].coordinate == k);
+    (0..zeros.len()).all(|k| zeros[k] == 0.0 || free(k)).then_some(zeros)
 }
 
 /// What effects and curves are looked for in, and what is known already.

@@ -30,7 +30,7 @@ use self::initial_guess::nominal_fit;
 use self::posterior::{Earlier, expecting};
 use crate::identify::solve::{Fit, FitOptions, fit};
 use crate::observation::arm::Arm;
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{Effects, Freedom, Layout, NoEffects, Tolerances};
 use denavit_model::Chain;
 
@@ -45,6 +45,8 @@ pub struct IdentifyOptions {
     pub earlier: Option<Earlier>,
     /// Outliers and the end of the iteration.
     pub fit: FitOptions,
+    /// Where zeros start from, one per coordinate, rad or m; empty: at the drawing.
+    pub start_zeros: Vec<f64>,
 }
 
 impl IdentifyOptions {
@@ -55,9 +57,20 @@ impl IdentifyOptions {
             tolerances: Tolerances::default(),
             earlier: None,
             fit: FitOptions::default(),
+            start_zeros: Vec::new(),
         }
     }
+
+    /// The zeros of these joints and no axis: servos are mounted to a few degrees, slides to a centimetre.
+    pub fn zeros(chain: &Chain, which: Vec<bool>) -> Self {
+        let freedom = Freedom { zeros: which, ..Freedom::placement(chain.joints().len()) };
+        let tolerances = Tolerances { zero_turn: LOOSE_ZERO[0], zero_slide: LOOSE_ZERO[1], ..Tolerances::default() };
+        Self { freedom, tolerances, ..Self::axes(chain) }
+    }
 }
+
+/// Standard deviation of a zero that nobody has set, rad and m.
+const LOOSE_ZERO: [f64; 2] = [0.1, 0.02];
 
 /// What becomes of an earlier calibration on new rows.
 #[derive(Debug, Clone)]
@@ -101,7 +114,9 @@ impl IdentifyOptions {
     /// Every axis, no scale, no pitch of a revolute joint, nothing known from before: what any robot is tried with.
     #[must_use]
     pub fn plain(&self, chain: &Chain) -> Self {
-        Self { freedom: Freedom::axes(chain.joints().len()), earlier: None, ..self.clone() }
+        let freedom = Freedom::axes(chain.joints().len());
+        let tolerances = if self.freedom.zeros_alone() { Tolerances::default() } else { self.tolerances };
+        Self { freedom, tolerances, earlier: None, start_zeros: Vec::new(), ..self.clone() }
     }
 }
 
@@ -112,7 +127,13 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     let few = initial_guess::some_rows(data);
     let some = few.as_ref().unwrap_or(data);
     let all = vec![1.0; some.observations()];
-    let first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });
+    let mut first = nominal_fit(chain, some, &all, &FitOptions { robust: true, ..options.fit });
+    let as_drawn = first.arm.clone();
+    if !options.start_zeros.is_empty() {
+        let started = zeros_shifted(chain, &options.start_zeros);
+        let placed = nominal_fit(&started, some, &all, &FitOptions { robust: true, ..options.fit });
+        first.arm = Arm { nominal: chain.clone(), ..placed.arm };
+    }
     let (geometric, weight) = if options.earlier.is_some() {
         continued::continued(data, &first.arm, &weights, options)
     } else {
@@ -122,7 +143,7 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     let layout = &first.layout;
     let plain = FitOptions { robust: false, ..options.fit };
     // Its plates lie as those of the geometry: these are told from the ones that are turned over.
-    let start = initial_guess::with_plates_of(data, &first.arm, &geometric.arm);
+    let start = initial_guess::with_plates_of(data, &as_drawn, &geometric.arm);
     let nominal = fit(data, layout, &start, &NoEffects, &geometric.weights, &plain);
     let earlier = options.earlier.as_ref().map(|earlier| {
         let free = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
@@ -130,6 +151,17 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
         Box::new(EarlierFit { fit: fit(data, layout, &arm, &NoEffects, &geometric.weights, &plain), weight })
     });
     Identification { nominal, earlier, geometric }
+}
+
+/// The chain whose coordinates count from elsewhere: what is added to each reading, rad or m.
+fn zeros_shifted(chain: &Chain, zeros: &[f64]) -> Chain {
+    let mut arm = Arm::new(chain, &Scene::default());
+    for (index, joint) in chain.joints().iter().enumerate() {
+        if chain.joints()[..index].iter().all(|other| other.coordinate != joint.coordinate) {
+            arm.shift_zero(index, zeros[joint.coordinate]);
+        }
+    }
+    arm.chain()
 }
 
 /// Steps to the arm that deviates from the drawing by given numbers: each leaves the square of what was missing.

@@ -18,6 +18,7 @@ mod summary;
 pub mod text;
 #[cfg(feature = "pages")]
 pub mod trace_plots;
-pub mod trust;
+mod trust;
+pub mod zeros;
 
 pub use crate::calibration::contract::CalibrationReport;

@@ -32,7 +32,8 @@ fn derivatives_are_those_of_differences() {
             let run = simulate(&chain, &options, &NoEffects);
             assert_eq!(run.data.len(), 3, "{} sees too little", chain.name());
             let n = chain.joints().len();
-            let freedom = Freedom { axes: vec![true; n], scales: vec![true; n], pitches: vec![true; n] };
+            let freedom =
+                Freedom { axes: vec![true; n], scales: vec![true; n], pitches: vec![true; n], zeros: vec![true; n] };
             let layout = Layout::new(&chain, &run.data.scene, &freedom, &Tolerances::default(), Vec::new());
             let away: Vec<f64> = (0..layout.len()).map(|k| 0.002 * ((k * 7 % 11) as f64 - 5.0)).collect();
             let arm = layout.stepped(&run.arm, &away);

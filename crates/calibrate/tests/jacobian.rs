@@ -70,7 +70,8 @@ fn columns_are_the_derivatives_of_the_residual() {
                 SimulationOptions { kind, rows: 4, targets: 2, turn: 0.02, shift: 0.02, ..Default::default() };
             let run = simulate(&chain, &options, &NoEffects);
             let n = chain.joints().len();
-            let freedom = Freedom { axes: vec![true; n], scales: vec![true; n], pitches: vec![true; n] };
+            let freedom =
+                Freedom { axes: vec![true; n], scales: vec![true; n], pitches: vec![true; n], zeros: vec![true; n] };
             let effects = Everything {
                 values: [0.01, 0.02, -0.03, 0.01, 0.02],
                 joint: n / 2,

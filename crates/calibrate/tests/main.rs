@@ -44,3 +44,4 @@ mod tips;
 mod tracing;
 mod warmth;
 mod webcam;
+mod zeros;

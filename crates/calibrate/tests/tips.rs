@@ -45,7 +45,7 @@ fn derivatives_are_differences_and_joints_of_the_other_arm_have_none() {
     for kind in [POSE, POSITION, DISTANCE] {
         let run = simulate(&chain, &SimulationOptions { kind, targets: 2, ..options(&tips, 6, 3) }, &NoEffects);
         let all = vec![true; chain.joints().len()];
-        let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all };
+        let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all.clone(), zeros: all };
         let layout = Layout::new(&chain, &run.data.scene, &freedom, &Tolerances::default(), Vec::new());
         let model = ResidualModel { data: &run.data, layout: &layout, effects: &NoEffects };
         let (height, columns, step) = (run.data.tallest_row(), layout.len(), 1e-6);
@@ -91,7 +91,7 @@ fn simd_rows_sum_what_rows_sum_however_the_rows_are_mixed() {
         order.sort_by_key(|&row| run.data.tip_of(row));
         for data in [run.data.clone(), run.data.subset(&order)] {
             let all = vec![true; chain.joints().len()];
-            let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all };
+            let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all.clone(), zeros: all };
             let layout = Layout::new(&chain, &data.scene, &freedom, &Tolerances::default(), Vec::new());
             let model = ResidualModel { data: &data, layout: &layout, effects: &NoEffects };
             let arm = Arm { instruments: vec![denavit_model::Pose::identity()], ..run.arm.clone() };

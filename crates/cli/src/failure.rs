@@ -73,6 +73,10 @@ pub enum Failure {
     /// A calibration that a maker's form cannot hold.
     #[error(transparent)]
     Maker(#[from] denavit_export::makers::MakerError),
+    /// Offsets that a form cannot hold.
+    #[cfg(feature = "calibrate")]
+    #[error(transparent)]
+    Offsets(#[from] denavit_export::offsets::OffsetsError),
     /// A chain that makes no code.
     #[error("{file}: {source}")]
     Code {

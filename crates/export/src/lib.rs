@@ -12,6 +12,7 @@ pub mod kinematics_yaml;
 pub mod makers;
 pub mod matched;
 pub mod numbers;
+pub mod offsets;
 pub mod page;
 pub mod poe;
 pub mod shapes;

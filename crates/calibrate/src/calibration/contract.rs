@@ -84,6 +84,9 @@ pub struct CalibrationReport {
     pub earlier: Option<Continued>,
     /// Axes that are many tolerances from where they are drawn.
     pub differs_from_drawing: Vec<DrawingDifference>,
+    /// The zeros of joints that explain nearly all that the axes do; left out where they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_zeros: Option<JointZeros>,
     /// Effects that are sure enough to be named.
     pub effects: Vec<EffectEntry>,
     /// Effects that stay in the model although there are alternatives; left out if there are none such.
@@ -253,6 +256,32 @@ pub struct Identified {
     pub unit: &'static str,
     /// How much of the spread is the prior's: 1 where the data say nothing.
     pub held_by_prior: f64,
+}
+
+/// Zeros of joints in place of axes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointZeros {
+    /// Share of the squares that the axes explain.
+    pub share: f64,
+    /// Joint by joint.
+    pub zeros: Vec<Identified>,
+}
+
+/// A zero of which the prior gives more than this share is not told by the data.
+const TOLD_BELOW: f64 = 0.5;
+
+impl Identified {
+    /// Whether the data say more of it than what is expected of any robot.
+    pub fn is_told(&self) -> bool {
+        self.held_by_prior < TOLD_BELOW
+    }
+}
+
+impl CalibrationReport {
+    /// The zeros of joints that were fitted, in the chain's order; none where axes were.
+    pub fn zeros(&self) -> impl Iterator<Item = &Identified> {
+        self.parameters.iter().filter(|parameter| parameter.parameter.ends_with(".zero"))
+    }
 }
 
 /// What a parameter is held by that the data cannot tell.

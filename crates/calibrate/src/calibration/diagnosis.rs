@@ -299,7 +299,9 @@ pub fn judge(
     let left = size_of(as_written, chain);
     let of_spread = explained(&found.geometric, data);
     let poorly = of_spread.iter().any(Explained::poorly);
-    let drawn = size_of(misfit(&found.nominal, data), chain);
+    // Zeros that explain the rows are what was asked for, however far they are from the drawing.
+    let met = options.freedom.zeros_alone() && left < SUSPICIOUS;
+    let drawn = if met { left } else { size_of(misfit(&found.nominal, data), chain) };
     // Written so that what is not a number is looked into.
     if left < UNLIKE_ONE_ROBOT && drawn < NOMINAL_SUSPICIOUS {
         return Ok(None);

@@ -5,7 +5,7 @@ use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::gauge;
 use crate::observation::kinds::Seen;
 use crate::observation::measurements::{Measurements, Scene};
-use crate::observation::parameters::{Effects, Freedom, Layout, Parameter, ParameterKind};
+use crate::observation::parameters::{Effects, Freedom, Layout, Parameter, ParameterKind, Tolerances};
 use denavit_model::nalgebra::DMatrix;
 use denavit_model::{Chain, Screw};
 use std::ops::Range;
@@ -54,6 +54,11 @@ pub struct UnidentifiableParameter {
 /// Wu, Crawford, Roberts 2019, eq. (23), for poses. A target's place is all that remains of the tool where positions
 /// are measured; with distances the target's and the anchor's six numbers make up for the frame that nobody sees.
 pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, String) {
+    if freedom.zeros_alone() {
+        let layout = Layout::new(chain, scene, freedom, &Tolerances::default(), Vec::new());
+        let (own, all) = (layout.joints.len(), layout.len());
+        return (all, format!("{own} + {}", all - own));
+    }
     let count = |wanted: fn(&Screw) -> bool| chain.joints().iter().filter(|joint| wanted(&joint.screw)).count();
     let helical = count(|screw| matches!(screw, Screw::Helical { .. }));
     let revolute = count(|screw| matches!(screw, Screw::Revolute(_)));
@@ -65,13 +70,8 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
         .zip(&freedom.pitches)
         .filter(|(joint, free)| **free && matches!(joint.screw, Screw::Revolute(_)))
         .count();
-    let placed = Layout::new(
-        chain,
-        scene,
-        &Freedom::placement(chain.joints().len()),
-        &crate::observation::parameters::Tolerances::default(),
-        Vec::new(),
-    );
+    let placed =
+        Layout::new(chain, scene, &Freedom::placement(chain.joints().len()), &Tolerances::default(), Vec::new());
     let rest = placed.len().saturating_sub(6 * placed.frames.count);
     let targets = scene.targets.len();
     let word = if rest == 3 * targets && !(0..targets).any(|target| scene.turns(target)) {
@@ -96,18 +96,16 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
 
 /// What the rows of `data` can tell at this state of the arm; measured values do not matter.
 pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, freedom: &Freedom) -> Identifiability {
-    let layout = Layout::new(
-        &arm.nominal,
-        &data.scene,
-        freedom,
-        &crate::observation::parameters::Tolerances::default(),
-        effects.parameters(),
-    );
+    let layout = Layout::new(&arm.nominal, &data.scene, freedom, &Tolerances::default(), effects.parameters());
     let (expected, formula) = expected(&arm.nominal, &data.scene, freedom);
     let expected = expected + layout.effects.len();
     let triangle = triangle(data, &layout, arm, effects);
     let unread = data.scene.kinds().iter().any(|kind| kind.numbers() == 0);
-    let triangle = if unread { without(&triangle, &gauge::common_motions(&layout, arm)) } else { triangle };
+    let triangle = if unread && layout.axes_are_free() {
+        without(&triangle, &gauge::common_motions(&layout, arm))
+    } else {
+        triangle
+    };
     let analysis = analyse(&triangle, &gauge::conditions(&layout, arm));
     let unidentifiable = name(&layout, data, arm, &analysis);
     Identifiability {
@@ -247,11 +245,13 @@ fn name(layout: &Layout, data: &Measurements, arm: &Arm, analysis: &Analysis) ->
     let joint_name = |parameter: &Parameter| parameter.kind.joint().map_or(String::new(), |k| joints[k].name.clone());
     let mut unidentifiable = Vec::new();
     for (index, parameter) in layout.parameters.iter().enumerate() {
-        let of_still_joint = parameter.kind.joint().is_some_and(|joint| still[joint]);
+        // A zero is told by the other joints' motion, too.
+        let of_zero = matches!(parameter.kind, ParameterKind::Zero { .. });
+        let of_still_joint = !of_zero && parameter.kind.joint().is_some_and(|joint| still[joint]);
         let why = if let Some(joint) = parameter.kind.joint().filter(|_| of_still_joint) {
             let at = data.reading(0)[joints[joint].coordinate];
             format!("the joint never moves: its reading is {at} in every row")
-        } else if analysis.shares[index] > NAMED_SHARE && !still.contains(&true) {
+        } else if analysis.shares[index] > NAMED_SHARE && (of_zero || !still.contains(&true)) {
             why_mixed(layout, analysis, index)
         } else {
             continue;

@@ -64,6 +64,9 @@ impl<E> Fit<E> {
         let count = self.layout.joints.len();
         let covariance = self.layout.prior.covariance(&self.layout.parameters[self.layout.joints.clone()]);
         let mut conditions = gauge::conditions(&self.layout, &self.arm).rows(0, count).into_owned();
+        if conditions.ncols() == 0 {
+            return (0..count).map(|k| covariance[(k, k)]).collect();
+        }
         // Each condition brought to size 1. Along a SCARA's parallel axes one says nothing, and is left out.
         let size = DVector::from_fn(conditions.ncols(), |k, _| {
             conditions.column(k).dot(&(&covariance * conditions.column(k))).sqrt()

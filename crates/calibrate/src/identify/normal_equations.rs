@@ -5,7 +5,7 @@ use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::simd_residuals;
 use crate::identify::threads::{available, in_stretches, par_map};
 use crate::observation::arm::Arm;
-use crate::observation::parameters::Effects;
+use crate::observation::parameters::{Effects, Parameter, ParameterKind};
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
@@ -98,7 +98,9 @@ impl<E: Effects> ResidualModel<'_, E> {
         let columns = self.layout.len();
         let mut jacobian_blocks: Vec<JacobianBlock> =
             self.data.scene.channels.iter().map(|part| JacobianBlock::new(self.layout, part)).collect();
+        let no_zero = |parameter: &Parameter| !matches!(parameter.kind, ParameterKind::Zero { .. });
         if self.effects.are_none()
+            && self.layout.parameters[self.layout.joints.clone()].iter().all(no_zero)
             && let Some(geometry) = scratch.geometry(arm, self.data)
         {
             let of = (&geometry, arm, self.layout, self.data);

@@ -390,6 +390,7 @@ impl Earlier {
                 ParameterKind::Turn { joint, .. } | ParameterKind::Move { joint, .. } => freed.axes[joint] = true,
                 ParameterKind::Pitch { joint } => freed.pitches[joint] = true,
                 ParameterKind::Scale { joint } => freed.scales[joint] = true,
+                ParameterKind::Zero { joint } => freed.zeros[joint] = true,
                 _ => {}
             }
         }
@@ -428,7 +429,7 @@ pub fn expecting(layout: Layout, earlier: Option<&Earlier>) -> Layout {
 /// All that a fit could free of a chain's joints.
 fn every_parameter(chain: &Chain) -> Vec<Parameter> {
     let all = vec![true; chain.joints().len()];
-    let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all };
+    let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all.clone(), zeros: all };
     let mut layout = Layout::new(chain, &Scene::default(), &freedom, &Tolerances::default(), Vec::new());
     layout.parameters.truncate(layout.joints.end);
     layout.parameters

@@ -261,6 +261,17 @@ impl<E: Effects> ResidualModel<'_, E> {
         }
         for (column, parameter) in self.layout.parameters[self.layout.joints.clone()].iter().enumerate() {
             let Some(joint) = parameter.kind.joint() else { continue };
+            if let ParameterKind::Zero { .. } = parameter.kind {
+                let mut twist = Vector6::zeros();
+                let nominal = arm.nominal.joints().iter().zip(&arm.joints).zip(&state.before);
+                for (other, ((nominal, moving), before)) in nominal.enumerate() {
+                    if on_the_way[other] && moving.coordinate == arm.joints[joint].coordinate {
+                        twist += se3::adjoint_times(before, &moving.screw.twist()) * nominal.scale;
+                    }
+                }
+                twists.set(column, &omega(&twist), &Vector3::new(twist[3], twist[4], twist[5]));
+                continue;
+            }
             if !on_the_way[joint] {
                 twists.set(column, &Vector3::zeros(), &Vector3::zeros());
                 continue;

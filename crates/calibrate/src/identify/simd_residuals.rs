@@ -483,7 +483,7 @@ mod tests {
                 let data = &simulation.data;
                 let joints = chain.joints().len();
                 let freedom =
-                    Freedom { axes: vec![true; joints], scales: vec![true; joints], pitches: vec![true; joints] };
+                    Freedom { scales: vec![true; joints], pitches: vec![true; joints], ..Freedom::axes(joints) };
                 let tolerances = Tolerances::default();
                 let layout = Layout::new(&chain, &data.scene, &freedom, &tolerances, Vec::new());
                 let mut weights: Vec<f64> = (0..data.observations()).map(|k| 1.0 - 0.01 * k as f64 / 77.0).collect();

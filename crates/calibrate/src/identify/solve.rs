@@ -411,7 +411,9 @@ impl Solver<'_> {
         }
         gradient.component_mul_assign(&scale);
         let damped = DVector::from_fn(n, |i, _| (scale[i] * self.precision(i, state)).powi(2));
-        let gauge = (!self.layout.joints.is_empty())
+        let gauge = self
+            .layout
+            .axes_are_free()
             .then(|| gauge::in_scaled(gauge::conditions(self.layout, &self.reference), scale.as_slice()));
         System { matrix, gradient, scale, damped, gauge }
     }

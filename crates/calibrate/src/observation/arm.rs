@@ -75,6 +75,8 @@ pub struct AxisChange {
     pub pitch: f64,
     /// Ratio of the actual to the nominal scale, less 1.
     pub scale: f64,
+    /// What is added to the reading before the joint counts it, rad or m.
+    pub zero: f64,
 }
 
 impl Arm {
@@ -123,6 +125,17 @@ impl Arm {
             moved,
             pitch,
             scale: actual.scale / nominal.scale - 1.0,
+            zero: (actual.offset - nominal.offset) / nominal.scale,
+        }
+    }
+
+    /// Adds `by` (rad or m) to every reading of the coordinate that moves joint `index`.
+    pub fn shift_zero(&mut self, index: usize, by: f64) {
+        let coordinate = self.joints[index].coordinate;
+        for (joint, nominal) in self.joints.iter_mut().zip(self.nominal.joints()) {
+            if joint.coordinate == coordinate {
+                joint.offset += by * nominal.scale;
+            }
         }
     }
 

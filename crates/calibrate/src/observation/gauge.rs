@@ -30,7 +30,10 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
             ParameterKind::Instrument { setup, .. } | ParameterKind::Plane { setup, .. } => frames.setups[setup],
             ParameterKind::Point { point, .. } => frames.points[point],
             ParameterKind::Target { target, .. } | ParameterKind::TargetTurn { target, .. } => frames.targets[target],
-            ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Effect { .. } => 0,
+            ParameterKind::Pitch { .. }
+            | ParameterKind::Scale { .. }
+            | ParameterKind::Zero { .. }
+            | ParameterKind::Effect { .. } => 0,
         };
         for column in 0..6 {
             let e = Vector3::ith(column % 3, 1.0);
@@ -62,7 +65,10 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
                 ParameterKind::TargetTurn { target, component } => {
                     (home_of(arm, target).rotation.inverse() * omega)[component]
                 }
-                ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Effect { .. } => 0.0,
+                ParameterKind::Pitch { .. }
+                | ParameterKind::Scale { .. }
+                | ParameterKind::Zero { .. }
+                | ParameterKind::Effect { .. } => 0.0,
             };
         }
     }
@@ -79,8 +85,11 @@ fn home_of(arm: &Arm, target: usize) -> &Pose {
 /// They say that no common motion brings the axes nearer to nominal, each deviation taken in its tolerance. Motions
 /// are those of the robot as drawn. What moves none of its axes (along the parallel axes of a SCARA) is settled by
 /// the targets, which stay where `reference` has them, unless there are effects: these act at places of the arm, so the
-/// data may tell it, and it is left free.
+/// data may tell it, and it is left free. None where no axis is free: what common motions zeros can make, their prior holds.
 pub fn conditions(layout: &Layout, reference: &Arm) -> DMatrix<f64> {
+    if !layout.axes_are_free() {
+        return DMatrix::zeros(layout.len(), 0);
+    }
     held(layout, reference).0
 }
 
@@ -111,6 +120,9 @@ fn held(layout: &Layout, reference: &Arm) -> (DMatrix<f64>, DMatrix<f64>) {
 
 /// Conditions on numbers that are each `scale` times as large, as an orthonormal basis: one row per number.
 pub fn in_scaled(mut conditions: DMatrix<f64>, scale: &[f64]) -> DMatrix<f64> {
+    if conditions.ncols() == 0 {
+        return conditions;
+    }
     for (mut row, scale) in conditions.row_iter_mut().zip(scale) {
         row.scale_mut(*scale);
     }
@@ -120,6 +132,9 @@ pub fn in_scaled(mut conditions: DMatrix<f64>, scale: &[f64]) -> DMatrix<f64> {
 /// The arm that measures exactly the same, moved so that the conditions hold: its axes are as near to nominal as the
 /// common frame allows.
 pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
+    if !layout.axes_are_free() {
+        return arm.clone();
+    }
     let (conditions, held) = held(layout, reference);
     let mut moved = arm.clone();
     for _ in 0..MOST_MOVES {

@@ -6,7 +6,7 @@ use crate::observation::frames::Frames;
 use crate::observation::measurements::{KnownLength, Measurements, MissingColumn, Scene};
 use crate::observation::prior::{KnownBefore, Prior};
 use denavit_model::nalgebra::{DVector, Rotation3, Vector3, Vector6};
-use denavit_model::{Chain, Screw, se3};
+use denavit_model::{Chain, Quantity, Screw, se3};
 use std::ops::Range;
 
 /// What a parameter changes.
@@ -34,6 +34,11 @@ pub enum ParameterKind {
     /// A joint's scale, relative to nominal.
     Scale {
         /// Index of the joint.
+        joint: usize,
+    },
+    /// What is added to the reading of a joint's coordinate, rad or m: all joints that it moves count from there.
+    Zero {
+        /// Index of the first joint that the coordinate moves.
         joint: usize,
     },
     /// A number of an effect.
@@ -83,9 +88,11 @@ impl ParameterKind {
     /// Index of the joint that it belongs to.
     pub fn joint(self) -> Option<usize> {
         match self {
-            Self::Turn { joint, .. } | Self::Move { joint, .. } | Self::Pitch { joint } | Self::Scale { joint } => {
-                Some(joint)
-            }
+            Self::Turn { joint, .. }
+            | Self::Move { joint, .. }
+            | Self::Pitch { joint }
+            | Self::Scale { joint }
+            | Self::Zero { joint } => Some(joint),
             _ => None,
         }
     }
@@ -145,12 +152,25 @@ pub struct Freedom {
     pub scales: Vec<bool>,
     /// For each joint, its pitch; helical joints' pitches are part of the axes and free with them.
     pub pitches: Vec<bool>,
+    /// For each joint, its zero. Free axes express every zero already: only where the axes are held is this anything new.
+    pub zeros: Vec<bool>,
 }
 
 impl Freedom {
     /// Instrument and targets alone: the nominal stage.
     pub fn placement(joints: usize) -> Self {
-        Self { axes: vec![false; joints], scales: vec![false; joints], pitches: vec![false; joints] }
+        let none = || vec![false; joints];
+        Self { axes: none(), scales: none(), pitches: none(), zeros: none() }
+    }
+
+    /// The zero of every joint and nothing else.
+    pub fn zeros(joints: usize) -> Self {
+        Self { zeros: vec![true; joints], ..Self::placement(joints) }
+    }
+
+    /// Whether zeros are free and no axis is.
+    pub fn zeros_alone(&self) -> bool {
+        self.zeros.contains(&true) && !self.axes.contains(&true)
     }
 
     /// Every axis, no scale, no pitch of a revolute joint.
@@ -219,6 +239,15 @@ impl Layout {
         let mut parameters = Vec::new();
         for (index, joint) in chain.joints().iter().enumerate() {
             joint_parameters(&mut parameters, index, &joint.name, &joint.screw, &bases[index], freedom, tolerances);
+            let leads = chain.joints()[..index].iter().all(|other| other.coordinate != joint.coordinate);
+            if freedom.zeros[index] && leads && joint.scale != 0.0 {
+                let (unit, tolerance) = match chain.coordinates()[joint.coordinate].quantity {
+                    Quantity::Angle => ("rad", tolerances.zero_turn),
+                    Quantity::Length => ("m", tolerances.zero_slide),
+                };
+                let (name, kind) = (format!("{}.zero", joint.name), ParameterKind::Zero { joint: index });
+                parameters.push(Parameter { name, kind, unit, tolerance: Some(tolerance) });
+            }
         }
         let joints = 0..parameters.len();
         let frames = Frames::of(chain, scene);
@@ -357,6 +386,12 @@ impl Layout {
         }
     }
 
+    /// Whether an axis may turn or move: only then can a common motion of all axes hide behind instruments and targets.
+    pub fn axes_are_free(&self) -> bool {
+        let of_axis = |kind| matches!(kind, ParameterKind::Turn { .. } | ParameterKind::Move { .. });
+        self.parameters[self.joints.clone()].iter().any(|parameter| of_axis(parameter.kind))
+    }
+
     /// Number of parameters.
     pub fn len(&self) -> usize {
         self.parameters.len()
@@ -384,6 +419,7 @@ impl Layout {
                 ParameterKind::Scale { joint } => {
                     result.joints[joint].scale += delta * arm.nominal.joints()[joint].scale;
                 }
+                ParameterKind::Zero { joint } => result.shift_zero(joint, delta),
                 ParameterKind::Effect { .. } => {}
                 ParameterKind::Instrument { setup, component } => instruments[setup][component] = delta,
                 ParameterKind::Plane { setup, component } => planes[setup][[0, 1, 5][component]] = delta,
@@ -456,6 +492,7 @@ impl Layout {
             ParameterKind::Move { joint, direction } => changes[joint].moved[direction],
             ParameterKind::Pitch { joint } => changes[joint].pitch,
             ParameterKind::Scale { joint } => changes[joint].scale,
+            ParameterKind::Zero { joint } => changes[joint].zero,
             ParameterKind::Target { target, component } => {
                 (arm.targets[target].translation.vector - reference.targets[target].translation.vector)[component]
             }

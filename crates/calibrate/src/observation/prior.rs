@@ -238,7 +238,7 @@ pub enum SourceKind {
     Shift,
     /// The zero of a joint.
     Zero,
-    /// Pitches and scales.
+    /// Pitches, scales, and zeros that are parameters of their own.
     Ratio,
 }
 
@@ -252,7 +252,10 @@ pub fn sources(
 ) -> Vec<Source> {
     let mut sources = Vec::new();
     for (i, parameter) in parameters.iter().enumerate() {
-        if matches!(parameter.kind, ParameterKind::Pitch { .. } | ParameterKind::Scale { .. }) {
+        let by_itself = |kind| {
+            matches!(kind, ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Zero { .. })
+        };
+        if by_itself(parameter.kind) {
             let moved = DVector::from_fn(parameters.len(), |k, _| if k == i { 1.0 } else { 0.0 });
             sources.push(Source { of: SourceKind::Ratio, moved });
         }

@@ -16,6 +16,7 @@ use crate::report::findings::findings;
 use crate::report::noise as noise_model;
 use crate::report::summary::summary;
 use crate::report::trust;
+use crate::report::zeros::{nearly_all, zeros};
 use crate::trace::Trace;
 use std::fmt::Write;
 
@@ -230,6 +231,7 @@ pub fn calibration(result: &Calibration) -> String {
     text.push_str(&trust::continued(report));
     text.push_str(&trust::suspicious_rows(report));
     text.push_str(&trust::differs(report));
+    text.push_str(&nearly_all(report.joint_zeros.as_ref()));
     text.push('\n');
     text.push_str(&stages(&report.stages, &result.train.scene));
     if let Some(last) = report.stages.last() {
@@ -373,6 +375,9 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
 
 /// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
 pub fn report(result: &Calibration) -> String {
+    if result.report.zeros().next().is_some() {
+        return format!("{}\n{}", calibration(result), zeros(result));
+    }
     let axes = match (result.beyond_geometry(), result.report.adopted) {
         (_, Adopted::Nominal | Adopted::Earlier) => return calibration(result),
         (Some(fit), _) => axes(fit),

@@ -40,6 +40,7 @@ Examples:
   denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
   denavit calibrate two.urdf --tip left --tip right --data d.csv both hands of a robot in one fit
   denavit calibrate arm.urdf --data corners.csv --camera webcam.yaml --board 7x5:30mm
+  denavit calibrate arm.urdf --data d.csv --zeros --urdf zeroed.urdf --offsets-out lerobot offsets.json
   denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
   denavit calibrate arm.urdf --data ten_poses.csv --prior earlier.json   ten poses bring a calibrated robot up to date
   some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
@@ -98,6 +99,14 @@ pub struct CalibrateArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
+    /// Fit the zeros of joints and no axis: names, or all where none is given
+    #[arg(long, value_name = "JOINTS", num_args = 0..=1, default_missing_value = "all", value_delimiter = ',',
+        conflicts_with_all = ["effects", "pitches"])]
+    pub zeros: Vec<String>,
+    /// With --zeros: write the offsets as csv, ros2-control, lerobot, dynamixel, xacro, robot-calibration or urdf; see
+    /// docs/without-an-instrument.md
+    #[arg(long, value_names = ["FORM", "FILE"], num_args = 2, requires = "zeros")]
+    pub offsets_out: Vec<String>,
     /// Continue from an earlier calibration of this robot, as --json wrote it: what it knows of the axes, instead of the
     /// drawing's tolerances, and (but with --effects none) its effects and error curves; a few new poses then bring a robot
     /// up to date

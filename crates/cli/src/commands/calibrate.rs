@@ -6,6 +6,7 @@ use crate::measured::{self, MeasuredRobot, Robot};
 use crate::output::{self, Outputs, Slot, Status};
 use crate::progress::Spinner;
 use crate::source::{self, Loaded};
+use denavit_calibrate::calibration::contract::{CalibrationReport, Identified};
 use denavit_calibrate::calibration::placed_anew::PlacedAnew;
 use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_and_tell};
 use denavit_calibrate::identify::proportion::can_be_identified;
@@ -15,6 +16,7 @@ use denavit_calibrate::report::{html, text};
 use denavit_dh::convert::{HAYATI_BELOW, table};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::makers::{self, Calibrated, Maker};
+use denavit_export::offsets::{self, Offset, Offsets};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, other_chains, prior_read, rows, search};
 use denavit_model::{Chain, Tips};
@@ -98,6 +100,7 @@ struct Places {
     effects: Vec<Slot>,
     residuals: Option<Slot>,
     makers: Vec<(Slot, &'static Maker)>,
+    offsets: Vec<(Slot, &'static offsets::Form)>,
 }
 
 impl Places {
@@ -113,8 +116,15 @@ impl Places {
             Ok((outputs.add("--out-for", Path::new(&pair[1]))?, maker))
         });
         let makers = makers.collect::<Result<Vec<_>, Failure>>()?;
+        let pairs = arguments.offsets_out.chunks_exact(2);
+        let forms = pairs.map(|pair| {
+            let form = offsets::named(&pair[0])?;
+            Ok((outputs.add("--offsets-out", Path::new(&pair[1]))?, form))
+        });
+        let offsets = forms.collect::<Result<Vec<_>, Failure>>()?;
         Ok(Self {
             makers,
+            offsets,
             json: outputs.add_if("--json", arguments.json.place())?,
             html: outputs.add_if("--html", arguments.html.as_deref())?,
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
@@ -248,6 +258,13 @@ fn texts(
         written.left_out.iter().for_each(|what| output::mention(format!("--out-for {}: {what}", maker.name)));
         texts.push((*slot, written.text));
     }
+    let zeros = offsets_of(&result.report);
+    for (slot, form) in &places.offsets {
+        let drawn = if let Loaded::Robot(tree) = &robot.loaded { Some(tree.as_ref()) } else { None };
+        let written = (form.render)(&Offsets { joints: &zeros, drawn })?;
+        written.left_out.iter().for_each(|what| output::mention(format!("--offsets-out {}: {what}", form.name)));
+        texts.push((*slot, written.text));
+    }
     if let Some(slot) = places.residuals {
         texts.push((slot, denavit_calibrate::calibration::rows::to_csv(&result.report.rows)));
     }
@@ -258,11 +275,24 @@ fn texts(
     Ok(texts)
 }
 
+/// The zeros that were fitted, in the chain's order.
+fn offsets_of(report: &CalibrationReport) -> Vec<Offset> {
+    let of = |zero: &Identified| Offset {
+        joint: zero.joint.clone(),
+        zero: zero.change,
+        std: zero.std,
+        turns: zero.unit == "rad",
+        told: zero.is_told(),
+    };
+    report.zeros().map(of).collect()
+}
+
 /// What is fitted and looked for.
 fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> {
     Ok(SearchAsked {
         scales: arguments.freedom.scales.clone(),
         pitches: arguments.freedom.pitches.clone(),
+        zeros: arguments.zeros.clone(),
         effects: arguments.effects.clone(),
         max_effects: arguments.max_effects,
         gear_ratios: arguments.gear_ratio.clone(),

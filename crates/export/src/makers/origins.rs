@@ -26,8 +26,10 @@ impl Origins {
     /// Joint origins with the link frames of the drawn tree; without a tree with frames at the feet of common normals.
     pub fn of(calibrated: &Calibrated, maker: &'static str, wanted: &'static str) -> Result<Self, MakerError> {
         let chain = calibrated.chain;
+        // In a tree a zero goes into the origin of its joint.
         let plain = |joint: &&denavit_model::ChainJoint| {
-            matches!(joint.screw, Screw::Revolute(_)) && joint.scale == 1.0 && joint.offset == 0.0
+            let counts = joint.offset == 0.0 || calibrated.drawn.is_some();
+            matches!(joint.screw, Screw::Revolute(_)) && joint.scale == 1.0 && counts
         };
         let revolute = chain.joints().iter().filter(plain).count();
         if revolute != chain.joints().len() {
@@ -40,9 +42,11 @@ impl Origins {
             return Ok(Self { joints: names.zip(origins).collect(), tool, tree: None });
         };
         let tree = calibrated_tree(drawn, chain, reading)?;
+        let nominal = drawn.chain(Some(chain.base()), Some(chain.tip()), reading)?.value;
+        let at_zero = urdf::zeros_taken_in(&nominal, chain)?;
         let mut before = Pose::identity();
         let mut joints = Vec::new();
-        for joint in chain.joints() {
+        for joint in &at_zero.joints {
             let frame = carried_by(&tree, chain, &joint.name)?;
             let line = joint.screw.line().expect("every joint is revolute");
             let z = frame.rotation.matrix().column(2).into_owned();
@@ -54,7 +58,7 @@ impl Origins {
             joints.push((joint.name.clone(), before.inverse() * frame));
             before = frame;
         }
-        Ok(Self { joints, tool: before.inverse() * chain.home(), tree: Some(tree) })
+        Ok(Self { joints, tool: before.inverse() * at_zero.home, tree: Some(tree) })
     }
 
     /// From the last joint's frame to a link of the tree whose name ends so.

@@ -24,7 +24,8 @@ const SAME: f64 = 1e-11;
 /// The URDF of `robot` in which the chain from `calibrated`'s base to its tip moves as `calibrated` does.
 ///
 /// Only joint origins on the way change. Each link keeps its place with regard to its joint's axis as nearly as can be: it
-/// turns by the angle between the two axes and moves to the nearest point of the new one. The tip's place goes into
+/// turns by the angle between the two axes and moves to the nearest point of the new one, and about the axis by the joint's
+/// zero: where zeros alone differ, each origin turns about its own axis and nothing else changes. The tip's place goes into
 /// the last fixed joint; where the tip itself is carried by the last joint and does not lie on its axis, a link
 /// `<tip>_calibrated` is fixed to it, with a note. A changed pitch goes into the multiplier of the slide. `reading` is how
 /// the nominal chain was read.
@@ -34,7 +35,7 @@ const SAME: f64 = 1e-11;
 /// home pose.
 pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result<Noted<String>, ExportError> {
     let nominal = robot.chain(Some(calibrated.base()), Some(calibrated.tip()), reading)?.value;
-    let (joints, home) = zeros_taken_in(&nominal, calibrated)?;
+    let ZerosTakenIn { joints, home, shifts } = zeros_taken_in(&nominal, calibrated)?;
     let bodies = Bodies::of(robot, reading);
     let document = parse(robot)?;
     let nodes = Nodes::of(robot, &document)?;
@@ -53,7 +54,8 @@ pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result
         if let Some(index) = found {
             let frame = base_from(joint.child);
             // What stands still since a slide and its turn were made one moves along with the turn.
-            next = moved(&nominal.joints()[index].screw, &joints[index].screw, &frame) * frame;
+            let (turned, drawn) = (shifts[index] * frame, nominal.joints()[index].screw.moved(&shifts[index]));
+            next = moved(&drawn, &joints[index].screw, &turned) * turned;
         }
         let carries_the_tip = Some(place) == last_moving && place + 1 == way.len();
         if carries_the_tip && on_axis(&next, &home, &bodies.axes[*index], calibrated.size()) {
@@ -135,15 +137,25 @@ fn way(robot: &Robot, bodies: &Bodies, base: usize, tip: usize, chain: &Chain) -
     Ok(way)
 }
 
+/// A calibrated chain with what its zeros moved by folded into what lies behind.
+pub(crate) struct ZerosTakenIn {
+    /// Joints as they lie at zero.
+    pub joints: Vec<ChainJoint>,
+    /// base_from_tip at zero.
+    pub home: Pose,
+    /// For each joint, how the zeros up to its own moved what it carries.
+    shifts: Vec<Pose>,
+}
+
 /// The calibrated joints and home pose with what their zeros moved by folded into what lies behind.
-fn zeros_taken_in(nominal: &Chain, calibrated: &Chain) -> Result<(Vec<ChainJoint>, Pose), ExportError> {
+pub(crate) fn zeros_taken_in(nominal: &Chain, calibrated: &Chain) -> Result<ZerosTakenIn, ExportError> {
     let refuse = |joint: &str, what: String| Err(ExportError::NotInUrdf { joint: joint.to_owned(), what });
     if nominal.joints().len() != calibrated.joints().len() {
         let what = format!("the robot has {} joints there", nominal.joints().len());
         return refuse(calibrated.joints().first().map_or("", |joint| &joint.name), what);
     }
     let mut shift = Pose::identity();
-    let mut joints = Vec::new();
+    let (mut joints, mut shifts) = (Vec::new(), Vec::new());
     for (one, other) in nominal.joints().iter().zip(calibrated.joints()) {
         if one.name != other.name {
             return refuse(&other.name, format!("the robot has joint \"{}\" there", one.name));
@@ -157,8 +169,9 @@ fn zeros_taken_in(nominal: &Chain, calibrated: &Chain) -> Result<(Vec<ChainJoint
         }
         joints.push(ChainJoint { screw: other.screw.moved(&shift), ..other.clone() });
         shift *= other.screw.motion(other.offset - one.offset);
+        shifts.push(shift);
     }
-    Ok((joints, shift * calibrated.home()))
+    Ok(ZerosTakenIn { joints, home: shift * calibrated.home(), shifts })
 }
 
 /// The smallest motion that takes one axis to another: by the angle between them, about the point of the first that is

@@ -44,6 +44,7 @@ pub mod text {
     pub use super::written::{Numbers, clean, three, word};
 }
 
+pub(crate) use calibrated::zeros_taken_in;
 pub use calibrated::{with_chain, with_chains};
 pub use from_table::from_table;
 pub use read_off::read_off;

@@ -4,7 +4,7 @@ use super::{DataFile, MeasuredError};
 use crate::Loaded;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
-use denavit_calibrate::identify::posterior::Earlier;
+use denavit_calibrate::identify::posterior::{Earlier, KnownParameter};
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Freedom, IdentifyOptions, Measurements};
@@ -17,6 +17,8 @@ pub struct SearchAsked {
     pub scales: Vec<String>,
     /// Revolute joints whose pitch is fitted, too: names, or `all`.
     pub pitches: Vec<String>,
+    /// Joints whose zeros are fitted in place of every axis: names, or `all`.
+    pub zeros: Vec<String>,
     /// `none`, `curves`, `auto`, `averaged` (as `auto`, and predict by averaging), or kinds of effects.
     pub effects: Vec<String>,
     /// No more effects than this.
@@ -36,8 +38,28 @@ pub struct SearchAsked {
 pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, MeasuredError> {
     let freedom = freedom(chain, &asked.scales, &asked.pitches)?;
     let earlier = asked.prior.as_ref().map(|file| earlier(file, chain)).transpose()?;
-    let identify = IdentifyOptions { freedom, earlier, ..IdentifyOptions::axes(chain) };
-    let trace = match asked.effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+    let of_zeros = |known: &KnownParameter| known.parameter.ends_with(".zero");
+    if let (Some(file), Some(earlier)) = (&asked.prior, &earlier)
+        && earlier.parameters.iter().any(|known| of_zeros(known) == asked.zeros.is_empty())
+    {
+        let (has, fix) = if asked.zeros.is_empty() {
+            ("zeros alone", "say ‹zeros› again, or leave ‹prior› out")
+        } else {
+            ("axes", "leave ‹zeros› or ‹prior› out")
+        };
+        return Err(MeasuredError::Option(format!("‹prior› {}: it holds a calibration of {has}; {fix}", file.name)));
+    }
+    let identify = if asked.zeros.is_empty() {
+        IdentifyOptions { freedom, earlier, ..IdentifyOptions::axes(chain) }
+    } else {
+        let mut which = vec![false; chain.joints().len()];
+        mark("‹zeros›", &asked.zeros, chain, &mut which)?;
+        let zeros = IdentifyOptions::zeros(chain, which);
+        let freedom = Freedom { zeros: zeros.freedom.zeros, axes: zeros.freedom.axes, ..freedom };
+        IdentifyOptions { freedom, earlier, tolerances: zeros.tolerances, ..IdentifyOptions::axes(chain) }
+    };
+    let effects: &[String] = if asked.zeros.is_empty() { &asked.effects } else { &["none".to_owned()] };
+    let trace = match effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["none" | "curves"] => None,
         ["auto" | "averaged"] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, _>>()?),
@@ -49,8 +71,8 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         gear_ratios,
         ..TraceOptions::new(identify.clone())
     });
-    let curves = (asked.effects == ["curves"]).then(CurveOptions::default);
-    let (hold_out, average) = (asked.hold_out, asked.effects == ["averaged"]);
+    let curves = (effects == ["curves"]).then(CurveOptions::default);
+    let (hold_out, average) = (asked.hold_out, effects == ["averaged"]);
     let other_chains = Vec::new();
     Ok(CalibrateOptions { identify, hold_out, trace, curves, average, noise: true, other_chains })
 }
@@ -71,27 +93,30 @@ pub fn earlier(file: &DataFile, chain: &Chain) -> Result<Earlier, MeasuredError>
 /// # Errors
 /// A name is no joint of the chain.
 pub fn freedom(chain: &Chain, scales: &[String], pitches: &[String]) -> Result<Freedom, MeasuredError> {
-    let joints = chain.joints();
-    let mut freedom = Freedom::axes(joints.len());
-    for (option, words, flags) in
-        [("‹scales›", scales, &mut freedom.scales), ("‹pitches›", pitches, &mut freedom.pitches)]
-    {
-        for word in words {
-            if word == "all" {
-                flags.fill(true);
-                continue;
-            }
-            let joint = joints.iter().position(|joint| joint.name == *word).ok_or_else(|| {
-                let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
-                MeasuredError::Option(format!(
-                    "{option}: the chain has no joint \"{word}\"; write all, or of {}",
-                    names.join(", ")
-                ))
-            })?;
-            flags[joint] = true;
-        }
-    }
+    let mut freedom = Freedom::axes(chain.joints().len());
+    mark("‹scales›", scales, chain, &mut freedom.scales)?;
+    mark("‹pitches›", pitches, chain, &mut freedom.pitches)?;
     Ok(freedom)
+}
+
+/// Marks the joints that an option names.
+fn mark(option: &str, words: &[String], chain: &Chain, flags: &mut [bool]) -> Result<(), MeasuredError> {
+    let joints = chain.joints();
+    for word in words {
+        if word == "all" {
+            flags.fill(true);
+            continue;
+        }
+        let joint = joints.iter().position(|joint| joint.name == *word).ok_or_else(|| {
+            let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+            MeasuredError::Option(format!(
+                "{option}: the chain has no joint \"{word}\"; write all, or of {}",
+                names.join(", ")
+            ))
+        })?;
+        flags[joint] = true;
+    }
+    Ok(())
 }
 
 /// The other chains of a tree whose joints all have a column in these data: what was measured may be one of them.

@@ -176,6 +176,16 @@ impl Mistake {
         matches!(self, Self::Coupled { .. } | Self::Zero(_))
     }
 
+    /// What it adds to the reading of each coordinate, where zeros are all that it is.
+    pub fn zeros(&self, chain: &Chain) -> Option<Vec<f64>> {
+        let Self::Zero(zeros) = self else { return None };
+        let mut shifts = vec![0.0; chain.coordinates().len()];
+        for (name, zero) in zeros {
+            shifts[chain.coordinates().iter().position(|coordinate| coordinate.name == *name)?] += zero;
+        }
+        Some(shifts)
+    }
+
     /// The joints whose readings it changes.
     pub fn joints(&self) -> Vec<&str> {
         match self {

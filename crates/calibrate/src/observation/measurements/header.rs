@@ -87,8 +87,13 @@ impl Header {
             None => {}
         }
         let roles = roles(&names, coordinates, &groups);
+        let free: Vec<&str> =
+            names.iter().zip(&roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str()).collect();
+        let no_joint = !roles.iter().any(|role| matches!(role, Role::Joint(_)));
+        let numbered = if no_joint { numbered_joints(&free, coordinates) } else { None };
+        problems.extend(numbered.clone());
         for (index, coordinate) in coordinates.iter().enumerate() {
-            if !roles.contains(&Role::Joint(index)) {
+            if !roles.contains(&Role::Joint(index)) && numbered.is_none() {
                 problems.push(missing_joint(coordinate, &names, &roles, coordinates));
             }
         }
@@ -309,6 +314,39 @@ fn missing_joint(
 ) -> MeasurementError {
     let free = names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str());
     no_column(coordinate, free, coordinates)
+}
+
+/// Where no joint has a column: as many columns as joints that differ by a number alone, and the map that says so. `free`:
+/// columns that are nothing else.
+pub(super) fn numbered_joints(free: &[&str], coordinates: &[Coordinate]) -> Option<MeasurementError> {
+    let split = |name: &str| -> Option<(String, usize)> {
+        let end = name.trim_end_matches([']', ')', '}']);
+        let digits = end.len() - end.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let (stem, number) = end.split_at(end.len() - digits);
+        Some((stem.to_owned(), number.parse().ok()?)).filter(|(stem, _)| !stem.is_empty())
+    };
+    let group = |stem: &String| -> Vec<(usize, &str)> {
+        let own = free.iter().filter_map(|name| Some((split(name)?, *name))).filter(|((other, _), _)| other == stem);
+        let mut all: Vec<(usize, &str)> = own.map(|((_, number), name)| (number, name)).collect();
+        all.sort_unstable();
+        all
+    };
+    let whole = |all: &Vec<(usize, &str)>| {
+        all.len() == coordinates.len() && all.windows(2).all(|pair| pair[1].0 == pair[0].0 + 1)
+    };
+    // What is a position comes before velocities, and what was read before what was commanded.
+    let unlikely = |stem: &String| {
+        let small = stem.to_lowercase();
+        !["position", "actual_q_", "actual_q.", "actual_q["].iter().any(|word| small.contains(word))
+    };
+    let mut stems: Vec<String> = free.iter().filter_map(|name| split(name)).map(|(stem, _)| stem).collect();
+    stems.dedup();
+    stems.sort_by_key(unlikely);
+    let columns = stems.iter().map(group).find(whole)?;
+    let pair = |((_, column), joint): (&(usize, &str), &Coordinate)| format!("{}={column}", joint.name);
+    let map = columns.iter().zip(coordinates).map(pair).collect::<Vec<_>>().join(",");
+    let (first, last) = (columns.first()?.1.to_owned(), columns.last()?.1.to_owned());
+    Some(MeasurementError::NumberedJoints { first, last, map })
 }
 
 /// A joint without a column; `free`: columns that are nothing else.

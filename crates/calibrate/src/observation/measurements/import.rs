@@ -12,6 +12,7 @@ mod grid;
 mod map;
 mod outline;
 mod programs;
+mod records;
 mod sheet;
 
 pub use euler::{AngleConvention, EulerError, EulerOrder, WrittenAngles};

@@ -97,6 +97,18 @@ pub enum MeasurementError {
         /// All joints that need a column.
         joints: String,
     },
+    /// No joint has a column, and as many columns as joints are numbered.
+    #[error(
+        "no column is named as a joint; if \"{first}\" to \"{last}\" are the joints' readings in this order, say ‹columns› {map}"
+    )]
+    NumberedJoints {
+        /// The first of the columns.
+        first: String,
+        /// The last.
+        last: String,
+        /// The map.
+        map: String,
+    },
     /// No measured value.
     #[error(
         "no column holds a measured value; there must be x,y,z (with qx,qy,qz,qw for poses), or x1,y1,z1,x2,… for \

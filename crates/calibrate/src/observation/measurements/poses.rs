@@ -1,6 +1,6 @@
 //! Reading a list of poses: joint readings to measure at, poses to reach, or both.
 
-use super::header::{naming, no_column};
+use super::header::{naming, no_column, numbered_joints};
 use super::import::{ImportOptions, Imported};
 use super::measurement_error::{DataError, MeasurementError};
 use super::read::{Problems, header_row, in_our_form, line_of, number, rows_of, unreadable};
@@ -172,18 +172,21 @@ fn roles(names: &[String], chain: &Chain, with_poses: bool) -> Result<Vec<Role>,
         joint.or_else(of_pose).unwrap_or(Role::Other)
     };
     let roles: Vec<Role> = names.iter().map(role).collect();
+    let free: Vec<&str> =
+        names.iter().zip(&roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str()).collect();
     let has = |wanted: fn(&Role) -> bool| roles.iter().any(wanted);
     let has_joints = has(|role| matches!(role, Role::Joint(_)));
     let has_pose = has(|role| matches!(role, Role::Place(_) | Role::Turn(_)));
     if with_poses && !has_joints && !has_pose && problems.is_empty() {
         let joints = coordinates.iter().map(|coordinate| coordinate.name.as_str()).collect::<Vec<_>>().join(", ");
-        problems.push(MeasurementError::NeitherJointsNorPose { joints });
+        let neither = MeasurementError::NeitherJointsNorPose { joints };
+        problems.push(numbered_joints(&free, coordinates).unwrap_or(neither));
     }
     if has_joints || !with_poses {
-        let free: Vec<&str> =
-            names.iter().zip(&roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name.as_str()).collect();
+        let numbered = if has_joints { None } else { numbered_joints(&free, coordinates) };
+        problems.extend(numbered.clone());
         for (index, coordinate) in coordinates.iter().enumerate() {
-            if !roles.contains(&Role::Joint(index)) {
+            if !roles.contains(&Role::Joint(index)) && numbered.is_none() {
                 problems.push(no_column(coordinate, free.iter().copied(), coordinates));
             }
         }

@@ -1,7 +1,7 @@
 //! Bytes of a text file or a spreadsheet as rows of cells under a header, with the line of each.
 
 use super::super::header::MOST_COLUMNS;
-use super::{Fault, ImportProblem, sheet};
+use super::{Fault, ImportProblem, records, sheet};
 use denavit_model::units::Unit;
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
@@ -24,7 +24,7 @@ pub(super) struct Grid {
     pub decimal_comma: bool,
     /// Whether the file is text as our own contract has it: UTF-8, commas, points.
     pub plain: bool,
-    /// Whether it is a workbook.
+    /// Whether it is a workbook or a list of records.
     pub is_sheet: bool,
     /// What separates columns; `None` for blanks.
     pub separator: Option<char>,
@@ -77,6 +77,12 @@ pub(super) fn read(bytes: &[u8], is_joint: &dyn Fn(&str) -> bool) -> Result<Grid
         return Ok(grid);
     }
     let (text, encoding) = decoded(bytes);
+    if let Some(rows) = records::rows(&text)? {
+        let mut grid = laid_out(rows, is_joint)?;
+        (grid.plain, grid.is_sheet) = (false, true);
+        grid.notes.insert(0, "read as a list of records".into());
+        return Ok(grid);
+    }
     let separator = separator(&text);
     let split = |line: &str| -> Vec<String> {
         match separator {
