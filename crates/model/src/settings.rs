@@ -50,6 +50,7 @@ pub const SETTINGS: &[&str] = &[
     "joint-topic",
     "json",
     "keep-link-frames",
+    "offsets-out",
     "only",
     "out-for",
     "package-path",
@@ -69,6 +70,7 @@ pub const SETTINGS: &[&str] = &[
     "up-to-zeros",
     "urdf",
     "write-baseline",
+    "zeros",
 ];
 
 /// The settings that a message names, in the order in which they stand in it.
