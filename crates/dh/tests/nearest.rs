@@ -1,6 +1,6 @@
 //! Tables of real arms on the branch of their nominal ones.
 
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests may stop at once, and say what they saw")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests may stop at once, and say what they saw")]
 
 use denavit_dh::matching::{VendorTable, match_table};
 use denavit_dh::nearest::{Nearest, Parallels, nearest};

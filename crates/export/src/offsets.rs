@@ -169,12 +169,12 @@ fn ros2_control(offsets: &Offsets) -> Result<Written, OffsetsError> {
     Ok(Written { text, left_out })
 }
 
+/// Steps of servos by the joint, and what was left out of the file.
+type Steps = (Vec<(String, i64)>, Vec<String>);
+
 /// Steps of a servo that turn its reading by the zero; a sentence on each that its register does not hold.
-fn steps(
-    form: &'static str,
-    (sign, most): (f64, i64),
-    offsets: &Offsets,
-) -> Result<(Vec<(String, i64)>, Vec<String>), OffsetsError> {
+#[allow(clippy::cast_possible_truncation, reason = "a zero of a joint is a few turns at most, thousands of steps")]
+fn steps(form: &'static str, (sign, most): (f64, i64), offsets: &Offsets) -> Result<Steps, OffsetsError> {
     let (told, mut left_out) = told(offsets);
     let mut all = Vec::new();
     for offset in told {
@@ -250,13 +250,14 @@ fn urdf(offsets: &Offsets) -> Result<Written, OffsetsError> {
                 })?;
                 edits.attribute(&robot.source, calibration, "rising", &word(old + zero));
             }
-            None => match found {
-                Some(calibration) => edits.attribute(&robot.source, calibration, "rising", &word(*zero)),
-                None => {
+            None => {
+                if let Some(calibration) = found {
+                    edits.attribute(&robot.source, calibration, "rising", &word(*zero));
+                } else {
                     let element = format!("<calibration rising=\"{}\"/>", word(*zero));
                     edits.lines_at_end(&robot.source, node, &[element]);
                 }
-            },
+            }
         }
     }
     Ok(Written { text: edits.apply(&robot.source)?, left_out })

@@ -52,7 +52,7 @@ fn main() {
         if solutions.reached() {
             for (joints, _) in solutions.iter() {
                 out.extend((index as f64).to_le_bytes());
-                joints.iter().for_each(|value| out.extend(value.to_le_bytes()));
+                out.extend(joints.iter().flat_map(|value| value.to_le_bytes()));
             }
         }
     }

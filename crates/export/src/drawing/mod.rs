@@ -91,7 +91,7 @@ pub fn side_by_side(figures: &[(&str, &str)]) -> String {
     const WORD: f64 = 30.0;
     let size = |figure: &str| {
         let view = figure.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"'));
-        let numbers = view.expect("a skeleton has a viewBox").0.split(' ').map(|number| number.parse::<f64>());
+        let numbers = view.expect("a skeleton has a viewBox").0.split(' ').map(str::parse::<f64>);
         let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().expect("a viewBox is four numbers");
         (numbers[2], numbers[3])
     };
