@@ -124,7 +124,9 @@ impl Hull {
         let corners = self.corners.iter().map(|corner| corner.component_mul(&scale)).collect();
         let mut faces = self.faces.clone();
         if factors.iter().product::<f64>() < 0.0 {
-            faces.iter_mut().for_each(|face| face.swap(1, 2));
+            for face in &mut faces {
+                face.swap(1, 2);
+            }
         }
         Self { corners, faces }
     }
@@ -277,12 +279,12 @@ impl Cloud {
     }
 
     /// The smallest of several: the first is along the mesh's own axes, as are those of `plain`.
-    fn best(candidates: Vec<Placed>, plain: usize) -> Placed {
+    fn best(candidates: &[Placed], plain: usize) -> Placed {
         let smallest = |part: &[Placed]| {
             let least = part.iter().min_by(|a, b| a.volume().total_cmp(&b.volume()));
             least.expect("the mesh's own axes are always tried").clone()
         };
-        let (own, all) = (smallest(&candidates[..plain]), smallest(&candidates));
+        let (own, all) = (smallest(&candidates[..plain]), smallest(candidates));
         if all.volume() < WORTH_TURNING * own.volume() { all } else { own }
     }
 
@@ -311,7 +313,7 @@ impl Cloud {
             self.box_along(rotation)
         };
         candidates.extend(self.normals.iter().map(candidate));
-        Self::best(candidates, 1)
+        Self::best(&candidates, 1)
     }
 
     /// A frame with z along `normal` and x along a side of the smallest rectangle around the points, seen from there; its area.

@@ -280,7 +280,9 @@ impl Identified {
 impl CalibrationReport {
     /// The zeros of joints that were fitted, in the chain's order; none where axes were.
     pub fn zeros(&self) -> impl Iterator<Item = &Identified> {
-        self.parameters.iter().filter(|parameter| parameter.parameter.ends_with(".zero"))
+        self.parameters
+            .iter()
+            .filter(|parameter| parameter.parameter.rsplit_once('.').is_some_and(|(_, what)| what == "zero"))
     }
 }
 

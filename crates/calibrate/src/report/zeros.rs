@@ -38,6 +38,7 @@ fn why_not(report: &CalibrationReport, zero: &Identified) -> &'static str {
 }
 
 /// A zero and its standard deviation, degrees or mm, to the digits that the deviation leaves.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "held between 2 and 6")]
 pub(crate) fn in_words(zero: &Identified) -> [String; 2] {
     let (factor, unit) = if zero.unit == "rad" { (1f64.to_degrees(), "°") } else { (1e3, " mm") };
     let (value, deviation) = (zero.change * factor, zero.std * factor);

@@ -158,7 +158,9 @@ fn simpler(shape: Simple, triangles: &[Triangle], scale: [f64; 3]) -> Result<Sim
         let volume = hull.volume() * factors.product().abs();
         return Ok(Simpler { placed: None, hull: Some(hull), volumes: (own, volume), hull_volume: Some(volume) });
     }
-    points.iter_mut().for_each(|point| *point = scaled(point));
+    for point in &mut points {
+        *point = scaled(point);
+    }
     // What is flat has no hull, and is put into a thin shape all the same.
     let hull = Hull::of(&points).ok();
     let cloud = Cloud::of(&points, hull.as_ref());

@@ -52,11 +52,14 @@ fn is_records(text: &str) -> bool {
         || first.ends_with(':') && keyed(first) && (starts(after) || keyed(after))
 }
 
-/// A header and rows, each with its line; `None` of a text that is no list of records.
+/// The header and the rows, each with its line.
+type Rows = Vec<(usize, Vec<String>)>;
+
+/// A header and rows; `None` of a text that is no list of records.
 ///
 /// # Errors
 /// It starts as one and does not parse, or has no records.
-pub(super) fn rows(text: &str) -> Result<Option<Vec<(usize, Vec<String>)>>, Fault> {
+pub(super) fn rows(text: &str) -> Result<Option<Rows>, Fault> {
     if !is_records(text) {
         return Ok(None);
     }
