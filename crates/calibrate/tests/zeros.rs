@@ -77,7 +77,8 @@ fn the_first_and_the_last_zero_hide_behind_instrument_and_target() {
     let (_, data) = measured(&chain, POSE, &[0.05, -0.04, 0.03, 0.05, -0.06, 0.02], 3);
     let options = CalibrateOptions { identify: all(&chain), ..CalibrateOptions::geometry(&chain) };
     let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
-    let told: Vec<bool> = result.report.zeros().map(|zero| zero.is_told()).collect();
+    let told: Vec<bool> =
+        result.report.zeros().map(denavit_calibrate::calibration::contract::Identified::is_told).collect();
     assert_eq!(told, [false, true, true, true, true, false]);
     let said = text::report(&result);
     println!("{said}");

@@ -360,7 +360,8 @@ impl Cloud {
 
     /// The smallest cylinder of those along these directions.
     pub fn cylinder(&self) -> Placed {
-        Self::best(self.directions().iter().map(|direction| self.cylinder_along(direction)).collect(), 3)
+        let candidates: Vec<_> = self.directions().iter().map(|direction| self.cylinder_along(direction)).collect();
+        Self::best(&candidates, 3)
     }
 
     /// The smallest sphere.

@@ -38,7 +38,7 @@ pub struct SearchAsked {
 pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, MeasuredError> {
     let freedom = freedom(chain, &asked.scales, &asked.pitches)?;
     let earlier = asked.prior.as_ref().map(|file| earlier(file, chain)).transpose()?;
-    let of_zeros = |known: &KnownParameter| known.parameter.ends_with(".zero");
+    let of_zeros = |known: &KnownParameter| known.parameter.rsplit_once('.').is_some_and(|(_, what)| what == "zero");
     if let (Some(file), Some(earlier)) = (&asked.prior, &earlier)
         && earlier.parameters.iter().any(|known| of_zeros(known) == asked.zeros.is_empty())
     {

@@ -62,7 +62,7 @@ fn copies_of(robot: &Robot, file: &Path, options: &Options, most: u64) -> Copies
                 continue;
             }
         };
-        let place = copies.free(place_of(uri), &bytes);
+        let place = copies.free(&place_of(uri), &bytes);
         copies.beside(&path, &place, &bytes, most);
         copies.files.push(Copy { uri: Some(uri.to_owned()), place, bytes });
     }
@@ -71,14 +71,14 @@ fn copies_of(robot: &Robot, file: &Path, options: &Options, most: u64) -> Copies
 
 impl Copies {
     /// The place, with a number where another file has it.
-    fn free(&self, place: PathBuf, bytes: &[u8]) -> PathBuf {
+    fn free(&self, place: &Path, bytes: &[u8]) -> PathBuf {
         let taken = |place: &Path| self.files.iter().any(|file| file.place == place && file.bytes != bytes);
         let numbered = |count: usize| {
             let stem = place.file_stem().unwrap_or_default().to_string_lossy();
             let ending = place.extension().unwrap_or_default().to_string_lossy();
             place.with_file_name(format!("{stem}_{count}.{ending}"))
         };
-        let mut found = place.clone();
+        let mut found = place.to_path_buf();
         let mut count = 2;
         while taken(&found) {
             found = numbered(count);
