@@ -240,7 +240,8 @@ impl Robot {
         };
         let files = Files::urdf(&*self.file, robot.source.text.clone());
         py.detach(|| {
-            let steps = operations.into_iter().map(operation).collect::<PyResult<Vec<_>>>()?;
+            let steps = operations.into_iter().map(|line| operation(line, robot, &self.file));
+            let steps = steps.collect::<PyResult<Vec<_>>>()?;
             let done = denavit_edit::apply(&files, &steps).map_err(|error| argument(error.to_string()))?;
             let said = done
                 .reports
@@ -251,10 +252,22 @@ impl Robot {
     }
 }
 
-/// An operation from its words; the file that it takes is read.
-fn operation(line: Vec<String>) -> PyResult<Operation> {
+/// Meshes of more bytes than this are not read.
+const MOST: u64 = 1 << 30;
+
+/// An operation on a robot from its words; the files that it takes are read.
+fn operation(line: Vec<String>, robot: &denavit_model::Robot, file: &str) -> PyResult<Operation> {
     let wrong = |error: denavit_edit::EditError| argument(error.to_string());
     let mut words = Words::of(line).map_err(wrong)?;
+    if words.copies_meshes() || words.takes_meshes() && words.to.is_some() {
+        return Err(argument("this operation writes mesh files; `denavit edit` does, robot.edit gives text alone"));
+    }
+    if words.takes_meshes() {
+        let meshes = denavit_load::meshes(robot, file, &Options::default(), MOST);
+        let read = |mesh: denavit_load::MeshFile| (mesh.uri.clone(), denavit_load::triangles(&mesh.uri, &mesh.bytes));
+        words.meshes = meshes.found.into_iter().map(read).collect();
+        words.meshes.extend(meshes.missing.into_iter().map(|(uri, why)| (uri, Err(why))));
+    }
     if let Some(name) = words.words.get(1).cloned() {
         let options = Options { arguments_for_another: true, ..Options::default() };
         if words.takes_a_robot() {

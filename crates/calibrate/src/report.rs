@@ -5,6 +5,7 @@ pub mod commands;
 #[cfg(feature = "pages")]
 pub mod curve_plots;
 pub mod curves;
+pub mod deltas;
 pub mod findings;
 #[cfg(feature = "pages")]
 pub mod html;

@@ -9,6 +9,7 @@ mod contact;
 mod covariates;
 mod coverage;
 mod curves;
+mod deltas;
 mod diagnosis;
 mod drawn;
 mod exports;

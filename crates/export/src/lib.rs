@@ -6,6 +6,7 @@
 //! ```
 //! The crate opens no files. A new format is a file in `formats/` and a line in [`formats::FORMATS`].
 
+pub mod deltas;
 pub mod drawing;
 pub mod formats;
 pub mod kinematics_yaml;

@@ -11,12 +11,15 @@
 
 use crate::identify::known_effects::{EffectsPosterior, KnownEffects};
 use crate::identify::solve::Fit;
+use crate::observation::arm::AxisBasis;
 use crate::observation::effects_prior::EffectsPrior;
 use crate::observation::measurements::Scene;
 use crate::observation::parameters::{Freedom, Layout, Parameter, ParameterKind, Tolerances};
 use crate::observation::prior::KnownBefore;
 use denavit_model::Chain;
-use denavit_model::nalgebra::{DMatrix, DVector};
+use denavit_model::chain::{ChainError, ChainJoint};
+use denavit_model::nalgebra::{DMatrix, DVector, Rotation3, Unit};
+use denavit_model::screw::{AxisLine, Pitch, Screw};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -178,6 +181,23 @@ impl Posterior {
     }
 }
 
+/// What [`crate::observation::arm::Arm::change`] tells apart, put together again.
+fn changed(screw: &Screw, [ta, tb]: [f64; 2], [ma, mb]: [f64; 2], pitch: f64) -> Screw {
+    let basis = AxisBasis::of(screw);
+    let drawn = screw.direction().into_inner();
+    let turn = basis.a * ta + basis.b * tb;
+    let direction = Unit::new_normalize(Rotation3::from_scaled_axis(turn) * drawn);
+    let across = basis.a * ma + basis.b * mb;
+    // The point of the line that is nearest to the centre: its way from there is square to the line.
+    let along = -direction.dot(&across) / direction.dot(&drawn);
+    let axis = AxisLine { direction, point: basis.centre + across + drawn * along };
+    let pitch = screw.pitch().unwrap_or(0.0) + pitch;
+    match screw {
+        Screw::Prismatic(_) => Screw::Prismatic(direction),
+        _ => Pitch::from_metres_per_radian(pitch).map_or(Screw::Revolute(axis), |pitch| Screw::Helical { axis, pitch }),
+    }
+}
+
 fn drawn(chain: &Chain) -> BTreeMap<String, [f64; 6]> {
     chain.joints().iter().map(|joint| (joint.name.clone(), joint.screw.twist().into())).collect()
 }
@@ -219,6 +239,27 @@ impl Earlier {
             weight: 1.0,
             effects: None,
         }
+    }
+
+    /// The chain with its axes where this calibration found them: exactly the changes that it reports.
+    ///
+    /// # Errors
+    /// A number with which the chain is none.
+    pub fn chain(&self, drawn: &Chain) -> Result<Chain, ChainError> {
+        let joints = drawn.joints().iter().map(|joint| {
+            let own = |word: &str| -> Vec<f64> {
+                let start = format!("{}.{word}", joint.name);
+                self.parameters.iter().filter(|of| of.parameter.starts_with(&start)).map(|of| of.change).collect()
+            };
+            let pair = |word: &str| match own(word)[..] {
+                [one, other] => [one, other],
+                _ => [0.0; 2],
+            };
+            let screw = changed(&joint.screw, pair("turn_"), pair("move_"), own("pitch").iter().sum());
+            ChainJoint { screw, scale: joint.scale * (1.0 + own("scale").iter().sum::<f64>()), ..joint.clone() }
+        });
+        let names = (drawn.name(), drawn.base(), drawn.tip());
+        Chain::new(names, drawn.coordinates().to_vec(), joints.collect(), *drawn.home())
     }
 
     /// As JSON text.

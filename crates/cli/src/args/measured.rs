@@ -135,7 +135,15 @@ pub struct CalibrateArguments {
     /// file of a UR arm; -: text)
     #[arg(long, value_name = "FILE")]
     pub dh: Option<PathBuf>,
-    /// Write what a maker's controller or ROS package takes: ur, xarm, franka, pal, robot-calibration; see docs/makers.md
+    /// Write nominal, actual and delta of every D-H number with its standard deviation: a .csv, or a table in .md (-: on standard
+    /// output); the branch is the nominal table's
+    #[arg(long, value_name = "FILE")]
+    pub deltas: Option<PathBuf>,
+    /// --deltas: the maker's table of the arm as drawn, whose convention, zeros and frames count [default: the drawing's own]
+    #[arg(long, value_name = "FILE", requires = "deltas")]
+    pub nominal: Option<String>,
+    /// Write what a maker's controller or ROS package takes: ur, ur-conf, xarm, franka, pal, robot-calibration; see
+    /// docs/makers.md
     #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
     pub out_for: Vec<String>,
     /// Write the residuals of every row as CSV: fitted, rejected and held-out rows

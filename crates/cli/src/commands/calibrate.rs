@@ -12,9 +12,12 @@ use denavit_calibrate::calibration::{Calibration, HoldOut, Progress, calibrate_a
 use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::observation::measurements::Units;
 use denavit_calibrate::observation::measurements::import::{self, ImportOptions};
+use denavit_calibrate::report::deltas::{self, Nominal};
 use denavit_calibrate::report::{html, text};
 use denavit_dh::convert::{HAYATI_BELOW, table};
+use denavit_dh::nearest::{Parallels, nearest};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
+use denavit_export::deltas as written;
 use denavit_export::makers::{self, Calibrated, Maker};
 use denavit_export::offsets::{self, Offset, Offsets};
 use denavit_export::{FORMATS, Format, RenderError, Sheet, formats, urdf};
@@ -96,6 +99,8 @@ struct Places {
     urdf: Option<Slot>,
     /// A table for each tip, in their order.
     dh: Vec<Slot>,
+    /// Nominal, actual and delta of each tip, in their order.
+    deltas: Vec<Slot>,
     /// The effects of each tip, in their order.
     effects: Vec<Slot>,
     residuals: Option<Slot>,
@@ -108,7 +113,7 @@ impl Places {
         let sockets = arguments.socket.iter().filter_map(|word| Some(word.split_once('=')?.1));
         let inputs = arguments.data.iter().map(String::as_str).chain(arguments.test.as_deref()).chain(sockets);
         let inputs = inputs.chain(arguments.import.files()).chain(arguments.camera.camera.as_deref());
-        let inputs = inputs.chain(arguments.prior.as_deref());
+        let inputs = inputs.chain(arguments.prior.as_deref()).chain(arguments.nominal.as_deref());
         let mut outputs = Outputs::beside(inputs.chain(arguments.robot.files()));
         let pairs = arguments.out_for.chunks_exact(2);
         let makers = pairs.map(|pair| {
@@ -129,6 +134,7 @@ impl Places {
             html: outputs.add_if("--html", arguments.html.as_deref())?,
             urdf: outputs.add_if("--urdf", arguments.urdf.as_deref())?,
             dh: of_tips(arguments, arguments.dh.as_deref(), |path| outputs.add("--dh", path))?,
+            deltas: of_tips(arguments, arguments.deltas.as_deref(), |path| outputs.add("--deltas", path))?,
             effects: of_tips(arguments, arguments.effects_out.as_deref(), |path| outputs.add("--effects-out", path))?,
             residuals: outputs.add_if("--residuals", arguments.residuals.as_deref())?,
             outputs,
@@ -159,6 +165,8 @@ struct OutputFormats<'a> {
     urdf: Option<&'a denavit_model::Robot>,
     /// The format of the table.
     dh: Option<&'static Format>,
+    /// What deltas are counted from.
+    nominal: Option<Nominal>,
 }
 
 /// Formats that have a place for everything that a calibration may find: β, pitches and scales.
@@ -190,7 +198,8 @@ fn output_formats<'a>(
         }
         _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
     };
-    let Some(path) = &arguments.dh else { return Ok(OutputFormats { urdf, dh: None }) };
+    let nominal = nominal(arguments)?;
+    let Some(path) = &arguments.dh else { return Ok(OutputFormats { urdf, dh: None, nominal }) };
     if tips.several() && path == Path::new("-") {
         let message = "--dh -: there is a table for each tip; name a file, and each is written beside it";
         return Err(Failure::Argument(message.into()));
@@ -204,13 +213,13 @@ fn output_formats<'a>(
     if more_than_axes && !ROOMY.contains(&format.name) {
         return Err(refused(&format!("{} has no place for what --scales and --pitches fit", format.name)));
     }
-    let tables = chains.iter().map(|chain| dh_table(format, chain, &arguments.robot.robot));
+    let tables = chains.iter().map(|chain| dh_table(format, chain, chain, &arguments.robot.robot));
     match tables.collect::<Result<Vec<_>, _>>() {
         Err(Failure::Render(RenderError::CannotHold { format, what, .. })) => {
             Err(refused(&format!("{format} has no {what}, which the calibrated table of this robot needs")))
         }
         Err(Failure::Render(other)) => Err(refused(&other.to_string())),
-        tried => tried.map(|_| OutputFormats { urdf, dh: Some(format) }),
+        tried => tried.map(|_| OutputFormats { urdf, dh: Some(format), nominal }),
     }
 }
 
@@ -243,8 +252,16 @@ fn texts(
         texts.push((slot, written.value));
     }
     if let Some(format) = formats.dh {
-        for (slot, chain) in places.dh.iter().zip(&calibrated) {
-            texts.push((*slot, dh_table(format, chain, &arguments.robot.robot)?));
+        for (tip, (slot, chain)) in places.dh.iter().zip(&calibrated).enumerate() {
+            texts.push((*slot, dh_table(format, chain, &arm.nominal_to(tip), &arguments.robot.robot)?));
+        }
+    }
+    if let Some(nominal) = &formats.nominal {
+        for (tip, slot) in places.deltas.iter().enumerate() {
+            let found = deltas::of(result, tip, nominal).map_err(|error| refused_deltas(arguments, &error))?;
+            let is_csv =
+                arguments.deltas.as_deref().is_some_and(|path| path.extension().is_some_and(|end| end == "csv"));
+            texts.push((*slot, if is_csv { written::csv(&found) } else { written::markdown(&found) }));
         }
     }
     let found: Vec<String> = result.report.effects.iter().map(|effect| effect.kind.clone()).collect();
@@ -351,22 +368,49 @@ fn format_of(path: &Path) -> Result<&'static Format, Failure> {
     })
 }
 
-/// The calibrated table: Hayati's rows where axes are nearly parallel, as the numbers then stay small.
-fn dh_table(format: &Format, calibrated: &Chain, source: &str) -> Result<String, Failure> {
+/// The calibrated table on the branch of the drawn one: Hayati's rows where axes are drawn parallel, as the numbers then stay small.
+fn dh_table(format: &Format, calibrated: &Chain, drawn: &Chain, source: &str) -> Result<String, Failure> {
+    let failed = |error: denavit_model::ChainError| Failure::Chain { file: source.to_owned(), source: error };
     let options = Options {
         parallelism: Parallelism::Exact,
         near_parallel: NearParallel::HayatiBelow(HAYATI_BELOW),
         ..Options::default()
     };
-    let made =
-        table(calibrated, &options).map_err(|error| Failure::Chain { file: source.to_owned(), source: error })?;
+    let given = table(drawn, &options).map_err(failed)?;
+    let made = nearest(calibrated, &given.value, Parallels::Hayati).map_err(failed)?.in_one_table();
     let sheet = Sheet {
-        table: &made.value,
+        table: &made,
         convention: Convention::Hayati,
         units: denavit_export::Units::default(),
-        notes: &made.notes,
+        notes: &given.notes,
         source,
-        gauge: "simple",
+        gauge: "that of the drawing",
     };
     Ok((format.render)(&sheet)?)
+}
+
+/// What deltas are counted from, where they are asked for: the maker's table, or the drawing's own.
+fn nominal(arguments: &CalibrateArguments) -> Result<Option<Nominal>, Failure> {
+    let Some(path) = &arguments.deltas else { return Ok(None) };
+    let known = path == Path::new("-") || path.extension().is_some_and(|end| end == "csv" || end == "md");
+    if !known {
+        return Err(Failure::Argument(format!(
+            "--deltas {}: take a file that ends in .csv or .md, or -",
+            path.display()
+        )));
+    }
+    let Some(file) = &arguments.nominal else {
+        return Ok(Some(Nominal { table: None, parallels: Parallels::Hayati }));
+    };
+    match source::load_quietly(file, &arguments.robot.source)? {
+        Loaded::Table { table, convention, .. } => {
+            Ok(Some(Nominal { table: Some((table, convention)), parallels: Parallels::Hayati }))
+        }
+        _ => Err(Failure::Argument(format!("--nominal {file}: this is no D-H table"))),
+    }
+}
+
+fn refused_deltas(arguments: &CalibrateArguments, error: &deltas::DeltasError) -> Failure {
+    let nominal = arguments.nominal.as_deref().unwrap_or(&arguments.robot.robot);
+    Failure::Argument(format!("--deltas: {nominal}: {error}"))
 }

@@ -152,6 +152,9 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot
         ..source.clone()
     };
     let (file, text) = source::read_text(name)?;
+    if is_calibration(&text) {
+        return calibrated(&file, &text, robot);
+    }
     let says_model = source.values.iter().any(|value| value.starts_with(ur_conf::MODEL_ARGUMENT));
     if ur_conf::is_one(&text) && !says_model {
         let tree = denavit_edit::robot_of(robot)?;
@@ -187,6 +190,47 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot
         (_, None) => Frames::Own,
     };
     Ok(Actual { chain, frames })
+}
+
+/// Whether a text is what `calibrate --json` wrote.
+fn is_calibration(text: &str) -> bool {
+    let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
+    value.is_some_and(|value| {
+        value["schema"]
+            .as_str()
+            .is_some_and(|schema| schema.starts_with("denavit.calibration/") || schema == "denavit.prior/1")
+    })
+}
+
+/// The robot's axes where a calibration of ours found them.
+#[cfg(feature = "calibrate")]
+fn calibrated(file: &str, text: &str, robot: &Text) -> Result<Actual, Failure> {
+    use denavit_calibrate::identify::posterior::Earlier;
+    let tree = denavit_edit::robot_of(robot)?;
+    let wrong = |why: String| Failure::Argument(format!("{file}: {why}"));
+    let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
+    let [base, tip] = ["base", "tip"].map(|key| value[key].as_str());
+    let mut refused = None;
+    // As it was calibrated, or as it is written.
+    for reading in [Reading::Intended, Reading::AsWritten] {
+        let drawn = tree.chain(base, tip, reading).map_err(|error| wrong(error.to_string()))?.value;
+        match Earlier::read(file, text, &drawn) {
+            Ok(earlier) => {
+                let chain = earlier.chain(&drawn).map_err(|error| wrong(error.to_string()))?;
+                return Ok(Actual { chain, frames: Frames::Own });
+            }
+            Err(error) => refused = refused.or(Some(error)),
+        }
+    }
+    Err(Failure::Argument(refused.map_or_else(|| format!("{file}: no calibration"), |error| error.to_string())))
+}
+
+/// This program was built without calibration.
+#[cfg(not(feature = "calibrate"))]
+fn calibrated(file: &str, _: &str, _: &Text) -> Result<Actual, Failure> {
+    Err(Failure::Argument(format!(
+        "{file}: this program was built without calibration, which reads such results; take the URDF that calibrate --urdf wrote"
+    )))
 }
 
 /// The table of the model that a controller's file adds to: the same file with nothing added.
