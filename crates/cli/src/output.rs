@@ -94,7 +94,9 @@ pub fn gather_notes() {
 pub fn tell_notes(all: bool) {
     let Some(notes) = GATHERED.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
     let lines = if all { notes::once(notes) } else { notes::grouped(notes, "--verbose") };
-    lines.iter().for_each(|line| print_note(line));
+    for line in &lines {
+        print_note(line);
+    }
 }
 
 fn print_note(note: &str) {

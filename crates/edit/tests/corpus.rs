@@ -45,6 +45,7 @@ const GRIPPER: &str = r#"<robot name="gripper">
   </joint>
 </robot>"#;
 
+#[allow(clippy::needless_pass_by_value, reason = "made where it is passed")]
 fn operation(words: Words) -> Operation {
     Operation::of(&words).unwrap()
 }
