@@ -9,7 +9,6 @@ pub mod curve;
 pub mod curve_modes;
 pub mod driver;
 pub mod everything;
-pub mod field;
 pub mod gravity;
 pub mod history;
 pub mod model;

@@ -148,8 +148,7 @@ pub struct Trace {
     pub fit: Fit<EffectModel>,
     /// For each of its curves by how much it raises the logarithm of the marginal likelihood.
     pub curve_gains: Vec<f64>,
-    /// The same for what joints give under gravity beside them, and for smooth functions of two joints: the last effects of the fit, of
-    /// which no finding speaks.
+    /// The same for what joints give under gravity beside them: the last effects of the fit, of which no finding speaks.
     pub deflections: Vec<f64>,
     /// How its curves are unsure.
     pub modes: CurveModes,

@@ -14,7 +14,6 @@ mod diagnosis;
 mod drawn;
 mod exports;
 mod factory;
-mod fields;
 mod honesty;
 mod identifiability;
 mod incidence;

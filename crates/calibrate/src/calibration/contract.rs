@@ -407,16 +407,13 @@ pub struct CurveEntry {
 }
 
 /// What is fitted beside the curves and depends on several joints, no cause claimed: what a joint gives under gravity, with masses that nobody
-/// knows, which curves would absorb; and an error of a joint that is a smooth function of two readings.
+/// knows, which curves would absorb.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldEntry {
-    /// `gravity` or `two_joints`.
+    /// `gravity`.
     pub kind: &'static str,
     /// The joint that turns by it.
     pub joint: String,
-    /// The two joints whose readings it depends on; left out where it is gravity.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub of: Vec<String>,
     /// How far the joint turns by it over the rows, root mean square about the mean.
     pub rms: f64,
     /// Of that: `rad`, or `m` for a slide.

@@ -14,7 +14,7 @@ use crate::identify::residual_statistics::{
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, NoEffects};
-use crate::trace::infer::curves::{CurveFit, has_field};
+use crate::trace::infer::curves::CurveFit;
 use crate::trace::{Finding, Trace};
 use std::borrow::Cow;
 
@@ -200,7 +200,7 @@ pub(super) struct Beyond<'a> {
     pub fit: Cow<'a, Fit<EffectModel>>,
     /// Of its curves.
     pub gains: Vec<f64>,
-    /// Of what joints give under gravity beside them and of smooth functions of two joints: its last effects.
+    /// Of what joints give under gravity beside them: its last effects.
     pub deflections: Vec<f64>,
     /// How many of its curves were fitted to these rows: the first ones. The others are those of an earlier calibration.
     pub own_curves: usize,
@@ -254,19 +254,16 @@ pub(super) fn beyond<'a>(
         let modes = Cow::Borrowed(&curves.modes);
         stages.push(stage(name, Adopted::Curves, &curves.fit, (&curves.gains, &curves.deflections, modes)));
     }
-    let beyond_curves = |found: &&Trace| !found.findings.is_empty() || has_field(&found.fit.effects);
-    if let Some(found) = found.filter(beyond_curves) {
+    if let Some(found) = found.filter(|found| !found.findings.is_empty()) {
         let name = stage_name(base, found);
-        let adopted = if found.findings.is_empty() { Adopted::Curves } else { Adopted::Effects };
-        if !found.fit.effects.curves.is_empty() && !found.findings.is_empty() {
+        if !found.fit.effects.curves.is_empty() {
             let none = Cow::Owned(CurveModes::none(found.plain.layout.len()));
             stages.push(stage(name.clone(), Adopted::Effects, &found.plain, (&[], &[], none)));
         }
         let beside = if found.fit.effects.curves.is_empty() { "" } else { " + curves" };
-        let field = if has_field(&found.fit.effects) { " + fields" } else { "" };
-        let name = format!("{name}{beside}{field}");
+        let name = format!("{name}{beside}");
         let modes = Cow::Borrowed(&found.modes);
-        stages.push(stage(name, adopted, &found.fit, (&found.curve_gains, &found.deflections, modes)));
+        stages.push(stage(name, Adopted::Effects, &found.fit, (&found.curve_gains, &found.deflections, modes)));
     }
     stages
 }

@@ -46,8 +46,6 @@ pub enum Kind {
     InstrumentScale,
     /// What is read along the line of sight depends on the target, and on how that is turned to the instrument.
     TargetIncidence,
-    /// A smooth function of two joints' readings: no cause, and in no catalogue of causes.
-    JointField,
     /// Errors of links and zeros, as an averaged prediction has them: no cause, and in no catalogue of causes.
     Geometry,
 }
@@ -201,16 +199,6 @@ pub const KINDS: &[Entry] = &[
     },
 ];
 
-/// What is fitted without naming a cause: no search proposes it, and nobody can ask for it by its name.
-static FIELD: Entry = Entry {
-    kind: Kind::JointField,
-    name: "joint_field",
-    formula: "value_i += smooth function of value_j and value_k",
-    units: "rad or m",
-    source: "no cause: a correction that is kept where it makes rows better that it was not fitted to",
-    terms: |_| Vec::new(),
-};
-
 /// Geometry as one of the things that an averaged prediction is made of.
 static GEOMETRY: Entry = Entry {
     kind: Kind::Geometry,
@@ -224,11 +212,7 @@ static GEOMETRY: Entry = Entry {
 impl Kind {
     /// Its entry.
     pub fn entry(self) -> &'static Entry {
-        KINDS
-            .iter()
-            .chain([&FIELD, &GEOMETRY])
-            .find(|entry| entry.kind == self)
-            .expect("every kind has an entry: tested")
+        KINDS.iter().chain([&GEOMETRY]).find(|entry| entry.kind == self).expect("every kind has an entry: tested")
     }
 
     /// Its name in files and on the command line.

@@ -22,7 +22,6 @@ pub use self::statics::{AtHome, Conditions, LinkEnd, Posture, StandingAxis, Stat
 
 use self::piecewise::hats;
 use self::side::side_of;
-use crate::effects::field::Products;
 use crate::effects::history::History;
 use crate::observation::arm::AxisBasis;
 use crate::observation::measurements::Column;
@@ -133,8 +132,6 @@ pub enum Driver<C = Column> {
         /// Knots, ascending.
         knots: Vec<f64>,
     },
-    /// Products of shapes of two joints' readings: a smooth function of both.
-    Products(Products),
     /// Values that are the same in every row: the average of a driver that follows what nobody recorded.
     Fixed(Vec<f64>),
 }
@@ -179,7 +176,6 @@ impl<C> Driver<C> {
             Self::Velocities(_) => statics.chain.joints().len(),
             Self::Steps { at, .. } => at.len(),
             Self::Smooth { knots, .. } => knots.len().saturating_sub(1),
-            Self::Products(_) => Products::COUNT,
             Self::Fixed(values) => values.len(),
             _ => 1,
         }
@@ -196,7 +192,6 @@ impl<C> Driver<C> {
     /// Every joint that it follows.
     pub fn joints(&self) -> Vec<usize> {
         match self {
-            Self::Products(products) => products.joints().to_vec(),
             _ => self.joint().into_iter().collect(),
         }
     }
@@ -299,7 +294,6 @@ impl<C> Driver<C> {
             }
             Self::Steps { covariate, at } => Driver::Steps { covariate: named(covariate)?, at: at.clone() },
             Self::Smooth { covariate, knots } => Driver::Smooth { covariate: named(covariate)?, knots: knots.clone() },
-            Self::Products(products) => Driver::Products(*products),
             Self::Fixed(values) => Driver::Fixed(values.clone()),
         })
     }
@@ -377,9 +371,6 @@ impl Driver {
             }
             Self::Smooth { covariate, knots } => hats(recorded(covariate), knots, out),
             Self::Fixed(values) => out.extend(values),
-            Self::Products(products) => {
-                products.values_into(products.joints().map(|joint| joints[joint].value(conditions.reading)), out);
-            }
         }
     }
 
@@ -435,7 +426,6 @@ impl Driver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::field::{ShapedReading, Shapes};
     use crate::effects::written::WrittenDriver;
     use crate::observation::measurements::{Covariate, Covariates};
     use denavit_model::examples;
@@ -458,7 +448,6 @@ mod tests {
                 Driver::Smooth { covariate: name(), knots: vec![0.0, 2.0, 5.0, 9.0] },
                 Driver::Smooth { covariate: name(), knots: Vec::new() },
                 Driver::Smooth { covariate: name(), knots: vec![f64::NAN, 1.0] },
-                Driver::Products(Products { of: [ShapedReading { joint: 0, shapes: Shapes::Turns }; 2], size: 1e-4 }),
             ];
             for joint in 0..n {
                 let side = |from_rows| Side { joint, from_rows, column: name() };

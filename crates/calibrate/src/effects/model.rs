@@ -103,7 +103,6 @@ impl Term {
             (Driver::LevelOverturning, _) => format!("about_{}", ["first", "second"][value]),
             (Driver::Steps { .. }, _) => format!("step_{}", value + 1),
             (Driver::Smooth { .. }, _) => format!("knot_{}", value + 2),
-            (Driver::Products(_), _) => format!("product_{}", value + 1),
             (Driver::TorqueTerms { joint, .. }, _) => {
                 let link = statics.carried(*joint, value / 2 + 1).last().unwrap_or(*joint);
                 format!("link_{}_{}", link + 1, ["a", "b"][value % 2])

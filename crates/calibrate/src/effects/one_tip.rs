@@ -106,10 +106,6 @@ fn driven(driver: &Driver, own: &[Option<usize>]) -> Option<Driver> {
     let mut driver = driver.clone();
     if let Some(joint) = driver.joint_mut() {
         *joint = own[*joint]?;
-    } else if let Driver::Products(products) = &mut driver {
-        for reading in &mut products.of {
-            reading.joint = own[reading.joint]?;
-        }
     } else if let Driver::Velocities(moving) = &mut driver {
         let on_the_way = |of: &JointVelocity| Some(JointVelocity { joint: own[of.joint]?, ..of.clone() });
         *moving = moving.iter().filter_map(on_the_way).collect();

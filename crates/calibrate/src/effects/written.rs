@@ -51,7 +51,6 @@ impl WrittenDriver {
             Driver::Bump { at, width, .. } => at.is_finite() && *width > 0.0,
             Driver::Decay { from, constant, .. } => from.is_finite() && *constant > 0.0,
             Driver::Steps { at, .. } => !at.is_empty() && at.is_sorted(),
-            Driver::Products(products) => products.possible(),
             Driver::Smooth { knots, .. } => knots.len() > 1 && knots.windows(2).all(|pair| pair[0] < pair[1]),
             _ => true,
         };

@@ -49,7 +49,7 @@ pub enum PartState {
 /// A part of an earlier model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CarriedPart {
-    /// `error_curve`, `gravity`, `joint_field` or the kind of an effect.
+    /// `error_curve`, `gravity` or the kind of an effect.
     pub kind: &'static str,
     /// Where it acts.
     #[serde(rename = "where")]
@@ -85,7 +85,7 @@ pub struct Carried {
 /// By how much parts of a model raise the logarithm of the rows' probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gains {
-    /// What joints give under gravity, and smooth functions of two joints: the last effects of the model.
+    /// What joints give under gravity: the last effects of the model.
     pub fields: Vec<f64>,
     /// The error curves.
     pub curves: Vec<f64>,

@@ -7,7 +7,7 @@
 //! "effects": {"model": {"schema": "denavit.effects/1", …}, "fields": 2, "std": [2e-6, …],
 //!             "modes": [[[1e-5, …], …]], "correlations": [[0.1, …], …]}
 //! ```
-//! `model`: what a file of effects holds; its last `fields` effects are what joints give under gravity beside their curves and smooth functions of two joints. `modes`: for each
+//! `model`: what a file of effects holds; its last `fields` effects are what joints give under gravity beside their curves. `modes`: for each
 //! curve the shapes by which it is unsure, as weights of its waves ([`CurveModes`]). `std`: of each coefficient in the order of the model,
 //! then of each mode. Row k of `correlations`: those of number k with each of the axes' parameters, then with the numbers before it.
 

@@ -1,22 +1,15 @@
-//! Plots of error curves, of what joints give under gravity and of smooth functions of two joints.
+//! Plots of error curves and of what joints give under gravity.
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::CurveEntry;
-use crate::effects::driver::Driver;
-use crate::effects::field::{Products, Shapes};
-use crate::effects::model::{Effect, EffectModel};
-use crate::identify::solve::Fit;
-use crate::report::plots::{AFTER, BEFORE, Plot, PlotError, svg};
+use crate::effects::model::Effect;
+use crate::report::plots::{AFTER, Plot, PlotError, svg};
 use crate::report::trace_plots::{bounds, scatter};
 use crate::trace::infer::deflection::amounts;
-use denavit_model::Screw;
 use plotters::prelude::*;
-use std::f64::consts::PI;
 
 /// Two-sided 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.96;
-/// Cells of a map along each side.
-const CELLS: usize = 40;
 /// Rows that are drawn at most, spread over the run.
 const MOST_DRAWN: usize = 1500;
 
@@ -47,7 +40,7 @@ pub fn curve(entry: &CurveEntry) -> Result<Plot, PlotError> {
     Ok(Plot { svg: drawn, caption: format!("{}: error curve and its 95 % band, no cause claimed", entry.joint) })
 }
 
-/// For each joint that errs by a function of two readings a map of it; for each joint that gives under gravity beside the curves how far it turns in the fitted rows, against its own reading: where the
+/// For each joint that gives under gravity beside the curves how far it turns in the fitted rows, against its own reading: where the
 /// points of one reading lie apart, the other joints make the difference.
 ///
 /// # Errors
@@ -57,9 +50,6 @@ pub fn fields(result: &Calibration) -> Result<Vec<Plot>, PlotError> {
     let effects = &fit.effects.effects;
     let stride = result.train.len().div_ceil(MOST_DRAWN).max(1);
     let plot = |effect: &Effect| {
-        if let Driver::Products(products) = &effect.term.driver {
-            return map(fit, effect, products);
-        }
         let turned = amounts(&result.train, fit, effect);
         let joint = effect.term.carrier.joint().map(|joint| &fit.arm.nominal.joints()[joint]);
         let reading = |row: usize| joint.map_or(0.0, |joint| joint.value(result.train.reading(row)));
@@ -71,49 +61,4 @@ pub fn fields(result: &Calibration) -> Result<Vec<Plot>, PlotError> {
         Ok(Plot { svg: scatter(&[(&points, AFTER)], &Vec::new(), words)?, caption })
     };
     effects[effects.len() - result.report.fields.len()..].iter().map(plot).collect()
-}
-
-/// What a joint errs by over the readings of two joints: the darker, the more; one colour above 0 and one below.
-fn map(fit: &Fit<EffectModel>, effect: &Effect, products: &Products) -> Result<Plot, PlotError> {
-    let joints = fit.effects.statics.chain.joints();
-    let slides = |joint: usize| matches!(joints[joint].screw, Screw::Prismatic(_));
-    let [across, up] = products.of.map(|reading| match reading.shapes {
-        Shapes::Range { low, high } => (low, high),
-        Shapes::Turns => (-PI, PI),
-    });
-    let edge = |(low, high): (f64, f64), k: f64| low + (high - low) * k / CELLS as f64;
-    let value = |column: usize, row: usize| -> f64 {
-        let mut values = Vec::new();
-        products.values_into([edge(across, column as f64 + 0.5), edge(up, row as f64 + 0.5)], &mut values);
-        values.iter().zip(&effect.coefficients).map(|(value, coefficient)| value * coefficient).sum()
-    };
-    let cells =
-        (0..CELLS * CELLS).map(|k| (k % CELLS, k / CELLS)).map(|(column, row)| (column, row, value(column, row)));
-    let cells: Vec<(usize, usize, f64)> = cells.collect();
-    let most = cells.iter().map(|cell| cell.2.abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let words = products.joints().map(|joint| {
-        let unit = if slides(joint) { "m" } else { "rad" };
-        format!("{}, {unit}", joints[joint].name)
-    });
-    let drawn = svg(|area| {
-        let mut chart = ChartBuilder::on(area)
-            .margin(8)
-            .x_label_area_size(36)
-            .y_label_area_size(62)
-            .build_cartesian_2d(across.0..across.1, up.0..up.1)?;
-        chart.configure_mesh().light_line_style(TRANSPARENT).x_desc(&words[0]).y_desc(&words[1]).draw()?;
-        chart.draw_series(cells.iter().map(|&(column, row, value)| {
-            let corner = |k: usize| (edge(across, (column + k) as f64), edge(up, (row + k) as f64));
-            let colour = if value < 0.0 { BEFORE } else { AFTER };
-            Rectangle::new([corner(0), corner(1)], colour.mix((value / most).abs()).filled())
-        }))?;
-        Ok(())
-    })?;
-    let place = effect.term.carrier.place(&fit.effects.statics.chain);
-    let small = if effect.term.carrier.joint().is_some_and(slides) { "mm" } else { "mrad" };
-    let caption = format!(
-        "{place}: error as a smooth function of two joints, blue above 0 and brown below, {:.3} {small} at most; no cause claimed",
-        most * 1e3
-    );
-    Ok(Plot { svg: drawn, caption })
 }

@@ -2,7 +2,6 @@
 
 use crate::calibration::contract::{CurveEntry, CurvePoint, FieldEntry};
 use crate::effects::curve::Curve;
-use crate::effects::driver::Driver;
 use crate::effects::model::{Effect, EffectModel};
 use crate::identify::solve::Fit;
 use crate::observation::measurements::Measurements;
@@ -45,42 +44,22 @@ impl FieldEntry {
         let chain = &fit.effects.statics.chain;
         let slides =
             |joint: Option<usize>| joint.is_some_and(|j| matches!(chain.joints()[j].screw, Screw::Prismatic(_)));
-        let entry = |(effect, gain): (&Effect, &f64)| {
-            let (kind, of) = match &effect.term.driver {
-                Driver::Products(products) => {
-                    ("two_joints", products.joints().map(|joint| chain.joints()[joint].name.clone()).to_vec())
-                }
-                _ => ("gravity", Vec::new()),
-            };
-            Self {
-                kind,
-                joint: effect.term.carrier.place(chain),
-                of,
-                rms: turned(data, fit, effect),
-                unit: if slides(effect.term.carrier.joint()) { "m" } else { "rad" },
-                log_evidence: *gain,
-            }
+        let entry = |(effect, gain): (&Effect, &f64)| Self {
+            kind: "gravity",
+            joint: effect.term.carrier.place(chain),
+            rms: turned(data, fit, effect),
+            unit: if slides(effect.term.carrier.joint()) { "m" } else { "rad" },
+            log_evidence: *gain,
         };
         effects[effects.len() - gains.len()..].iter().zip(gains).map(entry).collect()
     }
 }
 
-/// What depends on several joints, one line each.
+/// What joints give under gravity, one line each.
 pub fn fields(fields: &[FieldEntry]) -> String {
     let line = |field: &FieldEntry| {
-        let FieldEntry { joint, of, .. } = field;
-        let (rms, unit) = (field.rms * 1e3, if field.unit == "m" { "mm" } else { "mrad" });
-        match &of[..] {
-            [first, second] => format!(
-                "joint {joint} errs by a smooth function of {first} and {second}, rms {rms:.3} {unit}: fitted beside the curves, no cause \
-                 claimed\n"
-            ),
-            _ => {
-                format!(
-                    "joint {joint} gives under gravity, rms {rms:.3} {unit}: fitted beside the curves, no cause claimed\n"
-                )
-            }
-        }
+        let (joint, rms, unit) = (&field.joint, field.rms * 1e3, if field.unit == "m" { "mm" } else { "mrad" });
+        format!("joint {joint} gives under gravity, rms {rms:.3} {unit}: fitted beside the curves, no cause claimed\n")
     };
     fields.iter().map(line).collect()
 }

@@ -111,7 +111,7 @@ fn advice(kind: Kind) -> &'static str {
         Kind::Drift => "it changed during the run: fasten it and measure again",
         Kind::Latency => "readings and measured values are of different times: measure at standstill",
         Kind::InstrumentScale => "the instrument's lengths are scaled: check its settings",
-        Kind::JointField | Kind::Geometry => "no named cause: included in the model",
+        Kind::Geometry => "no named cause: included in the model",
         Kind::TargetIncidence => "the range depends on how the target is turned: check the target",
     }
 }

@@ -69,7 +69,6 @@ pub(super) fn continued(report: &CalibrationReport) -> String {
     let named = |part: &CarriedPart| match part.kind {
         "error_curve" => format!("the error curve of {}", part.place),
         "gravity" => format!("what {} gives under gravity", part.place),
-        "joint_field" => format!("the smooth function of two joints at {}", part.place),
         kind => format!("{kind} at {}", part.place),
     };
     let in_state = |state: PartState| earlier.effects.iter().filter(move |part| part.state == state);

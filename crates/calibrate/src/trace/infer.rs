@@ -12,7 +12,6 @@ pub mod contest;
 pub mod curves;
 pub(crate) mod deflection;
 pub mod evidence;
-pub(crate) mod field;
 mod gaps;
 pub mod gram;
 pub mod hypotheses;

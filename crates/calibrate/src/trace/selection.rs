@@ -9,13 +9,10 @@ use crate::effects::survey::Survey;
 use crate::identify::fit_stage;
 use crate::identify::solve::Fit;
 use crate::identify::threads::{in_parallel, join};
-use crate::observation::arm::Arm;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
-use crate::trace::infer::curves::{CurveFit, fit_again, fit_curves, fit_curves_near};
-use crate::trace::infer::deflection::with_terms;
-use crate::trace::infer::field::Beside;
+use crate::trace::infer::curves::{CurveFit, fit_curves, fit_curves_near};
 use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, OtherRows, Question, judge};
 use crate::trace::select::{Proposals, State, Tracer, same_terms};
@@ -37,10 +34,6 @@ const MOST_OTHERS: usize = 4;
 const MOST_JUDGED: usize = 100;
 /// A cause is not named where it explains less than this share of the structure that is left beside it.
 const OUTWEIGHED: f64 = 0.5;
-
-/// Smooth functions of two joints are fitted, at most, and places tried for each.
-const MOST_FIELDS: usize = 2;
-const PLACES: usize = 2;
 
 /// A bump holds so many rows.
 const ROWS_IN_BUMP: usize = 5;
@@ -137,9 +130,7 @@ pub(crate) fn trace(
     };
     let (leftover, portraits) =
         join(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
-    // What names a cause is the structure without fields beside it.
     let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
-    let (last, leftover) = with_fields(tracer, &survey, (data, rows), &geometric.arm, (last, leftover));
     let findings = findings(judged, portraits, &spurious, &last.fit);
     Trace {
         fit: last.fit,
@@ -225,46 +216,6 @@ fn findings(judged: Vec<Judged>, portraits: Vec<Portrait>, spurious: &[bool], fi
         first += fit.effects.effects[index].coefficients.len();
     }
     findings
-}
-
-/// A fit with the smooth functions of two joints that pay among what it leaves, and what is left then.
-///
-/// `rows`: of the tracer's data, among all.
-fn with_fields(
-    tracer: &Tracer<'_>,
-    survey: &Survey,
-    (data, rows): (&Measurements, &[usize]),
-    reference: &Arm,
-    (mut last, mut leftover): (CurveFit, UnexplainedStructure),
-) -> (CurveFit, UnexplainedStructure) {
-    for _ in 0..MOST_FIELDS {
-        let thin = on_rows(&last.fit, data, rows);
-        let beside = Beside { survey, data: tracer.data, fit: &thin, reference, options: tracer.options.curves };
-        let Some(with) = with_field(&beside, data, &last, &leftover) else { break };
-        last = with;
-        leftover = remains(tracer, &on_rows(&last.fit, data, rows));
-    }
-    (last, leftover)
-}
-
-/// The fit with a smooth function of two joints more, where one of those that are left pays.
-fn with_field(
-    beside: &Beside<'_>,
-    data: &Measurements,
-    last: &CurveFit,
-    leftover: &UnexplainedStructure,
-) -> Option<CurveFit> {
-    let mut places = Vec::new();
-    for place in leftover.blocks.iter().filter_map(Block::place) {
-        if !places.contains(&place) && places.len() < PLACES {
-            places.push(place);
-        }
-    }
-    let term = beside.paying(&places)?;
-    let start = with_terms(&last.fit, std::iter::once(term));
-    let fields = last.deflections.len() + 1;
-    let with = fit_again(beside.survey, data, &start, beside.reference, beside.options, fields)?;
-    with.fit.settled().then_some(with)
 }
 
 /// What a search in a run of so many rows proposes.

@@ -9,7 +9,6 @@ use crate::identify::threads::in_parallel;
 use crate::observation::arm::Row;
 use crate::observation::measurements::Column;
 use crate::trace::by_carrier::{ByRow, Driven, alike};
-use crate::trace::infer::field::Place;
 use crate::trace::linear::Linear;
 use crate::trace::projector::{Gain, Projector};
 use crate::trace::search::{CandidateScorer, p_value};
@@ -194,12 +193,6 @@ impl Variable {
 }
 
 impl Block {
-    /// The joint that errs and the two whose readings it hangs on, where it is a function of two.
-    pub(crate) fn place(&self) -> Option<Place> {
-        let [Variable::Joint(first), Variable::Joint(second)] = self.variables[..] else { return None };
-        Some(Place { joint: self.carrier.joint()?, of: [first, second] })
-    }
-
     fn driven(&self) -> Driven<'_> {
         Driven { coupling: Coupling::Each, per_row: self.per_row, values: &self.values }
     }

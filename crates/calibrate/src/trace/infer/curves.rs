@@ -4,7 +4,7 @@
 mod left_over;
 
 use crate::effects::carrier::Carrier;
-use crate::effects::catalogue::{Candidate, Kind};
+use crate::effects::catalogue::Candidate;
 use crate::effects::curve::{Curve, Waves};
 use crate::effects::curve_modes::CurveModes;
 use crate::effects::model::EffectModel;
@@ -78,7 +78,7 @@ pub struct CurveFit {
     pub score: f64,
     /// For each curve by how much it raises that.
     pub gains: Vec<f64>,
-    /// The same for what joints give under gravity beside the curves, and for smooth functions of two joints: the last effects of the model.
+    /// The same for what joints give under gravity beside the curves: the last effects of the model.
     pub deflections: Vec<f64>,
     /// How the curves are unsure.
     pub modes: CurveModes,
@@ -123,22 +123,6 @@ pub(crate) fn fit_curves_near(
     })
 }
 
-/// A fit with its curves fitted anew, about where they are, beside a field that was added to it: the last of its effects, `fields` of which
-/// are fields. What joints give under gravity is kept.
-pub(crate) fn fit_again(
-    survey: &Survey,
-    data: &Measurements,
-    fit: &Fit<EffectModel>,
-    reference: &Arm,
-    options: CurveOptions,
-    fields: usize,
-) -> Option<CurveFit> {
-    let state = State::of_curves(survey, data, fit);
-    let begun = state.hyperparameters();
-    let found = settled(data, state, reference, options, Some(&begun), &[])?;
-    found.finish(data, reference, fit.effects.effects.len() - fields)
-}
-
 /// A state with the hyperparameters that it was fitted with, and how its numbers are unsure where the last step was taken.
 struct Settled {
     state: State,
@@ -168,7 +152,7 @@ fn settled(
         let (hyper, kept) = asked_for(&model, &here, &hyper, options);
         if kept.contains(&false) {
             state.keep(&kept);
-            if state.joints.is_empty() && !has_field(&state.fit.effects) {
+            if state.joints.is_empty() {
                 break;
             }
             found = Some((f64::NEG_INFINITY, hyper));
@@ -189,11 +173,6 @@ fn settled(
         }
     }
     found.map(|(_, hyper)| Settled { state, hyper, posterior })
-}
-
-/// Whether a model has a smooth function of two joints among its effects.
-pub(crate) fn has_field(model: &EffectModel) -> bool {
-    model.effects.iter().any(|effect| effect.term.kind == Kind::JointField)
 }
 
 /// The fit with the deflections that the data ask for beside curves, as yet all 0, and the hyperparameters beside them.
@@ -257,23 +236,6 @@ impl State {
         }
     }
 
-    /// With the curves that a fit has and no others.
-    pub(super) fn of_curves(survey: &Survey, data: &Measurements, fit: &Fit<EffectModel>) -> Self {
-        let mut state = Self::new(survey, data, fit);
-        let own = |joint: usize| fit.effects.curves.iter().find(|curve| curve.joint == joint);
-        let kept: Vec<bool> = state.joints.iter().map(|&joint| own(joint).is_some()).collect();
-        state.keep(&kept);
-        state.waves = state.joints.iter().filter_map(|&joint| own(joint)).map(|curve| curve.waves.clone()).collect();
-        state
-    }
-
-    /// Those that its curves were fitted with.
-    pub(super) fn hyperparameters(&self) -> Hyperparameters {
-        let own = |joint: &usize| self.fit.effects.curves.iter().find(|curve| curve.joint == *joint);
-        let kernels = self.joints.iter().filter_map(own).map(Kernel::of).collect();
-        Hyperparameters { log_noise: 0.0, kernels }
-    }
-
     pub(super) fn keep(&mut self, kept: &[bool]) {
         fn of<T: Clone>(list: &[T], kept: &[bool]) -> Vec<T> {
             list.iter().zip(kept).filter(|(_, kept)| **kept).map(|(item, _)| item.clone()).collect()
@@ -288,7 +250,7 @@ impl State {
 }
 
 impl Settled {
-    /// The fit with the covariance and noise of the whole model. From number `first` on its effects are fields.
+    /// The fit with the covariance and noise of the whole model. From number `first` on its effects are what joints give under gravity.
     fn finish(self, data: &Measurements, reference: &Arm, first: usize) -> Option<CurveFit> {
         let Self { mut state, hyper, posterior: last } = self;
         let round = Round::new(data, &state, reference);
@@ -808,7 +770,6 @@ fn prior(
     for (offset, column) in plain[geometry..].iter().enumerate() {
         let unit = column.iter().map(|x| x * x).sum::<f64>() / values;
         let information = match expected.get(offset) {
-            Some(Expected::Known(precision)) => *precision,
             Some(Expected::UnitInformation(least)) => unit.max(*least),
             Some(Expected::OrAsNow(now)) => unit.min(now.powi(-2)),
             None => unit,

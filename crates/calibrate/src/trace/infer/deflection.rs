@@ -74,8 +74,6 @@ pub(super) enum Expected {
     /// As much as one measured value in the mean tells it, or as much as it is by now, if that is more: a cause may be far stronger than what
     /// one value shows of it (the g of Zellner's prior by empirical Bayes; George, Foster 2000).
     OrAsNow(f64),
-    /// This precision.
-    Known(f64),
 }
 
 /// What is expected of the numbers of all effects.
@@ -83,7 +81,6 @@ pub(super) fn expected(model: &EffectModel) -> Vec<Expected> {
     let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
     let of = |effect: &Effect, now: f64| match &effect.term.driver {
         Driver::TorqueTerms { .. } => Expected::UnitInformation(of_gravity),
-        Driver::Products(products) => Expected::Known(products.size.powi(-2)),
         _ => Expected::OrAsNow(now),
     };
     let numbers = |effect: &Effect| effect.coefficients.iter().map(|now| of(effect, *now)).collect::<Vec<_>>();

@@ -3,7 +3,6 @@
 
 use crate::identify::threads::{get_or_make, in_parallel};
 use crate::trace::infer::contest::{Contest, Marginal, Seen, Setting, best_of};
-use crate::trace::infer::field::beyond_chance;
 use crate::trace::infer::gram::Gram;
 use std::sync::OnceLock;
 
@@ -79,6 +78,14 @@ impl<'a> Predictor<'a> {
     }
 }
 
+/// Whether the mean of these is above 0 by more than its standard error.
+fn beyond_chance(falls: &[f64]) -> bool {
+    let count = falls.len() as f64;
+    let mean = falls.iter().sum::<f64>() / count;
+    let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    falls.len() > 1 && mean > (variance / count).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,5 +124,10 @@ mod tests {
         let mut predictor = Predictor::new(&contest, &settings, &[Vec::new()], &parts);
         predictor.set = vec![0, 1];
         assert!(predictor.pays(0) && !predictor.pays(1));
+    }
+
+    #[test]
+    fn a_fall_counts_beyond_its_standard_error() {
+        assert!(beyond_chance(&[1.0, 2.0, 1.5, 0.5]) && !beyond_chance(&[1.0, -2.0, 1.5, 0.5]) && !beyond_chance(&[]));
     }
 }
