@@ -191,9 +191,7 @@ impl<C> Driver<C> {
 
     /// Every joint that it follows.
     pub fn joints(&self) -> Vec<usize> {
-        match self {
-            _ => self.joint().into_iter().collect(),
-        }
+        self.joint().into_iter().collect()
     }
 
     /// The same as [`Driver::joint`], to be counted anew.
