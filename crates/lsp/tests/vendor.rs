@@ -93,7 +93,7 @@ fn a_rename_that_an_expression_makes_is_refused_and_a_plain_one_is_done() {
             let _ = write!(said, "\n{why}");
         }
     }
-    recorded!("vendor_ur_rename", said);
+    recorded!("vendor_ur_rename", editor.shown(&said));
 }
 
 #[test]
