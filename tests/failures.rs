@@ -75,6 +75,23 @@ const REVIEWED: &[(&str, &str, &str)] = &[
         "filter_map(|listing|",
         "other chains are offered where the data fit none; one that is none is no offer",
     ),
+    ("load/src/project.rs", "canonical(place).ok()?", "a path that leads nowhere has no denavit.toml above it"),
+    (
+        "load/src/repository.rs",
+        "canonicalize().unwrap_or(here)",
+        "a folder whose links cannot be followed is taken as it is named",
+    ),
+    (
+        "load/src/repository.rs",
+        "let stands_alone",
+        "a description that cannot be read counts as changed, and its reading reports the error",
+    ),
+    (
+        "cli/src/commands/diff/robots.rs",
+        "why_a_part",
+        "a description that cannot be read is compared, and its reading reports the error",
+    ),
+    ("cli/src/commands/check.rs", "let here = Path::new", "robots are then named by their whole paths"),
     (
         "cli/src/commands/check/baseline.rs",
         "canonicalize().ok()?",

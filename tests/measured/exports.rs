@@ -165,7 +165,7 @@ fn a_map_says_what_names_do_not() {
     );
     room.write("map.toml", &map);
     assert_eq!(room.report("other.csv --columns map.toml"), own);
-    let run = room.run("calibrate arm.urdf --effects none --data other.csv --columns map.toml");
+    let run = room.run("calibrate arm.urdf --effects none --data other.csv --columns map.toml --verbose");
     assert!(run.stderr.contains("left out, for the map does not name them: Goal, Part"), "{}", run.stderr);
     assert!(run.stderr.contains("taken for qx, qy, qz, qw"), "{}", run.stderr);
     // On the command line, for a few.

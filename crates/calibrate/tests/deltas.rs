@@ -6,8 +6,9 @@ use denavit_calibrate::identify::posterior::{Earlier, Posterior};
 use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::report::deltas::{Nominal, of_fit};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_dh::convert::HAYATI_BELOW;
 use denavit_dh::nearest::Parallels;
-use denavit_dh::{Options, Parallelism, convert};
+use denavit_dh::{NearParallel, Options, Parallelism, convert};
 use denavit_export::deltas::{csv, deltas};
 
 #[test]
@@ -18,7 +19,11 @@ fn a_calibrated_arm_is_given_on_the_branch_of_its_drawing() {
     let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
     let nominal = Nominal { table: None, parallels: Parallels::Hayati };
     let found = of_fit(&fit, 0, &nominal).unwrap();
-    let exact = Options { parallelism: Parallelism::Exact, ..Options::default() };
+    let exact = Options {
+        parallelism: Parallelism::Exact,
+        near_parallel: NearParallel::HayatiBelow(HAYATI_BELOW),
+        ..Options::default()
+    };
     let drawn = convert::table(&chain, &exact).unwrap().value;
     let truth = deltas(&run.arm.chain_to(0), &drawn, denavit_dh::Convention::Distal, Parallels::Hayati).unwrap();
     assert_eq!(found.len(), truth.len());

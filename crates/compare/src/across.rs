@@ -32,7 +32,7 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism), through: 
             counts[1] += usize::from(joint.calibration.take().is_some());
             counts[2] += usize::from(joint.idle_range.take().is_some());
             if has(Format::Sdf) {
-                // A negative limit is none in SDF.
+                // SDF takes a negative limit as no limit.
                 joint.limits.velocity = joint.limits.velocity.filter(|velocity| *velocity >= 0.0);
                 joint.limits.effort = joint.limits.effort.filter(|effort| *effort >= 0.0);
             }

@@ -55,6 +55,7 @@ pub const SETTINGS: &[&str] = &[
     "out-for",
     "package-path",
     "pitches",
+    "prior",
     "quaternion",
     "rotation-vector",
     "rules",

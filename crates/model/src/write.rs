@@ -164,7 +164,7 @@ pub fn inertia(t: &Matrix3<f64>) -> String {
     format!("<inertia{tensor}/>")
 }
 
-/// What stands in a `<geometry>`; empty where the robot's text has nothing there.
+/// The content of a `<geometry>`; empty where the robot's text has nothing there.
 pub fn geometry(geometry: &Geometry) -> String {
     match geometry {
         Geometry::Box(edges) => format!("<box size=\"{}\"/>", numbers(edges)),

@@ -5,7 +5,7 @@ use denavit_model::robot::{Joint, JointKind};
 use denavit_model::{Robot, se3};
 use roxmltree::{Document, Node};
 
-/// Every form of an orientation: one of them stands in an element.
+/// Every form of an orientation; an element has one of them.
 const TURNS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 pub(super) fn merged(text: &str, before: &Robot, after: &Robot) -> Option<Merged> {

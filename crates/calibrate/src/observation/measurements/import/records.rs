@@ -90,7 +90,9 @@ fn documents(text: &str) -> Result<Vec<Node>, Fault> {
     let filled = || text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let is_object = |line: &str| line.trim().starts_with('{') && line.trim().ends_with('}');
     if filled().all(|(_, line)| is_object(line)) {
-        let each = filled().map(|(at, line)| parsed(line, at)).collect::<Result<Vec<_>, _>>()?;
+        // What a line lacks is noticed after its end.
+        let own = |at: usize| move |fault: Fault| Fault { line: at + 1, ..fault };
+        let each = filled().map(|(at, line)| parsed(line, at).map_err(own(at))).collect::<Result<Vec<_>, _>>()?;
         return Ok(each.into_iter().flatten().collect());
     }
     parsed(text, 0)
