@@ -131,19 +131,17 @@ def test_a_mesh_is_the_file_that_its_name_means(files, names, missing, explorer,
 
 
 MODELS = {
-    "arm.xml": """<mujoco model="arm"><include file="joint.xml"/></mujoco>""",
-    "joint.xml": """<mujocoinclude><worldbody><body name="base"><geom size=".1"/><body name="tip" pos="0 0 .5">
-        <joint name="j" axis="0 1 0" range="-90 90"/><geom size=".1"/></body></body></worldbody></mujocoinclude>""",
+    "arm.xml": """<mujoco model="arm"><worldbody><body name="base"><geom size=".1"/><body name="tip" pos="0 0 .5">
+        <joint name="j" axis="0 1 0" range="-90 90"/><geom size=".1"/></body></body></worldbody></mujoco>""",
     "arm.sdf": """<sdf version="1.9"><model name="arm"><link name="base"/><link name="tip"/><joint name="j" type="revolute">
         <pose relative_to="base">0 0 .5 0 0 0</pose><parent>base</parent><child>tip</child><axis><xyz>0 1 0</xyz></axis></joint></model></sdf>""",
 }
 
 
-@pytest.mark.parametrize("names", [("arm.xml", "joint.xml"), ("arm.sdf",)], ids=["MJCF", "SDF"])
-def test_models_in_other_formats_are_dragged(names, explorer, tmp_path):
+@pytest.mark.parametrize("name", MODELS)
+def test_models_in_other_formats_are_dragged(name, explorer, tmp_path):
     page = explorer()
-    write(tmp_path, {name: MODELS[name] for name in names})
-    drag(page, *(tmp_path / name for name in names))
+    drag(page, write(tmp_path, {name: MODELS[name]}) / name)
     expect(page.locator("#dh tbody tr").first).to_be_visible()
     expect(page.locator(".said.wrong")).to_have_count(0)
 

@@ -139,7 +139,7 @@ def test_effects_look_as_sure_as_they_are(explorer):
     rivals = [words for words in why if words.startswith("alternatives: ")]
     assert len(rivals) == bool(report["effects"][0].get("ambiguous_with")), why
     assert float(named.locator("meter").get_attribute("value")) == pytest.approx(report["effects"][0]["probability"], rel=1e-9)
-    assert page.locator("#effects-found .open, #unnamed").count() == 0 and "no unexplained structure" in shown
+    assert page.locator("#effects-found .open, #unnamed").count() == 0 and "No unexplained structure" in shown
     page.locator("#effects").scroll_into_view_if_needed()
     shot(page, "effects-light")
     # The same effect, less sure, and unexplained structure: shown by the page's own hand, and otherwise than a named one.
