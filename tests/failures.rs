@@ -97,11 +97,6 @@ const REVIEWED: &[(&str, &str, &str)] = &[
         "canonicalize().ok()?",
         "a path that leads nowhere is kept as it was written",
     ),
-    (
-        "load/src/checked.rs",
-        "files::canonical(robot).ok()?",
-        "standard input and git revisions have no folder; a file that cannot be opened fails when it is read",
-    ),
     ("load/src/measured/content.rs", "path.metadata().is_ok_and(", "whether to show a size; opening the file reports"),
     (
         "cli/src/output/destination.rs",
