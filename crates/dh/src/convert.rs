@@ -72,13 +72,20 @@ pub fn table(chain: &Chain, options: &Options) -> Result<Noted<Table>, ChainErro
         Parallelism::Within { angle } => straightened(&chain, angle)?,
     };
     let (rows, tool) = rows(&chain, options);
+    let table = of_rows(&chain, rows, tool);
+    notes.extend(far_numbers(&chain, &table));
+    Ok(Noted { value: table, notes })
+}
+
+/// The table of a chain whose rows are known.
+pub(crate) fn of_rows(chain: &Chain, rows: Vec<Row>, tool: ToolPart) -> Table {
     let joints = chain.joints().iter().map(|joint| TableJoint {
         name: joint.name.clone(),
         motion: Motion::of(&joint.screw),
         coordinate: joint.coordinate,
         scale: joint.scale,
     });
-    let table = Table {
+    Table {
         name: chain.name().to_owned(),
         base: chain.base().to_owned(),
         tip: chain.tip().to_owned(),
@@ -86,9 +93,7 @@ pub fn table(chain: &Chain, options: &Options) -> Result<Noted<Table>, ChainErro
         joints: joints.collect(),
         rows,
         tool,
-    };
-    notes.extend(far_numbers(&chain, &table));
-    Ok(Noted { value: table, notes })
+    }
 }
 
 /// The same motion with every joint offset folded into the axes and the home pose.

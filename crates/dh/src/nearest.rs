@@ -12,9 +12,9 @@
 //!   way; numbers of the base row stay. A controller's base is where its first axis is.
 //! - Where the tool's z axis is given along the last joint's, theta and d of the last row take their parts, and the tool the rest.
 
-use crate::convert::{dh_row, without_offsets};
+use crate::convert::{dh_row, of_rows, without_offsets};
 use crate::straighten::{ROUNDING, angle_of_lines};
-use crate::table::{DhRow, HayatiRow, Motion, Row, Table, TableJoint, ToolPart};
+use crate::table::{DhRow, HayatiRow, Row, Table, ToolPart};
 use denavit_model::chain::{Chain, ChainError};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::screw::Screw;
@@ -84,21 +84,10 @@ pub fn nearest(chain: &Chain, given: &Table, parallels: Parallels) -> Result<Nea
     }
     let (last, tool_part, tool) = last(&frame, &home, given, size);
     rows.push(last);
-    let joints = chain.joints().iter().zip(&given.joints).map(|(joint, given)| TableJoint {
-        name: given.name.clone(),
-        motion: Motion::of(&joint.screw),
-        coordinate: joint.coordinate,
-        scale: joint.scale,
-    });
-    let table = Table {
-        name: chain.name().to_owned(),
-        base: chain.base().to_owned(),
-        tip: chain.tip().to_owned(),
-        coordinates: chain.coordinates().to_vec(),
-        joints: joints.collect(),
-        rows,
-        tool: tool_part,
-    };
+    let mut table = of_rows(&chain, rows, tool_part);
+    for (joint, given) in table.joints.iter_mut().zip(&given.joints) {
+        joint.name.clone_from(&given.name);
+    }
     Ok(Nearest { base, table, tool })
 }
 

@@ -137,7 +137,7 @@ fn uris(robot: &Robot) -> Vec<String> {
     names.into_iter().collect()
 }
 
-/// A tenth of a milliradian and a tenth of a millimetre off its drawing in each axis.
+/// The chain with every axis turned by about 0.1 mrad and moved by about 0.1 mm.
 fn disturbed(chain: &Chain) -> Chain {
     let joints = chain.joints().iter().enumerate().map(|(index, joint)| {
         let sign = if index % 2 == 0 { 1e-4 } else { -1e-4 };

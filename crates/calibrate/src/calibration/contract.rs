@@ -15,6 +15,7 @@ use crate::identify::posterior::Posterior;
 use crate::identify::redundancy::Redundancy;
 use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::observation::measurements::ColumnUse;
+use crate::observation::parameters::is_zero;
 use crate::trace::infer::lines::Line;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -280,9 +281,7 @@ impl Identified {
 impl CalibrationReport {
     /// The zeros of joints that were fitted, in the chain's order; none where axes were.
     pub fn zeros(&self) -> impl Iterator<Item = &Identified> {
-        self.parameters
-            .iter()
-            .filter(|parameter| parameter.parameter.rsplit_once('.').is_some_and(|(_, what)| what == "zero"))
+        self.parameters.iter().filter(|parameter| is_zero(&parameter.parameter))
     }
 }
 

@@ -9,6 +9,14 @@ use denavit_model::nalgebra::{DVector, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Quantity, Screw, se3};
 use std::ops::Range;
 
+/// Whether a parameter of this name is the zero of a joint.
+pub fn is_zero(parameter: &str) -> bool {
+    parameter.ends_with(ZERO)
+}
+
+/// Ends the name of a joint's zero, after the joint.
+const ZERO: &str = ".zero";
+
 /// What a parameter changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterKind {
@@ -245,7 +253,7 @@ impl Layout {
                     Quantity::Angle => ("rad", tolerances.zero_turn),
                     Quantity::Length => ("m", tolerances.zero_slide),
                 };
-                let (name, kind) = (format!("{}.zero", joint.name), ParameterKind::Zero { joint: index });
+                let (name, kind) = (format!("{}{ZERO}", joint.name), ParameterKind::Zero { joint: index });
                 parameters.push(Parameter { name, kind, unit, tolerance: Some(tolerance) });
             }
         }

@@ -5,6 +5,7 @@ use crate::Loaded;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut};
 use denavit_calibrate::effects::catalogue::{KINDS, Kind};
 use denavit_calibrate::identify::posterior::{Earlier, KnownParameter};
+use denavit_calibrate::observation::parameters::is_zero;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Freedom, IdentifyOptions, Measurements};
@@ -38,7 +39,7 @@ pub struct SearchAsked {
 pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, MeasuredError> {
     let freedom = freedom(chain, &asked.scales, &asked.pitches)?;
     let earlier = asked.prior.as_ref().map(|file| earlier(file, chain)).transpose()?;
-    let of_zeros = |known: &KnownParameter| known.parameter.rsplit_once('.').is_some_and(|(_, what)| what == "zero");
+    let of_zeros = |known: &KnownParameter| is_zero(&known.parameter);
     if let (Some(file), Some(earlier)) = (&asked.prior, &earlier)
         && earlier.parameters.iter().any(|known| of_zeros(known) == asked.zeros.is_empty())
     {
