@@ -74,8 +74,9 @@ export class TwistStep {
         }
         this.asking = true;
         await this.app.trying(async () => {
-            const answer = await this.app.engine.ask("twist", { source: question(this.robot), joint: this.joint, by: this.by, units: this.app.units });
-            this.show(answer);
+            const by = [...this.by];
+            const answer = await this.app.engine.ask("twist", { source: question(this.robot), joint: this.joint, by, units: this.app.units });
+            this.show(answer, by);
         });
         this.asking = false;
         if (this.again) {
@@ -84,7 +85,7 @@ export class TwistStep {
         }
     }
 
-    private show(answer: TwistAnswer): void {
+    private show(answer: TwistAnswer, by: number[]): void {
         // Another step may be shown by now.
         if (!this.out.isConnected) return;
         const [before, after] = answer.tables.map((table) => JSON.parse(table.text) as TableFile) as [TableFile, TableFile];
@@ -116,6 +117,7 @@ export class TwistStep {
             h("table", { id: "twist-dh" }, h("thead", {}, h("tr", {}, ...["row", "θ", "d, mm", "α", "a, mm"].map((words) => h("th", { scope: "col" }, words)))), h("tbody", {}, ...rows)),
             h("p", { class: "fine" }, `Orange: the axis now, and its common normals${neighbours.length ? "" : " (it has no neighbour)"}; grey: as drawn. Axes that meet or are parallel have no normal of their own: there a small turn makes the numbers jump, the numbers and not the robot. Here a is not negative, as the paper has it.`));
         this.out.dataset["changed"] = JSON.stringify(changed);
+        this.out.dataset["by"] = JSON.stringify(by);
     }
 
     private drawAxes(moved: Line, answer: TwistAnswer): void {

@@ -93,6 +93,11 @@ def drop_robot(page, *files):
     expect(page.locator("#dh tbody tr").first).to_be_visible()
 
 
+def drawn(page):
+    """Waits until what was asked for has been drawn: a frame that was asked for before this one, and this one."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
 def downloaded(page, selector):
     with page.expect_download() as waited:
         page.click(selector)
@@ -139,7 +144,8 @@ def complains(page, words):
 
 def shot(page, name):
     SHOTS.mkdir(parents=True, exist_ok=True)
-    page.wait_for_timeout(500)
+    drawn(page)
+    page.wait_for_timeout(300)
     page.screenshot(path=SHOTS / f"{name}.png")
 
 

@@ -10,7 +10,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, table_of, with_page, without, zipped
+from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drawn, drop, drop_robot, explorer, needs_page, same, shot, table_of, with_page, without, zipped
 from playwright.sync_api import expect
 from scipy.linalg import expm
 
@@ -309,8 +309,7 @@ def moved_by(page, by):
     """Moves the six sliders of the twist and waits for what becomes of it."""
     for at, value in enumerate(by):
         page.locator(f'input[data-twist="{at}"]').evaluate("(it, value) => { it.value = value; it.dispatchEvent(new Event('input')); }", value)
-    page.wait_for_function("() => document.querySelector('#twist-dh')")
-    page.wait_for_timeout(300)
+    page.wait_for_function("by => { const shown = JSON.parse(document.querySelector('#twist-numbers')?.dataset.by ?? '[]'); return shown.length === by.length && shown.every((it, at) => Math.abs(it - by[at]) < 1e-12); }", arg=by)
     return json.loads(page.get_attribute("#twist-numbers", "data-changed"))
 
 
@@ -454,7 +453,8 @@ def test_what_is_replaced_is_given_back(explorer):
         for robot in ("rethink/baxter.urdf", "universal_robots/ur5e.urdf"):
             drop(page, ROBOTS / robot)
             page.wait_for_function("name => window.denavit.app.robot.file === name && window.denavit.app.table", arg=robot.split("/")[1])
-            page.wait_for_timeout(200)
+            drawn(page)
+            page.wait_for_function("() => window.denavit.app.view.geometries > 0")
         held.append(page.evaluate("() => [window.denavit.app.view.geometries, window.denavit.app.engine.memory]"))
     assert held[-1][0] == held[0][0], held
     assert held[-1][1] <= held[0][1] * 1.5, held

@@ -4,7 +4,7 @@ import math
 import struct
 
 import pytest
-from explorer_page import ROBOTS, UR5E, browser, drop, drop_robot, explorer, needs_page, shot
+from explorer_page import ROBOTS, UR5E, browser, drawn, drop, drop_robot, explorer, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -156,7 +156,7 @@ def test_a_box_of_inertia_is_the_box_that_has_it(explorer):
 def test_the_picture_can_be_kept(explorer):
     page = explorer()
     drop_robot(page, UR5E)
-    page.wait_for_timeout(500)
+    drawn(page)
     with page.expect_download() as waited:
         page.click("#picture")
     assert waited.value.suggested_filename == "ur5e.png"
@@ -186,8 +186,7 @@ def test_compare_looks_at_both_robots(explorer):
     page.click("#tab-Compare")
     drop(page, ("far.urdf", far.encode()))
     expect(page.locator("#verdict")).to_be_visible()
-    page.wait_for_timeout(500)
-    inside = page.evaluate(
+    page.wait_for_function(
         """() => {
           const { view } = window.denavit.app;
           return [0, 1].flatMap((at) => view.bodies[at].places()).every((place) => {
@@ -196,7 +195,6 @@ def test_compare_looks_at_both_robots(explorer):
           });
         }"""
     )
-    assert inside
 
 
 def test_arrow_keys_go_from_tab_to_tab(explorer):

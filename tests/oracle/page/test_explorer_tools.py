@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from explorer_page import PAGE, ROBOTS, UR5E, browser, drop, drop_robot, explorer, needs_page, shot
+from explorer_page import PAGE, ROBOTS, UR5E, browser, drawn, drop, drop_robot, explorer, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -74,7 +74,7 @@ def test_the_picture_can_be_kept_as_svg(explorer):
     page = explorer()
     drop_robot(page, UR5E)
     moved(page, POSTURE)
-    page.wait_for_timeout(300)
+    drawn(page)
     shown = page.evaluate("() => [...document.querySelectorAll('.labels .tag')].filter((it) => !it.hidden).map((it) => it.textContent)")
     with page.expect_download() as waited:
         page.click("#drawing")
@@ -119,7 +119,7 @@ def test_the_ruler_measures_between_frames_and_follows_them(explorer):
     drop_robot(page, UR5E)
     moved(page, POSTURE)
     page.click("#measure")
-    page.wait_for_timeout(300)
+    drawn(page)
     origins = page.evaluate(
         """() => { const { app } = window.denavit; const base = app.view.pose(0, app.table.base);
           return Object.fromEntries(window.denavit.placed(app.table, (name) => app.value(name)).map(({ label, to }) => [label, to.clone().premultiply(base).elements.slice(12, 15)])); }"""
