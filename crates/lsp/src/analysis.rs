@@ -144,6 +144,14 @@ pub(crate) fn analyse(files: &Files, path: &Path, settings: &Settings, robots: &
     let name = path.to_string_lossy().into_owned();
     let options = settings.options(path);
     let work = Work { files, name: &name };
+    // Words before the first element would make it a table of numbers, which is none of an editor's languages.
+    let before = text.text.len() - text.text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}').len();
+    if !text.text[before..].starts_with('<') {
+        let end = text.text.find('<').unwrap_or(text.text.len());
+        let message = "the file does not begin with an element; remove what is before it";
+        made.problems.push(work.problem(before..end, Level::Error, message));
+        return made;
+    }
     let outcome = files.over_the_disk(|| {
         if is_xacro(&text.text) && (name.to_ascii_lowercase().ends_with(".xacro") || has_xacro_elements(&text.text)) {
             let expanded = denavit_load::expanded_with_trace(&name, &text.text, &options)?;

@@ -8,5 +8,6 @@ pub(crate) mod folding;
 pub(crate) mod format;
 pub(crate) mod hover;
 pub(crate) mod lens;
+pub(crate) mod passed;
 pub(crate) mod rename;
 pub(crate) mod symbols;

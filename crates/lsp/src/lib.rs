@@ -25,6 +25,7 @@ mod session;
 mod settings;
 mod text;
 mod uri;
+mod vocabulary;
 
 pub use lsp_server::Connection;
 pub use server::{ServeError, serve, serve_stdio};

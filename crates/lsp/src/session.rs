@@ -70,9 +70,17 @@ impl Files {
 
     /// Runs `work` where open buffers hide the files of their names.
     pub fn over_the_disk<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.with_texts(&BTreeMap::new(), work)
+    }
+
+    /// Runs `work` where these texts hide the files of their names, and open buffers other files.
+    pub fn with_texts<T>(&self, texts: &BTreeMap<PathBuf, String>, work: impl FnOnce() -> T) -> T {
         let mut held = Held::over_the_disk();
-        for (path, seen) in &self.open {
+        for (path, seen) in self.open.iter().filter(|(path, _)| !texts.contains_key(*path)) {
             held.add(path, seen.text.text.clone().into_bytes());
+        }
+        for (path, text) in texts {
+            held.add(path, text.clone().into_bytes());
         }
         files::with(Some(Arc::new(held)), work)
     }

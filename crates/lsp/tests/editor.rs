@@ -147,6 +147,15 @@ impl Editor {
         self.ask(method, params)
     }
 
+    /// Where a name is from, and every place that it is in.
+    pub fn definition_and_references(&mut self, file: &str, place: &str) -> String {
+        let definition = self.ask_at("textDocument/definition", file, place, &Value::Null).unwrap();
+        let asked = json!({"context": {"includeDeclaration": true}});
+        let references = self.ask_at("textDocument/references", file, place, &asked).unwrap();
+        let (definition, references) = (self.places(&definition), self.places(&references).replace('\n', "\n    "));
+        format!("{file} {place}\n  is from {definition}\n  is in\n    {references}\n\n")
+    }
+
     /// What a hover says.
     pub fn hover(&mut self, file: &str, marked: &str) -> String {
         let answer = self.ask_at("textDocument/hover", file, marked, &Value::Null).unwrap();

@@ -54,6 +54,9 @@ fn problems_come_as_you_type_and_go_when_they_are_fixed() {
     editor.type_over("hinge.urdf", "link=\"frme\"/>", "link=\"frame\"");
     let _ = writeln!(said, "\na tag that is not closed:\n{}", editor.problems("hinge.urdf"));
     editor.type_over("hinge.urdf", "link=\"frame\"", "link=\"frame\"/>");
+    editor.type_over("hinge.urdf", "<?xml", "1<?xml");
+    let _ = writeln!(said, "\na letter before everything:\n{}", editor.problems("hinge.urdf"));
+    editor.type_over("hinge.urdf", "1<?xml", "<?xml");
     editor.type_over("hinge.urdf", "0 0 2", "0 0 1");
     editor.type_over("hinge.urdf", "rpy=\"1.5708 0 0\"", "rpy=\"0 0 0\"");
     let _ = writeln!(said, "\nfixed:\n{}", editor.problems("hinge.urdf"));
@@ -202,16 +205,32 @@ fn definitions_and_references() {
         (SRDF, "<joint name=\"|left_shoulder\""),
         (SRDF, "group=\"|left\""),
     ];
-    let mut said = String::new();
-    for (file, place) in places {
-        let definition = editor.ask_at("textDocument/definition", file, place, &Value::Null).unwrap();
-        let asked = json!({"context": {"includeDeclaration": true}});
-        let references = editor.ask_at("textDocument/references", file, place, &asked).unwrap();
-        let definition = editor.places(&definition);
-        let references = editor.places(&references).replace('\n', "\n    ");
-        let _ = writeln!(said, "{file} {place}\n  is from {definition}\n  is in\n    {references}\n");
-    }
+    let said: String = places.iter().map(|(file, place)| editor.definition_and_references(file, place)).collect();
     recorded!("definitions", said);
+}
+
+#[test]
+fn materials_have_their_definitions_and_references() {
+    let mut editor = editor();
+    let urdf = "<robot name=\"p\">\n<material name=\"steel\"><color rgba=\"1 1 1 1\"/></material>\n\
+        <link name=\"a\"><visual><geometry><sphere radius=\"1\"/></geometry><material name=\"steel\"/></visual></link>\n\
+        <link name=\"b\"><visual><geometry><sphere radius=\"2\"/></geometry><material name=\"steel\"/></visual></link>\n\
+        <joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n</robot>\n";
+    let mjcf = "<mujoco>\n<asset><material name=\"steel\"/><mesh name=\"shell\" file=\"s.stl\"/></asset>\n<worldbody>\n\
+        <geom type=\"sphere\" size=\"1\" material=\"steel\"/>\n<geom type=\"mesh\" mesh=\"shell\" material=\"steel\"/>\n\
+        </worldbody>\n</mujoco>\n";
+    editor.open_as("painted.urdf", urdf);
+    editor.open_as("painted.xml", mjcf);
+    let places = [
+        ("painted.urdf", "1\"/></geometry><material name=\"|steel"),
+        ("painted.urdf", "<material name=\"|steel\"><color"),
+        ("painted.xml", "size=\"1\" material=\"|steel"),
+        ("painted.xml", "mesh=\"|shell"),
+    ];
+    let said: String = places.iter().map(|(file, place)| editor.definition_and_references(file, place)).collect();
+    recorded!("materials", said);
+    let edit = editor.ask_at("textDocument/rename", "painted.urdf", places[0].1, &json!({"newName": "brass"}));
+    assert_eq!(edit.unwrap_err(), "only links and joints are renamed, and \"steel\" names the material");
 }
 
 #[test]
@@ -233,20 +252,30 @@ fn a_rename_of_a_urdf_is_that_of_the_proved_edit() {
     assert_eq!(taken.unwrap_err(), "hinge: a link has the name \"knob\" already");
 }
 
+/// Lines that differ from the files on the disk.
+fn changed_lines(edited: &std::collections::BTreeMap<String, String>) -> String {
+    let mut said = String::new();
+    for (file, text) in edited {
+        let before = std::fs::read_to_string(files().join(file)).unwrap();
+        let _ = writeln!(said, "{file}");
+        for (after, before) in text.lines().zip(before.lines()).filter(|(after, before)| after != before) {
+            let _ = writeln!(said, "    {} -> {}", before.trim(), after.trim());
+        }
+    }
+    said
+}
+
 #[test]
 fn a_rename_goes_through_xacro_and_srdf_and_stops_at_an_expression() {
     let mut editor = editor();
     editor.open(XACRO);
     let edit =
         editor.ask_at("textDocument/rename", XACRO, "<child link=\"|camera\"", &json!({"newName": "eye"})).unwrap();
-    let mut said = String::new();
-    for (file, text) in editor.edited(&edit) {
-        let before = std::fs::read_to_string(files().join(&file)).unwrap();
-        let _ = writeln!(said, "{file}");
-        for (after, before) in text.lines().zip(before.lines()).filter(|(after, before)| after != before) {
-            let _ = writeln!(said, "    {} -> {}", before.trim(), after.trim());
-        }
-    }
+    let mut said = changed_lines(&editor.edited(&edit));
+    // The macro is given this name: the calls change, the macro stays.
+    let edit =
+        editor.ask_at("textDocument/rename", XACRO, "<link name=\"|base\"", &json!({"newName": "torso"})).unwrap();
+    let _ = writeln!(said, "what calls pass on:\n{}", changed_lines(&editor.edited(&edit)));
     let range = editor.ask_at("textDocument/prepareRename", XACRO, "<child link=\"|camera\"", &Value::Null).unwrap();
     let _ = writeln!(said, "prepared: {}", serde_json::to_string(&range).unwrap());
     editor.open(MACRO);
@@ -260,6 +289,10 @@ fn a_rename_goes_through_xacro_and_srdf_and_stops_at_an_expression() {
         let refused = editor.ask_at("textDocument/rename", file, place, &json!({"newName": "other"})).unwrap_err();
         let _ = writeln!(said, "{file} {place}\n    {}", editor.shown(&refused));
     }
+    editor.type_over(MACRO, "<link name=\"${prefix}upper\">", "<link name=\"${prefix}on_${parent}\"/><joint name=\"${prefix}f\" type=\"fixed\"><parent link=\"${parent}\"/><child link=\"${prefix}on_${parent}\"/></joint><link name=\"${prefix}upper\">");
+    let refused =
+        editor.ask_at("textDocument/rename", XACRO, "<link name=\"|base\"", &json!({"newName": "torso"})).unwrap_err();
+    let _ = writeln!(said, "a parameter of which another name is made:\n    {}", editor.shown(&refused));
     recorded!("rename", said);
 }
 
@@ -273,6 +306,21 @@ fn completion_offers_what_may_stand_there() {
     editor.type_over(XACRO, "<gazebo reference=\"camera\"/>", "<gazebo reference=\"\"/>\n  <xacro:arm />\n  <xa\n  <frame name=\"${q}\" other=\"$(find )\" more=\"$(arg )\"/>\n  <mesh filename=\"package://\"/>\n  <mesh filename=\"package://arm_description/meshes/\"/>");
     editor.open(SRDF);
     editor.type_over(SRDF, "tip_link=\"left_uper\"", "tip_link=\"\" ");
+    editor.open("hinge.sdf");
+    let door = "<pose>0.1 0 0 0 0 1.5708</pose>";
+    editor.type_over("hinge.sdf", door, &format!("{door}<gravity></gravity><pose />\n      <pose relative_to=\"\"/>"));
+    editor.type_over("hinge.sdf", "      <axis>", "      <ax\n      <axis>");
+    editor.open("hinge.xml");
+    editor.type_over(
+        "hinge.xml",
+        "  <worldbody>",
+        "  <default><default class=\"visual\"/></default><asset><material name=\"steel\"/></asset>\n  <worldbody>",
+    );
+    editor.type_over(
+        "hinge.xml",
+        "        <geom",
+        "        <ge\n        <freejoint /><geom class=\"\" material=\"\"/>\n        <geom",
+    );
     let places = [
         ("hinge.urdf", "<joint name=\"n\" type=\"|\""),
         ("hinge.urdf", "    <par|\n"),
@@ -290,6 +338,18 @@ fn completion_offers_what_may_stand_there() {
         (XACRO, "package://arm_description/meshes/|\""),
         (SRDF, "tip_link=\"|\""),
         (SRDF, "reason=\"|Never"),
+        ("hinge.sdf", "<joint name=\"turn\" type=\"|revolute"),
+        ("hinge.sdf", "      <ax|\n"),
+        ("hinge.sdf", "<gravity>|"),
+        ("hinge.sdf", "<pose |/>"),
+        ("hinge.sdf", "relative_to=\"|\""),
+        ("hinge.sdf", "<parent>|frame"),
+        ("hinge.xml", "<joint name=\"turn\" type=\"|hinge"),
+        ("hinge.xml", "        <ge|\n"),
+        ("hinge.xml", "<freejoint |/>"),
+        ("hinge.xml", "joint=\"|turn\""),
+        ("hinge.xml", "class=\"|\""),
+        ("hinge.xml", "material=\"|\""),
     ];
     let mut said = String::new();
     for (file, place) in places {
@@ -330,18 +390,26 @@ fn the_outline_is_the_tree_of_links_and_of_other_files_their_elements() {
 #[test]
 fn elements_fold_and_formatting_changes_white_space_only() {
     let mut editor = editor();
-    editor.open("hinge.urdf");
-    let folds = editor.ask_of("textDocument/foldingRange", "hinge.urdf", &Value::Null).unwrap();
-    let folds: Vec<String> = folds
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|fold| format!("{}-{}", fold["startLine"].as_u64().unwrap() + 1, fold["endLine"].as_u64().unwrap() + 1))
-        .collect();
-    recorded!("folding", folds.join(" "));
     let options = json!({"options": {"tabSize": 2, "insertSpaces": true}});
-    let edits = editor.ask_of("textDocument/formatting", "hinge.urdf", &options).unwrap();
-    assert_eq!(edits, json!([]), "it is as it should be");
+    let mut said = String::new();
+    for file in ["hinge.urdf", "hinge.sdf", "hinge.xml"] {
+        editor.open(file);
+        let folds = editor.ask_of("textDocument/foldingRange", file, &Value::Null).unwrap();
+        let line = |fold: &Value, end: &str| fold[end].as_u64().unwrap() + 1;
+        let folds = folds.as_array().unwrap();
+        let folds: Vec<String> =
+            folds.iter().map(|fold| format!("{}-{}", line(fold, "startLine"), line(fold, "endLine"))).collect();
+        let _ = writeln!(said, "{file}: {}", folds.join(" "));
+        let edits = editor.ask_of("textDocument/formatting", file, &options).unwrap();
+        assert_eq!(edits, json!([]), "{file} is as it should be");
+        let text = editor.text(file).to_owned();
+        let crooked = text.replace("\n    <", "\n <").replace("    <joint name", "\t<joint  name");
+        editor.open_as(file, &crooked);
+        let edits = editor.ask_of("textDocument/formatting", file, &options).unwrap();
+        assert_eq!(with_edits(&crooked, &edits), text, "{file}");
+        editor.open_as(file, &text);
+    }
+    recorded!("folding", said);
     let text = editor.text("hinge.urdf").to_owned();
     editor.type_over("hinge.urdf", "  <link name=\"frame\"/>\n", "<link   name = \"frame\" />");
     editor.type_over("hinge.urdf", "    <inertial>\n", "\t<inertial>");

@@ -45,11 +45,7 @@ fn a_real_macro_is_hovered_followed_and_checked() {
         let _ = writeln!(said, "{file} {place}\n{}\n", editor.hover(file, place));
     }
     for (file, place) in places {
-        let definition = editor.ask_at("textDocument/definition", file, place, &Value::Null).unwrap();
-        let asked = json!({"context": {"includeDeclaration": true}});
-        let references = editor.ask_at("textDocument/references", file, place, &asked).unwrap();
-        let (definition, references) = (editor.places(&definition), editor.places(&references).replace('\n', "\n    "));
-        let _ = writeln!(said, "{file} {place}\n  is from {definition}\n  is in\n    {references}\n");
+        said.push_str(&editor.definition_and_references(file, place));
     }
     recorded!("vendor_ur", said);
 }

@@ -5,6 +5,7 @@ use crate::features::definition::{evaluated, packages};
 use crate::markup::{Markup, Spot};
 use crate::names::{Kind, Language, XACRO};
 use crate::session::Session;
+use crate::vocabulary::{self, Words};
 use denavit_edit::{Kind as Named, named_by_attribute, named_by_text};
 use denavit_model::urdf::vocabulary;
 use gen_lsp_types::{CompletionItem, CompletionItemKind, CompletionItemTextEdit, TextEdit};
@@ -96,6 +97,81 @@ impl Offer<'_> {
         way.iter().skip(1).map(name).filter(|name| !name.starts_with("xacro:")).collect()
     }
 
+    /// What may stand in an element of SDF or MJCF.
+    fn words_of(&self, tag: usize) -> Option<Words> {
+        let mut way: Vec<usize> = std::iter::once(tag).chain(self.markup.around(tag)).collect();
+        way.reverse();
+        let name = |tag: &usize| &self.text[self.markup.tags[*tag].name.clone()];
+        let mut way: Vec<&str> = way.iter().map(name).filter(|name| !name.starts_with("xacro:")).collect();
+        match self.language() {
+            Language::Mjcf => {
+                // A file that is included begins anew, with whatever the model may have.
+                way[0] = "mujoco";
+                vocabulary::words(vocabulary::MJCF, &way)
+            }
+            Language::Sdf => vocabulary::words(vocabulary::SDF, &way),
+            _ => None,
+        }
+    }
+
+    /// Names of elements with a tag, or in an element of that name, in the files that belong together.
+    fn names_of(&mut self, tag: &str, attribute: &str) {
+        for file in self.files() {
+            let (Some(text), Some(markup)) = (self.session.files.text(&file), self.session.files.markup(&file)) else {
+                continue;
+            };
+            let shown = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            for (index, own) in markup.tags.iter().enumerate() {
+                let around = markup.around(index).next().map(|parent| markup.local(&text.text, parent));
+                if (markup.local(&text.text, index) == tag || around == Some(tag))
+                    && let Some(name) = own.attribute(&text.text, attribute)
+                {
+                    self.add(name, &shown, CompletionItemKind::Reference);
+                }
+            }
+        }
+    }
+
+    /// Values of an attribute of SDF or MJCF; whether something is known of it.
+    fn listed(&mut self, tag: usize, name: &str) -> bool {
+        let language = self.language();
+        if !matches!(language, Language::Sdf | Language::Mjcf) {
+            return false;
+        }
+        let known = self.words_of(tag).unwrap_or_default();
+        let listed = known.of(name).to_vec();
+        for word in &listed {
+            self.add(*word, "", CompletionItemKind::EnumMember);
+        }
+        if !listed.is_empty() || name == "name" {
+            return true;
+        }
+        let own = self.markup.local(self.text, tag).to_owned();
+        match (language, name) {
+            (Language::Mjcf, "class" | "childclass") => {
+                if own != "default" {
+                    self.names_of("default", "class");
+                }
+            }
+            // `joint`, `body1`, `site2`: a name of such an element; actuators have tags of their own.
+            (Language::Mjcf, _) => {
+                let tag = name.trim_end_matches(|c: char| c.is_ascii_digit());
+                if !["joint", "body"].contains(&tag) {
+                    self.names_of(tag, "name");
+                }
+                return !self.items.is_empty();
+            }
+            (_, "relative_to" | "attached_to" | "expressed_in" | "placement_frame") => {
+                self.names_of("frame", "name");
+                self.parts(Named::Either);
+                self.add("__model__", "the frame of the model", CompletionItemKind::Keyword);
+            }
+            (_, "canonical_link") => self.parts(Named::Link),
+            _ => return false,
+        }
+        true
+    }
+
     fn is_xacro(&self) -> bool {
         denavit_xacro::is_xacro(self.text)
     }
@@ -116,8 +192,12 @@ impl Offer<'_> {
                     self.add(child, "", CompletionItemKind::Class);
                 }
             }
-            // Their vocabularies are hundreds of words, which their own schemas give.
-            Language::Sdf | Language::Mjcf => {}
+            Language::Sdf | Language::Mjcf => {
+                let known = parent.and_then(|parent| self.words_of(parent)).unwrap_or_default();
+                for child in known.children {
+                    self.add(child, "", CompletionItemKind::Class);
+                }
+            }
         }
         if self.is_xacro() {
             for name in XACRO {
@@ -152,7 +232,10 @@ impl Offer<'_> {
                 let own = denavit_compare::lint::srdf::attributes_of(&full, parent);
                 own.iter().map(|name| (*name).to_owned()).collect()
             }
-            (None, _) => Vec::new(),
+            (None, Language::Sdf | Language::Mjcf) => {
+                let known = self.words_of(tag).unwrap_or_default();
+                known.attributes.into_iter().map(|(name, _)| name.to_owned()).collect()
+            }
         };
         let of = &self.markup.tags[tag].attributes;
         let is_here = |name: &Range<usize>| name.start <= self.at && self.at <= name.end;
@@ -254,6 +337,7 @@ impl Offer<'_> {
                 self.paths(value.start);
             }
             (Some(_), ..) => {}
+            _ if self.listed(tag, &name) => {}
             (None, "joint", "type") => {
                 for (word, what) in TYPES {
                     self.add(word, what, CompletionItemKind::EnumMember);
@@ -298,6 +382,14 @@ impl Offer<'_> {
     fn words(&mut self, tag: usize) {
         let Some(inside) = self.markup.tags[tag].inside() else { return };
         let (local, name) = (self.markup.local(self.text, tag), self.markup.tags[tag].attribute(self.text, "name"));
+        let listed = self.words_of(tag).map_or(Vec::new(), |known| known.values);
+        if !listed.is_empty() {
+            self.from = self.at - self.text[inside.start..self.at].trim_start().len();
+            for word in listed {
+                self.add(word, "", CompletionItemKind::EnumMember);
+            }
+            return;
+        }
         let Some(kind) = named_by_text(local, name).filter(|_| self.language() != Language::Mjcf) else { return };
         let before = &self.text[inside.start..self.at];
         let start = before.rfind([' ', ',', '\n', '\t']).map_or(inside.start, |at| inside.start + at + 1);

@@ -117,18 +117,24 @@ pub(crate) fn uses(session: &Session, path: &Path, target: &Target) -> Vec<Use> 
     found
 }
 
-/// The macro whose parameter a property is; `None` where it is no parameter.
+/// The bytes of the macro whose parameter a property is; `None` where it is no parameter.
 fn parameter_home(session: &Session, path: &Path, name: &Occurrence) -> Option<Bytes<usize>> {
+    let tag = macro_of(session, path, name)?;
+    let markup = session.files.markup(path)?;
+    Some(markup.tags[tag].start.start..markup.tags[tag].end())
+}
+
+/// The element of the macro whose parameter a property is.
+pub(crate) fn macro_of(session: &Session, path: &Path, name: &Occurrence) -> Option<usize> {
     if name.kind != Kind::Property {
         return None;
     }
     let (text, markup, names) = (session.files.text(path)?, session.files.markup(path)?, session.files.names(path)?);
     let own = std::iter::once(name.tag).chain(markup.around(name.tag));
     let macros = own.filter(|tag| &text.text[markup.tags[*tag].name.clone()] == "xacro:macro");
-    macros.into_iter().find_map(|tag| {
-        let declares = |other: &Occurrence| other.tag == tag && other.defines && other.name == name.name;
-        let is_one = names.iter().any(|other| other.kind == Kind::Property && declares(other));
-        is_one.then(|| markup.tags[tag].start.start..markup.tags[tag].end())
+    macros.into_iter().find(|tag| {
+        let declares = |other: &Occurrence| other.tag == *tag && other.defines && other.name == name.name;
+        names.iter().any(|other| other.kind == Kind::Property && declares(other))
     })
 }
 
@@ -144,7 +150,8 @@ pub(crate) fn definition(session: &Session, path: &Path, at: usize) -> Vec<Locat
     let file = |path: PathBuf| vec![location(session, &Spot { file: real(&path), range: 0..0 })];
     match target.occurrence.kind {
         Kind::Include | Kind::Mesh => {
-            if let Some(path) = file_of(session, path, &target.occurrence) {
+            // In MJCF a mesh is an asset with a name.
+            if let Some(path) = file_of(session, path, &target.occurrence).filter(|path| path.is_file()) {
                 return file(path);
             }
         }

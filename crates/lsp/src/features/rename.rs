@@ -1,12 +1,15 @@
 //! Another name for a link or joint, wherever it is used.
 
+use crate::analysis::{Analysis, Spot};
 use crate::features::definition::{Target, is_part_of_tree, target, uses};
+use crate::features::passed::passed;
 use crate::names::{Kind, Language};
 use crate::session::{Session, descriptions_near};
 use crate::uri::uri_of;
+use denavit_edit::{Operation, Renaming};
 use gen_lsp_types::{Range, TextEdit, Uri, WorkspaceEdit};
-use std::collections::HashMap;
-use std::path::Path;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
 
 fn renamed(session: &Session, path: &Path, at: usize) -> Result<Target, String> {
     let target =
@@ -70,13 +73,34 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
             !is_either
         });
     }
-    if let Some(made) = found.iter().find(|found| !found.plain) {
-        let place = session.files.text(&made.at.file).map_or(0, |text| text.line_of(made.at.range.start) + 1);
-        return Err(format!(
-            "an expression makes the {} \"{old}\" at {}:{place}; rename it there",
-            kind.word(),
-            made.at.file.display()
-        ));
+    let mut spots: Vec<Spot> = found.iter().filter(|found| found.plain).map(|found| found.at.clone()).collect();
+    let mut handed_on: Vec<Spot> = Vec::new();
+    for made in found.iter().filter(|found| !found.plain) {
+        let sources = passed(session, &made.at, &old);
+        if sources.is_empty() {
+            return Err(format!(
+                "an expression makes the {} \"{old}\" at {}; rename it there",
+                kind.word(),
+                place(session, &made.at)
+            ));
+        }
+        handed_on.extend(sources);
+    }
+    spots.extend(handed_on.iter().cloned());
+    spots.sort_by(|a, b| (&a.file, a.range.start).cmp(&(&b.file, b.range.start)));
+    spots.dedup();
+    if let Some(first) = handed_on.first() {
+        let texts = edited(session, &spots, new);
+        for robot in robots.iter().filter(|robot| robot.trace.is_some()) {
+            prove(session, robot, &texts, (kind, &old, new)).map_err(|why| {
+                format!(
+                    "\"{old}\" is handed on at {}, and more than the {} is made of it ({why}); give the other use a \
+                     parameter of its own",
+                    place(session, first),
+                    kind.word()
+                )
+            })?;
+        }
     }
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     let mut change = |file: &Path, range: std::ops::Range<usize>| {
@@ -85,8 +109,8 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
             edits.push(TextEdit { range: text.range(&range), new_text: new.to_owned() });
         }
     };
-    for found in &found {
-        change(&found.at.file, found.at.range.clone());
+    for spot in &spots {
+        change(&spot.file, spot.range.clone());
     }
     // SRDF files beside the robot that nobody has open.
     let names: Vec<&str> = robots.iter().filter_map(|analysis| Some(analysis.robot.as_ref()?.name.as_str())).collect();
@@ -105,4 +129,54 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
         }
     }
     Ok(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() })
+}
+
+/// Where something is, for a message.
+fn place(session: &Session, at: &Spot) -> String {
+    let line = session.files.text(&at.file).map_or(0, |text| text.line_of(at.range.start) + 1);
+    format!("{}:{line}", at.file.display())
+}
+
+/// The texts of files with another name at these bytes, which are in order.
+fn edited(session: &Session, spots: &[Spot], new: &str) -> BTreeMap<PathBuf, String> {
+    let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
+    for spot in spots.iter().rev() {
+        let Some(text) = session.files.text(&spot.file) else { continue };
+        let text = texts.entry(spot.file.clone()).or_insert_with(|| text.text.clone());
+        text.replace_range(spot.range.clone(), new);
+    }
+    texts
+}
+
+/// Whether the edited texts expand to the robot with its link or joint renamed, and nothing else changed.
+fn prove(
+    session: &Session,
+    robot: &Analysis,
+    texts: &BTreeMap<PathBuf, String>,
+    (kind, old, new): (Kind, &str, &str),
+) -> Result<(), String> {
+    let is_there = robot.robot.as_ref().is_some_and(|own| match kind {
+        Kind::Joint => own.joint_index(old).is_some(),
+        _ => own.link_index(old).is_some(),
+    });
+    let named = if kind == Kind::Joint { "joint" } else { "link" };
+    let file = robot.file.to_string_lossy();
+    let mut expected = robot.urdf.clone();
+    if is_there {
+        let names = vec![Renaming { kind: Some(named), old: old.into(), new: new.into() }];
+        let files = denavit_edit::Files::urdf(&*file, expected.as_str());
+        let done = denavit_edit::apply(&files, &[Operation::Rename { names }]).map_err(|error| error.to_string())?;
+        expected = done.files.urdf.text;
+    }
+    let own = session.files.text(&robot.file).ok_or("the file is gone")?;
+    let text = texts.get(&robot.file).unwrap_or(&own.text);
+    let options = session.settings.options(&robot.file);
+    let expanded = session.files.with_texts(texts, || denavit_load::expanded_with_trace(&file, text, &options));
+    let made = expanded.map_err(|error| error.to_string())?.urdf;
+    let differs = made.lines().zip(expected.lines()).find(|(made, expected)| made != expected);
+    match differs {
+        Some((made, _)) => Err(format!("it would give {}", made.trim())),
+        None if made.len() == expected.len() => Ok(()),
+        None => Err("it would give a robot of another size".to_owned()),
+    }
 }
