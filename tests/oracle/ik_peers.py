@@ -7,12 +7,15 @@
 Arms: makers' URDF, three factory-calibrated arms of Universal Robots (../shared/vendor), random axes. A solution counts if it
 reaches the pose within 1e-6 (rad, share of the size); columns of solutions are means per pose. `lost` counts postures that are not among
 the solutions of their own pose, `we miss` a peer's solutions that are not among ours, `it misses` the reverse. Times: processor time of one
-thread per pose, all branches; ours and EAIK's native code in a loop, ssik's Python.
+thread per pose, all branches: ours in a loop, EAIK's batch call, which makes a Python object per pose, ssik's Python call.
+`none`: the peer has no method for the arm, or no answer within the processor time allowed; standard error says which.
 Packages: numpy, pin, EAIK, ssik.
 """
 
 import argparse
+import contextlib
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,6 +28,12 @@ TOP = Path(__file__).resolve().parents[2]
 SHARED = TOP.parent / "shared/vendor"
 REACHED = 1e-6
 SAME = 1e-4
+# Passes over the poses; the quickest counts, as other programs make the others slower.
+TIMES = 3
+# Passes of ours in a run, beside the one whose solutions are compared.
+MORE = 4
+# Processor time of a peer on one arm, s.
+PATIENCE = 20
 IDEAL = {
     "ur10": ([0.1273, 0, 0, 0.163941, 0.1157, 0.0922], [0, -0.612, -0.5723, 0, 0, 0]),
     "ur10e": ([0.1807, 0, 0, 0.17415, 0.11985, 0.11655], [0, -0.6127, -0.57155, 0, 0, 0]),
@@ -164,9 +173,12 @@ def eaik(arm, rotations, places):
     targets = np.tile(np.eye(4), (len(places), 1, 1))
     # EAIK's tip is turned as the base at zero.
     targets[:, :3, :3], targets[:, :3, 3] = rotations @ arm.home[:3, :3].T, places
-    begun = time.process_time()
-    found = robot.IK_batched(targets, 1)
-    micros = (time.process_time() - begun) / len(targets) * 1e6
+    spent = []
+    for _ in range(TIMES):
+        begun = time.process_time()
+        found = robot.IK_batched(targets, 1)
+        spent.append(time.process_time() - begun)
+    micros = min(spent) / len(targets) * 1e6
     pairs = [(at, q) for at, one in enumerate(found) for q in np.atleast_2d(one.Q) if q.size]
     return np.array([at for at, _ in pairs], int), np.array([q for _, q in pairs]).reshape(-1, 6), micros
 
@@ -174,10 +186,16 @@ def eaik(arm, rotations, places):
 def ours(arm, q, program, folder):
     (folder / "arm.txt").write_text(arm.text())
     q.astype("<f8").tofile(folder / "poses.bin")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    method = subprocess.run([program, folder / "arm.txt", folder / "poses.bin", folder / "solutions.bin"], capture_output=True, text=True, check=True).stdout.strip()
-    # Start and files are in it, too.
-    micros = (resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before) / len(q) * 1e6
+
+    def run(times):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        words = [program, folder / "arm.txt", folder / "poses.bin", folder / "solutions.bin", str(times)]
+        method = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, method
+
+    # The difference is the solver's time alone, without the start and the files.
+    (once, method), *more = [run(0) for _ in range(TIMES)]
+    micros = (min(run(MORE)[0] for _ in range(TIMES)) - min([once, *(time for time, _ in more)])) / MORE / len(q) * 1e6
     rows = np.fromfile(folder / "solutions.bin", "<f8").reshape(-1, arm.n + 1)
     return rows[:, 0].astype(int), rows[:, 1:], micros, method
 
@@ -205,14 +223,19 @@ def reaching(arm, index, q, rotations, places):
     rotation, place = arm.fk(q)
     good = (np.abs(rotation - rotations[index]).max(axis=(1, 2)) < REACHED) & (np.linalg.norm(place - places[index], axis=1) < REACHED * arm.size)
     index, q = index[good], q[good]
-    keep = []
-    for at in np.split(np.arange(len(index)), np.flatnonzero(np.diff(index)) + 1):
-        own = []
-        for k in at:
-            if not any(apart(q[k], q[other]) < SAME for other in own):
-                own.append(k)
-        keep.extend(own)
-    return index[keep], q[keep]
+    by_pose, place_in = by_poses(index, q)
+    same = apart(by_pose[:, :, None], by_pose[:, None]) < SAME
+    again = np.tril(same, -1).any(axis=2)[index, place_in]
+    return index[~again], q[~again]
+
+
+def by_poses(index, q):
+    """Solutions as (pose, number, joint), NaN where a pose has fewer; and the number of each solution."""
+    count = np.bincount(index) if len(index) else np.zeros(1, int)
+    number = np.arange(len(index)) - (np.cumsum(count) - count)[index]
+    table = np.full((len(count), max(1, count.max()), q.shape[1]), np.nan)
+    table[index, number] = q
+    return table, number
 
 
 def apart(a, b):
@@ -221,8 +244,26 @@ def apart(a, b):
 
 def absent(index, q, among, of):
     """Which solutions (index, q) are not among those (among, of), both sorted by pose."""
-    first, last = np.searchsorted(among, index, "left"), np.searchsorted(among, index, "right")
-    return np.array([low == high or apart(of[low:high], one).min() > SAME for one, low, high in zip(q, first, last, strict=True)], bool)
+    table, _ = by_poses(among, of)
+    here = index < len(table)
+    result = np.ones(len(index), bool)
+    result[here] = ~(apart(table[index[here]], q[here, None]) < SAME).any(axis=1)
+    return result
+
+
+@contextlib.contextmanager
+def at_most(seconds):
+    """Raises TimeoutError where the processor has worked so long."""
+
+    def stop(*_):
+        raise TimeoutError(f"no answer within {seconds} s")
+
+    signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
 
 
 def main():
@@ -248,12 +289,13 @@ def main():
             peers = [("EAIK", len(q), lambda n: eaik(arm, rotations[:n], places[:n])), ("ssik", options.peer_poses, lambda n: ssik(arm, rotations[:n], places[:n], Path(made)))]
             for peer, count, solve in peers:
                 try:
-                    found = solve(count)
+                    with at_most(PATIENCE):
+                        found = solve(count)
                 except Exception as problem:  # noqa: BLE001, a peer's failure is a result
                     print(f"{name}: {peer}: {str(problem)[:200]}", file=sys.stderr)
                     found = None
                 if found is None:
-                    row += " no decomposition | | | |"
+                    row += " none | | | |"
                     continue
                 at, theirs = reaching(arm, found[0], found[1], rotations, places)
                 own = index < count

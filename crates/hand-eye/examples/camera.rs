@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let found = solve(&pairs, Arrangement::InstrumentStands)?;
     println!("{} {:?} m", found.base.name, found.base.pose.translation.vector.as_slice());
-    println!("standard deviations {:.1e?} m, rad", found.base.std());
+    let std = found.base.std().map(|std| format!("{std:.1e}"));
+    println!("standard deviations {} (m, rad)", std.join(" "));
     print!("{}", report::ros_launch(&found.base.pose, "base_link", "camera"));
     Ok(())
 }

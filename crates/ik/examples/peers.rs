@@ -1,8 +1,8 @@
 //! Solves poses of one arm: what `tests/oracle/ik_peers.py` compares with other solvers.
 //!
-//! `peers ARM POSES SOLUTIONS`: ARM has, as numbers in a text, direction and point of each axis (rad, m), then the home pose's
+//! `peers ARM POSES SOLUTIONS [TIMES]`: ARM has, as numbers in a text, direction and point of each axis (rad, m), then the home pose's
 //! 16 numbers, row by row. POSES has rows of joint values, 8 bytes a number. SOLUTIONS gets a row for each solution: the pose's index,
-//! then the joint values.
+//! then the joint values. The poses are solved TIMES more, which costs nothing else: the difference of two runs is the solver's time.
 
 #![expect(clippy::print_stdout, reason = "what it prints is all that it is for")]
 
@@ -33,8 +33,9 @@ fn arm(numbers: &[f64]) -> Chain {
 }
 
 fn main() {
-    let [arm_file, poses_file, solutions_file] =
-        <[String; 3]>::try_from(std::env::args().skip(1).collect::<Vec<_>>()).expect("ARM POSES SOLUTIONS");
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let [arm_file, poses_file, solutions_file, more @ ..] = &words[..] else { panic!("ARM POSES SOLUTIONS [TIMES]") };
+    let times: usize = more.first().map_or(0, |word| word.parse().expect("a number"));
     let text = std::fs::read_to_string(arm_file).expect("the arm");
     let numbers: Vec<f64> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
     let chain = arm(&numbers);
@@ -46,6 +47,10 @@ fn main() {
     let solver = Solver::new(&chain);
     let near = vec![0.0; count];
     let mut solutions = Solutions::default();
+    for pose in std::iter::repeat_n(&poses, times).flatten() {
+        solver.solve_into(pose, &near, &mut solutions);
+        std::hint::black_box(&solutions);
+    }
     let mut out = Vec::new();
     for (index, pose) in poses.iter().enumerate() {
         solver.solve_into(pose, &near, &mut solutions);

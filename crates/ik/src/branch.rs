@@ -1,8 +1,6 @@
 //! Names of the branches of a six-joint arm.
 
-use crate::arm::SixR;
-use denavit_model::Pose;
-use denavit_model::nalgebra::Vector3;
+use crate::arm::Axis;
 use std::fmt;
 
 /// Which of the arm's postures a solution is: by the signs of the factors whose zeros are its singularities.
@@ -29,21 +27,14 @@ impl fmt::Display for Branch {
 }
 
 impl Branch {
-    /// The branch of an arm at its joint values, `arm` seen from the end at which its class stands.
-    pub(crate) fn of(arm: &SixR, values: &[f64; 6], wrist: bool) -> Self {
-        let mut reached = Pose::identity();
-        let mut directions = [Vector3::zeros(); 6];
-        let mut points = [Vector3::zeros(); 6];
-        for k in 0..6 {
-            directions[k] = reached.rotation * arm.axes[k].direction;
-            points[k] = reached.rotation * arm.axes[k].point + reached.translation.vector;
-            reached *= arm.axes[k].motion(values[k]);
-        }
+    /// The branch of an arm whose axes are there, in order from the end at which its class stands.
+    pub(crate) fn of(axes: [&Axis; 6], wrist: bool) -> Self {
+        let [first, second, third, fourth, fifth, sixth] = axes;
         // The elbow bends towards the wrist's centre, or towards the last of the parallel axes.
-        let end = if wrist { points[5] } else { points[3] };
-        let elbow = directions[1].dot(&(points[2] - points[1]).cross(&(end - points[2])));
-        let shoulder = directions[1].dot(&directions[0].cross(&(points[5] - points[0])));
-        let wrist = directions[3].dot(&directions[4].cross(&directions[5]));
+        let end = if wrist { sixth.point } else { fourth.point };
+        let elbow = second.direction.dot(&(third.point - second.point).cross(&(end - third.point)));
+        let shoulder = second.direction.dot(&first.direction.cross(&(sixth.point - first.point)));
+        let wrist = fourth.direction.dot(&fifth.direction.cross(&sixth.direction));
         Self { front: shoulder >= 0.0, elbow_up: elbow >= 0.0, flipped: wrist < 0.0 }
     }
 }

@@ -1,6 +1,7 @@
 //! Two angles from two equations that are linear in their sines and cosines: what is left of most arms once invariants
 //! have removed the other joints.
 
+use crate::arm::Angle;
 use crate::quartic;
 use denavit_model::nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::PI;
@@ -44,26 +45,26 @@ pub(crate) const EXACT: f64 = 1e-9;
 ///
 /// # Source
 /// Subproblem 4 of Elias, Wen, "IK-Geo", 2022; Paden 1986.
-pub(crate) fn on_line(a: Vector2<f64>, k: f64, slack: f64) -> Few<f64, 2> {
-    let mut angles = Few::new(0.0);
+pub(crate) fn on_line(a: Vector2<f64>, k: f64, slack: f64) -> Few<Angle, 2> {
+    let mut angles = Few::new(Angle::ZERO);
     let length = a.norm();
     if length == 0.0 {
-        angles.push(0.0);
+        angles.push(Angle::ZERO);
         return angles;
     }
-    let middle = a.y.atan2(a.x);
+    let middle = Angle { value: a.y.atan2(a.x), sine: a.y / length, cosine: a.x / length };
     let left = length * length - k * k;
     if left > 0.0 {
-        let half = left.sqrt().atan2(k);
-        angles.push(middle + half);
-        angles.push(middle - half);
+        let half = Angle::of(left.sqrt(), k);
+        angles.push(middle.plus(half));
+        angles.push(middle.plus(-half));
     } else if k.abs() <= length * (1.0 + slack) {
-        let nearest = if k > 0.0 { middle } else { middle + PI };
+        let nearest = if k > 0.0 { middle.value } else { middle.value + PI };
         // An arm that is not quite the drawn one may have two angles here: as far apart as those that are missing.
         let half = if slack > EXACT { (2.0 * (k.abs() / length - 1.0)).sqrt().max(1e-3) } else { 0.0 };
-        angles.push(nearest + half);
+        angles.push(Angle::at(nearest + half));
         if half > 0.0 {
-            angles.push(nearest - half);
+            angles.push(Angle::at(nearest - half));
         }
     }
     angles
@@ -99,11 +100,14 @@ pub(crate) fn turned_dot(direction: &Vector3<f64>, g: &Vector3<f64>, p: &Vector3
 /// quartic below loses more digits than a Newton step cannot bring back.
 const DEPENDENT: f64 = 1e-7;
 
+/// Angles of x and of y.
+pub(crate) type Pair = (Angle, Angle);
+
 /// The pairs of angles (of x, of y) that solve two rows.
 ///
 /// Where the rows' coefficients of x are dependent, a combination holds y alone: two values of y, for each two of x, and
 /// the other way round. Otherwise x = A⁻¹(k - B y) must have length 1, a trigonometric polynomial of second degree in y.
-pub(crate) fn pairs(first: Row, second: Row, slack: f64) -> Few<(f64, f64), MOST> {
+pub(crate) fn pairs(first: Row, second: Row, slack: f64) -> Few<Pair, MOST> {
     let (first, second) = (first.scaled(), second.scaled());
     let a = Matrix2::from_rows(&[first.a.transpose(), second.a.transpose()]);
     let b = Matrix2::from_rows(&[first.b.transpose(), second.b.transpose()]);
@@ -118,8 +122,8 @@ pub(crate) fn pairs(first: Row, second: Row, slack: f64) -> Few<(f64, f64), MOST
     if of_a >= of_b { both(&a, &b, &k, slack) } else { swapped(both(&b, &a, &k, slack)) }
 }
 
-fn swapped(found: Few<(f64, f64), MOST>) -> Few<(f64, f64), MOST> {
-    let mut result = Few::new((0.0, 0.0));
+fn swapped(found: Few<Pair, MOST>) -> Few<Pair, MOST> {
+    let mut result = Few::new((Angle::ZERO, Angle::ZERO));
     for (x, y) in found.as_slice() {
         result.push((*y, *x));
     }
@@ -127,8 +131,8 @@ fn swapped(found: Few<(f64, f64), MOST>) -> Few<(f64, f64), MOST> {
 }
 
 /// A is of rank one: y first.
-fn one_alone(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -> Few<(f64, f64), MOST> {
-    let mut result = Few::new((0.0, 0.0));
+fn one_alone(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -> Few<Pair, MOST> {
+    let mut result = Few::new((Angle::ZERO, Angle::ZERO));
     let (first, second) = (a.row(0).transpose(), a.row(1).transpose());
     let (longer, shorter, of_longer, of_shorter) =
         if first.norm_squared() >= second.norm_squared() { (first, second, 0, 1) } else { (second, first, 1, 0) };
@@ -136,7 +140,7 @@ fn one_alone(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -
     let share = if size == 0.0 { 0.0 } else { shorter.dot(&longer) / size };
     let alone = b.row(of_shorter).transpose() - b.row(of_longer).transpose() * share;
     for y in on_line(alone, k[of_shorter] - share * k[of_longer], slack).as_slice() {
-        let at = Vector2::new(y.cos(), y.sin());
+        let at = Vector2::new(y.cosine, y.sine);
         let rest = k[of_longer] - b.row(of_longer).transpose().dot(&at);
         for x in on_line(longer, rest, slack).as_slice() {
             result.push((*x, *y));
@@ -146,8 +150,8 @@ fn one_alone(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -
 }
 
 /// A is regular: |A⁻¹(k - B y)| = 1.
-fn both(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -> Few<(f64, f64), MOST> {
-    let mut result = Few::new((0.0, 0.0));
+fn both(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -> Few<Pair, MOST> {
+    let mut result = Few::new((Angle::ZERO, Angle::ZERO));
     let determinant = a.determinant();
     let inverse = Matrix2::new(a.m22, -a.m12, -a.m21, a.m11) / determinant;
     let (c, d) = (inverse * b, inverse * k);
@@ -162,8 +166,9 @@ fn both(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -> Few
         square.m12,
     ];
     for y in quartic::trigonometric_roots(&polynomial, slack).as_slice() {
-        let x = d - c * Vector2::new(y.cos(), y.sin());
-        result.push((x.y.atan2(x.x), *y));
+        let y = Angle::at(*y);
+        let x = d - c * Vector2::new(y.cosine, y.sine);
+        result.push((Angle::of(x.y, x.x), y));
     }
     result
 }
@@ -193,7 +198,7 @@ mod tests {
             let (first, second) = (row([a[0], a[1]], [b[0], b[1]], (x, y)), row([a[2], a[3]], [b[2], b[3]], (x, y)));
             let found = pairs(first, second, SLACK);
             // Where two roots meet their place is known to half the digits.
-            let matches = found.as_slice().iter().any(|(fx, fy)| (fx - x).sin().hypot((fy - y).sin()) < 2e-3 && (fx - x).cos() > 0.0 && (fy - y).cos() > 0.0);
+            let matches = found.as_slice().iter().any(|(fx, fy)| (fx.value - x).sin().hypot((fy.value - y).sin()) < 2e-3 && (fx.value - x).cos() > 0.0 && (fy.value - y).cos() > 0.0);
             prop_assert!(matches, "{x} {y} not in {:?}", found.as_slice());
         }
     }

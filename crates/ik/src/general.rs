@@ -209,7 +209,8 @@ impl Elimination {
         let across = if six.direction.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
         let across = six.direction.cross(&across);
         for v2 in line.as_slice() {
-            let (placed, turned) = (two.turn(*v2, &q), two.motion(*v2).rotation * m);
+            let second = two.motion(v2.value);
+            let (placed, turned) = (second.rotation * q + second.translation.vector, second.rotation * m);
             // Whichever of the point and the direction lies farther off axis 1 shows its angle better.
             let off = |x: &Vector3<f64>| one.direction.cross(x).norm();
             let v1 = if off(&(placed - one.point)) > off(&turned) {
@@ -217,8 +218,8 @@ impl Elimination {
             } else {
                 turn_between(&one.direction, &turned, &l)
             };
-            let rest = (one.motion(v1) * two.motion(*v2) * carried).rotation.inverse() * moved.rotation;
-            add(v1, *v2, turn_between(&six.direction, &across, &(rest * across)));
+            let rest = (one.motion(v1.value) * second * carried).rotation.inverse() * moved.rotation;
+            add(v1.value, v2.value, turn_between(&six.direction, &across, &(rest * across)).value);
         }
     }
 }

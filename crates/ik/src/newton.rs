@@ -1,13 +1,15 @@
 //! Newton's method on the pose of an arm, from a start near a solution; and damped least squares where none is sure.
 
-use crate::arm::SixR;
-use denavit_model::nalgebra::{Matrix6, Vector3, Vector6};
+use crate::arm::{Angle, Axis, SixR};
+use denavit_model::nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Pose, se3};
 
 /// A step of more than this, rad, is shortened: beyond it the linear model says nothing.
 const LONGEST_STEP: f64 = 0.5;
 /// From a start near the solution Newton's method doubles its digits in each step; what needs more has left it.
 const MOST_STEPS: usize = 15;
+/// An error of this, rad and share of the size, is that of some dozen products: a step more would change it, and not lessen it.
+const ROUNDING: f64 = 1e-14;
 
 /// How far a pose is from the target: `[rotation vector, translation / size]`, both in the base frame.
 #[inline]
@@ -33,47 +35,66 @@ fn small_rotation_vector(target: &Pose, reached: &Pose) -> Vector3<f64> {
     sine * (1.0 + square / 6.0 + 3.0 * square * square / 40.0)
 }
 
-/// Refines joint values of a six-joint arm; returns the error that is left, or `None` where it did not converge.
-pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, values: &mut [f64; 6], close: f64) -> Option<f64> {
+/// Where Newton's method ended.
+pub(crate) struct Landed {
+    /// The angle that is left, rad.
+    pub orientation: f64,
+    /// The distance that is left, as a share of the size.
+    pub position: f64,
+    /// The axes there, in the base frame.
+    pub axes: [Axis; 6],
+}
+
+/// An arm at joint values: its axes in the base frame, and base_from_tip.
+#[inline]
+fn placed(arm: &SixR, angles: &[Angle; 6]) -> ([Axis; 6], Pose) {
+    let mut axes = arm.axes;
+    let mut turn = Rotation3::identity();
+    let mut shift = Vector3::zeros();
+    for ((placed, axis), angle) in axes.iter_mut().zip(&arm.axes).zip(angles) {
+        placed.direction = turn * axis.direction;
+        placed.point = turn * axis.point + shift;
+        turn *= axis.rotation(*angle);
+        // The axis does not move.
+        shift = placed.point - turn * axis.point;
+    }
+    (axes, se3::pose(turn, shift) * arm.home)
+}
+
+/// Refines joint values of a six-joint arm; `None` where the error that is left is more than `close`.
+pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, angles: &mut [Angle; 6], close: f64) -> Option<Landed> {
     let mut last = f64::INFINITY;
     for _ in 0..MOST_STEPS {
-        let mut jacobian = Matrix6::zeros();
-        let mut reached = Pose::identity();
-        for (k, (axis, value)) in arm.axes.iter().zip(values.iter()).enumerate() {
-            let direction = reached.rotation * axis.direction;
-            let point = reached.rotation * axis.point + reached.translation.vector;
-            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&direction);
-            jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&point);
-            reached *= axis.motion(*value);
-        }
-        reached *= arm.home;
+        let (axes, reached) = placed(arm, angles);
         let error = error(target, &reached, size);
         let now = error.norm();
+        let landed =
+            || Landed { orientation: error.fixed_rows::<3>(0).norm(), position: error.fixed_rows::<3>(3).norm(), axes };
         // Rounding alone is left, or the error no longer falls at the end.
-        if now < 1e-15 || (now < close && now >= 0.5 * last) {
-            return Some(now);
+        if now < ROUNDING || (now < close && now >= 0.5 * last) {
+            return Some(landed());
         }
         last = now;
         let tip = reached.translation.vector;
-        for k in 0..6 {
-            let direction: Vector3<f64> = jacobian.fixed_view::<3, 1>(0, k).into_owned();
-            let point: Vector3<f64> = jacobian.fixed_view::<3, 1>(3, k).into_owned();
-            jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&(direction.cross(&(tip - point)) / size));
+        let mut jacobian = Matrix6::zeros();
+        for (k, axis) in axes.iter().enumerate() {
+            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&axis.direction);
+            jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&(axis.direction.cross(&(tip - axis.point)) / size));
         }
         let mut step = error;
         if !jacobian.lu().solve_mut(&mut step) {
-            return (now < close).then_some(now);
+            return (now < close).then(landed);
         }
         let longest = step.amax();
         if !longest.is_finite() {
-            return (now < close).then_some(now);
+            return (now < close).then(landed);
         }
         let share = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };
-        for (value, step) in values.iter_mut().zip(step.iter()) {
-            *value += share * step;
+        for (angle, step) in angles.iter_mut().zip(step.iter()) {
+            *angle = Angle::at(angle.value + share * step);
         }
     }
-    (last < close).then_some(last)
+    None
 }
 
 /// Levenberg-Marquardt for any chain: from `q` to a least distance of pose, error as in [`error`]. Returns the error that is left.

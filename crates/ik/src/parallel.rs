@@ -1,9 +1,9 @@
 //! Arms whose joints 2, 3 and 4 are parallel: what they do together is a motion of a plane.
 
-use crate::arm::{SixR, rotated, turn_between};
+use crate::arm::{Angle, SixR, rotated, turn_between};
 use crate::circles::{Few, Row, on_line, pairs, turned_dot};
 use denavit_model::Pose;
-use denavit_model::nalgebra::Vector2;
+use denavit_model::nalgebra::{Vector2, Vector3};
 
 /// All joint values (rad) at which `arm` reaches `target`, and near misses for Newton's method.
 ///
@@ -14,8 +14,8 @@ use denavit_model::nalgebra::Vector2;
 /// u·(e1⁻¹ D p6)      = u·(e5 p6)           (height of a point of axis 6)
 /// ```
 /// hold joints 1 and 5 alone ([`pairs`]). Joint 6 takes R5⁻¹ u to D⁻¹ R1 u; joints 2, 3 and 4 are a planar arm.
-pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[f64; 6], 8> {
-    let mut found = Few::new([0.0; 6]);
+pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[Angle; 6], 8> {
+    let mut found = Few::new([Angle::ZERO; 6]);
     let [one, two, three, four, five, six] = &arm.axes;
     let u = two.direction;
     let moved = target * arm.home.inverse();
@@ -28,35 +28,37 @@ pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[f64; 6], 8> {
     let (b, b0) = turned_dot(&five.direction, &u, &(six.point - five.point));
     let height = Row { a, b: -b, k: b0 - a0 + u.dot(&(five.point - one.point)) };
     let back = moved.rotation.inverse();
-    let senses = [1.0, u.dot(&three.direction).signum(), u.dot(&four.direction).signum()];
-    let across = |x: denavit_model::nalgebra::Vector3<f64>| x - u * u.dot(&x);
+    let senses = [u.dot(&three.direction), u.dot(&four.direction)];
+    let across = |x: Vector3<f64>| x - u * u.dot(&x);
     let upper = across(three.point - two.point);
     let fore = across(four.point - three.point);
     for (v1, v5) in pairs(direction, height, slack).as_slice() {
-        let start = rotated(&five.direction, -v5, &u);
-        let end = back * rotated(&one.direction, *v1, &u);
+        let (r1, r5) = (one.rotation(*v1), five.rotation(*v5));
+        let start = r5.inverse_transform_vector(&u);
+        let end = back * (r1 * u);
         // R6⁻¹ takes start to end.
         let v6 = -turn_between(&six.direction, &start, &end);
+        let r6 = six.rotation(v6);
         // E carries p4 to where the rest of the arm wants it, and turns by the sum of the three angles.
-        let place = |x: &denavit_model::nalgebra::Vector3<f64>| {
-            let x = six.turn(-v6, &five.turn(-v5, x));
-            one.turn(-v1, &(moved.rotation * x + moved.translation.vector))
+        let place = |x: &Vector3<f64>| {
+            let x = five.point + r5.inverse_transform_vector(&(x - five.point));
+            let x = six.point + r6.inverse_transform_vector(&(x - six.point));
+            let x = moved.rotation * x + moved.translation.vector;
+            one.point + r1.inverse_transform_vector(&(x - one.point))
         };
         let reach = across(place(&four.point) - two.point);
         // |upper + R3 fore|² = |reach|²
         let (length, rest) = (upper.dot(&fore), reach.norm_squared() - upper.norm_squared() - fore.norm_squared());
         let a = Vector2::new(2.0 * length, 2.0 * upper.dot(&u.cross(&fore)));
+        // Joint 5 turns about it.
         let axis = five.direction;
-        let turned = rotated(
-            &one.direction,
-            -v1,
-            &(moved.rotation * rotated(&six.direction, -v6, &rotated(&five.direction, -v5, &axis))),
-        );
+        let turned = r1.inverse_transform_vector(&(moved.rotation * r6.inverse_transform_vector(&axis)));
         let whole = turn_between(&u, &axis, &turned);
         for third in on_line(a, rest, slack).as_slice() {
             let second = turn_between(&u, &(upper + rotated(&u, *third, &fore)), &reach);
-            let fourth = whole - second - third;
-            found.push([*v1, second, third * senses[1], fourth * senses[2], *v5, v6]);
+            let fourth = whole.plus(-second.plus(*third));
+            let sensed = |angle: Angle, sense: f64| if sense < 0.0 { -angle } else { angle };
+            found.push([*v1, second, sensed(*third, senses[0]), sensed(fourth, senses[1]), *v5, v6]);
         }
     }
     found

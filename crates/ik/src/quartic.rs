@@ -2,6 +2,10 @@
 
 use crate::circles::{EXACT, Few};
 
+/// Cosine and sine of directions from which the half angle is counted: 0, and those of the triangles 3-4-5 and 5-12-13 in each quarter.
+const STARTS: [(f64, f64); 5] =
+    [(1.0, 0.0), (0.8, 0.6), (-5.0 / 13.0, 12.0 / 13.0), (-0.8, -0.6), (5.0 / 13.0, -12.0 / 13.0)];
+
 /// The angles y with p0 + p1 cos y + p2 sin y + p3 cos 2y + p4 sin 2y = 0.
 ///
 /// Where two roots have just become complex, their common real part is tried if the polynomial misses zero there by less
@@ -13,12 +17,10 @@ pub(crate) fn trigonometric_roots(p: &[f64; 5], slack: f64) -> Few<f64, 4> {
     if size == 0.0 {
         return roots;
     }
-    let start = [0.0, 0.7, 1.9, -1.1, 2.6]
-        .into_iter()
-        .max_by(|a, b| value(p, a + std::f64::consts::PI).abs().total_cmp(&value(p, b + std::f64::consts::PI).abs()))
-        .unwrap_or(0.0);
-    let (s1, c1) = start.sin_cos();
-    let (s2, c2) = (2.0 * start).sin_cos();
+    let opposite = |(c, s): &(f64, f64)| (value_at(p, -c, -s)).abs();
+    let (c1, s1) = STARTS.into_iter().max_by(|a, b| opposite(a).total_cmp(&opposite(b))).unwrap_or((1.0, 0.0));
+    let start = s1.atan2(c1);
+    let (s2, c2) = (2.0 * s1 * c1, c1 * c1 - s1 * s1);
     let [p1, p2] = [p[1] * c1 + p[2] * s1, p[2] * c1 - p[1] * s1];
     let [p3, p4] = [p[3] * c2 + p[4] * s2, p[4] * c2 - p[3] * s2];
     let p0 = p[0];
@@ -50,6 +52,10 @@ pub(crate) fn trigonometric_roots(p: &[f64; 5], slack: f64) -> Few<f64, 4> {
 
 fn value(p: &[f64; 5], y: f64) -> f64 {
     let (s, c) = y.sin_cos();
+    value_at(p, c, s)
+}
+
+fn value_at(p: &[f64; 5], c: f64, s: f64) -> f64 {
     p[0] + p[1] * c + p[2] * s + p[3] * (c * c - s * s) + p[4] * 2.0 * s * c
 }
 

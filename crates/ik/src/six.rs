@@ -1,25 +1,38 @@
 //! Every branch of six revolute joints: those of the drawn arm, carried to the arm as it is.
 
-use crate::arm::SixR;
+use crate::arm::{Angle, SixR};
 use crate::branch::Branch;
 use crate::circles::{EXACT, Few, SLACK};
 use crate::class::{Class, Drawn};
 use crate::general::Elimination;
+use crate::newton::Landed;
 use crate::solver::{REACHED, STEPS};
 use crate::{newton, parallel, wrist};
 use denavit_model::Pose;
+use std::f64::consts::PI;
 
 /// Starts around a branch that the real arm does not have where the drawn one has it, and how far around, rad: the
 /// nearer a singularity, the smaller the region from which Newton's method finds a branch.
 const AROUND: u32 = 40;
 const NEARBY: [f64; 2] = [0.12, 0.4];
 
+/// Postures that a sound elimination must find.
+const POSTURES: u32 = 40;
+/// Half the angle, rad, by which a posture that was found differs from the one that made the pose.
+const SAME_POSTURE: f64 = 1e-5;
+/// By how much, rad and share of the size, axes of the arms near one whose own equations are dependent are off: at 1e-6 they still are,
+/// at 1e-2 solutions near singularities are lost. Each of these misses some hundredth, and another one.
+const NEAR: [f64; 4] = [1e-4, 1e-4, 1e-3, 3e-5];
+
+/// Branches of a class.
+const MOST: u32 = 8;
+
 /// The closed form of six joints.
 #[derive(Debug, Clone)]
 pub(crate) struct Six {
     arm: SixR,
     pub drawn: Drawn,
-    general: Option<Box<Elimination>>,
+    general: Vec<Elimination>,
     /// How far beyond tangency a branch of the drawn arm is tried on the real one.
     slack: f64,
 }
@@ -35,12 +48,20 @@ impl Six {
         let drawn = Drawn::of(&arm, size);
         let exact = drawn.angle < 1e-9 && drawn.distance < 1e-9 * size;
         let needs_general = always_general && (!exact || drawn.class == Class::General);
-        let general = needs_general.then(|| Box::new(Elimination::of(&arm, size)));
+        let general = if needs_general { eliminations(&arm, size) } else { Vec::new() };
+        // Branches are named by points that the class singles out, such as the wrist's centre.
+        let named = if drawn.is_reversed() { drawn.arm.reversed() } else { drawn.arm.clone() };
+        let arm = arm.with_points_near(&named.axes.map(|axis| axis.point));
         Self { arm, drawn, general, slack: if exact { EXACT } else { SLACK } }
     }
 
-    /// Calls `add` with the joint values of each solution.
-    pub fn each(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6], Option<Branch>) -> bool) -> Tally {
+    /// Calls `add` with the joint values of each solution, and where they lead.
+    pub fn each(
+        &self,
+        target: &Pose,
+        size: f64,
+        mut add: impl FnMut(&[f64; 6], Option<Branch>, &Landed) -> bool,
+    ) -> Tally {
         let mut tally = Tally::default();
         let reversed = self.drawn.is_reversed();
         let seen = if reversed { target.inverse() } else { *target };
@@ -49,63 +70,96 @@ impl Six {
             Class::SphericalWrist | Class::SphericalShoulder => wrist::solve(&self.drawn.arm, &seen, self.slack),
             Class::ParallelShoulder | Class::ParallelWrist => parallel::solve(&self.drawn.arm, &seen, self.slack),
             Class::General => {
-                self.eliminate(target, size, |values| {
-                    add(values, None);
+                self.eliminate(target, size, |values, landed| {
+                    add(values, None, landed);
                 });
                 return tally;
             }
         };
-        let turned = |values: &[f64; 6]| {
-            let mut values = *values;
+        let turned = |angles: &[Angle; 6]| {
+            let mut angles = *angles;
             if reversed {
-                values.reverse();
-                values = values.map(|value| -value);
+                angles.reverse();
+                angles = angles.map(|angle| -angle);
             }
-            values
+            angles
         };
         let exact = self.slack <= EXACT;
-        let named = |values: &[f64; 6]| Some(Branch::of(&self.drawn.arm, &turned(values), is_wrist));
-        let (mut failed, mut reached) = (Few::<[f64; 6], 8>::new([0.0; 6]), 0u32);
+        let named = |landed: &Landed| {
+            let [a, b, c, d, e, f] = &landed.axes;
+            Some(Branch::of(if reversed { [f, e, d, c, b, a] } else { [a, b, c, d, e, f] }, is_wrist))
+        };
+        let (mut failed, mut reached) = (Few::<[Angle; 6], 8>::new([Angle::ZERO; 6]), 0u32);
         for values in found.as_slice() {
             let mut there = turned(values);
-            if newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() && add(&there, named(&there)) {
+            if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED)
+                && add(&values_of(&there), named(&landed), &landed)
+            {
                 reached += 1;
             } else {
                 failed.push(*values);
             }
         }
-        // Near a singularity a branch of the real arm lies far from that of the drawn one. Solutions come in pairs, so that an odd
-        // number of them tells the same.
-        if exact || (failed.as_slice().is_empty() && reached % 2 == 0) {
+        // Near a singularity a branch of the real arm lies far from that of the drawn one, or is there where the drawn arm has none:
+        // only where every branch of the class was reached is there surely no other.
+        if exact || (failed.as_slice().is_empty() && reached == MOST) {
             return tally;
         }
         for values in failed.as_slice() {
-            let drawn_reaches = newton::error(&seen, &self.drawn.arm.fk(values), size).norm() < 1e-6;
+            let drawn_reaches = newton::error(&seen, &self.drawn.arm.fk(&values_of(values)), size).norm() < 1e-6;
             // All of the starts: where two singularities meet the real arm may have four branches in place of two.
             let mut found = false;
             for k in 0..AROUND {
                 let mut there = turned(values);
-                for (joint, value) in there.iter_mut().enumerate() {
-                    *value += NEARBY[k as usize % 2] * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0);
+                for (joint, angle) in there.iter_mut().enumerate() {
+                    let by = NEARBY[k as usize % 2] * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0);
+                    *angle = Angle::at(angle.value + by);
                 }
-                found |= newton::refine(&self.arm, target, size, &mut there, REACHED).is_some()
-                    && add(&there, named(&there));
+                if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED) {
+                    found |= add(&values_of(&there), named(&landed), &landed);
+                }
             }
             tally.lost += usize::from(!found && drawn_reaches);
         }
-        self.eliminate(target, size, |values| {
-            add(values, named(values));
+        self.eliminate(target, size, |values, landed| {
+            add(values, named(landed), landed);
         });
         tally
     }
 
-    fn eliminate(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6])) {
-        let Some(general) = &self.general else { return };
-        for values in general.solve(target, size).as_slice() {
-            let mut there = *values;
-            if newton::refine(&self.arm, target, size, &mut there, REACHED).is_some() {
-                add(&there);
+    fn eliminate(&self, target: &Pose, size: f64, mut add: impl FnMut(&[f64; 6], &Landed)) {
+        for general in &self.general {
+            for values in general.solve(target, size).as_slice() {
+                let mut there = values.map(Angle::at);
+                if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED) {
+                    add(&values_of(&there), &landed);
+                }
             }
         }
     }
+}
+
+/// The eliminations that together find every solution: that of the arm, or those of arms near it where its round angles make its
+/// equations dependent. Which, some postures of the arm tell.
+fn eliminations(arm: &SixR, size: f64) -> Vec<Elimination> {
+    let own = Elimination::of(arm, size);
+    let finds = |k: u32| {
+        let posture: [f64; 6] =
+            std::array::from_fn(|joint| PI * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0));
+        let target = arm.fk(&posture);
+        own.solve(&target, size).as_slice().iter().any(|values| {
+            let mut there = values.map(Angle::at);
+            let landed = newton::refine(arm, &target, size, &mut there, REACHED);
+            let is_there = |(angle, value): (&Angle, &f64)| (0.5 * (angle.value - value)).sin().abs() < SAME_POSTURE;
+            landed.is_some() && there.iter().zip(&posture).all(is_there)
+        })
+    };
+    if (1..=POSTURES).all(finds) {
+        return vec![own];
+    }
+    NEAR.into_iter().enumerate().map(|(seed, angle)| Elimination::of(&arm.perturbed(angle, size, seed), size)).collect()
+}
+
+fn values_of(angles: &[Angle; 6]) -> [f64; 6] {
+    angles.map(|angle| angle.value)
 }

@@ -3,6 +3,7 @@
 use crate::arm::SixR;
 use crate::branch::Branch;
 use crate::class::Class;
+use crate::newton::Landed;
 use crate::six::Six;
 use crate::{newton, seven};
 use denavit_model::chain::Quantity;
@@ -92,6 +93,7 @@ pub struct Solutions {
     columns: Vec<Vector6<f64>>,
     trial: Vec<f64>,
     start: Vec<f64>,
+    ranks: Vec<(u8, f64)>,
 }
 
 impl Solutions {
@@ -212,8 +214,9 @@ impl Solver {
         }
         match &self.way {
             Way::Six(six) => {
-                let tally =
-                    six.each(target, self.size, |values, branch| self.add(target, near, values, branch, solutions));
+                let tally = six.each(target, self.size, |values, branch, landed| {
+                    self.add(near, values, branch, landed, solutions)
+                });
                 solutions.lost = tally.lost;
             }
             Way::Seven { parameter } => self.seven(*parameter, target, near, solutions),
@@ -250,26 +253,34 @@ impl Solver {
     /// Adds joint values unless they are there already; whether they are new.
     fn add(
         &self,
-        target: &Pose,
         near: &[f64],
         values: &[f64],
         branch: Option<Branch>,
+        landed: &Landed,
         solutions: &mut Solutions,
     ) -> bool {
-        let n = near.len();
         let at = solutions.joints.len();
         for (k, joint) in self.chain.joints().iter().enumerate() {
             let q = (values[k] - joint.offset) / joint.scale;
             solutions.joints.push(self.unwound(k, q, near[k], joint.scale));
         }
-        self.keep(target, at, n, branch, solutions)
+        self.keep((landed.orientation, landed.position * self.size), at, near.len(), branch, solutions)
     }
 
-    /// Keeps the joint values that stand at `at` unless they are there already, or miss the target.
-    fn keep(&self, target: &Pose, at: usize, n: usize, branch: Option<Branch>, solutions: &mut Solutions) -> bool {
+    /// Keeps the joint values that stand at `at` unless they are there already, or miss the target by more than counts as reached.
+    fn keep(
+        &self,
+        (orientation_error, position_error): (f64, f64),
+        at: usize,
+        n: usize,
+        branch: Option<Branch>,
+        solutions: &mut Solutions,
+    ) -> bool {
         let (before, new) = solutions.joints.split_at(at);
         let same = |old: &[f64]| {
             old.iter().zip(new).zip(self.chain.coordinates()).all(|((a, b), coordinate)| match coordinate.quantity {
+                // Values lie within a turn of each other where no limits move them apart.
+                Quantity::Angle if (a - b).abs() < TAU - SAME => (a - b).abs() < SAME,
                 Quantity::Angle => {
                     let turns = ((a - b) / TAU).round();
                     (a - b - turns * TAU).abs() < SAME
@@ -278,7 +289,6 @@ impl Solver {
             })
         };
         let again = before.chunks_exact(n).any(same);
-        let (orientation_error, position_error) = se3::difference(&self.chain.fk(new), target);
         if again || position_error > 2.0 * REACHED * self.size || orientation_error > 2.0 * REACHED {
             solutions.joints.truncate(at);
             return false;
@@ -303,7 +313,8 @@ impl Solver {
             return q;
         }
         let turn = TAU / scale.abs();
-        let nearest = q - ((q - near) / turn).round() * turn;
+        let apart = q - near;
+        let nearest = if apart.abs() <= 0.5 * turn { q } else { q - (apart / turn).round() * turn };
         let Some((lower, upper)) = coordinate.limits.interval().filter(|_| !coordinate.continuous) else {
             return nearest;
         };
@@ -328,7 +339,7 @@ impl Solver {
             let value = joint.value(&self.pad(parameter, q));
             let Some(arm) = seven::held(&self.chain, parameter, value) else { return };
             let six = Six::of(arm, self.size, false);
-            let tally = six.each(target, self.size, |values, branch| {
+            let tally = six.each(target, self.size, |values, branch, landed| {
                 let mut all = [0.0; 7];
                 for (k, all) in all.iter_mut().enumerate() {
                     *all = match k.cmp(&parameter) {
@@ -337,7 +348,7 @@ impl Solver {
                         std::cmp::Ordering::Greater => values[k - 1],
                     };
                 }
-                self.add(target, near, &all, branch, solutions)
+                self.add(near, &all, branch, landed, solutions)
             });
             solutions.lost = tally.lost;
             if solutions.found.iter().any(|found| found.within_limits) {
@@ -367,7 +378,8 @@ impl Solver {
                         solutions.joints[at + k] = self.unwound(k, solutions.joints[at + k], near[k], joint.scale);
                     }
                 }
-                self.keep(target, at, n, None, solutions);
+                let errors = se3::difference(&self.chain.fk(&solutions.joints[at..]), target);
+                self.keep(errors, at, n, None, solutions);
             } else {
                 solutions.joints.truncate(at);
             }
@@ -429,23 +441,20 @@ pub(crate) const STEPS: [f64; 8] = [
 /// Within limits first, then the least greatest change of a joint.
 fn sort(near: &[f64], solutions: &mut Solutions) {
     let n = near.len();
-    let rank = |solutions: &Solutions, i: usize| {
-        let joints = &solutions.joints[i * n..(i + 1) * n];
+    let Solutions { joints, found, ranks, .. } = solutions;
+    ranks.clear();
+    ranks.extend(joints.chunks_exact(n).zip(found.iter()).map(|(joints, found)| {
         let farthest = joints.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        (u8::from(!solutions.found[i].within_limits), farthest)
-    };
+        (u8::from(!found.within_limits), farthest)
+    }));
     // Insertion sort: a handful of items, and no allocation.
-    for i in 1..solutions.found.len() {
+    for i in 1..found.len() {
         let mut j = i;
-        while j > 0 {
-            let (a, b) = (rank(solutions, j - 1), rank(solutions, j));
-            if a <= b {
-                break;
-            }
-            solutions.found.swap(j - 1, j);
-            for k in 0..n {
-                solutions.joints.swap((j - 1) * n + k, j * n + k);
-            }
+        while j > 0 && ranks[j - 1] > ranks[j] {
+            ranks.swap(j - 1, j);
+            found.swap(j - 1, j);
+            let (before, after) = joints.split_at_mut(j * n);
+            before[(j - 1) * n..].swap_with_slice(&mut after[..n]);
             j -= 1;
         }
     }

@@ -1,6 +1,6 @@
 //! Arms whose last three axes meet in a point: position by the first three joints, orientation by the last.
 
-use crate::arm::{SixR, rotated, turn_between};
+use crate::arm::{Angle, SixR, rotated, turn_between};
 use crate::circles::{Few, Row, on_line, pairs, turned_dot};
 use denavit_model::Pose;
 use denavit_model::nalgebra::Vector3;
@@ -13,8 +13,8 @@ use denavit_model::nalgebra::Vector3;
 ///
 /// # Source
 /// Pieper 1968; subproblems 1 to 5 of Elias, Wen, "IK-Geo", 2022.
-pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[f64; 6], 8> {
-    let mut found = Few::new([0.0; 6]);
+pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[Angle; 6], 8> {
+    let mut found = Few::new([Angle::ZERO; 6]);
     let [one, two, three, four, five, six] = &arm.axes;
     let centre = six.point;
     let moved = target * arm.home.inverse();
@@ -34,20 +34,20 @@ pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[f64; 6], 8> {
     let (b, b0) = turned_dot(&three.direction, &to_three, &from_three);
     let squares = to_three.norm_squared() + from_three.norm_squared() - to_one.norm_squared() - from_one.norm_squared();
     let second = Row { a: a * 2.0, b: b * -2.0, k: squares + 2.0 * (b0 - a0) };
+    let (on_fifth, constant) = turned_dot(&five.direction, &four.direction, &six.direction);
     for (v1, v3) in pairs(first, second, slack).as_slice() {
-        let start = three.turn(*v3, &centre) - two.point;
-        let end = one.turn(-v1, &wanted) - two.point;
+        let (r1, r3) = (one.rotation(*v1), three.rotation(*v3));
+        let start = three.point + r3 * from_three - two.point;
+        let end = one.point + r1.inverse_transform_vector(&from_one) - two.point;
         let v2 = turn_between(&two.direction, &start, &end);
-        let back = |x: Vector3<f64>| {
-            let x = rotated(&one.direction, -v1, &x);
-            rotated(&three.direction, -v3, &rotated(&two.direction, -v2, &x))
-        };
-        let sixth = back(moved.rotation * six.direction);
-        let (a, constant) = turned_dot(&five.direction, &four.direction, &six.direction);
-        for v5 in on_line(a, four.direction.dot(&sixth) - constant, slack).as_slice() {
-            let v4 = turn_between(&four.direction, &rotated(&five.direction, *v5, &six.direction), &sixth);
-            let fifth = rotated(&four.direction, -v4, &back(moved.rotation * five.direction));
-            let v6 = turn_between(&six.direction, &five.direction, &rotated(&five.direction, -v5, &fifth));
+        // R4 R5 R6
+        let wrist = (r1 * two.rotation(v2) * r3).inverse() * moved.rotation;
+        let (fifth, sixth) = (wrist * five.direction, wrist * six.direction);
+        for v5 in on_line(on_fifth, four.direction.dot(&sixth) - constant, slack).as_slice() {
+            let r5 = five.rotation(*v5);
+            let v4 = turn_between(&four.direction, &(r5 * six.direction), &sixth);
+            let turned = r5.inverse_transform_vector(&rotated(&four.direction, -v4, &fifth));
+            let v6 = turn_between(&six.direction, &five.direction, &turned);
             found.push([*v1, v2, *v3, v4, *v5, v6]);
         }
     }

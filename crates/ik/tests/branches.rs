@@ -194,11 +194,11 @@ fn calibrated_arms_keep_the_branches_of_their_drawing() {
     let mut spread = Spread(5);
     for drawn in [examples::puma_like(), opw(), ur5e(), oblique_shoulder(), reversed(&opw()), reversed(&ur5e())] {
         let chain = moved(&drawn, &mut spread, 2e-3, 1e-3);
-        let (missed, count, worst) = missed(&chain, 2000, 2);
+        let (missed, count, worst) = missed(&chain, 300, 2);
         println!(
-            "{}: {missed} of 2000 lost, {:.2} solutions each, worst error {worst:.1e}",
+            "{}: {missed} of 300 lost, {:.2} solutions each, worst error {worst:.1e}",
             class(&chain),
-            count as f64 / 2000.0
+            count as f64 / 300.0
         );
         assert!(missed == 0 && worst < 1e-12, "{missed} lost, {worst:e}");
     }
@@ -217,6 +217,27 @@ fn arms_without_symmetry_lose_at_most_one_branch_in_a_thousand() {
     }
     println!("{lost} of {poses} lost, {:.2} solutions each", all as f64 / f64::from(poses));
     assert!(lost * 1000 <= u64::try_from(all).unwrap(), "{lost} lost of {poses}");
+}
+
+/// Round angles make the equations of such an arm dependent: those of arms near it are solved.
+#[test]
+fn an_arm_whose_wrist_has_an_offset_loses_at_most_one_branch_in_two_hundred() {
+    // As Yaskawa's HC10 and Fanuc's CRX: axes 2 and 3 parallel, 4 and 6 parallel at zero, 0.16 m apart.
+    let chain = arm(
+        &[
+            ([0., 0., 1.], [0.; 3]),
+            ([0., 1., 0.], [0., 0., 0.275]),
+            ([0., -1., 0.], [0., 0., 0.975]),
+            ([-1., 0., 0.], [0., 0., 0.975]),
+            ([0., -1., 0.], [0.5, 0., 0.975]),
+            ([-1., 0., 0.], [0.5, 0.16, 0.975]),
+        ],
+        [0.63, 0.16, 0.975],
+    );
+    assert_eq!(class(&chain), Class::General);
+    let (missed, count, worst) = missed(&chain, 100, 3);
+    println!("{missed} of 100 lost, {:.2} solutions each", count as f64 / 100.0);
+    assert!(missed * 200 <= u64::try_from(count).unwrap() && worst < 1e-9, "{missed} lost, {worst:e}");
 }
 
 /// iiwa 14 and the like: spherical shoulder and wrist, the elbow turns about the line between them.

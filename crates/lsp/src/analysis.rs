@@ -144,7 +144,7 @@ pub(crate) fn analyse(files: &Files, path: &Path, settings: &Settings, robots: &
     let name = path.to_string_lossy().into_owned();
     let options = settings.options(path);
     let work = Work { files, name: &name };
-    // Words before the first element would make it a table of numbers, which is none of an editor's languages.
+    // Text before the first element would make it a table of numbers, which an editor does not open.
     let before = text.text.len() - text.text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}').len();
     if !text.text[before..].starts_with('<') {
         let end = text.text.find('<').unwrap_or(text.text.len());
