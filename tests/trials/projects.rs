@@ -100,6 +100,12 @@ fn every_description_is_compared_in_its_format_and_under_its_old_name() {
         assert!(page.contains(&format!("(shown/{name})")), "{page}");
         roxmltree_reads(&trial.text(&format!("shown/{name}")));
     }
+    // Nothing moved: there is nothing to draw.
+    assert!(sh(&trial, "sed -i '0,/velocity=\"[0-9.]*\"/s//velocity=\"9\"/' a/same.urdf"));
+    trial.run(&format!("{line} --format markdown --pictures limits -o limits.md"));
+    let limits = trial.text("limits.md");
+    assert!(limits.contains("`a/same.urdf` | **different**") && !limits.contains("limits/a-same.urdf.svg"), "{limits}");
+    assert!(sh(&trial, "git checkout -q a/same.urdf"));
     let said = trial.run(line).stdout;
     assert!(said.contains("b.urdf (was a/ur.urdf): different\n  joint \"elbow_joint\": axis moved by 2 mm"), "{said}");
     for (format, words) in [

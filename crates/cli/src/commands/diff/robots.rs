@@ -106,7 +106,8 @@ impl Work<'_> {
         let picture = match self.pictures {
             Some(folder) if comparison.verdict == Verdict::Different => {
                 match self.picture((before, a), (after, b), &comparison) {
-                    Ok(text) => {
+                    Ok(None) => None,
+                    Ok(Some(text)) => {
                         let name = self.unused_name(&pair.name);
                         let path = folder.join(&name).to_string_lossy().replace('\\', "/");
                         self.files.push((name, text));
@@ -123,13 +124,13 @@ impl Work<'_> {
         Ok(State::Compared { comparison: Box::new(comparison), picture })
     }
 
-    /// Both skeletons, at zero of every joint, to the tip that moved farthest.
+    /// Both skeletons, at zero of every joint, to the tip that moved farthest; `None` where they are the same.
     fn picture(
         &self,
         a: (&Described, &Loaded),
         b: (&Described, &Loaded),
         comparison: &Comparison,
-    ) -> Result<String, Failure> {
+    ) -> Result<Option<String>, Failure> {
         let farthest = comparison.largest().filter(|tip| tip.sampled_m > comparison.tolerance_m);
         let farthest = farthest.map(|tip| tip.tip.as_str());
         let drawn = |(described, loaded): (&Described, &Loaded)| {
@@ -146,7 +147,8 @@ impl Work<'_> {
             let table = made.table.value;
             Ok::<String, Failure>(drawing::skeleton(&table, View::Isometric, Detail::Dimensioned, Units::default()))
         };
-        Ok(drawing::side_by_side(&[("before", &drawn(a)?), ("after", &drawn(b)?)]))
+        let (before, after) = (drawn(a)?, drawn(b)?);
+        Ok((before != after).then(|| drawing::side_by_side(&[("before", &before), ("after", &after)])))
     }
 
     /// A file's name for a robot's picture.
