@@ -59,6 +59,8 @@ export interface Opened {
     chains: string;
     urdf: string;
     urdf_file: string;
+    /** Whether no other file was read for it. */
+    is_alone: boolean;
     notes: string[];
     scene: Scene;
 }

@@ -285,13 +285,20 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
     const rank = (name: string) => {
         const text = texts[name] ?? "";
         const macros = /\.xacro$/i.test(name) && !/<xacro:\w+(?<!macro|property|include|arg|if|unless)[\s/>]/.test(text) && !/<link[\s>]/.test(text) ? 100 : 0;
-        return macros + (/\.urdf$/i.test(name) ? 0 : 10) + name.split("/").length + (/macro|inc|common|gazebo|ros2_control/i.test(name) ? 20 : 0)
+        const part = /<mujoco[\s>]/.test(text) && !/<(worldbody|include)[\s>]/.test(text) ? 100 : 0;
+        return macros + part + (/\.urdf$/i.test(name) ? 0 : 10) + name.split("/").length + (/macro|inc|common|gazebo|ros2_control/i.test(name) ? 20 : 0)
             + (/canonical|calibrated|expanded|simplified|fixed|test|demo|example|backup|old/i.test(basename(name)) ? 5 : 0);
     };
     // Without their endings, so that arm.urdf stands before arm_with_gripper.urdf.
     const bare = (name: string) => name.replace(/(\.urdf)?\.\w+$/i, "");
     robots.sort((a, b) => rank(a) - rank(b) || bare(a).localeCompare(bare(b)) || a.localeCompare(b));
     return { robots, data, texts, names: [...dropped.keys()], packages: packages(texts), semantics };
+}
+
+/** Whether one of two files includes the other. */
+export function areOne(a: string, b: string, texts: Record<string, string>): boolean {
+    const includes = (from: string, other: string) => [...(texts[from] ?? "").matchAll(/<(?:\w+:)?include\s[^>]*>/g)].some(([element]) => element.includes(basename(other)));
+    return includes(a, b) || includes(b, a);
 }
 
 /** The last part of a name with folders. */

@@ -8,7 +8,7 @@ import { Calibrate } from "./calibrate";
 import { Compare } from "./compare";
 import { h } from "./dom";
 import type { RobotText } from "./engine";
-import { basename, fromDrop, fromFiles, isFolder, isMesh, sandboxed, sorted, type Dropped, type Packages } from "./files";
+import { areOne, basename, fromDrop, fromFiles, isFolder, isMesh, sandboxed, sorted, type Dropped, type Packages } from "./files";
 import { Joints } from "./joints";
 import { Learn } from "./learn";
 import { unpacked } from "./meshes";
@@ -84,9 +84,9 @@ function source(file: string, text: string, texts: Record<string, string> = {}, 
 
 async function opened(robot: RobotText, meshes: Dropped, packages: Packages = new Map()) {
     const answer = await app.engine.ask("open", robot);
-    // An expanded file stands for itself from now on; what it was made of need not travel with each question.
-    const expanded = answer.urdf_file.endsWith("(expanded)");
-    return { ...robot, files: {}, text: expanded ? answer.urdf : robot.text, written: robot.text, meshes, packages, opened: answer };
+    // The URDF of an expanded file, or of one that others were read for, stands for it from now on: they need not travel with each question.
+    const made = answer.urdf_file.endsWith("(expanded)") || !answer.is_alone;
+    return { ...robot, files: {}, text: made ? answer.urdf : robot.text, written: robot.text, meshes, packages, opened: answer };
 }
 
 app.open = async (robot, meshes, packages) => {
@@ -179,7 +179,7 @@ async function take(dropped: Dropped): Promise<void> {
         if (current.name === "Compare" && app.robot && robots.length === 1) await compare(of(first), meshes, packages);
         else {
             await app.open(of(first), meshes, packages);
-            if (second !== undefined && single) await compare(of(second), meshes, packages);
+            if (second !== undefined && single && !areOne(first, second, texts)) await compare(of(second), meshes, packages);
             else if (robots.length > 1) offer(robots, of, meshes, packages, first);
         }
     }

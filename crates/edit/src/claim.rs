@@ -1,6 +1,6 @@
 //! What an operation says of its result, for the proof to compare with it.
 
-use crate::solids::Hull;
+use denavit_model::hull::Hull;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::se3::{self, Pose};
 use std::collections::BTreeMap;

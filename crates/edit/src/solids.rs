@@ -1,16 +1,17 @@
 //! Simple solids around the triangles of a mesh: boxes, cylinders, spheres, convex hulls.
 //!
-//! Each is found from the corners of the convex hull (point by point, with the exact predicates of the crate `robust`) and rounded
-//! outwards, so that the numbers of a file hold every point. Boxes and cylinders stand along the mesh's own axes, its principal axes, or a face of the hull.
+//! Each is found from the corners of the convex hull and rounded outwards, so that the numbers of a file hold every point. Boxes and
+//! cylinders stand along the mesh's own axes, its principal axes, or a face of the hull.
 
+use denavit_model::hull::{Hull, signed_volume};
 use denavit_model::nalgebra::{Matrix3, Rotation3, SymmetricEigen, Unit, Vector3};
 use denavit_model::robot::Geometry;
 use denavit_model::se3::{self, Pose};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Corners, m.
-pub type Triangle = [Vector3<f64>; 3];
+pub use denavit_model::hull::Triangle;
+pub(crate) use denavit_model::hull::in_no_order;
 
 /// Directions of hull faces that are tried, the largest faces first.
 const FACES_TRIED: usize = 200;
@@ -35,148 +36,78 @@ pub(crate) struct Plane {
     offset: f64,
 }
 
-/// A convex polyhedron.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Hull {
-    pub corners: Vec<Vector3<f64>>,
-    /// Indices of corners, counter-clockwise from outside.
-    pub faces: Vec<[usize; 3]>,
-}
-
-impl Hull {
-    /// The hull of points, each of which is put in: faces that see it go, and their outline is joined to it.
-    ///
-    /// # Errors
-    /// The points lie in a plane.
-    pub fn of(points: &[Vector3<f64>]) -> Result<Self, String> {
-        let flat = || "its points lie in a plane, so that they have no hull".to_owned();
-        let start = tetrahedron(points).ok_or_else(flat)?;
-        let [a, b, c, d] = start;
-        let mut faces = vec![[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
-        for (index, point) in points.iter().enumerate().filter(|(index, _)| !start.contains(index)) {
-            let sees = |face: &[usize; 3]| side(face.map(|corner| points[corner]), point) > 0.0;
-            if !faces.iter().any(sees) {
-                continue;
-            }
-            let (seen, kept): (Vec<[usize; 3]>, Vec<[usize; 3]>) = faces.iter().copied().partition(sees);
-            faces = kept;
-            let edges = |face: &[usize; 3]| [(face[0], face[1]), (face[1], face[2]), (face[2], face[0])];
-            let inner: BTreeSet<(usize, usize)> = seen.iter().flat_map(edges).collect();
-            let outline = seen.iter().flat_map(edges).filter(|(from, to)| !inner.contains(&(*to, *from)));
-            faces.extend(outline.map(|(from, to)| [from, to, index]));
-        }
-        let used: BTreeSet<usize> = faces.iter().flatten().copied().collect();
-        let number: BTreeMap<usize, usize> = used.iter().enumerate().map(|(new, old)| (*old, new)).collect();
-        let corners = used.iter().map(|index| points[*index]).collect();
-        Ok(Self { corners, faces: faces.iter().map(|face| face.map(|corner| number[&corner])).collect() })
-    }
-
-    fn triangles(&self) -> impl Iterator<Item = Triangle> + '_ {
-        self.faces.iter().map(|face| face.map(|corner| self.corners[corner]))
-    }
-
-    pub fn volume(&self) -> f64 {
-        signed_volume(self.triangles())
-    }
-
-    /// The planes of its faces, with every corner times factors.
-    pub fn planes(&self, factors: [f64; 3]) -> Vec<Plane> {
-        let scaled = self.scaled(factors);
-        let size = scaled.corners.iter().fold(0.0, |size: f64, corner| size.max(corner.amax()));
-        let plane = |[a, b, c]: Triangle| {
-            let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
-            Some(Plane { normal, offset: normal.dot(&a) + ON_THE_FACE * size })
-        };
-        scaled.triangles().filter_map(plane).collect()
-    }
-
-    /// As an OBJ file, every digit.
-    pub fn obj(&self) -> String {
-        let mut text = String::from("# convex hull\n");
-        for corner in &self.corners {
-            let _ = writeln!(text, "v {} {} {}", corner.x, corner.y, corner.z);
-        }
-        for [a, b, c] in &self.faces {
-            let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
-        }
-        text
-    }
-
-    /// The hull of an OBJ file that [`Hull::obj`] wrote.
-    pub fn of_obj(text: &str) -> Option<Self> {
-        let mut hull = Self { corners: Vec::new(), faces: Vec::new() };
-        for line in text.lines() {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            match words[..] {
-                ["v", x, y, z] => hull.corners.push(Vector3::new(x.parse().ok()?, y.parse().ok()?, z.parse().ok()?)),
-                ["f", a, b, c] => {
-                    let index = |word: &str| word.parse::<usize>().ok()?.checked_sub(1);
-                    hull.faces.push([index(a)?, index(b)?, index(c)?]);
-                }
-                _ => {}
-            }
-        }
-        (!hull.faces.is_empty()).then_some(hull)
-    }
-
-    fn scaled(&self, factors: [f64; 3]) -> Self {
-        let scale = Vector3::from(factors);
-        let corners = self.corners.iter().map(|corner| corner.component_mul(&scale)).collect();
-        let mut faces = self.faces.clone();
-        if factors.iter().product::<f64>() < 0.0 {
-            for face in &mut faces {
-                face.swap(1, 2);
-            }
-        }
-        Self { corners, faces }
-    }
-
-    /// Directions of the largest faces, each once.
-    fn normals(&self) -> Vec<Vector3<f64>> {
-        let mut found: Vec<(f64, Vector3<f64>)> = self
-            .triangles()
-            .filter_map(|[a, b, c]| {
-                let normal = (b - a).cross(&(c - a));
-                Some((normal.norm(), normal.try_normalize(0.0)?))
-            })
-            .collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut normals: Vec<Vector3<f64>> = Vec::new();
-        for (_, normal) in found {
-            if normals.len() == FACES_TRIED {
-                break;
-            }
-            if normals.iter().all(|known| known.cross(&normal).norm() > ONE_DIRECTION) {
-                normals.push(normal);
-            }
-        }
-        normals
-    }
-}
-
-/// Above 0 where the point sees the face from outside, counter-clockwise; exactly 0 in its plane (Shewchuk 1997).
-fn side([a, b, c]: Triangle, point: &Vector3<f64>) -> f64 {
-    let exact = |at: &Vector3<f64>| robust::Coord3D { x: at.x, y: at.y, z: at.z };
-    // Its own sign is positive behind the face.
-    -robust::orient3d(exact(&a), exact(&b), exact(&c), exact(point))
-}
-
-/// Four points that are not in a plane, the fourth behind the face of the other three; `None` where there are none.
-fn tetrahedron(points: &[Vector3<f64>]) -> Option<[usize; 4]> {
-    let farthest = |measure: &dyn Fn(&Vector3<f64>) -> f64| {
-        let all = points.iter().map(measure).enumerate();
-        all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, most)| *most > 0.0).map(|(index, _)| index)
+/// The planes of its faces, with every corner times factors.
+pub(crate) fn planes(hull: &Hull, factors: [f64; 3]) -> Vec<Plane> {
+    let scaled = scaled(hull, factors);
+    let size = scaled.corners.iter().fold(0.0, |size: f64, corner| size.max(corner.amax()));
+    let plane = |[a, b, c]: Triangle| {
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+        Some(Plane { normal, offset: normal.dot(&a) + ON_THE_FACE * size })
     };
-    let a = farthest(&|_| 1.0)?;
-    let b = farthest(&|point| (point - points[a]).norm_squared())?;
-    let c = farthest(&|point| (points[b] - points[a]).cross(&(point - points[a])).norm_squared())?;
-    let d = farthest(&|point| side([points[a], points[b], points[c]], point).abs())?;
-    let behind = side([points[a], points[b], points[c]], &points[d]) < 0.0;
-    Some(if behind { [a, b, c, d] } else { [a, c, b, d] })
+    scaled.triangles().filter_map(plane).collect()
 }
 
-fn signed_volume(triangles: impl Iterator<Item = Triangle>) -> f64 {
-    triangles.map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum()
+/// As an OBJ file, every digit.
+pub(crate) fn obj(hull: &Hull) -> String {
+    let mut text = String::from("# convex hull\n");
+    for corner in &hull.corners {
+        let _ = writeln!(text, "v {} {} {}", corner.x, corner.y, corner.z);
+    }
+    for [a, b, c] in &hull.faces {
+        let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+    }
+    text
+}
+
+/// The hull of an OBJ file that [`obj`] wrote.
+pub(crate) fn of_obj(text: &str) -> Option<Hull> {
+    let mut hull = Hull { corners: Vec::new(), faces: Vec::new() };
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["v", x, y, z] => hull.corners.push(Vector3::new(x.parse().ok()?, y.parse().ok()?, z.parse().ok()?)),
+            ["f", a, b, c] => {
+                let index = |word: &str| word.parse::<usize>().ok()?.checked_sub(1);
+                hull.faces.push([index(a)?, index(b)?, index(c)?]);
+            }
+            _ => {}
+        }
+    }
+    (!hull.faces.is_empty()).then_some(hull)
+}
+
+fn scaled(hull: &Hull, factors: [f64; 3]) -> Hull {
+    let scale = Vector3::from(factors);
+    let corners = hull.corners.iter().map(|corner| corner.component_mul(&scale)).collect();
+    let mut faces = hull.faces.clone();
+    if factors.iter().product::<f64>() < 0.0 {
+        for face in &mut faces {
+            face.swap(1, 2);
+        }
+    }
+    Hull { corners, faces }
+}
+
+/// Directions of the largest faces, each once.
+fn normals(hull: &Hull) -> Vec<Vector3<f64>> {
+    let mut found: Vec<(f64, Vector3<f64>)> = hull
+        .triangles()
+        .filter_map(|[a, b, c]| {
+            let normal = (b - a).cross(&(c - a));
+            Some((normal.norm(), normal.try_normalize(0.0)?))
+        })
+        .collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut normals: Vec<Vector3<f64>> = Vec::new();
+    for (_, normal) in found {
+        if normals.len() == FACES_TRIED {
+            break;
+        }
+        if normals.iter().all(|known| known.cross(&normal).norm() > ONE_DIRECTION) {
+            normals.push(normal);
+        }
+    }
+    normals
 }
 
 /// The volume that a closed surface bounds, m³; `None` where it is open.
@@ -195,18 +126,6 @@ pub(crate) fn volume(triangles: &[Triangle]) -> Option<f64> {
     }
     let volume = signed_volume(triangles.iter().copied()).abs();
     (volume > 0.0 && edges.values().all(|count| *count == 0)).then_some(volume)
-}
-
-/// Each point once, in no order of the file: what puts in points one by one is slow in some.
-pub(crate) fn in_no_order(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-    let bits = |point: &Vector3<f64>| [point.x, point.y, point.z].map(|x| (x + 0.0).to_bits());
-    let key = |bits: [u64; 3]| {
-        bits.into_iter().fold(0u64, |sum, x| (sum.rotate_left(17) ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15))
-    };
-    let once: BTreeSet<[u64; 3]> = points.iter().map(bits).collect();
-    let mut once: Vec<[u64; 3]> = once.into_iter().collect();
-    once.sort_by_key(|bits| key(*bits));
-    once.into_iter().map(|bits| Vector3::from(bits.map(f64::from_bits))).collect()
 }
 
 /// A simple solid, and where it is in the frame of its points.
@@ -255,7 +174,7 @@ impl Cloud {
         let size = points.iter().map(|point| (point - middle).norm()).fold(f64::MIN_POSITIVE, f64::max);
         let spread = points.iter().map(|point| (point - middle) * (point - middle).transpose()).sum::<Matrix3<f64>>();
         let principal = SymmetricEigen::new(spread / (size * size)).eigenvectors;
-        Self { points, size, normals: hull.map_or_else(Vec::new, Hull::normals), principal }
+        Self { points, size, normals: hull.map_or_else(Vec::new, normals), principal }
     }
 
     fn step(&self) -> f64 {
@@ -499,7 +418,7 @@ mod tests {
         let points: Vec<Vector3<f64>> = corners.iter().flat_map(|corner| [*corner, corner / 2.0]).collect();
         let ball = smallest_ball(&points, 4);
         assert!(ball.centre.norm() < 1e-12 && (ball.squared - 3.0).abs() < 1e-12);
-        assert!(Hull::of(&points[..3]).is_err());
+        assert!(Hull::of(&points[..3]).is_none());
     }
 
     #[test]
@@ -509,7 +428,7 @@ mod tests {
         assert!((volume(&triangles).unwrap() - 1.0).abs() < 1e-12);
         triangles.pop();
         assert_eq!(volume(&triangles), None);
-        assert_eq!(Hull::of_obj(&hull.obj()).unwrap(), hull);
+        assert_eq!(of_obj(&obj(&hull)).unwrap(), hull);
     }
 
     proptest! {
@@ -527,7 +446,7 @@ mod tests {
                 }
             }
             let mesh = Geometry::Mesh { filename: String::new(), scale: [1.0, -2.0, 1.0] };
-            let planes = hull.planes([1.0, -2.0, 1.0]);
+            let planes = planes(&hull, [1.0, -2.0, 1.0]);
             for point in &points {
                 prop_assert!(holds(&mesh, &planes, &point.component_mul(&Vector3::new(1.0, -2.0, 1.0))));
             }

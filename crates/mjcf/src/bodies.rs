@@ -13,6 +13,7 @@ use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::notes::Place;
 use denavit_model::problems::nearest_name;
 use denavit_model::se3::Pose;
+use denavit_model::write::escaped;
 use settings::{FromGeoms, Settings};
 use shape::Meshes;
 pub use shape::Shape;
@@ -303,18 +304,11 @@ impl Reader<'_> {
                 };
                 format!("is not understood and changes nothing here; {advice}")
             };
-            let own = Item {
-                tag: tag.to_owned(),
-                attributes: name
-                    .map(|name| ("name".to_owned(), name.to_owned()))
-                    .into_iter()
-                    .chain([(attribute.clone(), value.clone())])
-                    .collect(),
-                ..Item::default()
-            };
+            let name = name.map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
+            let text = format!("<{tag}{name} {attribute}=\"{}\"/>", escaped(value));
             let what = format!("attribute {attribute}=\"{value}\" of <{tag}>");
             let loss = Loss { place: self.document.place(item), what, why };
-            self.kept.push(Kept { loss, text: own.xml(), understood: is_known });
+            self.kept.push(Kept { loss, text, understood: is_known });
         }
         if !item.text.is_empty() {
             let what = format!("text \"{}\" in <{tag}>", item.text);
@@ -384,7 +378,7 @@ impl Reader<'_> {
                     let resolved = self.resolved(item, stand);
                     let body = self.bodies[stand.body].name.clone();
                     if let Some(resolved) = resolved {
-                        let text = format!("<body name=\"{}\">{}</body>", denavit_model::write::escaped(&body), resolved.xml());
+                        let text = format!("<body name=\"{}\">{}</body>", escaped(&body), resolved.xml());
                         self.keep_as(item, text, "URDF has no such part of a body; it changes no pose, mass or limit");
                     }
                 }
@@ -510,8 +504,8 @@ impl Reader<'_> {
             self.bodies[body].mass = whole.map(|mass| (mass, item.at));
         }
         let Some((mut mass, at)) = self.bodies[body].mass else { return };
-        let [a, b, c] = mass.moments();
-        if !is_possible([a, b, c]) && self.settings.balance {
+        if let Some([a, b, c]) = self.settings.balance.then(|| mass.moments()).filter(|moments| !is_possible(*moments))
+        {
             let mean = (a + b + c) / 3.0;
             mass.tensor = Matrix3::identity() * mean;
             self.note(
@@ -526,7 +520,7 @@ impl Reader<'_> {
             );
             mass.mass = self.settings.least_mass;
         }
-        if mass.moments()[0] < self.settings.least_inertia {
+        if self.settings.least_inertia > 0.0 && mass.moments()[0] < self.settings.least_inertia {
             let eigen = mass.tensor.symmetric_eigen();
             let raised = eigen.eigenvalues.map(|value| value.max(self.settings.least_inertia));
             mass.tensor = eigen.eigenvectors * Matrix3::from_diagonal(&raised) * eigen.eigenvectors.transpose();
@@ -591,7 +585,7 @@ impl Reader<'_> {
             self.problem(item, "a free joint stands alone in a body of <worldbody>; move it there");
         }
         // Angles in what is kept count in rad, as everything that is written here.
-        let mut in_rad = resolved.clone();
+        let mut in_rad = resolved;
         if matches!(joint.kind, Kind::Hinge | Kind::Ball) {
             for (name, value) in &mut in_rad.attributes {
                 if name == "springref"

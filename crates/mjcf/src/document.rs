@@ -38,21 +38,26 @@ impl Item {
 
     /// As text, with everything in it.
     pub fn xml(&self) -> String {
-        let mut out = format!("<{}", self.tag);
+        let mut out = String::new();
+        self.put(&mut out);
+        out
+    }
+
+    fn put(&self, out: &mut String) {
+        let _ = write!(out, "<{}", self.tag);
         for (name, value) in &self.attributes {
             let _ = write!(out, " {name}=\"{}\"", escaped(value));
         }
         if self.children.is_empty() && self.text.is_empty() {
             out.push_str("/>");
-            return out;
+            return;
         }
         out.push('>');
         out.push_str(&escaped(&self.text));
         for child in &self.children {
-            out.push_str(&child.xml());
+            child.put(out);
         }
         let _ = write!(out, "</{}>", self.tag);
-        out
     }
 }
 

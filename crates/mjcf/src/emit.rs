@@ -14,26 +14,26 @@ use std::fmt::Write as _;
 const NOTHING: f64 = 1e-15;
 
 /// The text, with its places.
-pub fn urdf(document: &Document, model: &Model) -> String {
+pub fn urdf(document: &Document, model: Model) -> String {
     let mut builder = Builder::new(Format::Mjcf, document.files[0].clone());
     builder.translation.files.clone_from(&document.files);
     let Model { name, bodies, kept, notes, findings, understood } = model;
-    builder.translation.kept.clone_from(kept);
-    builder.translation.notes.clone_from(notes);
-    builder.translation.findings.clone_from(findings);
-    builder.translation.understood = *understood;
+    builder.translation.kept = kept;
+    builder.translation.notes = notes;
+    builder.translation.findings = findings;
+    builder.translation.understood = understood;
     let links = bodies
         .iter()
         .flat_map(|body| std::iter::once(body.name.clone()).chain(body.sites.iter().map(|site| site.name.clone())));
     let joints = bodies.iter().flat_map(|body| body.joints.iter().map(|joint| joint.name.clone()));
     let mut text = Text { builder, links: links.collect(), joints: joints.collect() };
-    text.line(document.root.at, &format!("<robot name=\"{}\">", escaped(name)));
-    let skipped = world_is_no_link(bodies);
+    text.line(document.root.at, &format!("<robot name=\"{}\">", escaped(&name)));
+    let skipped = world_is_no_link(&bodies);
     for (index, body) in bodies.iter().enumerate() {
         if index == 0 && skipped {
             continue;
         }
-        text.body(bodies, body, skipped);
+        text.body(&bodies, body, skipped);
     }
     text.line(document.root.at, "</robot>");
     text.builder.text()

@@ -49,5 +49,5 @@ pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 pub fn read(file: &str, text: &str, files: &mut Files) -> Result<String, FormatError> {
     let document = document::read(file, text, files)?;
     let model = bodies::model(&document, files)?;
-    Ok(emit::urdf(&document, &model))
+    Ok(emit::urdf(&document, model))
 }

@@ -1,10 +1,11 @@
 //! The solid that a mesh file bounds: STL, binary or text, OBJ, and MuJoCo's own MSH.
 
 use crate::mass::Solid;
+use denavit_model::hull::{Hull, Triangle, in_no_order};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 
 /// Corners of each triangle, m.
-pub type Triangles = Vec<[Vector3<f64>; 3]>;
+pub type Triangles = Vec<Triangle>;
 
 /// More triangles are refused.
 const MOST: usize = 5_000_000;
@@ -127,12 +128,19 @@ pub enum Inside {
     Absolute,
     /// Signed: MuJoCo's `exact`, right for every closed surface.
     Signed,
+    /// The convex hull: MuJoCo's `convex`.
+    Hull,
     /// Nothing: the surface has the mass, MuJoCo's `shell`.
     Nothing,
 }
 
 /// The solid of a density of 1 kg/m³ inside a mesh, or its surface of 1 kg/m².
 pub fn solid(triangles: &Triangles, inside: Inside) -> Result<Solid, String> {
+    if inside == Inside::Hull {
+        let hull = Hull::of(&in_no_order(triangles.as_flattened()));
+        let hull = hull.ok_or("its points lie in a plane, so that they have no hull")?;
+        return solid(&hull.triangles().collect(), Inside::Signed);
+    }
     // From the centre of the surface, as MuJoCo does.
     let mut area = 0.0;
     let mut middle = Vector3::zeros();

@@ -324,6 +324,7 @@ fn shells_weigh_what_mujoco_says() {
         ("type=\"box\" size=\".1 .2 .3\"", 1.76, [0.10826667, 0.08426667, 0.04853333]),
         ("type=\"cylinder\" size=\".1 .3\"", 0.879645943005142, [0.03801327, 0.03801327, 0.00816814]),
         ("type=\"capsule\" size=\".1 .3\"", 1.0053096491487339, [0.05822418, 0.05822418, 0.00921534]),
+        ("type=\"ellipsoid\" size=\".1 .2 .3\"", 0.9794386666743462, [0.03615035, 0.02813673, 0.01620536]),
     ] {
         let robot = body("", &format!("<joint/><geom {geom} shellinertia=\"true\" density=\"2\"/>"));
         let inertial = robot.links.iter().find(|link| link.name == "b").unwrap().inertial.as_ref().unwrap();
@@ -332,8 +333,35 @@ fn shells_weigh_what_mujoco_says() {
             assert!((inertial.tensor[(index, index)] - moment).abs() < 6e-9, "{geom}: {}", inertial.tensor);
         }
     }
-    let unknown = body("", "<joint/><geom type=\"ellipsoid\" size=\".1 .2 .3\" shellinertia=\"true\"/>");
-    assert!(unknown.notes.iter().any(|note| note.to_string().contains("ellipsoid")), "{:?}", unknown.notes);
+}
+
+/// A body like an L, whose hull is more than it: the figures are those that MuJoCo 4.0.0 compiles.
+#[test]
+fn a_convex_inertia_is_that_of_the_hull() {
+    const VERTICES: &str = "0 0 0 .25 0 0 .25 .125 0 .125 .125 0 .125 .25 0 0 .25 0 0 0 .125 .25 0 .125 .25 .125 .125 .125 .125 .125 \
+                            .125 .25 .125 0 .25 .125";
+    const FACES: &str = "3 1 0 3 2 1 5 3 0 5 4 3 6 7 9 7 8 9 6 9 11 9 10 11 0 1 7 0 7 6 1 2 8 1 8 7 2 3 9 2 9 8 3 4 10 3 10 9 4 5 11 \
+                         4 11 10 5 0 6 5 6 11";
+    let model = |inertia: &str| {
+        format!(
+            "<asset><mesh name=\"l\" inertia=\"{inertia}\" vertex=\"{VERTICES}\" face=\"{FACES}\"/></asset>
+             <worldbody><body name=\"b\"><joint/><geom type=\"mesh\" mesh=\"l\"/></body></worldbody>"
+        )
+    };
+    for (inertia, mass, along, xx, xy, zz) in [
+        ("convex", 6.835_937_5, 0.113_095_24, 0.040_992_86, 0.007_326_64, 0.064_183_80),
+        ("exact", 5.859_375, 0.104_166_67, 0.035_603_84, 0.010_172_53, 0.055_948_89),
+    ] {
+        let robot = read(&model(inertia));
+        let inertial = robot.links.iter().find(|link| link.name == "b").unwrap().inertial.as_ref().unwrap();
+        let (centre, tensor) = (inertial.origin.xyz, inertial.tensor);
+        assert!((inertial.mass - mass).abs() < 1e-12, "{inertia}: {}", inertial.mass);
+        assert!((centre[0] - along).abs() < 6e-9 && (centre[2] - 0.0625).abs() < 1e-12, "{inertia}: {centre:?}");
+        for (is, stated) in [(tensor[(0, 0)], xx), (tensor[(0, 1)], xy), (tensor[(2, 2)], zz)] {
+            assert!((is - stated).abs() < 6e-9, "{inertia}: {tensor}");
+        }
+    }
+    assert!(refused(&model("hull")).contains("write convex, exact, legacy or shell"));
 }
 
 /// Six corners and eight faces in MuJoCo's own format; the figures are those that MuJoCo 4.0.0 compiles.

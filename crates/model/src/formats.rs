@@ -10,6 +10,7 @@
 //! ```
 
 use crate::notes::{Note, Place};
+use std::collections::HashMap;
 use std::fmt::{self, Write as _};
 use thiserror::Error;
 
@@ -177,32 +178,36 @@ impl Translation {
         let format = Format::ALL.into_iter().find(|format| format.word() == word)?;
         let mut result = Self::new(format, "");
         result.files.clear();
+        let mut reasons: Vec<String> = Vec::new();
         for record in records {
-            let fields: Vec<String> = record.split('\t').map(plain).collect();
-            let words: Vec<&str> = fields.iter().map(String::as_str).collect();
-            let place = |file: &str, line: &str, element: &str| {
-                Some(Place { file: file.to_owned(), line: line.parse().ok()?, element: element.to_owned() })
+            let (kind, rest) = record.split_once('\t').unwrap_or((record, ""));
+            let place = |file, line: &str, element| {
+                Some(Place { file: plain(file), line: line.parse().ok()?, element: plain(element) })
             };
-            match words[..] {
-                ["file", name] => result.files.push(name.to_owned()),
-                ["understood", count] => result.understood = count.parse().ok()?,
-                ["lines", ref pairs @ ..] => {
-                    for pair in pairs {
+            match kind {
+                "file" => result.files.push(plain(rest)),
+                "why" => reasons.push(plain(rest)),
+                "understood" => result.understood = rest.parse().ok()?,
+                "lines" => {
+                    for pair in rest.split('\t').filter(|pair| !pair.is_empty()) {
                         let (file, line) = pair.split_once(':')?;
                         result.lines.push((file.parse().ok()?, line.parse().ok()?));
                     }
                 }
-                ["note", file, line, element, what] => {
-                    result.notes.push((place(file, line, element)?, what.to_owned()));
+                "note" => {
+                    let [file, line, element, what] = fields(rest)?;
+                    result.notes.push((place(file, line, element)?, plain(what)));
                 }
-                ["finding", rule, file, line, element, what] => {
-                    result.findings.push((rule.to_owned(), place(file, line, element)?, what.to_owned()));
+                "finding" => {
+                    let [rule, file, line, element, what] = fields(rest)?;
+                    result.findings.push((plain(rule), place(file, line, element)?, plain(what)));
                 }
-                [kind @ ("kept" | "unknown"), file, line, element, what, why, text] => result.kept.push(Kept {
-                    loss: Loss { place: place(file, line, element)?, what: what.to_owned(), why: why.to_owned() },
-                    text: text.to_owned(),
-                    understood: kind == "kept",
-                }),
+                "kept" | "unknown" => {
+                    let [file, line, element, what, why, text] = fields(rest)?;
+                    let why = reasons.get(why.parse::<usize>().ok()?)?.clone();
+                    let loss = Loss { place: place(file, line, element)?, what: plain(what), why };
+                    result.kept.push(Kept { loss, text: plain(text), understood: kind == "kept" });
+                }
                 _ => return None,
             }
         }
@@ -237,8 +242,13 @@ impl Translation {
     fn instruction(&self) -> String {
         let mut out = format!("{OPENS}{}\n", self.format.word());
         let mut record = |fields: &[&str]| {
-            let fields: Vec<String> = fields.iter().map(|field| quoted(field)).collect();
-            let _ = writeln!(out, "{}", fields.join("\t"));
+            for (index, field) in fields.iter().enumerate() {
+                if index > 0 {
+                    out.push('\t');
+                }
+                quote(&mut out, field);
+            }
+            out.push('\n');
         };
         for file in &self.files {
             record(&["file", file]);
@@ -250,8 +260,15 @@ impl Translation {
         for (rule, place, what) in &self.findings {
             record(&["finding", rule, &place.file, &place.line.to_string(), &place.element, what]);
         }
+        // Many things are kept for the same reason.
+        let mut reasons: HashMap<&str, String> = HashMap::new();
         for Kept { loss: Loss { place, what, why }, text, understood } in &self.kept {
             let kind = if *understood { "kept" } else { "unknown" };
+            let next = reasons.len();
+            let why = reasons.entry(why).or_insert_with(|| {
+                record(&["why", why]);
+                next.to_string()
+            });
             record(&[kind, &place.file, &place.line.to_string(), &place.element, what, why, text]);
         }
         out.push_str("lines");
@@ -275,6 +292,11 @@ fn instruction(text: &str) -> Option<(std::ops::Range<usize>, usize, &str)> {
     Some((start..ends, before, &inside[..end]))
 }
 
+/// Where the description itself begins in a text: behind the places of its source.
+pub(crate) fn behind_instruction(text: &str) -> usize {
+    instruction(text).map_or(0, |(range, ..)| range.end)
+}
+
 /// A translated text as a URDF that stands for itself: without the places of its source.
 pub fn as_urdf(text: &str) -> String {
     match instruction(text) {
@@ -283,31 +305,30 @@ pub fn as_urdf(text: &str) -> String {
     }
 }
 
-/// Text inside the instruction: no end of it, no field's or record's end, no tag.
-fn quoted(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '\\' => out.push_str("\\\\"),
-            '\n' => out.push_str("\\n"),
-            '\r' => out.push_str("\\r"),
-            '\t' => out.push_str("\\t"),
-            '<' => out.push_str("\\l"),
-            '>' => out.push_str("\\g"),
-            c => out.push(c),
-        }
+/// Adds text inside the instruction: no end of it, no field's or record's end, no tag.
+fn quote(out: &mut String, text: &str) {
+    let mut rest = text;
+    while let Some(at) = rest.find(['\\', '\n', '\r', '\t', '<', '>']) {
+        out.push_str(&rest[..at]);
+        out.push_str(match rest.as_bytes()[at] {
+            b'\\' => "\\\\",
+            b'\n' => "\\n",
+            b'\r' => "\\r",
+            b'\t' => "\\t",
+            b'<' => "\\l",
+            _ => "\\g",
+        });
+        rest = &rest[at + 1..];
     }
-    out
+    out.push_str(rest);
 }
 
 fn plain(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    let mut chars = text.chars();
-    while let Some(c) = chars.next() {
-        if c != '\\' {
-            out.push(c);
-            continue;
-        }
+    let mut rest = text;
+    while let Some((before, behind)) = rest.split_once('\\') {
+        out.push_str(before);
+        let mut chars = behind.chars();
         match chars.next() {
             Some('n') => out.push('\n'),
             Some('r') => out.push('\r'),
@@ -317,8 +338,20 @@ fn plain(text: &str) -> String {
             Some(other) => out.push(other),
             None => {}
         }
+        rest = chars.as_str();
     }
+    out.push_str(rest);
     out
+}
+
+/// The fields of a record; `None` where they are more or less.
+fn fields<const N: usize>(record: &str) -> Option<[&str; N]> {
+    let mut found = [""; N];
+    let mut words = record.split('\t');
+    for field in &mut found {
+        *field = words.next()?;
+    }
+    words.next().is_none().then_some(found)
 }
 
 /// Builds the URDF text of a description in another format, line by line.
@@ -362,7 +395,9 @@ impl Builder {
 
     /// The URDF text, with its places inside.
     pub fn text(&self) -> String {
-        format!("{XML}{}{}", self.translation.instruction(), self.body)
+        let mut text = XML.to_owned() + &self.translation.instruction();
+        text.push_str(&self.body);
+        text
     }
 }
 

@@ -12,6 +12,7 @@ pub mod examples;
 mod fk;
 pub mod formats;
 pub mod forms;
+pub mod hull;
 pub mod intended;
 pub mod inventory;
 pub mod loops;

@@ -1,5 +1,6 @@
 //! Bringing text into a form that an XML parser takes, such that the original can be had back.
 
+use crate::formats::behind_instruction;
 use crate::notes::{Note, Place};
 use crate::robot::SourceText;
 
@@ -22,7 +23,7 @@ pub(crate) fn prepare(file: &str, original: &str) -> (SourceText, Vec<Note>) {
     let (dropped_before, text) = original.split_at(start);
     let mut source = SourceText::new(file, text);
     dropped_before.clone_into(&mut source.dropped_before);
-    let unbound = unbound_prefixes(text);
+    let unbound = unbound_prefixes(&text[behind_instruction(text)..]);
     if let (false, Some(at)) = (unbound.is_empty(), root_name_end(text)) {
         let declarations: Vec<String> =
             unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();

@@ -72,7 +72,20 @@ pub fn element(element: &Element) -> String {
 
 /// Text as it may stand between quotes or tags.
 pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(['&', '<', '>', '"']) {
+        out.push_str(&rest[..at]);
+        out.push_str(match rest.as_bytes()[at] {
+            b'&' => "&amp;",
+            b'<' => "&lt;",
+            b'>' => "&gt;",
+            _ => "&quot;",
+        });
+        rest = &rest[at + 1..];
+    }
+    out.push_str(rest);
+    out
 }
 
 /// Namespace prefixes in use.
@@ -95,7 +108,11 @@ fn prefixes(robot: &Robot) -> BTreeSet<&str> {
 
 /// Numbers with blanks between them, each so that it reads back as itself.
 pub fn numbers(values: &[f64]) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    let mut out = String::new();
+    for (index, value) in values.iter().enumerate() {
+        let _ = write!(out, "{}{value}", if index == 0 { "" } else { " " });
+    }
+    out
 }
 
 /// An `<origin>`; empty where it is the identity and nothing else was written.

@@ -2,6 +2,7 @@
 
 mod further;
 mod names;
+mod scopes;
 
 use crate::names::fresh;
 use crate::pose::numbers;
@@ -13,6 +14,7 @@ use denavit_model::write::escaped;
 use denavit_model::{Joint, JointKind, Link, Place, Robot, se3};
 use further::Further;
 use names::Names;
+use scopes::{SEPARATOR, Scopes, is_in};
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -33,7 +35,8 @@ pub(crate) enum Part {
 ///
 /// Joints stand in their parent, links in their joint, so that every number of the URDF stands as it is written. A massless link
 /// on a fixed joint becomes a frame; other massless links stay links, of mass 0. A screw joint stays one joint. Elements inside
-/// `<gazebo>` go where they belong.
+/// `<gazebo>` go where they belong. Links called `MODEL::LINK` stand in a model of their own where nothing in it names anything
+/// outside.
 ///
 /// # Errors
 /// A joint that SDF cannot say, with its place.
@@ -53,15 +56,25 @@ pub fn write(robot: &Robot) -> Result<Written, FormatError> {
     let further = Further::of(robot);
     let parts: Vec<Part> = (0..robot.links.len()).map(|link| part(robot, link, carriers[link], &further)).collect();
     let mut further = further;
-    let names = Names::of(robot, &parts);
+    let scopes = Scopes::of(robot);
+    let names = Names::of(robot, &parts, &scopes);
     further.rename(&names);
-    let mut writer =
-        Writer { robot, names, parts, further, out: String::new(), losses: Vec::new(), problems: Vec::new() };
+    let mut writer = Writer {
+        robot,
+        names,
+        scopes,
+        scope: String::new(),
+        parts,
+        further,
+        out: String::new(),
+        losses: Vec::new(),
+        problems: Vec::new(),
+    };
     writer.model();
     if !writer.problems.is_empty() {
         return Err(FormatError { problems: writer.problems });
     }
-    let mut losses = writer.names.losses(robot);
+    let mut losses = writer.names.losses(robot, &writer.parts);
     losses.append(&mut writer.losses);
     losses.append(&mut writer.further.losses(robot));
     losses.sort_by_key(|loss| loss.place.line);
@@ -109,6 +122,9 @@ fn is_world(robot: &Robot, link: usize) -> bool {
 struct Writer<'a> {
     robot: &'a Robot,
     names: Names,
+    scopes: Scopes,
+    /// The model that is being written; empty for the robot itself.
+    scope: String,
     parts: Vec<Part>,
     further: Further<'a>,
     out: String,
@@ -118,7 +134,14 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn line(&mut self, depth: usize, text: &str) {
-        let _ = writeln!(self.out, "{:1$}{text}", "", 2 * depth);
+        let around = if self.scope.is_empty() { 0 } else { 1 + self.scope.matches(SEPARATOR).count() };
+        let _ = writeln!(self.out, "{:1$}{text}", "", 2 * (depth + around));
+    }
+
+    /// What something is called in the model that is being written.
+    fn seen(&self, name: &str) -> String {
+        let own = if self.scope.is_empty() { None } else { name.strip_prefix(self.scope.as_str()) };
+        escaped(own.and_then(|own| own.strip_prefix(SEPARATOR)).unwrap_or(name))
     }
 
     fn lose(&mut self, place: Place, what: impl Into<String>, why: impl Into<String>) {
@@ -136,19 +159,7 @@ impl Writer<'_> {
         for text in self.further.of_model(&["pose", "static"]) {
             self.line(2, &text);
         }
-        let carriers = robot.carriers();
-        for (index, link) in robot.links.iter().enumerate() {
-            if self.parts[index] == Part::Link {
-                self.link(index, link, carriers[index]);
-            }
-        }
-        for joint in &robot.joints {
-            if self.parts[joint.child] == Part::Frame {
-                self.frame(joint);
-            } else if self.parts[joint.parent] != Part::Joint {
-                self.joint(joint);
-            }
-        }
+        self.inside(&robot.carriers());
         for text in self.further.of_model(&[]) {
             self.line(2, &text);
         }
@@ -156,24 +167,64 @@ impl Writer<'_> {
         self.line(0, "</sdf>");
     }
 
+    /// Links, models and joints of the model that is being written.
+    fn inside(&mut self, carriers: &[Option<usize>]) {
+        let (robot, scope) = (self.robot, self.scope.clone());
+        for (index, link) in robot.links.iter().enumerate() {
+            if self.parts[index] == Part::Link && self.scopes.around(&link.name) == scope {
+                self.link(index, link, carriers[index]);
+            }
+        }
+        for inner in self.scopes.inside(&scope) {
+            let name = self.seen(&inner);
+            self.line(2, &format!("<model name=\"{name}\">"));
+            // Where its first link is, whose pose in it is 0.
+            let enters = |joint: &&Joint| {
+                is_in(&robot.links[joint.child].name, &inner) && !is_in(&robot.links[joint.parent].name, &inner)
+            };
+            if let Some(carrier) = robot.joints.iter().position(|joint| enters(&joint)) {
+                let pose = self.pose_on(carrier);
+                self.line(3, &pose);
+            }
+            self.scope = inner;
+            self.inside(carriers);
+            self.scope.clone_from(&scope);
+            self.line(2, "</model>");
+        }
+        for joint in robot.joints.iter().filter(|joint| self.scopes.around(&joint.name) == scope).collect::<Vec<_>>() {
+            if self.parts[joint.child] == Part::Frame {
+                self.frame(joint);
+            } else if self.parts[joint.parent] != Part::Joint {
+                self.joint(joint);
+            }
+        }
+    }
+
+    /// The pose of what a joint carries.
+    fn pose_on(&self, carrier: usize) -> String {
+        let joint = &self.robot.joints[carrier];
+        if self.parts[joint.parent] == Part::Joint {
+            let before = carriers_of(self.robot, joint.parent);
+            pose(&self.seen(&self.names.joints[before]), &joint.origin)
+        } else if joint.kind == JointKind::Floating {
+            pose(&self.within(joint.parent), &joint.origin)
+        } else {
+            let name = format!("{}{}", self.names.joints[carrier], last_part(&joint.kind));
+            format!("<pose relative_to=\"{}\">0 0 0 0 0 0</pose>", self.seen(&name))
+        }
+    }
+
     /// What a pose in a link is given in.
     fn within(&self, link: usize) -> String {
-        if self.parts[link] == Part::World { "__model__".to_owned() } else { escaped(&self.names.links[link]) }
+        if self.parts[link] == Part::World { "__model__".to_owned() } else { self.seen(&self.names.links[link]) }
     }
 
     fn link(&mut self, index: usize, link: &Link, carrier: Option<usize>) {
-        self.line(2, &format!("<link name=\"{}\">", escaped(&self.names.links[index])));
-        if let Some(carrier) = carrier {
-            let joint = &self.robot.joints[carrier];
-            let pose = if self.parts[joint.parent] == Part::Joint {
-                let before = carriers_of(self.robot, joint.parent);
-                pose(&escaped(&self.names.joints[before]), &joint.origin)
-            } else if joint.kind == JointKind::Floating {
-                pose(&self.within(joint.parent), &joint.origin)
-            } else {
-                let name = format!("{}{}", self.names.joints[carrier], last_part(&joint.kind));
-                format!("<pose relative_to=\"{}\">0 0 0 0 0 0</pose>", escaped(&name))
-            };
+        self.line(2, &format!("<link name=\"{}\">", self.seen(&self.names.links[index])));
+        if let Some(carrier) = carrier
+            && is_in(&self.robot.links[self.robot.joints[carrier].parent].name, &self.scope)
+        {
+            let pose = self.pose_on(carrier);
             self.line(3, &pose);
         }
         let place = self.robot.source.place(link.at, format!("link \"{}\"", link.name));
@@ -234,7 +285,7 @@ impl Writer<'_> {
         // SDF wants a name, each once in a link.
         let wanted = match &shape.name {
             Some(name) if !name.is_empty() => name.clone(),
-            _ => format!("{}_{tag}", link.name),
+            _ => format!("{}_{tag}", link.name.replace(SEPARATOR, "__")),
         };
         let name = fresh(names, &wanted);
         if shape.name.as_ref() != Some(&name) {
@@ -305,11 +356,11 @@ impl Writer<'_> {
 
     fn frame(&mut self, joint: &Joint) {
         let index = self.robot.joints.iter().position(|other| std::ptr::eq(other, joint)).unwrap_or(0);
-        let name = escaped(&self.names.joints[index]);
-        let parent = escaped(&self.names.links[joint.parent]);
+        let name = self.seen(&self.names.joints[index]);
+        let parent = self.seen(&self.names.links[joint.parent]);
         let origin = plain_pose(&joint.origin);
         self.line(2, &format!("<frame name=\"{name}\" attached_to=\"{parent}\">{origin}</frame>"));
-        let child = escaped(&self.names.links[joint.child]);
+        let child = self.seen(&self.names.links[joint.child]);
         self.line(2, &format!("<frame name=\"{child}\" attached_to=\"{name}\"/>"));
     }
 
@@ -352,9 +403,9 @@ impl Writer<'_> {
             _ => joint.child,
         };
         let child = self.names.links[child].clone();
-        self.line(2, &format!("<joint name=\"{}\" type=\"{kind}\">", escaped(&name)));
+        self.line(2, &format!("<joint name=\"{}\" type=\"{kind}\">", self.seen(&name)));
         self.line(3, &at);
-        self.line(3, &format!("<parent>{}</parent><child>{}</child>", escaped(&parent), escaped(&child)));
+        self.line(3, &format!("<parent>{}</parent><child>{}</child>", self.seen(&parent), self.seen(&child)));
         if let JointKind::Screw(pitch) = joint.kind {
             self.line(3, &format!("<screw_thread_pitch>{}</screw_thread_pitch>", pitch.metres_per_radian() * TAU));
         }
@@ -404,7 +455,7 @@ impl Writer<'_> {
             let _ = write!(
                 out,
                 "<mimic joint=\"{}\"><multiplier>{}</multiplier><offset>{}</offset><reference>0</reference></mimic>",
-                escaped(leader),
+                self.seen(leader),
                 mimic.multiplier,
                 mimic.offset
             );
@@ -432,6 +483,11 @@ impl Writer<'_> {
         };
         if let Some((what, why)) = lost {
             self.lose(place.clone(), what, why);
+        }
+        for (word, value) in [("effort", joint.limits.effort), ("velocity", joint.limits.velocity)] {
+            if value == Some(-1.0) && joint.kind.moves() {
+                self.lose(place.clone(), format!("{word} limit of -1"), "SDF takes that as no limit");
+            }
         }
         for element in &joint.elements {
             let tag = element.tag();
@@ -469,15 +525,15 @@ impl Writer<'_> {
             let child = if index == 2 { self.names.links[joint.child].clone() } else { format!("{own}_link") };
             if index < 2 {
                 let massless = inertial(None, &[]);
-                let pose = format!("<pose relative_to=\"{}\">0 0 0 0 0 0</pose>", escaped(&own));
-                self.line(2, &format!("<link name=\"{}\">{pose}{massless}</link>", escaped(&child)));
+                let pose = format!("<pose relative_to=\"{}\">0 0 0 0 0 0</pose>", self.seen(&own));
+                self.line(2, &format!("<link name=\"{}\">{pose}{massless}</link>", self.seen(&child)));
             }
-            self.line(2, &format!("<joint name=\"{}\" type=\"{kind}\">", escaped(&own)));
+            self.line(2, &format!("<joint name=\"{}\" type=\"{kind}\">", self.seen(&own)));
             self.line(3, &at);
-            self.line(3, &format!("<parent>{}</parent><child>{}</child>", escaped(&parent), escaped(&child)));
+            self.line(3, &format!("<parent>{}</parent><child>{}</child>", self.seen(&parent), self.seen(&child)));
             self.line(3, &format!("<axis><xyz>{}</xyz></axis>", numbers(axis.as_slice())));
             self.line(2, "</joint>");
-            at = format!("<pose relative_to=\"{}\">0 0 0 0 0 0</pose>", escaped(&child));
+            at = format!("<pose relative_to=\"{}\">0 0 0 0 0 0</pose>", self.seen(&child));
             parent = child;
         }
     }

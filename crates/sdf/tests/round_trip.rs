@@ -108,3 +108,76 @@ fn a_screw_joint_stays_one_joint() {
     assert_eq!(again(&robot).joints.len(), 1);
     assert_eq!(again(&robot).joints[0].kind, robot.joints[0].kind);
 }
+
+/// A cell with an arm in it, and a tool in that.
+const NESTED: &str = include_str!("models/cell.sdf");
+
+fn of_sdf(text: &str) -> Robot {
+    let urdf = denavit_sdf::read("r.sdf", text, &mut denavit_sdf::includes::nothing).unwrap();
+    urdf::read("r.sdf", &urdf).unwrap()
+}
+
+#[test]
+fn models_in_a_model_are_written_as_such() {
+    let robot = of_sdf(NESTED);
+    let written = denavit_sdf::write(&robot).unwrap();
+    assert!(!written.losses.iter().any(|loss| loss.to_string().contains("::")), "{:?}", written.losses);
+    for part in [
+        "    <model name=\"arm\">",
+        "      <model name=\"tool\">",
+        "<child>tool::finger</child>",
+        "<mimic joint=\"j\">",
+    ] {
+        assert!(written.text.contains(part), "{part}\n{}", written.text);
+    }
+    let again = of_sdf(&written.text);
+    let names =
+        |robot: &Robot| robot.links.iter().map(|link| link.name.clone()).collect::<std::collections::BTreeSet<_>>();
+    assert_eq!(names(&robot), names(&again));
+    let place = |robot: &Robot, link: &str, value: f64| {
+        let chain = robot.chain(Some("table"), Some(link), Reading::Intended).unwrap().value;
+        chain.fk(&vec![value; chain.coordinates().len()])
+    };
+    for link in names(&robot).iter().filter(|link| *link != "table") {
+        for value in [0.0, 0.4] {
+            let (one, other) = (place(&robot, link, value), place(&again, link, value));
+            let apart = (one.to_homogeneous() - other.to_homogeneous()).norm();
+            assert!(apart < 1e-14, "{link}: {apart}\n{}", written.text);
+        }
+    }
+    // Joints may lead out of a model. Where two lead into it, one of its links would have to name a joint outside.
+    let outside = NESTED.replace(
+        "<joint name=\"mount\"",
+        "<joint name=\"far\" type=\"fixed\"><parent>arm::upper</parent><child>lamp</child></joint>\
+        <link name=\"lamp\"/><joint name=\"mount\"",
+    );
+    assert!(denavit_sdf::write(&of_sdf(&outside)).unwrap().text.contains("<model name=\"arm\">"));
+    let two = NESTED.replace("</model>\n  <joint name=\"mount\"", "<link name=\"loose\"/></model>\
+        <joint name=\"second\" type=\"fixed\"><parent>table</parent><child>arm::loose</child></joint>\n  <joint name=\"mount\"");
+    let flat = denavit_sdf::write(&of_sdf(&two)).unwrap();
+    assert!(
+        flat.text.contains("arm__base")
+            && flat.losses.iter().any(|loss| loss.to_string().contains("\"::\" separates models"))
+    );
+}
+
+#[test]
+fn an_effort_of_minus_one_is_listed() {
+    let text = r#"<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="prismatic"><parent link="a"/><child link="b"/>
+        <limit lower="0" upper="1" effort="-1" velocity="2"/></joint></robot>"#;
+    let losses = denavit_sdf::write(&urdf::read("r.urdf", text).unwrap()).unwrap().losses;
+    assert!(
+        losses.iter().any(|loss| loss.to_string().contains("effort limit of -1: SDF takes that as no limit")),
+        "{losses:?}"
+    );
+}
+
+#[test]
+fn a_joint_to_a_link_of_gazebo_alone_is_listed() {
+    let text = r#"<robot name="r"><link name="a"/><gazebo><link name="pad"/><joint name="loop" type="revolute"><parent>pad</parent>
+        <child>a</child><axis><xyz>0 0 1</xyz></axis></joint></gazebo></robot>"#;
+    let robot = urdf::read("r.urdf", text).unwrap();
+    let losses = denavit_sdf::write(&robot).unwrap().losses;
+    assert!(losses.iter().any(|loss| loss.to_string().contains("the robot does not have")), "{losses:?}");
+    assert_eq!(again(&robot).links.len(), 1);
+}

@@ -88,6 +88,7 @@ fn open(source: &RobotText) -> Result<Value, String> {
         "chains": json::chains(&listing),
         "urdf": urdf,
         "urdf_file": file,
+        "is_alone": opened.includes.is_empty(),
         "notes": opened.notes,
         "scene": scene,
     }))

@@ -17,16 +17,13 @@ pub use question::{Question, RobotText};
 
 use denavit_model::settings::plain;
 use denavit_xacro::files;
-use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Answers a question; both are JSON. An answer with `error` says in one sentence what is wrong and how to fix it.
 pub fn answer(question: &str) -> String {
     let answered = serde_json::from_str::<Question>(question)
         .map_err(|error| format!("the page asked for something that is not known: {error}"))
-        .and_then(|question| {
-            let held: Vec<(PathBuf, Vec<u8>)> = question.files();
-            files::with_held(held, || answers::of(&question))
-        });
+        .and_then(|question| files::with(Some(Arc::new(question.files())), || answers::of(&question)));
     let answer = answered.unwrap_or_else(|error| serde_json::json!({ "error": error }));
     plain(answer)
 }

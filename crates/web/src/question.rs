@@ -7,10 +7,12 @@ use denavit_export::Units;
 use denavit_export::sources::Stated;
 use denavit_load::{Loaded, NEARLY_PARALLEL, Opened, Options, Selection, TableOptions};
 use denavit_model::{Chain, ChainJoint, Reading};
+use denavit_xacro::files::Held;
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// A question of the page.
 #[derive(Debug, Clone, Deserialize)]
@@ -186,8 +188,8 @@ pub struct RobotText {
 }
 
 impl Question {
-    /// The files that the question brings.
-    pub(crate) fn files(&self) -> Vec<(PathBuf, Vec<u8>)> {
+    /// The files that the question brings, and the names of others, whose content is not there.
+    pub(crate) fn files(&self) -> Held {
         let robots: Vec<&RobotText> = match self {
             Self::Open(source)
             | Self::Poe(source)
@@ -206,12 +208,16 @@ impl Question {
             Self::Calibrate(asked) => vec![&asked.source],
             Self::Twist(asked) => vec![&asked.source],
         };
-        let mut files = Vec::new();
+        let mut held = Held::default();
         for robot in robots {
-            files.extend(robot.names.iter().map(|name| (name.into(), Vec::new())));
-            files.extend(robot.files.iter().map(|(name, text)| (name.into(), text.clone().into_bytes())));
+            for name in &robot.names {
+                held.add_later(Path::new(name), || Err(io::Error::other("meshes are drawn on this page, not weighed")));
+            }
+            for (name, text) in &robot.files {
+                held.add(Path::new(name), text.clone().into_bytes());
+            }
         }
-        files
+        held
     }
 }
 

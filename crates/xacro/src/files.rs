@@ -137,15 +137,6 @@ thread_local! {
     static HELD: RefCell<Option<Arc<Held>>> = const { RefCell::new(None) };
 }
 
-/// Runs `work` with these files in place of the disk; relative names begin at `/`.
-pub fn with_held<T>(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>, work: impl FnOnce() -> T) -> T {
-    let mut held = Held::default();
-    for (name, bytes) in files {
-        held.add(&name, bytes);
-    }
-    with(Some(Arc::new(held)), work)
-}
-
 /// Runs `work` with held files; with `None` on the disk.
 pub fn with<T>(held: Option<Arc<Held>>, work: impl FnOnce() -> T) -> T {
     /// Puts back what was held before, also where `work` panics.
@@ -304,6 +295,15 @@ fn lexical(path: &Path) -> PathBuf {
 mod tests {
     use super::*;
     use crate::{Options, PackagePath, Source, expand};
+
+    /// Runs `work` with these files in place of the disk; relative names begin at `/`.
+    fn with_held<T>(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>, work: impl FnOnce() -> T) -> T {
+        let mut held = Held::default();
+        for (name, bytes) in files {
+            held.add(&name, bytes);
+        }
+        with(Some(Arc::new(held)), work)
+    }
 
     fn text(name: &str, text: &str) -> (PathBuf, Vec<u8>) {
         (name.into(), text.as_bytes().to_vec())

@@ -47,6 +47,23 @@ def test_models_of_each_construct():
         assert count and worst < sdf.NEAR and heavy < sdf.NEAR, name
 
 
+def test_models_in_a_model_are_in_drake_where_they_were(tmp_path):
+    built("sdf_to_urdf")
+    built("urdf_to_sdf")
+    path = HERE / "crates/sdf/tests/models/cell.sdf"
+    again = tmp_path / "again.sdf"
+    (tmp_path / "nested.urdf").write_text(sdf.converted("sdf_to_urdf", path)[0])
+    again.write_text(sdf.converted("urdf_to_sdf", tmp_path / "nested.urdf")[0])
+    assert '<model name="arm">' in again.read_text()
+    frames = [sdf.Drake(text.read_text()) for text in (path, again)]
+    for value in (0.0, 0.4):
+        for drake in frames:
+            drake.set({name: value for joint in drake.joints for name in drake.names(joint)})
+        one, other = (drake.frames() for drake in frames)
+        for name in ("arm::base", "arm::upper", "arm::tool::other", "arm::eye"):
+            assert abs(one[name] - other[name]).max() < sdf.NEAR, name
+
+
 def test_sdf_of_others_is_read_as_drake_reads_it():
     built("sdf_to_urdf")
     folder = need(sdf.corpus.SHARED / "vendor/sdf")

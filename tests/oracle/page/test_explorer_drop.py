@@ -146,6 +146,36 @@ def test_models_in_other_formats_are_dragged(name, explorer, tmp_path):
     expect(page.locator(".said.wrong")).to_have_count(0)
 
 
+INCLUDING = {
+    "mjcf": {
+        "top/arm.xml": MODELS["arm.xml"].replace("<worldbody>", '<include file="parts/joints.xml"/><worldbody>').replace('axis="0 1 0" range="-90 90"', 'class="turn"'),
+        "top/parts/joints.xml": '<mujocoinclude><default><default class="turn"><joint axis="0 1 0" range="-90 90"/></default></default></mujocoinclude>',
+    },
+    "mjcf of two models": {
+        "top/arm.xml": MODELS["arm.xml"].replace("<worldbody>", '<include file="joints.xml"/><worldbody>').replace('axis="0 1 0" range="-90 90"', 'class="turn"'),
+        "top/joints.xml": '<mujoco><default><default class="turn"><joint axis="0 1 0" range="-90 90"/></default></default></mujoco>',
+    },
+    "sdf": {
+        "top/cell/model.sdf": '<sdf version="1.9"><model name="cell"><include><uri>model://arm</uri></include></model></sdf>',
+        "top/arm/arm.sdf": MODELS["arm.sdf"],
+        "top/arm/model.config": '<model><name>arm</name><sdf version="1.9">arm.sdf</sdf></model>',
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("model", INCLUDING)
+def test_models_that_include_others_are_dragged_with_them(model, explorer, tmp_path):
+    page = explorer()
+    drag(page, write(tmp_path, INCLUDING[model]) / "top")
+    expect(page.locator("#dh tbody tr").first).to_be_visible()
+    # What is asked later goes without the files beside.
+    for tab in page.get_by_role("tab").all():
+        tab.click()
+        expect(page.locator(".said.wrong")).to_have_count(0)
+    page.get_by_role("tab").first.click()
+    expect(page.locator("#dh tbody tr").first).to_be_visible()
+
+
 @pytest.mark.parametrize("size", [DESKTOP], ids=["desktop"])
 def test_something_else_that_is_dragged_gets_one_sentence(size, explorer, tmp_path):
     page = explorer(size=size)

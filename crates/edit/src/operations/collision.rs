@@ -5,11 +5,12 @@
 
 use crate::claim::{Claim, Compared, Enclosed, Shapes};
 use crate::error::{self, EditError, refused_at_link};
-use crate::solids::{self, Cloud, Hull, Placed, Triangle};
+use crate::solids::{self, Cloud, Placed, Triangle};
 use crate::tally::Tally;
 use crate::values::child;
 use crate::{Change, Text};
 use denavit_export::urdf::text::{Edits, Nodes, Numbers, joint_origin, parse, three, word};
+use denavit_model::hull::Hull;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::robot::{Geometry, Robot, SourceText};
 use roxmltree::Node;
@@ -107,8 +108,8 @@ pub(crate) fn simplify(robot: &Robot, srdf: Option<&SourceText>, asked: &Simplif
             let mut enclosed = Enclosed { link: name.clone(), index, points: points.collect(), hull: None };
             if let Some(hull) = &simpler.hull {
                 let uri = hull_name(&hulls, asked, filename).map_err(refused)?;
-                let text = hull.obj();
-                enclosed.hull = Hull::of_obj(&text);
+                let text = solids::obj(hull);
+                enclosed.hull = solids::of_obj(&text);
                 hulls.insert(filename.clone(), (uri.clone(), Text { file: uri.clone(), text }));
                 if let Some(mesh) = child(element, "geometry").and_then(|geometry| child(geometry, "mesh")) {
                     edits.attribute(&robot.source, mesh, "filename", &uri);
@@ -154,7 +155,7 @@ fn simpler(shape: Simple, triangles: &[Triangle], scale: [f64; 3]) -> Result<Sim
     let own = solids::volume(&size);
     if shape == Simple::Hull {
         // In the mesh's own numbers: the scale stays where it is.
-        let hull = Hull::of(&points)?;
+        let hull = Hull::of(&points).ok_or("its points lie in a plane, so that they have no hull")?;
         let volume = hull.volume() * factors.product().abs();
         return Ok(Simpler { placed: None, hull: Some(hull), volumes: (own, volume), hull_volume: Some(volume) });
     }
@@ -162,7 +163,7 @@ fn simpler(shape: Simple, triangles: &[Triangle], scale: [f64; 3]) -> Result<Sim
         *point = scaled(point);
     }
     // What is flat has no hull, and is put into a thin shape all the same.
-    let hull = Hull::of(&points).ok();
+    let hull = Hull::of(&points);
     let cloud = Cloud::of(&points, hull.as_ref());
     let placed = match shape {
         Simple::Box => cloud.boxed(),

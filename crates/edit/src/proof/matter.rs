@@ -123,7 +123,7 @@ fn only_enclosing_ones_differ(pair: &Pair, came: &[(Pose, &Shape)], link: &Link,
             continue;
         };
         let planes = match (&after.geometry, &enclosed.hull) {
-            (Geometry::Mesh { scale, .. }, Some(hull)) => hull.planes(*scale),
+            (Geometry::Mesh { scale, .. }, Some(hull)) => solids::planes(hull, *scale),
             _ => Vec::new(),
         };
         let back = after.origin.pose().inverse();

@@ -43,7 +43,7 @@ struct Mesh {
     /// geom_from_file, the scale's turn not counted.
     refpos: Vector3<f64>,
     refquat: Rotation3<f64>,
-    inside: Option<Inside>,
+    inside: Inside,
     /// What the model holds itself.
     own: Option<Triangles>,
 }
@@ -95,10 +95,13 @@ impl Reader<'_> {
                     .to_rotation_matrix(),
             };
             let inside = match resolved.get("inertia") {
-                None | Some("legacy") => Some(Inside::Absolute),
-                Some("exact") => Some(Inside::Signed),
-                Some("shell") => Some(Inside::Nothing),
-                Some(_) => None,
+                None | Some("legacy") => Inside::Absolute,
+                Some("exact") => Inside::Signed,
+                Some("convex") => Inside::Hull,
+                Some("shell") => Inside::Nothing,
+                Some(word) => {
+                    return Err(format!("inertia=\"{word}\" is no choice; write convex, exact, legacy or shell"));
+                }
             };
             Ok(Mesh { file, scale, refpos, refquat, inside, own: own_triangles(&resolved)? })
         };
@@ -176,11 +179,8 @@ impl Reader<'_> {
             }
             "ellipsoid" => {
                 let size = needed(3)?;
-                if shell {
-                    let what = "its mass is not known here: the surface of an ellipsoid has no closed form; give the body an <inertial>";
-                    self.note(item, what);
-                }
-                (None, Some(Solid::ellipsoid([size[0], size[1], size[2]])).filter(|_| !shell))
+                let solid = if shell { Solid::ellipsoid_shell } else { Solid::ellipsoid };
+                (None, Some(solid([size[0], size[1], size[2]])))
             }
             "mesh" => {
                 let name = item.get("mesh").ok_or("is of type mesh and names none; write mesh=\"…\"")?;
@@ -329,7 +329,6 @@ fn own_triangles(item: &Item) -> Result<Option<Triangles>, String> {
 
 /// The solid inside a mesh, as its asset turns and scales it.
 fn solid_of(found: &Mesh, files: &mut Files) -> Result<Solid, String> {
-    let inside = found.inside.ok_or("has a kind of inertia that is not computed here (inertia=\"convex\")")?;
     let mut triangles = match (&found.own, &found.file) {
         (Some(own), _) => own.clone(),
         (None, Some(file)) => {
@@ -346,5 +345,5 @@ fn solid_of(found: &Mesh, files: &mut Files) -> Result<Solid, String> {
             corners.swap(1, 2);
         }
     }
-    mesh::solid(&triangles, inside).map_err(|why| format!("gives none: {why}"))
+    mesh::solid(&triangles, found.inside).map_err(|why| format!("gives none: {why}"))
 }

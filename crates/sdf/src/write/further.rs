@@ -61,6 +61,16 @@ impl<'a> Further<'a> {
                 let in_link = LINK.carried.contains(&tag.as_str()) || LINK.child(&tag).is_some();
                 let in_model = MODEL.carried.contains(&tag.as_str())
                     || ["joint", "pose", "static", "frame"].contains(&tag.as_str());
+                let is_end = |end: &&Element| ["parent", "child"].contains(&end.tag());
+                let is_there = |end: &Element| {
+                    let name = end.nodes.first().map_or("", |node| node.text.as_str());
+                    name == "world" || robot.links.iter().any(|link| link.name == name)
+                };
+                if reference.is_none() && tag == "joint" && !children(&child).iter().filter(is_end).all(is_there) {
+                    let why = "it joins a link that the robot does not have";
+                    further.lost.push((element.at, format!("{} in {}", child.label(), element.label()), why.into()));
+                    continue;
+                }
                 match (reference, link, joint) {
                     (None, ..) if in_model => further.model.push(child),
                     (Some(_), _, Some(joint)) if in_joint && (link.is_none() || !in_link) => {

@@ -1,9 +1,10 @@
 //! Names: links, joints and frames of an SDF model share one set of them.
 
 use super::Part;
+use super::scopes::{SEPARATOR, Scopes};
 use crate::names::fresh;
-use denavit_model::Robot;
 use denavit_model::formats::Loss;
+use denavit_model::{Joint, Robot};
 use std::collections::HashSet;
 
 /// What links and joints are called in the SDF.
@@ -13,8 +14,16 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    pub fn of(robot: &Robot, parts: &[Part]) -> Self {
-        let mut known: HashSet<String> = HashSet::from(["world".to_owned()]);
+    pub fn of(robot: &Robot, parts: &[Part], scopes: &Scopes) -> Self {
+        // A model in the model is called otherwise than what stands beside it.
+        let mut known: HashSet<String> = scopes.all().cloned().chain(["world".to_owned()]).collect();
+        let allowed = |name: &str, tag: &str| {
+            let scope = scopes.around(name);
+            match name.strip_prefix(scope).and_then(|own| own.strip_prefix(SEPARATOR)) {
+                Some(own) if !scope.is_empty() => format!("{scope}{SEPARATOR}{}", allowed(own, tag)),
+                _ => allowed(name, tag),
+            }
+        };
         let links = robot.links.iter().zip(parts).map(|(link, part)| {
             if *part == Part::World { "world".to_owned() } else { fresh(&mut known, &allowed(&link.name, "link")) }
         });
@@ -27,8 +36,8 @@ impl Names {
         Self { links, joints: joints.collect() }
     }
 
-    /// What is called otherwise than in the robot.
-    pub fn losses(&self, robot: &Robot) -> Vec<Loss> {
+    /// What is called otherwise than in the robot, of what is written.
+    pub fn losses(&self, robot: &Robot, parts: &[Part]) -> Vec<Loss> {
         let why = |name: &String| {
             let why = if name.contains("__") {
                 "\"::\" separates models"
@@ -43,10 +52,13 @@ impl Names {
             Loss { place, what: format!("name of link \"{}\"", link.name), why: why(name) }
         });
         let joints = robot.joints.iter().zip(&self.joints).enumerate();
-        let joints = joints.filter(|(_, (joint, name))| joint.name != **name).map(|(index, (joint, name))| {
-            let what = format!("name of joint \"{}\"", joint.name);
-            Loss { place: robot.joint_place(index), what, why: why(name) }
-        });
+        let is_written = |joint: &Joint| parts[joint.parent] != Part::Joint;
+        let joints = joints.filter(|(_, (joint, name))| joint.name != **name && is_written(joint)).map(
+            |(index, (joint, name))| {
+                let what = format!("name of joint \"{}\"", joint.name);
+                Loss { place: robot.joint_place(index), what, why: why(name) }
+            },
+        );
         links.chain(joints).collect()
     }
 }
