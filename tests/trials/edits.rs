@@ -129,3 +129,39 @@ fn the_model_of_a_controllers_file_is_that_of_the_robot() {
     assert!(run.stderr.contains("ur_type:=ur5e is taken"), "{}", run.stderr);
     assert!(trial.text("out.urdf").contains("-0.424"), "{}", trial.text("out.urdf"));
 }
+
+#[test]
+fn numbers_that_are_added_to_origins_are_added() {
+    let pal = "robot_state_publisher:\n  geometric_calibration:\n    elbow_dx: 0.0004\n    elbow_droll: 0.0051\n    nobody_dx: 1\n";
+    let offsets = "elbow_joint_x: 0.001\nelbow_joint_a: 0.002\n";
+    let trial = Trial::new().with("pal.yaml", pal).with("offsets.yaml", offsets);
+    let trial = trial.with("other.yaml", "geometric_calibration: {arm_dx: 1}\n").with("far.yaml", "elbow_joint_x: 1\n");
+    let run = trial.run("edit arm.urdf set-calibration pal.yaml -o pal.urdf");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("nobody_dx\": the key is not understood"), "{}", run.stderr);
+    assert!(trial.text("pal.urdf").contains(r#"<origin xyz="-0.4246 0 0" rpy="0.0051 0 0"/>"#));
+    trial.run("edit arm.urdf set-calibration offsets.yaml -o offsets.urdf").succeeded();
+    assert!(trial.text("offsets.urdf").contains(r#"<origin xyz="-0.424 0 0" rpy="0.002 0 0"/>"#));
+    trial.refuses(
+        "edit arm.urdf set-calibration other.yaml -o out.urdf",
+        "none of its keys is of a joint of this robot",
+    );
+    trial.refuses(
+        "edit arm.urdf set-calibration far.yaml -o out.urdf",
+        "by 1000 mm and 0.0°: these are figures of another robot",
+    );
+}
+
+#[test]
+fn what_calibrate_found_is_no_robot_and_says_how_it_becomes_one() {
+    let trial = Trial::new().with("calib.json", r#"{"schema": "denavit.calibration/2", "robot": "ur5e"}"#);
+    for command in ["table calib.json", "diff arm.urdf calib.json"] {
+        let run = trial.run(command);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(
+            run.stderr.contains("`denavit edit ROBOT.urdf set-calibration calib.json` makes a URDF of both"),
+            "{}",
+            run.stderr
+        );
+    }
+}

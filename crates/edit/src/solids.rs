@@ -23,6 +23,9 @@ const WORTH_TURNING: f64 = 0.99;
 /// Rounding of a face's plane, relative to the size of the hull.
 const ON_THE_FACE: f64 = 1e-12;
 
+/// Rounding of the corners of a face, relative to the size of the hull.
+const UNSURE: f64 = 8.0 * f64::EPSILON;
+
 /// Lengths are rounded outwards to this part of the size.
 const OUTWARDS: f64 = 1e-6;
 
@@ -36,13 +39,18 @@ pub(crate) struct Plane {
     offset: f64,
 }
 
-/// The planes of its faces, with every corner times factors.
-pub(crate) fn planes(hull: &Hull, factors: [f64; 3]) -> Vec<Plane> {
+/// The planes of its faces, with every corner times factors. `far`: the length, m, whose rounding the points carry that are
+/// compared with them.
+pub(crate) fn planes(hull: &Hull, factors: [f64; 3], far: f64) -> Vec<Plane> {
     let scaled = scaled(hull, factors);
     let size = scaled.corners.iter().fold(0.0, |size: f64, corner| size.max(corner.amax()));
     let plane = |[a, b, c]: Triangle| {
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
-        Some(Plane { normal, offset: normal.dot(&a) + ON_THE_FACE * size })
+        let across = (b - a).cross(&(c - a));
+        let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        // Rounding turns the normal of a face as thin as rounding itself; its neighbours shut out what it cannot.
+        let unsure = UNSURE * size * longest / across.norm();
+        let normal = across.try_normalize(0.0)?;
+        Some(Plane { normal, offset: normal.dot(&a) + (ON_THE_FACE + unsure) * size + UNSURE * far })
     };
     scaled.triangles().filter_map(plane).collect()
 }
@@ -431,6 +439,25 @@ mod tests {
         assert_eq!(of_obj(&obj(&hull)).unwrap(), hull);
     }
 
+    /// Two rings whose corners are in a plane but for rounding, as meshes of turned parts have them.
+    #[test]
+    fn a_face_as_thin_as_rounding_shuts_no_corner_out() {
+        let ring = |x: f64| {
+            (0..60u32).map(move |k| {
+                let (sine, cosine) = (f64::from(k) * std::f64::consts::TAU / 60.0).sin_cos();
+                Vector3::new(x + f64::from(k * k % 7) * 1e-18, 0.018 * cosine, 0.018 * sine)
+            })
+        };
+        let points: Vec<Vector3<f64>> = ring(0.0).chain(ring(0.016)).collect();
+        let hull = Hull::of(&in_no_order(&points)).unwrap();
+        let mesh = Geometry::Mesh { filename: String::new(), scale: [1.0; 3] };
+        let planes = planes(&hull, [1.0; 3], 0.0);
+        assert!(points.iter().all(|point| holds(&mesh, &planes, point)));
+        for off in [Vector3::new(-1e-9, 0.0, 0.0), Vector3::new(0.017, 0.0, 0.0), Vector3::new(0.008, 0.0181, 0.0)] {
+            assert!(!holds(&mesh, &planes, &off), "{off}");
+        }
+    }
+
     proptest! {
         #[test]
         fn every_solid_holds_every_point(numbers in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 4..40),
@@ -446,7 +473,7 @@ mod tests {
                 }
             }
             let mesh = Geometry::Mesh { filename: String::new(), scale: [1.0, -2.0, 1.0] };
-            let planes = planes(&hull, [1.0, -2.0, 1.0]);
+            let planes = planes(&hull, [1.0, -2.0, 1.0], 0.0);
             for point in &points {
                 prop_assert!(holds(&mesh, &planes, &point.component_mul(&Vector3::new(1.0, -2.0, 1.0))));
             }

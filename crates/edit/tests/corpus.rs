@@ -118,7 +118,7 @@ fn asked(robot: &Robot) -> Vec<Asked> {
     ask("meshes", copied(there), Some(copied(back)));
     if let Ok(drawn) = robot.chain(None, None, Reading::AsWritten) {
         let set = |chain: Chain| Words {
-            actual: Some(Actual { chain, frames: Frames::Own }),
+            actual: Some(Actual::Chain { chain: Box::new(chain), frames: Frames::Own }),
             ..plain(&["set-calibration", "arm.json"])
         };
         ask("set-calibration", set(disturbed(&drawn.value)), Some(set(drawn.value)));

@@ -1,7 +1,7 @@
 //! Links merged, robots put together and taken apart, mirrored and scaled.
 
 use crate::support::{edit, words_of};
-use denavit_edit::{Files, Operation, Text, apply};
+use denavit_edit::{Files, Operation, Text, Words, apply};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{PlacedRobot, Reading, urdf};
 
@@ -164,6 +164,31 @@ fn frames_go_to_the_mass_or_beside_it_on_the_axis() {
     assert_eq!(done.reports[0].changes, ["2 link frames moved to the mass"]);
     let refused = edit(&text, "recentre left_camera").unwrap_err().to_string();
     assert!(refused.ends_with("it has no mass, and so no centre of it"), "{refused}");
+}
+
+/// The corners come back to the mesh with the rounding of their place, which is large beside the mesh.
+#[test]
+fn the_hull_of_a_small_mesh_far_from_its_link_holds_it() {
+    let text = r#"<robot name="r"> <link name="base"> <collision> <origin xyz="0.3 1.404 -0.235" rpy="0.3 0.2 0.1"/>
+      <geometry> <mesh filename="a.stl" scale="0.0001 0.0001 0.0001"/> </geometry> </collision> </link> </robot>"#;
+    let corners: Vec<Vector3<f64>> = (0..20u32)
+        .map(|k| {
+            let (sine, cosine) = (f64::from(k) * 2.4).sin_cos();
+            let height = f64::from(k) / 10.0 - 0.95;
+            let width = (1.0 - height * height).sqrt();
+            Vector3::new(width * cosine, width * sine, height)
+        })
+        .collect();
+    let triangles = corners.windows(3).map(|of| [of[0], of[1], of[2]]).collect();
+    let words = Words {
+        meshes: [("a.stl".to_owned(), Ok(triangles))].into(),
+        folder: Some("hulls/".into()),
+        to: Some("hulls".into()),
+        ..words_of("simplify-collision hull")
+    };
+    let done = apply(&Files::urdf("robot.urdf", text), &[Operation::of(&words).unwrap()]).unwrap();
+    assert!(done.files.urdf.text.contains("hulls/a_hull.obj"));
+    assert_eq!(done.meshes[0].text.lines().filter(|line| line.starts_with("v ")).count(), 20);
 }
 
 #[test]

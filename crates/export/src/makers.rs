@@ -19,8 +19,10 @@ pub(crate) mod yaml;
 use crate::kinematics_yaml::{self, AngleOrder, KinematicsFileError};
 use crate::sources::{self, Read, Source, Stated};
 use crate::urdf::ExportError;
+use crate::urdf::text::Numbers;
 use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate, Quantity};
 use denavit_model::nalgebra::{Point3, Unit, Vector3};
+use denavit_model::notes::Note;
 use denavit_model::robot::Robot;
 use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
@@ -44,8 +46,15 @@ pub const MAKERS: &[Maker] =
 
 /// Forms that people ask for and that are not public, with what is to be done instead.
 const NOT_PUBLIC: [(&str, &str); 2] = [
-    ("kinova", "Kinova's arms keep their calibration inside, and no ROS package of theirs reads a file of it"),
-    ("ros-industrial", "the drivers of ROS-Industrial read no file of offsets (industrial_core, issue 218)"),
+    (
+        "kinova",
+        "Kinova's support gives the figures of an arm on request, in no form that is published (ros_kortex, issue 318); as a D-H \
+         table beside the nominal one `denavit edit` reads them",
+    ),
+    (
+        "ros-industrial",
+        "the drivers of ROS-Industrial apply no offsets, and read no file of them (industrial_core, issue 218)",
+    ),
 ];
 
 /// The form of this name.
@@ -142,6 +151,40 @@ pub enum MakerError {
     /// UR's form.
     #[error(transparent)]
     Kinematics(#[from] KinematicsFileError),
+}
+
+/// Joint origins of a robot as a file says them that only adds to those of a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewOrigins {
+    /// What the file was read as.
+    pub form: &'static str,
+    /// Indices of the robot's joints, and their origins.
+    pub origins: Vec<(usize, Numbers)>,
+    /// What of the file is not used.
+    pub notes: Vec<Note>,
+}
+
+/// Reads PAL's `master_calibration.yaml` and offsets of robot_calibration, which are added to the origins of this robot. `None`
+/// where the text is neither.
+///
+/// # Errors
+/// A value that is no finite number, or no joint of the robot is named.
+pub fn new_origins(file: &str, text: &str, robot: &Robot) -> Option<Result<NewOrigins, KinematicsFileError>> {
+    let scalars = yaml::Scalars::read(file, text).ok()?;
+    let pal = scalars.above(pal::BELOW);
+    let (form, read) = match pal.first() {
+        Some(above) => ("what PAL adds to joint origins", pal::read(&scalars, above, robot)),
+        None => ("offsets of joint origins (robot_calibration)", robot_calibration::read(&scalars, robot)),
+    };
+    match read {
+        // Any other YAML names no joint so.
+        Ok(origins) if origins.is_empty() && pal.is_empty() => None,
+        Ok(origins) if origins.is_empty() => {
+            Some(Err(not_this_arm(&scalars, form, "none of its keys is of a joint of this robot")))
+        }
+        Ok(origins) => Some(Ok(NewOrigins { form, origins, notes: scalars.account().0 })),
+        Err(error) => Some(Err(error)),
+    }
 }
 
 /// Reads a maker's kinematics file: UR's, an xArm's, a Franka arm's, an OPW file; `order` counts for UR's alone.

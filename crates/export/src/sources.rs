@@ -154,6 +154,19 @@ pub enum SourceErrorKind {
         quoted(.0)
     )]
     Schema(String),
+    /// What a calibration found, which is no robot without the one that it corrects.
+    #[error(
+        "this is what a calibration found of \"{}\": corrections to its drawing, which is not in it; `denavit edit ROBOT.urdf \
+         set-calibration {}` makes a URDF of both, which is read here",
+        quoted(robot),
+        quoted(file)
+    )]
+    Corrections {
+        /// The file.
+        file: String,
+        /// The robot's name.
+        robot: String,
+    },
     /// A cell that should be a number.
     #[error(
         "{} is \"{}\"; write a finite number, such as 0.1625, -90°, π/2 or q1 + 90°",
@@ -466,6 +479,9 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
     Ok(found)
 }
 
+/// What the schemas of corrections to a drawing begin with.
+const CORRECTIONS: [&str; 2] = ["denavit.calibration/", "denavit.prior/"];
+
 fn json(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
     let wrong = |error: serde_json::Error| {
         let column = (error.column() > 0).then(|| error.column());
@@ -484,7 +500,16 @@ fn json(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
         crate::poe::SCHEMA => {
             (poe::of_file(file, &serde_json::from_str(text).map_err(wrong)?).map(Source::Poe)?, keys::POE)
         }
-        _ => return Err(SourceError::at(place(file, 1, "schema"), SourceErrorKind::Schema(schema))),
+        found => {
+            let is_calibration = CORRECTIONS.iter().any(|known| found.starts_with(known));
+            let robot = value.get("robot").and_then(serde_json::Value::as_str).unwrap_or("the robot").to_owned();
+            let kind = if is_calibration {
+                SourceErrorKind::Corrections { file: file.to_owned(), robot }
+            } else {
+                SourceErrorKind::Schema(schema)
+            };
+            return Err(SourceError::at(place(file, 1, "schema"), kind));
+        }
     };
     let (notes, inventory) = keys::unknown(file, text, &value, &shape);
     Ok(Read { source, assumed: Vec::new(), notes, inventory })

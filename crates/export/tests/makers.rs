@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at what it did not expect")]
 
 use denavit_export::kinematics_yaml::AngleOrder;
-use denavit_export::makers::{self, Calibrated, MakerError, Written, named};
+use denavit_export::makers::{self, Calibrated, MakerError, Written, named, new_origins};
 use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::robot::Robot;
 use denavit_model::{Chain, Pose, Reading, Screw, se3};
@@ -145,6 +145,18 @@ fn offsets_applied_as_robot_calibration_does_give_the_calibrated_arm() {
         let again = changed.chain(Some(chain.base()), Some(tip), Reading::AsWritten).unwrap().value;
         let (moved, turned) = apart(&chain, |q| again.fk(q));
         assert!(moved < 1e-10 && turned < 1e-10, "{path}: {moved:e} {turned:e}");
+        read_back(&tree, &file.text, &changed);
+    }
+}
+
+/// The file is read as what was added by hand.
+fn read_back(tree: &Robot, text: &str, changed: &Robot) {
+    let read = new_origins("origins.yaml", text, tree).unwrap().unwrap();
+    assert!(read.notes.is_empty(), "{:?}", read.notes);
+    assert!(!read.origins.is_empty());
+    for (index, numbers) in read.origins {
+        let (turned, moved) = se3::difference(&numbers.pose(), &changed.joints[index].origin.pose());
+        assert!(turned < 1e-14 && moved < 1e-14, "{index}: {turned:e} {moved:e}");
     }
 }
 
@@ -181,6 +193,7 @@ fn numbers_added_to_the_origins_give_the_calibrated_arm() {
         let again = changed.chain(Some(chain.base()), Some(tip), Reading::AsWritten).unwrap().value;
         let (moved, turned) = apart(&chain, |q| again.fk(q));
         assert!(moved < 1e-10 && turned < 1e-10, "{path}: {moved:e} {turned:e}");
+        read_back(&tree, &file.text, &changed);
         // Nothing is added to an arm as drawn.
         let drawn = tree.chain(None, Some(tip), Reading::AsWritten).unwrap().value;
         let none = written_as("pal", &tree, &drawn, Reading::AsWritten).text;
@@ -208,7 +221,7 @@ fn what_a_form_cannot_hold_is_said() {
     assert!(of("ur", drawn).unwrap_err().to_string().contains("six revolute joints"));
     assert!(matches!(of("pal", None), Err(MakerError::NeedsTree { .. })));
     let kinova = named("kinova").unwrap_err().to_string();
-    assert!(kinova.contains("no ROS package of theirs reads a file of it"), "{kinova}");
+    assert!(kinova.contains("on request, in no form that is published"), "{kinova}");
     assert!(kinova.contains("ur, ur-conf, xarm, franka, pal, robot-calibration"), "{kinova}");
     for (text, expected) in [
         ("kinematics:\n  joint1: {x: 0, y: 0}\n", "arm.yaml: kinematics.joint1.z is missing"),

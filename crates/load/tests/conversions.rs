@@ -2,10 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
 
+#[path = "../../../tests/files.rs"]
+mod files;
+
 use denavit_compare::lint::RULES;
 use denavit_load::{CheckOptions, ConvertOptions, Loaded, Options, Rules, convert, from_text, sidecar_of, srdf_of};
 use denavit_model::formats::{Format, Written};
 use denavit_model::{Note, Robot};
+use files::{files, top};
 use std::path::{Path, PathBuf};
 
 const ARM: &str = r#"<?xml version="1.0"?>
@@ -185,26 +189,13 @@ fn a_table_comes_home_as_the_urdf_that_it_was_made() {
 
 /// Models of others, and our own of each format.
 fn models() -> Vec<PathBuf> {
-    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut found = Vec::new();
-    let mut open = vec![
-        top.join("../shared/vendor/mjcf"),
-        top.join("../shared/vendor/sdf"),
-        top.join("crates/sdf/tests/models"),
-        top.join("robots"),
-    ];
-    while let Some(folder) = open.pop() {
-        let Ok(entries) = std::fs::read_dir(&folder) else {
+    for folder in ["../shared/vendor/mjcf", "../shared/vendor/sdf", "crates/sdf/tests/models", "robots"] {
+        let folder = top().join(folder);
+        if folder.is_dir() {
+            found.extend(["xml", "sdf", "urdf"].iter().flat_map(|ending| files(&folder, ending)));
+        } else {
             println!("skipped, because {} is not there", folder.display());
-            continue;
-        };
-        for path in entries.map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|ending| ["xml", "sdf", "urdf"].iter().any(|known| ending == *known))
-            {
-                found.push(path);
-            }
         }
     }
     found.sort();

@@ -155,10 +155,16 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot
     if is_calibration(&text) {
         return calibrated(&file, &text, robot);
     }
+    let drawn = denavit_edit::robot_of(robot)?;
+    if let Some(added) = makers::new_origins(&file, &text, &drawn) {
+        let added = added.map_err(|error| Failure::Argument(error.to_string()))?;
+        output::mention(format!("{file}: read as {}", added.form));
+        added.notes.iter().for_each(output::mention);
+        return Ok(Actual::Origins(added.origins));
+    }
     let says_model = source.values.iter().any(|value| value.starts_with(ur_conf::MODEL_ARGUMENT));
     if ur_conf::is_one(&text) && !says_model {
-        let tree = denavit_edit::robot_of(robot)?;
-        let own = tree.chain(None, None, Reading::Intended).ok();
+        let own = drawn.chain(None, None, Reading::Intended).ok();
         if let Some(model) = own.and_then(|chain| makers::ur_model(&chain.value)) {
             output::mention(format!(
                 "{file}: the robot has the axes of a {model}; {}:={model} is taken",
@@ -189,7 +195,7 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot
         },
         (_, None) => Frames::Own,
     };
-    Ok(Actual { chain, frames })
+    Ok(Actual::Chain { chain: Box::new(chain), frames })
 }
 
 /// Whether a text is what `calibrate --json` wrote.
@@ -217,7 +223,7 @@ fn calibrated(file: &str, text: &str, robot: &Text) -> Result<Actual, Failure> {
         match Earlier::read(file, text, &drawn) {
             Ok(earlier) => {
                 let chain = earlier.chain(&drawn).map_err(|error| wrong(error.to_string()))?;
-                return Ok(Actual { chain, frames: Frames::Own });
+                return Ok(Actual::Chain { chain: Box::new(chain), frames: Frames::Own });
             }
             Err(error) => refused = refused.or(Some(error)),
         }

@@ -14,6 +14,7 @@ use crate::error::EditError;
 use crate::tally::Tally;
 use denavit_dh::matching::{VendorTable, Verdict, match_table};
 use denavit_dh::{Convention, Table};
+use denavit_export::urdf::text::{Edits, Nodes, Numbers, joint_origin, parse};
 use denavit_export::urdf::with_chain;
 use denavit_model::robot::{JointKind, Robot, SourceText};
 use denavit_model::se3::Pose;
@@ -25,11 +26,16 @@ const PLAUSIBLE: f64 = 0.05;
 
 /// A maker's figures of one arm.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Actual {
-    /// The arm as it is.
-    pub chain: Chain,
-    /// How its frames lie on the robot's.
-    pub frames: Frames,
+pub enum Actual {
+    /// A chain of screw axes.
+    Chain {
+        /// The arm as it is.
+        chain: Box<Chain>,
+        /// How its frames lie on the robot's.
+        frames: Frames,
+    },
+    /// The robot's own joint origins, by the indices of its joints, as they are.
+    Origins(Vec<(usize, Numbers)>),
 }
 
 /// How the frames of a file lie on those of a robot.
@@ -44,35 +50,78 @@ pub enum Frames {
 /// # Errors
 /// Joints that are not the robot's, a nominal table that is not the drawn robot's, or a chain that URDF cannot say.
 pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: &Actual) -> Result<Change, EditError> {
+    match actual {
+        Actual::Chain { chain, frames } => set_chain(robot, srdf, file, (chain, frames)),
+        Actual::Origins(origins) => set_origins(robot, srdf, file, origins),
+    }
+}
+
+/// Joint origins as they are; what they carry moves along.
+fn set_origins(
+    robot: &Robot,
+    srdf: Option<&SourceText>,
+    file: &str,
+    origins: &[(usize, Numbers)],
+) -> Result<Change, EditError> {
+    let size = crate::proof::motion::size(robot);
+    let document = parse(robot)?;
+    let nodes = Nodes::of(robot, &document)?;
+    let mut edits = Edits::default();
+    for (index, numbers) in origins {
+        let (turned, moved) = se3::difference(&robot.joints[*index].origin.pose(), &numbers.pose());
+        if moved > PLAUSIBLE * size || turned > PLAUSIBLE {
+            return Err(EditError::Words(format!(
+                "{file}: it would move the origin of joint \"{}\" by {:.0} mm and {:.1}°: these are figures of another robot",
+                robot.joints[*index].name,
+                1e3 * moved,
+                turned.to_degrees()
+            )));
+        }
+        joint_origin(&robot.source, &mut edits, nodes.joint(*index), numbers);
+    }
+    let mut tally = Tally::default();
+    tally.say(format!("joint origins set from {file}: {}", origins.len()));
+    let claim =
+        Claim { compared: Compared::No, moves: Some(2.0 * PLAUSIBLE * size), foreign: true, ..Claim::same(robot) };
+    Ok(Change::of(edits.apply(&robot.source)?, srdf, claim, tally, Vec::new()))
+}
+
+/// A chain's axes, with the frames of the robot as nearly as can be.
+fn set_chain(
+    robot: &Robot,
+    srdf: Option<&SourceText>,
+    file: &str,
+    (chain, frames): (&Chain, &Frames),
+) -> Result<Change, EditError> {
     let wrong = |what: String| EditError::Words(format!("{file}: {what}"));
-    let joints = joints(robot, &actual.chain).map_err(wrong)?;
-    let (base, tip) = match robot.chain(Some(actual.chain.base()), Some(actual.chain.tip()), Reading::AsWritten) {
+    let joints = joints(robot, chain).map_err(wrong)?;
+    let (base, tip) = match robot.chain(Some(chain.base()), Some(chain.tip()), Reading::AsWritten) {
         Ok(own)
-            if actual.frames == Frames::Own
+            if *frames == Frames::Own
                 && bases(robot, robot.joints[joints[0]].parent)
                     .iter()
                     .any(|base| robot.links[*base].name == own.value.base())
-                && is_plausible(&own.value, &actual.chain) =>
+                && is_plausible(&own.value, chain) =>
         {
-            (actual.chain.base().to_owned(), actual.chain.tip().to_owned())
+            (chain.base().to_owned(), chain.tip().to_owned())
         }
         // A maker's names may be those of other links of the robot.
-        _ => ends(robot, &joints, &actual.chain, &actual.frames),
+        _ => ends(robot, &joints, chain, frames),
     };
     let drawn = robot
         .chain(Some(&base), Some(&tip), Reading::AsWritten)
         .map_err(|error| EditError::Words(format!("{file}: {error}")))?
         .value;
-    if drawn.joints().len() != actual.chain.joints().len() {
-        let (has, own) = (actual.chain.joints().len(), drawn.joints().len());
+    if drawn.joints().len() != chain.joints().len() {
+        let (has, own) = (chain.joints().len(), drawn.joints().len());
         return Err(wrong(format!("it has {has} joints, and the robot has {own} from \"{base}\" to \"{tip}\"")));
     }
-    let (screws, home) = match &actual.frames {
+    let (screws, home) = match frames {
         Frames::Own => {
-            let pairs = actual.chain.joints().iter().zip(drawn.joints());
-            (pairs.map(|(joint, of)| (joint.screw, joint.offset, of)).collect::<Vec<_>>(), *actual.chain.home())
+            let pairs = chain.joints().iter().zip(drawn.joints());
+            (pairs.map(|(joint, of)| (joint.screw, joint.offset, of)).collect::<Vec<_>>(), *chain.home())
         }
-        Frames::AsNominal(table, convention) => laid(&drawn, &actual.chain, (table, *convention)).map_err(wrong)?,
+        Frames::AsNominal(table, convention) => laid(&drawn, chain, (table, *convention)).map_err(wrong)?,
     };
     let joints = screws.into_iter().map(|(screw, offset, of)| ChainJoint { screw, offset, ..of.clone() }).collect();
     let calibrated = Chain::new((drawn.name(), base, tip), drawn.coordinates().to_vec(), joints, home)

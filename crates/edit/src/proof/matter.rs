@@ -122,11 +122,14 @@ fn only_enclosing_ones_differ(pair: &Pair, came: &[(Pose, &Shape)], link: &Link,
             }
             continue;
         };
+        let back = after.origin.pose().inverse();
+        let far = enclosed.points.iter().map(|point| point.coords.amax()).fold(0.0, f64::max);
         let planes = match (&after.geometry, &enclosed.hull) {
-            (Geometry::Mesh { scale, .. }, Some(hull)) => solids::planes(hull, *scale),
+            (Geometry::Mesh { scale, .. }, Some(hull)) => {
+                solids::planes(hull, *scale, far.max(back.translation.vector.amax()))
+            }
             _ => Vec::new(),
         };
-        let back = after.origin.pose().inverse();
         let outside = |point: &&Point3<f64>| !solids::holds(&after.geometry, &planes, &(back * **point).coords);
         if let Some(point) = enclosed.points.iter().find(outside) {
             let name = &link.name;

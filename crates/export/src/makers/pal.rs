@@ -12,7 +12,10 @@
 
 use super::origins::{Changes, NOTHING};
 use super::{Calibrated, KEYS, Maker, MakerError, Written, yaml};
-use denavit_model::robot::Joint;
+use crate::kinematics_yaml::KinematicsFileError;
+use crate::urdf::text::Numbers;
+use denavit_model::Quantity;
+use denavit_model::robot::{Joint, Robot};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
@@ -24,6 +27,37 @@ pub(super) const MAKER: Maker = Maker {
 
 /// What the keys leave out of a joint's name.
 const END: &str = "_joint";
+
+/// What the numbers stand below.
+pub(super) const BELOW: &str = "geometric_calibration";
+
+/// The origins of a robot's joints with what the file adds to them.
+pub(super) fn read(
+    scalars: &yaml::Scalars,
+    above: &[String],
+    robot: &Robot,
+) -> Result<Vec<(usize, Numbers)>, KinematicsFileError> {
+    let mut found = Vec::new();
+    for (index, joint) in robot.joints.iter().enumerate() {
+        let mut numbers = Numbers { xyz: joint.origin.xyz, rpy: joint.origin.rpy };
+        let mut is_named = false;
+        for name in [joint.name.as_str()].into_iter().chain(joint.name.strip_suffix(END)) {
+            for (at, key) in KEYS.iter().enumerate() {
+                let key = format!("{name}_d{key}");
+                let path: Vec<&str> = above.iter().map(String::as_str).chain([BELOW, &key]).collect();
+                let quantity = if at < 3 { Quantity::Length } else { Quantity::Angle };
+                if let Some(added) = scalars.number(&path, quantity)? {
+                    is_named = true;
+                    if at < 3 { numbers.xyz[at] += added } else { numbers.rpy[at - 3] += added }
+                }
+            }
+        }
+        if is_named {
+            found.push((index, numbers));
+        }
+    }
+    Ok(found)
+}
 
 fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     let Changes { joints, left_out } = Changes::of(calibrated, MAKER.name)?;

@@ -28,6 +28,7 @@ mod keep;
 mod markers;
 mod nodes;
 mod origin;
+mod placing;
 mod read_off;
 mod reframe;
 mod shape;
@@ -40,6 +41,7 @@ pub mod text {
     pub use super::nodes::Nodes;
     pub use super::origin::{joint_origin, numbers_of};
     pub use super::parse;
+    pub use super::placing::{Placing, placing};
     pub use super::reframe::Moves;
     pub use super::written::{Numbers, clean, three, word};
 }

@@ -4,6 +4,7 @@ use super::bodies::{Bodies, has_axis};
 use super::edit::{Edits, written_tag};
 use super::frames::{Plan, STAYS};
 use super::origin::{axis_as_meant, is, joint_axis, joint_origin, numbers_as, write};
+use super::placing::{Placing, placing};
 use super::written::{Numbers, clean, three_over, word};
 use super::{ExportError, nodes::Nodes};
 use denavit_model::element::{Element, ElementNode};
@@ -79,16 +80,10 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// What another element places in a link's frame, each in its own notation. `owner`: the link that it is in.
-    fn element(
-        &self,
-        edits: &mut Edits,
-        node: Node,
-        element: &Element,
-        owner: Option<&str>,
-    ) -> Result<(), ExportError> {
-        let nodes: Vec<Node> = node.descendants().filter(Node::is_element).collect();
-        let found = posed::in_element(element, owner);
+    /// What another element places in a link's frame, each in its own notation.
+    fn element(&self, edits: &mut Edits, placing: &Placing) -> Result<(), ExportError> {
+        let Placing { element, owner, inside, .. } = placing;
+        let found = posed::in_element(element, *owner);
         self.refuse_what_is_no_pose(element, &found)?;
         for part in found {
             let posed::Frame::Named(name) = &part.frame else { continue };
@@ -102,7 +97,7 @@ impl<'a> Moves<'a> {
                 Placed::Direction(old) => Placed::Direction(cleaned(&(step.rotation * old), &Pose::identity())),
             };
             for Change { node, how, numbers } in part.rewritten(&placed) {
-                let node = *nodes.get(node).ok_or_else(|| self.unfaithful(node))?;
+                let node = *inside.get(node).ok_or_else(|| self.unfaithful(node))?;
                 self.change(edits, node, how, &numbers)?;
             }
         }
@@ -179,20 +174,8 @@ impl<'a> Moves<'a> {
                 self.shapes(edits, node, step);
             }
         }
-        let by_start: BTreeMap<usize, Node> = document
-            .root_element()
-            .children()
-            .chain(nodes.links().flat_map(|link| link.children()))
-            .filter(Node::is_element)
-            .map(|node| (node.range().start, node))
-            .collect();
-        let own = robot.elements.iter().map(|element| (element, None));
-        let of_links =
-            robot.links.iter().flat_map(|link| link.elements.iter().map(|element| (element, Some(link.name.as_str()))));
-        for (element, owner) in own.chain(of_links) {
-            if let Some(node) = by_start.get(&element.at) {
-                self.element(edits, *node, element, owner)?;
-            }
+        for placing in placing(robot, document, nodes) {
+            self.element(edits, &placing)?;
         }
         Ok(())
     }
