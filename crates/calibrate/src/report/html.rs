@@ -47,7 +47,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 robot => result.report.robot.clone(),
                 last => after.name.clone(),
                 rows => result.train.len(),
-                attention => trust::supposed(&result.report).lines().collect::<Vec<_>>(),
+                attention => trust::supposed(&result.report).lines().map(str::to_owned).collect::<Vec<String>>(),
                 summary => text::calibration(result),
                 robot_plots => Value::from(Serde(on_robot(result, before, after)?)),
                 histograms => Value::from(Serde([plots::histogram(before, after)?])),

@@ -94,7 +94,7 @@ pub enum ImportProblem {
     },
     /// A hole that the plate does not have.
     #[error(
-        "column \"hole\": the plate of {plate} has no hole \"{name}\", but A1 to {last}; correct the cell or ‹plate›"
+        "column \"hole\": the plate ({plate}) has no hole \"{name}\"; its holes are A1 to {last}; correct the cell or ‹plate›"
     )]
     Hole {
         /// The plate.
@@ -690,7 +690,7 @@ impl Work<'_> {
         }
         if let Some(Holes { plate, .. }) = &holes {
             outputs.retain(|output| output.name != HOLE);
-            self.taken.push(format!("column \"hole\" taken for x, y, z on the plate of {plate}"));
+            self.taken.push(format!("column \"hole\" taken for x, y, z on the plate ({plate})"));
         }
         self.said(&outputs, orientation);
         let mut lines: Vec<(usize, Vec<String>)> = Vec::with_capacity(self.grid.rows.len() + 1);
