@@ -10,8 +10,8 @@ use std::fmt::Write as _;
 use std::io::{self, BufRead as _};
 use std::path::Path;
 
-/// What the user wants at a hole.
-enum Wish {
+/// What the user says at a hole.
+enum Answer {
     Take,
     Skip,
     Move,
@@ -76,11 +76,11 @@ impl<'a> Touch<'a> {
                 "placement {}, hole {hole}: put the tip into it, then Enter (s: leave this hole out, m: the plate was moved, q: end)",
                 self.placement
             ));
-            match wish()? {
-                Wish::End => return Ok(false),
-                Wish::Move => self.moved(),
-                Wish::Skip => self.hole += 1,
-                Wish::Take => {
+            match answer()? {
+                Answer::End => return Ok(false),
+                Answer::Move => self.moved(),
+                Answer::Skip => self.hole += 1,
+                Answer::Take => {
                     self.take(&hole)?;
                     self.hole += 1;
                     return Ok(true);
@@ -111,18 +111,18 @@ impl<'a> Touch<'a> {
     }
 }
 
-fn wish() -> Result<Wish, Failure> {
+fn answer() -> Result<Answer, Failure> {
     loop {
         let mut line = String::new();
         let read = io::stdin().lock().read_line(&mut line);
         if read.map_err(|error| Failure::Argument(format!("standard input: {error}")))? == 0 {
-            return Ok(Wish::End);
+            return Ok(Answer::End);
         }
         match line.trim() {
-            "" => return Ok(Wish::Take),
-            "s" => return Ok(Wish::Skip),
-            "m" => return Ok(Wish::Move),
-            "q" => return Ok(Wish::End),
+            "" => return Ok(Answer::Take),
+            "s" => return Ok(Answer::Skip),
+            "m" => return Ok(Answer::Move),
+            "q" => return Ok(Answer::End),
             _ => output::mention("press Enter alone, or s, m or q and Enter"),
         }
     }
