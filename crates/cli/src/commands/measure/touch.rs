@@ -80,11 +80,15 @@ impl<'a> Touch<'a> {
                 Answer::End => return Ok(false),
                 Answer::Move => self.moved(),
                 Answer::Skip => self.hole += 1,
-                Answer::Take => {
-                    self.take(&hole)?;
-                    self.hole += 1;
-                    return Ok(true);
-                }
+                Answer::Take => match self.last_reading() {
+                    Ok(reading) => {
+                        self.append(&reading, &hole)?;
+                        self.hole += 1;
+                        return Ok(true);
+                    }
+                    // Whoever stands at the robot can correct this and try again.
+                    Err(failure) => output::mention(&failure.to_string()),
+                },
             }
         }
     }
@@ -95,12 +99,15 @@ impl<'a> Touch<'a> {
         output::mention(&format!("placement {}: move the plate and fix it again", self.placement));
     }
 
-    fn take(&mut self, hole: &str) -> Result<(), Failure> {
-        let rows = measured::joint_values(self.readings, self.chain, self.written_units)?;
-        let last = rows
-            .last()
-            .ok_or_else(|| Failure::Argument(format!("{}: there are no joint values yet", self.readings)))?;
-        for (coordinate, value) in self.chain.coordinates().iter().zip(last) {
+    /// The last joint values of the readings, rad or m.
+    fn last_reading(&self) -> Result<Vec<f64>, Failure> {
+        let mut rows = measured::joint_values(self.readings, self.chain, self.written_units)?;
+        rows.pop().ok_or_else(|| Failure::Argument(format!("{}: there are no joint values yet", self.readings)))
+    }
+
+    /// Appends a row to the run and writes it.
+    fn append(&mut self, reading: &[f64], hole: &str) -> Result<(), Failure> {
+        for (coordinate, value) in self.chain.coordinates().iter().zip(reading) {
             let unit = if coordinate.quantity == Quantity::Angle { self.units.angle } else { self.units.length };
             let _ = write!(self.text, "{},", value / unit);
         }
