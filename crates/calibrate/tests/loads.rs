@@ -1,16 +1,17 @@
 //! Loads that no column tells, by which the runs of one arm differ.
 
 use crate::drawn::drawn;
+use crate::measured::measured;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_calibrate::observation::kinds::{POSE, POSITION};
-use denavit_calibrate::observation::measurements::Covariate;
+use denavit_calibrate::observation::measurements::{Covariate, Units, read};
 use denavit_calibrate::report::text;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::loads::{UndeclaredLoads, undeclared_loads};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, ObservationKind, identify};
-use denavit_model::Chain;
+use denavit_model::{Chain, Reading};
 
 /// Rows of a run.
 const ROWS: usize = 60;
@@ -83,6 +84,22 @@ fn runs_that_carry_alike_are_not_told_to_differ() {
         // A rigid arm does not show what it carries.
         assert_eq!(found(&chain, &statics, &runs(&chain, &rigid, POSITION, &[0.0, 3.0], seed)), None);
     }
+}
+
+/// Three runs of one robot that carried the same, with play of a column that no entry of the catalogue has.
+#[test]
+fn structure_of_a_real_robot_is_no_load() {
+    let Some(folder) = measured("hilti_jaibot") else { return };
+    let text = std::fs::read_to_string(folder.join("trailblazer.urdf")).unwrap();
+    let robot = denavit_model::urdf::read("trailblazer.urdf", &text).unwrap();
+    let chain = robot.chain(None, None, Reading::Intended).unwrap().value;
+    let statics = Statics::of(&robot, &chain);
+    let run = |name: &str| {
+        let file = std::fs::File::open(folder.join(name).with_extension("csv")).unwrap();
+        read(name, file, &chain, Units::default()).unwrap().data.of_setup(name)
+    };
+    let data = Measurements::joined(["flat", "pallet", "outdoor"].map(run).into()).unwrap();
+    assert_eq!(found(&chain, &statics, &data), None);
 }
 
 #[test]
