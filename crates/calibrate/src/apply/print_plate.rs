@@ -148,7 +148,7 @@ impl PrintPlate {
         let [width, height] = self.size().map(|size| size * 1e3);
         let pitch = self.plate.pitch * 1e3;
         let place = |at: Vector2<f64>| [at.x * 1e3 + pitch / 2.0 + MARGIN, MARGIN + height - pitch / 2.0 - at.y * 1e3];
-        let mm = |value: f64| format!("{:.6}", value).trim_end_matches('0').trim_end_matches('.').to_owned();
+        let mm = |value: f64| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned();
         let [page_width, page_height] = [width + 2.0 * MARGIN, height + 3.0 * MARGIN];
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}mm\" height=\"{h}mm\" viewBox=\"0 0 {w} {h}\" font-family=\"sans-serif\" font-size=\"4\" stroke-width=\"0.2\">\n",

@@ -356,7 +356,9 @@ impl Products {
         let free: Vec<usize> = (0..loads.len()).filter(|&run| loads[run] != 0.0).collect();
         let at = |shifts: &[(usize, f64)]| {
             let mut moved = loads.to_vec();
-            shifts.iter().for_each(|(run, by)| moved[*run] += by);
+            for (run, by) in shifts {
+                moved[*run] += by;
+            }
             self.squares(&moved)
         };
         let mut curvature = DMatrix::zeros(free.len(), free.len());

@@ -9,6 +9,7 @@ use denavit_model::nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, se3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::fmt::Write as _;
 
 /// An arm and how it is touched with.
 pub struct Touching<'a> {
@@ -102,8 +103,10 @@ impl Touching<'_> {
         let names: Vec<&str> = self.chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
         let mut text = format!("{},hole,setup\n", names.join(","));
         for (q, hole, placement) in rows {
-            q.iter().for_each(|value| text.push_str(&format!("{value},")));
-            text.push_str(&format!("{hole},{placement}\n"));
+            for value in q {
+                let _ = write!(text, "{value},");
+            }
+            let _ = writeln!(text, "{hole},{placement}");
         }
         let options = ImportOptions { plate: Some(self.plate), ..ImportOptions::default() };
         read_export("run.csv", text.as_bytes(), self.chain, Units::default(), &options).unwrap().data

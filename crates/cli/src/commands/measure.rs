@@ -92,11 +92,11 @@ fn refused(arguments: &MeasureArguments) -> Result<(), Failure> {
              {what} when it is whole"
         )));
     }
-    if let Some(readings) = &arguments.touch {
-        if file == "-" || readings == "-" {
-            let message = "--touch waits for Enter on standard input; name files for --data and --touch";
-            return Err(Failure::Argument(message.into()));
-        }
+    if let Some(readings) = &arguments.touch
+        && (file == "-" || readings == "-")
+    {
+        let message = "--touch waits for Enter on standard input; name files for --data and --touch";
+        return Err(Failure::Argument(message.into()));
     }
     if arguments.watch && arguments.import.joints.is_some() {
         let message = "--joints: a robot program has a row for each row of a whole file; leave out --watch";

@@ -25,7 +25,7 @@ pub fn run(arguments: &PlateArguments) -> Result<Status, Failure> {
     }
     outputs.write(&texts)?;
     let [width, height] = made.size().map(|size| size * 1e3);
-    output::mention(&format!(
+    output::mention(format!(
         "{} holes, A1 (at the cut corner) to {}; plate {width} x {height} x {:.1} mm; a ball's centre is {:.2} mm above it",
         plate.holes().count(),
         plate.last(),

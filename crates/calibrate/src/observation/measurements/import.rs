@@ -190,6 +190,21 @@ struct Holes {
     column: usize,
 }
 
+impl Holes {
+    /// The cells x, y, z of a row; empty in a row that only says how the robot stands.
+    fn place(&self, line: usize, cells: &[String]) -> Result<[String; 3], Fault> {
+        let name = cells.get(self.column).map_or("", |cell| cell.trim());
+        if name.is_empty() {
+            return Ok(<[String; 3]>::default());
+        }
+        if let Some(place) = self.plate.hole(name) {
+            return Ok([place.x, place.y, 0.0].map(|value| value.to_string()));
+        }
+        let (plate, last) = (self.plate, self.plate.last());
+        Err(Fault { line, problem: ImportProblem::Hole { plate, name: name.into(), last } })
+    }
+}
+
 /// What that column is called.
 const HOLE: &str = "hole";
 
@@ -262,7 +277,7 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
     }
     let orientation = work.orientation(options)?;
     let holes = options.plate.map(|plate| work.holes(plate, &outputs)).transpose()?;
-    work.written(outputs, &orientation, options.joints.as_ref(), options.map.is_none(), holes)
+    work.written(outputs, &orientation, options.joints.as_ref(), options.map.is_none(), holes.as_ref())
 }
 
 /// A map to start from.
@@ -662,7 +677,7 @@ impl Work<'_> {
         orientation: &Orientation,
         joints: Option<&JointList>,
         by_axis: bool,
-        holes: Option<Holes>,
+        holes: Option<&Holes>,
     ) -> Result<Imported, Fault> {
         let turning: Vec<usize> = match orientation {
             Orientation::None => Vec::new(),
@@ -688,7 +703,7 @@ impl Work<'_> {
             }
             self.taken.push(format!("joint values from {}: {}", joints.file, joints.taken_for));
         }
-        if let Some(Holes { plate, .. }) = &holes {
+        if let Some(Holes { plate, .. }) = holes {
             outputs.retain(|output| output.name != HOLE);
             self.taken.push(format!("column \"hole\" taken for x, y, z on the plate ({plate})"));
         }
@@ -740,20 +755,8 @@ impl Work<'_> {
                 };
                 written.push(cell);
             }
-            if let Some(holes) = &holes {
-                let name = cells.get(holes.column).map_or("", |cell| cell.trim());
-                match holes.plate.hole(name) {
-                    Some(place) => written.extend([place.x, place.y, 0.0].map(|value| value.to_string())),
-                    // A row that only says how the robot stands.
-                    None if name.is_empty() => written.extend(std::iter::repeat_n(String::new(), 3)),
-                    None => {
-                        let (plate, last) = (holes.plate, holes.plate.last());
-                        return Err(Fault {
-                            line: *line,
-                            problem: ImportProblem::Hole { plate, name: name.into(), last },
-                        });
-                    }
-                }
+            if let Some(holes) = holes {
+                written.extend(holes.place(*line, cells)?);
             }
             if let Some(quaternion) = self.quaternion(orientation, *line, cells)? {
                 written.extend(quaternion.iter().map(f64::to_string));

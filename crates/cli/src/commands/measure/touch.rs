@@ -72,7 +72,7 @@ impl<'a> Touch<'a> {
                 self.moved();
             }
             let hole = self.holes[self.hole].clone();
-            output::mention(&format!(
+            output::mention(format!(
                 "placement {}, hole {hole}: put the tip into it, then Enter (s: leave this hole out, m: the plate was moved, q: end)",
                 self.placement
             ));
@@ -87,7 +87,7 @@ impl<'a> Touch<'a> {
                         return Ok(true);
                     }
                     // Whoever stands at the robot can correct this and try again.
-                    Err(failure) => output::mention(&failure.to_string()),
+                    Err(failure) => output::mention(failure),
                 },
             }
         }
@@ -96,7 +96,7 @@ impl<'a> Touch<'a> {
     fn moved(&mut self) {
         self.placement += 1;
         self.hole = 0;
-        output::mention(&format!("placement {}: move the plate and fix it again", self.placement));
+        output::mention(format!("placement {}: move the plate and fix it again", self.placement));
     }
 
     /// The last joint values of the readings, rad or m.
