@@ -13,24 +13,60 @@ const RUNS: u64 = 20;
 /// Placements on which no fit looks.
 const LATER: usize = 2;
 
-/// An arm of this kind, its tip, its errors (zeros, axes), the error of a touch, and whether zeros alone are fitted.
-const ARMS: [(&str, &str, &str, f64, [f64; 2], f64, bool); 3] = [
-    ("SO-100, servos", "../shared/vendor/robots/robotstudio/so100.urdf", "", 0.05, [2e-3, 5e-4], 3e-4, true),
-    ("xArm 7", "robots/ufactory/xarm7.urdf", "", 0.01, [1e-3, 5e-4], 2e-4, true),
-    ("Panda", "robots/franka/panda.urdf", "panda_link8", 2e-3, [1e-3, 5e-4], 2e-4, false),
+/// An arm as it is measured.
+struct Kind {
+    name: &'static str,
+    file: &'static str,
+    tip: Option<&'static str>,
+    /// Errors of zeros, rad, and of axes, rad and m.
+    zeros: f64,
+    axes: [f64; 2],
+    /// Error of a touch, m.
+    noise: f64,
+    /// Whether zeros alone are fitted.
+    only_zeros: bool,
+}
+
+const ARMS: [Kind; 3] = [
+    Kind {
+        name: "SO-100, servos",
+        file: "../shared/vendor/robots/robotstudio/so100.urdf",
+        tip: Some("gripper"),
+        zeros: 0.05,
+        axes: [2e-3, 5e-4],
+        noise: 3e-4,
+        only_zeros: true,
+    },
+    Kind {
+        name: "xArm 7",
+        file: "robots/ufactory/xarm7.urdf",
+        tip: None,
+        zeros: 0.01,
+        axes: [1e-3, 5e-4],
+        noise: 2e-4,
+        only_zeros: true,
+    },
+    Kind {
+        name: "Panda",
+        file: "robots/franka/panda.urdf",
+        tip: Some("panda_link8"),
+        zeros: 2e-3,
+        axes: [1e-3, 5e-4],
+        noise: 2e-4,
+        only_zeros: false,
+    },
 ];
 
 fn main() {
     println!(
         "| arm | placements | touches | as drawn, mm | fitted, mm | the true arm, mm |\n|---|---|---|---|---|---|"
     );
-    for (name, file, tip, zeros, axes, noise, only_zeros) in ARMS {
+    for Kind { name, file, tip, zeros, axes, noise, only_zeros } in ARMS {
         let Ok(text) = std::fs::read_to_string(file) else {
             println!("{name}: skipped, because {file} is not there");
             continue;
         };
         let robot = denavit_model::urdf::read(file, &text).unwrap();
-        let tip = Some(tip).filter(|tip| !tip.is_empty());
         let chain = robot.chain(None, tip, Reading::Intended).unwrap().value;
         let plate = "4x3:40mm".parse().unwrap();
         let touching = Touching { chain: &chain, plate, zeros, axes, noise };
