@@ -22,6 +22,7 @@ class Given(TypedDict):
     camera: tuple[str, str] | None
     board: str | None
     on_hand: bool
+    plate: str | None
 
 Wanted = Given | _Array
 

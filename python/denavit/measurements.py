@@ -41,6 +41,7 @@ class Told:
         camera: Intrinsics of the camera: the file that they are from and its text.
         board: The board that the camera sees.
         on_hand: Whether the camera sits on the hand.
+        plate: The plate whose holes are touched.
     """
 
     columns: tuple[str, str] | None = None
@@ -51,6 +52,7 @@ class Told:
     camera: tuple[str, str] | None = None
     board: str | None = None
     on_hand: bool = False
+    plate: str | None = None
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -98,6 +100,7 @@ class Measurements:
         camera: str | os.PathLike[str] | None = None,
         board: str | None = None,
         on_hand: bool = False,
+        plate: str | None = None,
         socket: str | None = None,
     ) -> Measurements:
         """Read a file: CSV, any export, a workbook; ``git:REVISION:PATH``; ``-`` for standard input.
@@ -118,6 +121,7 @@ class Measurements:
                 file as ROS (``camera_info``) or OpenCV write it; see `docs/camera.md`.
             board: The board that the camera sees: squares across and down, and the edge of a square, such as ``7x5:30mm``.
             on_hand: The camera sits on the hand and the board stands still, not the other way round.
+            plate: A column ``hole`` names what each row touches on a plate of ``denavit plate``, such as ``4x3:40mm``.
             socket: The file is bare joint readings (no header, a column per joint), taken with a ball on the tip in the
                 socket of this label.
 
@@ -134,12 +138,12 @@ class Measurements:
         several = [name for name, value in orders.items() if value is not None]
         if len(several) > 1:
             raise ArgumentError(f"{' and '.join(several)} exclude each other; an orientation has one form")
-        if socket is not None and (several or not (columns is joints is camera is None)):
+        if socket is not None and (several or not (columns is joints is camera is plate is None)):
             raise ArgumentError(f"readings in the socket {socket!r} are joint values alone; leave what is said of columns out")
         file, content = _denavit.read_bytes(os.fspath(path))
         program = None if joints is None else _denavit.read_text(os.fspath(joints))
         lens = camera_file(camera, board, on_hand)
-        told = Told(_map(columns), euler, quaternion, rotation_vector, program, lens, board, on_hand)
+        told = Told(_map(columns), euler, quaternion, rotation_vector, program, lens, board, on_hand, plate)
         return cls(_as_text(content), file, units, told=told, socket=socket)
 
     @classmethod
@@ -334,6 +338,7 @@ class Measurements:
             "camera": told.camera,
             "board": told.board,
             "on_hand": told.on_hand,
+            "plate": told.plate,
         }
 
     def __repr__(self) -> str:

@@ -3,6 +3,7 @@
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, error, load, measured, said};
 use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};
+use denavit_calibrate::observation::plate::PlateError;
 use denavit_load::measured::{DataFile, HashedFile, sight};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -27,6 +28,7 @@ pub struct Given {
     camera: Option<(String, String)>,
     board: Option<String>,
     on_hand: bool,
+    plate: Option<String>,
 }
 
 /// What is in it.
@@ -57,6 +59,7 @@ impl Given {
             read.map_err(|failure| wrong(failure.to_string()))
         });
         let order = self.euler.map(|word| word.parse().map_err(|failure: EulerError| option("euler", &failure)));
+        let plate = self.plate.map(|word| word.parse().map_err(|failure: PlateError| option("plate", &failure)));
         let program = self.joints.map(|(file, text)| {
             import::joints(&file, &text)
                 .map_err(|failure| error(Class::Argument, &failure.to_string(), Spot::file(&file)))
@@ -69,6 +72,7 @@ impl Given {
             rotation_vector: self.rotation_vector,
             quaternion: self.quaternion,
             joints: program.transpose()?,
+            plate: plate.transpose()?,
             sight: camera.transpose().map_err(|failure| measured(&failure))?,
             tips: None,
         };

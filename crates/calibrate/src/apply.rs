@@ -4,4 +4,5 @@ pub mod compensate;
 pub mod delta_table;
 pub mod identifiable;
 pub mod plan;
+pub mod print_plate;
 pub mod simulate;

@@ -50,6 +50,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Freedom, NoEffects};
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::infer::model::Kernel;
+use crate::trace::loads::undeclared_loads;
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
@@ -327,6 +328,12 @@ pub fn calibrate_and_tell(
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);
+    let asks_loads = options.trace.is_some() && redundancy.enough_for_effects;
+    let loads = if asks_loads { undeclared_loads(statics, &train, geometric) } else { None };
+    if let Some(loads) = &loads {
+        train = loads.applied(train);
+        test = test.map(|test| loads.applied(test));
+    }
     // Geometry alone is wanted where neither effects nor curves are.
     let carried = options.trace.is_some() || options.curves.is_some();
     let carried = carried.then(|| carried::carried(&train, &identification, &options.identify)).flatten();
@@ -394,6 +401,7 @@ pub fn calibrate_and_tell(
         measurement: train.scene.measured(),
         columns: Vec::new(),
         read_as: corrected.as_ref().map(ReadAs::of),
+        undeclared_loads: loads,
         placed_anew: placed_anew.clone(),
         poorly_explained: of_spread.into_iter().filter(Explained::poorly).collect(),
         samples: Samples {

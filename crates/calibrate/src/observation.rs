@@ -10,5 +10,6 @@ pub(crate) mod least_squares;
 pub mod lens;
 pub mod measurements;
 pub mod parameters;
+pub mod plate;
 pub mod prior;
 pub(crate) mod symmetric;

@@ -15,6 +15,7 @@ mod drifts;
 mod findings;
 mod holdout;
 pub(crate) mod linear;
+pub mod loads;
 mod portrait;
 mod projector;
 mod refine;

@@ -19,7 +19,7 @@ pub use fleet::{
 pub use json::{JsonArguments, with_json_files_joined};
 pub use measured::{
     BagArguments, CalibrateArguments, CameraArguments, CompensateArguments, GivenArguments, IdentifyArguments,
-    ImportArguments, MeasureArguments, MeasureName, PlanArguments, SimulateArguments,
+    ImportArguments, MeasureArguments, MeasureName, PlanArguments, PlateArguments, SimulateArguments,
 };
 pub use program::{CompletionsArguments, LspArguments, ManArguments};
 use std::path::PathBuf;
@@ -93,6 +93,8 @@ pub enum Command {
     Measure(Box<MeasureArguments>),
     /// Choose the poses to measure that make the robot best observable
     Plan(PlanArguments),
+    /// Print a plate of holes to touch with the tip: an arm is calibrated with it and without an instrument
+    Plate(PlateArguments),
     /// Make measurement files of a robot that differs from its drawing, for trials and teaching
     Simulate(SimulateArguments),
     /// Turn poses to reach into joint commands for the robot as it is

@@ -32,6 +32,8 @@ pub mod man;
 pub mod measure;
 #[cfg(feature = "calibrate")]
 pub mod plan;
+#[cfg(feature = "calibrate")]
+pub mod plate;
 pub mod poe;
 #[cfg(feature = "calibrate")]
 pub mod simulate;

@@ -63,6 +63,8 @@ fn run(command: Command) -> Result<Status, Failure> {
         #[cfg(feature = "calibrate")]
         Command::Plan(arguments) => commands::plan::run(&arguments),
         #[cfg(feature = "calibrate")]
+        Command::Plate(arguments) => commands::plate::run(&arguments),
+        #[cfg(feature = "calibrate")]
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         #[cfg(feature = "calibrate")]
         Command::Compensate(arguments) => commands::compensate::run(&arguments),
@@ -75,6 +77,7 @@ fn run(command: Command) -> Result<Status, Failure> {
         | Command::Identify(_)
         | Command::Measure(_)
         | Command::Plan(_)
+        | Command::Plate(_)
         | Command::Simulate(_)
         | Command::Compensate(_) => Err(Failure::not_built("calibrate")),
         #[cfg(not(feature = "fleet"))]

@@ -132,6 +132,11 @@ pub fn import_options(arguments: &ImportArguments) -> Result<ImportOptions, Fail
         rotation_vector: arguments.rotation_vector,
         quaternion: arguments.quaternion.clone(),
         joints: arguments.joints.as_ref().map(program).transpose()?,
+        plate: arguments
+            .plate
+            .as_deref()
+            .map(|text| text.parse().map_err(|error| wrong("--plate", &error)))
+            .transpose()?,
         sight: None,
         tips: None,
     })

@@ -55,6 +55,7 @@ pub const SETTINGS: &[&str] = &[
     "out-for",
     "package-path",
     "pitches",
+    "plate",
     "prior",
     "quaternion",
     "rotation-vector",

@@ -17,6 +17,7 @@ use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::observation::measurements::ColumnUse;
 use crate::observation::parameters::is_zero;
 use crate::trace::infer::lines::Line;
+use crate::trace::loads::UndeclaredLoads;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -47,6 +48,9 @@ pub struct CalibrationReport {
     /// What was supposed of the rows because they fit no robot as they are written; left out where they do.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub read_as: Option<ReadAs>,
+    /// Loads at the tip by which setups differ, although no column says so: the rows are used with them; left out where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undeclared_loads: Option<UndeclaredLoads>,
     /// What was placed anew before the test rows were measured; left out where everything stands as it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub placed_anew: Option<PlacedAnew>,

@@ -6,7 +6,7 @@ use crate::effects::catalogue::{KINDS, Kind};
 use crate::observation::arm::Arm;
 use crate::report::findings::{self, Said};
 use crate::report::plots::{self, Plot, PlotError};
-use crate::report::{curve_plots, rows, text, trace_plots};
+use crate::report::{curve_plots, rows, text, trace_plots, trust};
 use crate::trace::Trace;
 use denavit_model::nalgebra::Vector3;
 use minijinja::value::Serde;
@@ -47,6 +47,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
                 robot => result.report.robot.clone(),
                 last => after.name.clone(),
                 rows => result.train.len(),
+                attention => trust::supposed(&result.report).lines().map(str::to_owned).collect::<Vec<String>>(),
                 summary => text::calibration(result),
                 robot_plots => Value::from(Serde(on_robot(result, before, after)?)),
                 histograms => Value::from(Serde([plots::histogram(before, after)?])),

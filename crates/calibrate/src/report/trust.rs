@@ -98,6 +98,9 @@ pub(super) fn supposed(report: &CalibrationReport) -> String {
     if let Some(read_as) = &report.read_as {
         let _ = writeln!(text, "ATTENTION: these data do not fit this robot as they are written; {}", read_as.said);
     }
+    if let Some(loads) = &report.undeclared_loads {
+        let _ = writeln!(text, "ATTENTION: {}", loads.said());
+    }
     if let Some(anew) = &report.placed_anew {
         let _ = writeln!(text, "ATTENTION: {}", anew.said());
     }

@@ -173,6 +173,9 @@ pub struct ImportArguments {
     /// Joint values of the data's rows, from a robot program: ABB RAPID jointtarget, KUKA KRL AXIS, UR script movej
     #[arg(long, value_name = "PROGRAM")]
     pub joints: Option<String>,
+    /// A column hole names what each row touches on a plate of denavit plate: holes of a row, rows, and their distance
+    #[arg(long, value_name = "4x3:40mm")]
+    pub plate: Option<String>,
 }
 
 /// The camera whose pixels are in the data; see docs/camera.md.
@@ -288,6 +291,10 @@ pub struct MeasureArguments {
     /// Continue when the file has been read: take what is appended to it, until Ctrl-C
     #[arg(long)]
     pub watch: bool,
+    /// Touch the holes of --plate one after another: at each Enter the last joint values of this file (CSV, or a topic's dump
+    /// that grows) are appended to --data
+    #[arg(long, value_name = "FILE", requires = "plate", conflicts_with_all = ["watch", "json"])]
+    pub touch: Option<String>,
     /// Units of the data, of the candidates and of the pose to measure next: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
@@ -316,6 +323,31 @@ pub struct MeasureArguments {
     /// JSON.
     #[command(flatten)]
     pub json: JsonArguments,
+}
+
+const PLATE_EXAMPLES: &str = "\
+Each hole is a cone of 90 degrees, in which a ball or a pen's point on the tip comes to rest. Print the solid, or the drawing at \
+100 % on paper for a pen, fix it in reach, touch the holes in as many postures as you can, and move it two or three times:
+
+  denavit plate 4x3:40mm --ball 10mm -o plate.stl -o plate.svg
+  denavit measure so100.urdf --plate 4x3:40mm --data run.csv --touch joint_states.yaml
+  denavit calibrate so100.urdf --plate 4x3:40mm --data run.csv --zeros --urdf zeroed.urdf
+
+See docs/without-an-instrument.md.";
+
+/// Arguments of `denavit plate`.
+#[derive(Debug, Args)]
+#[command(after_help = PLATE_EXAMPLES)]
+pub struct PlateArguments {
+    /// Holes of a row, rows, and from one hole to the next: 4x3:40mm
+    #[arg(value_name = "HOLES")]
+    pub plate: String,
+    /// Diameter of the ball on the tip, or of a pen where its cone begins
+    #[arg(long, value_name = "LENGTH", default_value = "10mm")]
+    pub ball: String,
+    /// Write to a file that ends in .stl (a solid, mm) or .svg (a drawing at its true size); several times for both
+    #[arg(long, short, value_name = "FILE", required = true)]
+    pub output: Vec<PathBuf>,
 }
 
 const PLAN_EXAMPLES: &str = "\

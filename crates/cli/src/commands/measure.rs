@@ -1,8 +1,10 @@
 //! `denavit measure`: each row of measurements as it comes, against what the rows before it predict.
 
 mod growing;
+mod touch;
 
 use self::growing::{Growing, News};
+use self::touch::Touch;
 use crate::args::MeasureArguments;
 use crate::failure::Failure;
 use crate::measured;
@@ -22,6 +24,7 @@ use denavit_load::measured::{corners, freedom};
 use denavit_model::Chain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -48,10 +51,24 @@ pub fn run(arguments: &MeasureArguments) -> Result<Status, Failure> {
     let monitor = Monitor::new(&chain, options(arguments, &chain)?)?;
     // A handler that was there before leaves the exit code to it.
     let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
+    let touch = match (&arguments.touch, &import.plate) {
+        (Some(readings), Some(plate)) => {
+            Some(Touch::begin(&chain, units, &arguments.units, readings, Path::new(file), plate)?)
+        }
+        _ => None,
+    };
     let reader = Reader { name: file.into(), chain: &chain, units, import, said: Vec::new() };
     let screen = Screen::new(&chain, units, json.is_some() && outputs.take_standard_output());
     let mut session = Session { reader, screen, fresh: monitor.clone(), monitor, restarts: 0, any_out: false, rows: 0 };
-    session.follow(&mut Growing::open(file, arguments.watch))?;
+    match touch {
+        Some(mut touch) => {
+            while !INTERRUPTED.load(Ordering::Relaxed) && touch.next()? {
+                session.follow(&mut Growing::open(file, false))?;
+            }
+            return Ok(if session.any_out { Status::Different } else { Status::Same });
+        }
+        None => session.follow(&mut Growing::open(file, arguments.watch))?,
+    }
     if session.rows == 0 && !arguments.watch {
         return Err(Failure::Data(session.reader.read(b"", true).err().unwrap_or_else(nothing)));
     }
@@ -74,6 +91,12 @@ fn refused(arguments: &MeasureArguments) -> Result<(), Failure> {
             "{file}: {what} is no text that grows row by row; write the rows as CSV while you measure, or calibrate with \
              {what} when it is whole"
         )));
+    }
+    if let Some(readings) = &arguments.touch
+        && (file == "-" || readings == "-")
+    {
+        let message = "--touch waits for Enter on standard input; name files for --data and --touch";
+        return Err(Failure::Argument(message.into()));
     }
     if arguments.watch && arguments.import.joints.is_some() {
         let message = "--joints: a robot program has a row for each row of a whole file; leave out --watch";

@@ -290,7 +290,8 @@ fn measured(
                 **role == Role::Other && (name.eq_ignore_ascii_case(wanted) || nearly(name, wanted))
             })
         };
-        let suggestion = ["distance", "x", "x1"].iter().find_map(|wanted| other(wanted)).map(|(name, _)| name.clone());
+        let suggestion =
+            ["distance", "x", "x1", "hole"].iter().find_map(|wanted| other(wanted)).map(|(name, _)| name.clone());
         problems.push(MeasurementError::NothingMeasured { suggestion });
     }
     let Some(present) = QUATERNION.iter().find(|name| has(name)) else { return };

@@ -23,6 +23,7 @@ pub use programs::{JointList, ProgramError, joints};
 use super::near_miss::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::units::Units;
 use crate::observation::board::Sight;
+use crate::observation::plate::Plate;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::units::Unit;
 use denavit_model::{Chain, Quantity, Tips};
@@ -91,6 +92,18 @@ pub enum ImportProblem {
         /// Its length.
         length: f64,
     },
+    /// A hole that the plate does not have.
+    #[error(
+        "column \"hole\": the plate ({plate}) has no hole \"{name}\"; its holes are A1 to {last}; correct the cell or ‹plate›"
+    )]
+    Hole {
+        /// The plate.
+        plate: Plate,
+        /// The cell.
+        name: String,
+        /// The last hole.
+        last: String,
+    },
     /// Options that need columns which are not there, or that contradict each other.
     #[error("{0}")]
     Option(String),
@@ -126,6 +139,8 @@ pub struct ImportOptions {
     pub quaternion: Option<String>,
     /// Joint values from another file, row by row.
     pub joints: Option<JointList>,
+    /// The plate whose holes a column `hole` names.
+    pub plate: Option<Plate>,
     /// The camera whose pixels are read.
     pub sight: Option<Sight>,
     /// The tips of which a column `tip` says which a row is of, where the robot is measured at several.
@@ -168,6 +183,30 @@ struct Output {
     parts: Vec<(usize, f64)>,
     source: String,
 }
+
+/// The column that names a plate's holes.
+struct Holes {
+    plate: Plate,
+    column: usize,
+}
+
+impl Holes {
+    /// The cells x, y, z of a row; empty in a row that only says how the robot stands.
+    fn place(&self, line: usize, cells: &[String]) -> Result<[String; 3], Fault> {
+        let name = cells.get(self.column).map_or("", |cell| cell.trim());
+        if name.is_empty() {
+            return Ok(<[String; 3]>::default());
+        }
+        if let Some(place) = self.plate.hole(name) {
+            return Ok([place.x, place.y, 0.0].map(|value| value.to_string()));
+        }
+        let (plate, last) = (self.plate, self.plate.last());
+        Err(Fault { line, problem: ImportProblem::Hole { plate, name: name.into(), last } })
+    }
+}
+
+/// What that column is called.
+const HOLE: &str = "hole";
 
 /// Three or four columns of an orientation.
 enum Orientation {
@@ -237,7 +276,8 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
         return Ok(untouched());
     }
     let orientation = work.orientation(options)?;
-    work.written(outputs, &orientation, options.joints.as_ref(), options.map.is_none())
+    let holes = options.plate.map(|plate| work.holes(plate, &outputs)).transpose()?;
+    work.written(outputs, &orientation, options.joints.as_ref(), options.map.is_none(), holes.as_ref())
 }
 
 /// A map to start from.
@@ -517,6 +557,22 @@ impl Work<'_> {
         Ok(Orientation::Euler(order, self.three(&sorted, Counts::Angle)?, places))
     }
 
+    /// The column that names the hole of a plate which each row touches.
+    fn holes(&self, plate: Plate, outputs: &[Output]) -> Result<Holes, Fault> {
+        let problem = |text: &str| self.in_header(ImportProblem::Option(text.into()));
+        let named = outputs.iter().find(|output| output.name == HOLE && output.parts.len() == 1);
+        let column = named
+            .ok_or_else(|| problem("‹plate› needs a column \"hole\" with the hole that each row touches: A1, A2, …"))?
+            .parts[0]
+            .0;
+        if outputs.iter().any(|output| ["x", "y", "z"].contains(&output.name.as_str())) {
+            return Err(problem(
+                "‹plate› says where the holes are, and columns x, y, z say it again; leave out one of both",
+            ));
+        }
+        Ok(Holes { plate, column })
+    }
+
     fn value(&self, output: &Output, line: usize, cells: &[String]) -> Result<Option<f64>, Fault> {
         let (mut written, mut scaled) = (0.0, 0.0);
         for (index, factor) in &output.parts {
@@ -621,6 +677,7 @@ impl Work<'_> {
         orientation: &Orientation,
         joints: Option<&JointList>,
         by_axis: bool,
+        holes: Option<&Holes>,
     ) -> Result<Imported, Fault> {
         let turning: Vec<usize> = match orientation {
             Orientation::None => Vec::new(),
@@ -646,6 +703,10 @@ impl Work<'_> {
             }
             self.taken.push(format!("joint values from {}: {}", joints.file, joints.taken_for));
         }
+        if let Some(Holes { plate, .. }) = holes {
+            outputs.retain(|output| output.name != HOLE);
+            self.taken.push(format!("column \"hole\" taken for x, y, z on the plate ({plate})"));
+        }
         self.said(&outputs, orientation);
         let mut lines: Vec<(usize, Vec<String>)> = Vec::with_capacity(self.grid.rows.len() + 1);
         let mut header: Vec<String> = Vec::new();
@@ -653,6 +714,9 @@ impl Work<'_> {
             header.extend(self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone()));
         }
         header.extend(outputs.iter().map(|output| output.name.clone()));
+        if holes.is_some() {
+            header.extend(["x", "y", "z"].map(String::from));
+        }
         if !matches!(orientation, Orientation::None) {
             header.extend(["qx", "qy", "qz", "qw"].map(String::from));
         }
@@ -690,6 +754,9 @@ impl Work<'_> {
                     _ => self.value(output, *line, cells)?.map_or_else(String::new, |value| value.to_string()),
                 };
                 written.push(cell);
+            }
+            if let Some(holes) = holes {
+                written.extend(holes.place(*line, cells)?);
             }
             if let Some(quaternion) = self.quaternion(orientation, *line, cells)? {
                 written.extend(quaternion.iter().map(f64::to_string));

@@ -113,7 +113,10 @@ pub enum MeasurementError {
     #[error(
         "no column holds a measured value; there must be x,y,z (with qx,qy,qz,qw for poses), or x1,y1,z1,x2,… for \
          several targets, or distance{}",
-        suggestion.as_ref().map_or_else(String::new, |name| format!("; did you mean \"{name}\" to be one of them?"))
+        suggestion.as_deref().map_or_else(String::new, |name| match name {
+            "hole" => "; say by ‹plate› where the holes are".into(),
+            _ => format!("; did you mean \"{name}\" to be one of them?"),
+        })
     )]
     NothingMeasured {
         /// A column whose name is nearly right.

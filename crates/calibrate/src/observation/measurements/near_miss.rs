@@ -9,7 +9,7 @@ pub(super) const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"
 /// What a joint's own column may say beside its reading.
 pub(super) const OF_JOINTS: [&str; 3] = ["velocity", "approach", "temperature"];
 /// Names of measured values.
-pub(super) const KNOWN_VALUES: [&str; 9] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distance", "locate"];
+pub(super) const KNOWN_VALUES: [&str; 10] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distance", "locate", "hole"];
 /// Names of that many letters may have one letter wrong.
 const LONG: usize = 6;
 

@@ -1,0 +1,102 @@
+//! A plate with a grid of conical holes: what touches a hole with the tip has measured a position, for where the hole is on
+//! the plate is known.
+
+use denavit_model::Quantity;
+use denavit_model::nalgebra::Vector2;
+use denavit_model::units::Unit;
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// Most holes along a side: rows are named by one letter.
+const MOST: usize = 26;
+
+/// A plate by its holes.
+///
+/// Hole A1 is the origin of the plate's frame, its x leads to A2, its y to B1, and z out of the plate. The places are those of
+/// the ball's or the point's centre in its hole: all at the same height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plate {
+    /// Holes of a row: 1, 2, …
+    pub columns: usize,
+    /// Rows: A, B, …
+    pub rows: usize,
+    /// From one hole to the next, m.
+    pub pitch: f64,
+}
+
+/// A text that is no plate.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error(
+    "\"{0}\" is no plate; write the holes of a row, the rows, and the distance from hole to hole, such as 4x3:40mm (2 to 26 holes \
+     either way)"
+)]
+pub struct PlateError(pub String);
+
+impl FromStr for Plate {
+    type Err = PlateError;
+
+    /// `4x3:40mm`.
+    fn from_str(text: &str) -> Result<Self, PlateError> {
+        let read = || {
+            let (holes, pitch) = text.split_once(':')?;
+            let (columns, rows) = holes.split_once(['x', 'X', '×'])?;
+            let (columns, rows) = (columns.trim().parse().ok()?, rows.trim().parse().ok()?);
+            let pitch = Unit::value(pitch, Quantity::Length)?;
+            let known = (2..=MOST).contains(&columns) && (2..=MOST).contains(&rows) && pitch > 0.0;
+            known.then_some(Self { columns, rows, pitch })
+        };
+        read().ok_or_else(|| PlateError(text.into()))
+    }
+}
+
+impl fmt::Display for Plate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{} holes, {} mm apart", self.columns, self.rows, self.pitch * 1e3)
+    }
+}
+
+impl Plate {
+    /// Names and places of the holes, row by row, m.
+    pub fn holes(&self) -> impl Iterator<Item = (String, Vector2<f64>)> + '_ {
+        (0..self.rows).flat_map(move |row| {
+            (0..self.columns).map(move |column| {
+                let place = Vector2::new(column as f64, row as f64) * self.pitch;
+                (format!("{}{}", letter(row), column + 1), place)
+            })
+        })
+    }
+
+    /// Where a hole is on the plate, m; `None` where the plate has no hole of that name.
+    pub fn hole(&self, name: &str) -> Option<Vector2<f64>> {
+        let name = name.trim();
+        self.holes().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, place)| place)
+    }
+
+    /// The name of the last hole.
+    pub fn last(&self) -> String {
+        format!("{}{}", letter(self.rows - 1), self.columns)
+    }
+}
+
+fn letter(row: usize) -> char {
+    char::from(b'A' + u8::try_from(row).expect("no more rows than letters"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holes_are_named_by_row_and_column() {
+        let plate: Plate = "4x3:40mm".parse().unwrap();
+        let names: Vec<String> = plate.holes().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), 12);
+        assert_eq!((names[0].as_str(), names[4].as_str(), plate.last()), ("A1", "B1", "C4".to_owned()));
+        assert_eq!(plate.hole("c4"), Some(Vector2::new(0.12, 0.08)));
+        assert_eq!(plate.hole("D1"), None);
+        for text in ["4x3", "1x3:40mm", "4x27:40mm", "4x3:0mm", "4x3:-40mm", "4x3:40", "4x3:40kg", ""] {
+            assert!(text.parse::<Plate>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A simulated arm that touches the holes of a plate, as the rows that a user would write.
+
+use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
+use denavit_calibrate::observation::measurements::import::ImportOptions;
+use denavit_calibrate::observation::measurements::{Units, read_export};
+use denavit_calibrate::observation::plate::Plate;
+use denavit_calibrate::{Arm, Measurements, NoEffects};
+use denavit_model::nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
+use denavit_model::{Chain, Pose, se3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::fmt::Write as _;
+
+/// An arm and how it is touched with.
+pub struct Touching<'a> {
+    pub chain: &'a Chain,
+    pub plate: Plate,
+    /// Errors of zeros, rad, and of axes, rad and m.
+    pub zeros: f64,
+    pub axes: [f64; 2],
+    /// Error of a touch, m.
+    pub noise: f64,
+}
+
+/// Joint readings in the holes of one placement after another, and the places of the holes.
+pub struct Run {
+    pub truth: Arm,
+    pub rows: Vec<(Vec<f64>, String, usize)>,
+}
+
+impl Touching<'_> {
+    /// Rows of so many placements.
+    pub fn run(&self, placements: usize, seed: u64) -> Run {
+        let options =
+            SimulationOptions { rows: 1, seed, turn: self.axes[0], shift: self.axes[1], ..Default::default() };
+        let mut truth = simulate(self.chain, &options, &NoEffects).arm;
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x707a);
+        for joint in 0..self.chain.joints().len() {
+            truth.shift_zero(joint, random.random_range(-1.0..1.0) * 3_f64.sqrt() * self.zeros);
+        }
+        let mut rows = Vec::new();
+        let mut placement = 0;
+        for _ in 0..200 * placements {
+            if placement == placements {
+                break;
+            }
+            let Some(placed) = self.placement(&truth, &mut random) else { continue };
+            placement += 1;
+            rows.extend(placed.into_iter().map(|(q, name)| (q, name, placement)));
+        }
+        assert_eq!(placement, placements, "the arm does not reach all holes of a plate");
+        Run { truth, rows }
+    }
+
+    /// A plate somewhere in reach, tilted by up to 30°, and a posture in each of its holes.
+    fn placement(&self, truth: &Arm, random: &mut ChaCha8Rng) -> Option<Vec<(Vec<f64>, String)>> {
+        let through = readings(self.chain, 1, random.random()).remove(0);
+        let middle = true_target(truth, &through, 0).translation.vector;
+        let mut any = || random.random_range(-1.0..1.0);
+        let turned = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.5 * any())
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), 0.5 * any())
+            * Rotation3::from_axis_angle(&Vector3::z_axis(), 3.0 * any());
+        let half =
+            Vector3::new(self.plate.columns as f64 - 1.0, self.plate.rows as f64 - 1.0, 0.0) * self.plate.pitch / 2.0;
+        let plate = se3::pose(turned, middle - turned * half);
+        let mut found = Vec::new();
+        for (name, at) in self.plate.holes() {
+            let mut error = || self.noise * normal(random);
+            let hole = plate * denavit_model::nalgebra::Point3::new(at.x + error(), at.y + error(), error());
+            let starts = readings(self.chain, 20, random.random());
+            found.push((starts.into_iter().find_map(|start| self.brought_to(truth, &hole.coords, start))?, name));
+        }
+        Some(found)
+    }
+
+    /// The posture near `q` in which the target is at a place, within the limits.
+    fn brought_to(&self, truth: &Arm, place: &Vector3<f64>, mut q: Vec<f64>) -> Option<Vec<f64>> {
+        const STEP: f64 = 1e-6;
+        let at = |q: &[f64]| true_target(truth, q, 0).translation.vector;
+        for _ in 0..40 {
+            let off = place - at(&q);
+            if off.norm() < 1e-12 {
+                break;
+            }
+            let jacobian = DMatrix::from_fn(3, q.len(), |row, k| {
+                let mut moved = q.clone();
+                moved[k] += STEP;
+                (at(&moved) - at(&q))[row] / STEP
+            });
+            let step = jacobian.svd(true, true).solve(&off, 1e-6).ok()?;
+            let most = step.amax().max(0.3) / 0.3;
+            q.iter_mut().zip(step.iter()).for_each(|(value, by)| *value += by / most);
+        }
+        let within = self.chain.coordinates().iter().zip(&q).all(|(coordinate, value)| {
+            let (lower, upper) = coordinate.range();
+            (lower..=upper).contains(value)
+        });
+        (within && (place - at(&q)).norm() < 1e-9).then_some(q)
+    }
+
+    /// The file of some of the rows, and the data that are read from it.
+    pub fn data(&self, rows: &[(Vec<f64>, String, usize)]) -> Measurements {
+        let names: Vec<&str> = self.chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
+        let mut text = format!("{},hole,setup\n", names.join(","));
+        for (q, hole, placement) in rows {
+            for value in q {
+                let _ = write!(text, "{value},");
+            }
+            let _ = writeln!(text, "{hole},{placement}");
+        }
+        let options = ImportOptions { plate: Some(self.plate), ..ImportOptions::default() };
+        read_export("run.csv", text.as_bytes(), self.chain, Units::default(), &options).unwrap().data
+    }
+
+    /// How far the holes of one placement are from a plate's, as an arm says it: rms after the best fit of the plate, m.
+    pub fn error(&self, arm: &Arm, rows: &[(Vec<f64>, String, usize)]) -> f64 {
+        let found: Vec<Vector3<f64>> = rows.iter().map(|(q, ..)| true_target(arm, q, 0).translation.vector).collect();
+        let holes: Vec<Vector3<f64>> =
+            rows.iter().map(|(_, hole, _)| self.plate.hole(hole).unwrap().push(0.0)).collect();
+        let plate = best_fit(&holes, &found);
+        let squares = holes
+            .iter()
+            .zip(&found)
+            .map(|(hole, found)| (plate * denavit_model::nalgebra::Point3::from(*hole) - found).coords.norm_squared());
+        (squares.sum::<f64>() / found.len() as f64).sqrt()
+    }
+}
+
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (u, v): (f64, f64) = (random.random_range(1e-12..1.0), random.random());
+    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+}
+
+/// The rigid motion that brings points nearest to others: Kabsch 1976.
+fn best_fit(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Pose {
+    let count = from.len() as f64;
+    let (a, b) = (from.iter().sum::<Vector3<f64>>() / count, to.iter().sum::<Vector3<f64>>() / count);
+    let sum: Matrix3<f64> = from.iter().zip(to).map(|(p, q)| (q - b) * (p - a).transpose()).sum();
+    let svd = sum.svd(true, true);
+    let (u, v) = (svd.u.unwrap(), svd.v_t.unwrap());
+    let handed = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v).determinant().signum()));
+    let rotation = Rotation3::from_matrix_unchecked(u * handed * v);
+    se3::pose(rotation, b - rotation * a)
+}
