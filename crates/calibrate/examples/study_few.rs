@@ -3,13 +3,14 @@
 //! Of each set ten draws of 15 to 200 rows (postures are never split) are fitted and judged on up to 300 other rows: error of each stage over
 //! that of plain geometry, whether the predicted error holds, and by which the set is harmed. The draws are written to the first argument
 //! for other programs. In the environment: `MEASURED`, the folder of the sets (`../shared/measured`); `FAST`: no search for causes, so that
-//! the stage of today's named causes is left out; `DRAWS` (10), `FIRST` (0);
+//! the stage with causes and what `auto` chooses are left out; `DRAWS` (10), `FIRST` (0);
 //! `LOCAL`: rows near each other, judged on all others.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
 
 use self::real::Real;
+use denavit_calibrate::calibration::contract::Stage;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::effects::Conditions;
 use denavit_calibrate::effects::survey::with_run_order;
@@ -89,7 +90,7 @@ fn main() {
             }
         }
     }
-    for (way, word) in ["named causes (today)", "averaged"].iter().enumerate() {
+    for (way, word) in ["causes and curves", "averaged", "chosen"].iter().enumerate() {
         println!(
             "\n| rows | {word}: median | 90th | worst | share > 1.1 | > 1.1 of drawing | refused | geometric mean | runs |\n|---|---|---|---|---|---|---|---|---|"
         );
@@ -126,6 +127,8 @@ struct Outcome {
     geometric: f64,
     named: f64,
     averaged: f64,
+    /// The stage that `auto` hands on.
+    chosen: f64,
     /// Components within 1.96 predicted deviations and all of them: within the measured ranges, and outside.
     covered: [[f64; 2]; 2],
     seconds: [f64; 2],
@@ -133,9 +136,9 @@ struct Outcome {
 
 impl Outcome {
     fn print(&self) {
-        let Self { set, size, draw, nominal, geometric, named, averaged, seconds, covered } = self;
+        let Self { set, size, draw, nominal, geometric, named, averaged, chosen, seconds, covered } = self;
         println!(
-            "{set} {size} {draw}: nominal {nominal:.4} geometric {geometric:.4} named {named:.4} ({:.2}) averaged {averaged:.4} ({:.3}), {:.2} s + {:.2} s, covered {:.0} of {:.0}, outside {:.0} of {:.0}",
+            "{set} {size} {draw}: nominal {nominal:.4} geometric {geometric:.4} named {named:.4} ({:.3}) averaged {averaged:.4} ({:.3}) chosen {chosen:.4}, {:.2} s + {:.2} s, covered {:.0} of {:.0}, outside {:.0} of {:.0}",
             named / geometric,
             averaged / geometric,
             seconds[0],
@@ -154,7 +157,7 @@ fn mean(ratios: &[f64]) -> f64 {
 }
 
 fn table_line(word: &str, outcomes: &[&Outcome], way: usize) {
-    let error = |outcome: &Outcome| if way == 0 { outcome.named } else { outcome.averaged };
+    let error = |outcome: &Outcome| [outcome.named, outcome.averaged, outcome.chosen][way];
     let judged: Vec<&&Outcome> = outcomes.iter().filter(|o| o.geometric.is_finite() && error(o).is_finite()).collect();
     if judged.is_empty() {
         return;
@@ -252,17 +255,23 @@ fn judged(
         geometric: f64::NAN,
         named: f64::NAN,
         averaged: f64::NAN,
+        chosen: f64::NAN,
         covered: [[0.0; 2]; 2],
         seconds: [0.0; 2],
     };
     let (train, test) = (data.subset(train_rows), data.subset(test_rows));
     let mut options = CalibrateOptions::geometry(&real.chain);
     options.trace = (!fast).then(|| TraceOptions::new(options.identify.clone()));
+    options.average = true;
     let started = Instant::now();
     if !fast && let Ok(found) = calibrate(&real.chain, &real.statics, train.clone(), Some(test.clone()), &options) {
-        let stage = found.report.stages.iter().rev().find(|stage| stage.adopted).unwrap();
-        let error = stage.test.as_ref().unwrap();
-        outcome.named = 1e3 * ["position", "distance"].iter().find_map(|word| error.of(word)).unwrap().rms;
+        let stages = &found.report.stages;
+        let error = |stage: &Stage| {
+            let error = stage.test.as_ref().unwrap();
+            1e3 * ["position", "distance"].iter().find_map(|word| error.of(word)).unwrap().rms
+        };
+        outcome.named = error(stages.iter().rev().find(|stage| stage.converged && stage.name != "averaged").unwrap());
+        outcome.chosen = error(stages.iter().find(|stage| stage.adopted).unwrap());
     }
     outcome.seconds[0] = started.elapsed().as_secs_f64();
     let started = Instant::now();
@@ -272,7 +281,7 @@ fn judged(
     let identification = identify(&real.chain, &train, &identify_options);
     outcome.nominal = rms(&off(&identification.nominal, &train, &test));
     outcome.geometric = rms(&off(&identification.geometric, &train, &test));
-    if let Ok(averaging) = averaged(&real.statics, &train, &identification, &identify_options, &[]) {
+    if let Ok(averaging) = averaged(&real.statics, &train, &identification, &identify_options, (&[], None)) {
         let left = off(&averaging.fit, &train, &test);
         outcome.averaged = rms(&left);
         if std::env::var("SIZES").is_ok() {

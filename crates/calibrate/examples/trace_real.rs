@@ -33,6 +33,7 @@ fn main() {
         calibrate(chain, statics, real.rows(&arguments[2]), test, &options).unwrap_or_else(|error| panic!("{error}"));
     println!("{:.2} s", started.elapsed().as_secs_f64());
     println!("{}", text::calibration(&found));
+    println!("left out: {:?}", found.averaging.as_ref().map(|averaging| (averaging.left_out, averaging.named)));
     if let Some(trace) = &found.trace {
         for f in &trace.findings {
             println!("{}({}) {:?} {:?}", f.term.kind.name(), f.place, f.term.carrier, f.term.driver);

@@ -28,10 +28,11 @@ use crate::calibration::drawing_differences::{DrawingDifference, drawing_differe
 use crate::calibration::expected::Expected;
 use crate::calibration::rows::Rows;
 use crate::calibration::stages::{Beyond, Stages, beyond, kept};
+use crate::effects::curve::Curve;
 use crate::effects::driver::Statics;
 use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
-use crate::identify::averaging::{Averaging, NotAveraged, averaged};
+use crate::identify::averaging::{Averaging, Named, NotAveraged, averaged};
 use crate::identify::carried::{self, Carried};
 use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use crate::identify::information::Information;
@@ -83,7 +84,7 @@ pub struct CalibrateOptions {
     pub trace: Option<TraceOptions>,
     /// Fit error curves of the joints, where no effects are searched for.
     pub curves: Option<CurveOptions>,
-    /// Predict by everything that may act, averaged; it becomes the last stage.
+    /// Predict by everything that may act, averaged, unless the last stage predicts postures that are left out of the fitted ones better.
     pub average: bool,
     /// Say what the noise is made of.
     pub noise: bool,
@@ -209,7 +210,7 @@ pub struct Calibration {
     pub information: Option<Information>,
     /// Nominal and geometric fit.
     pub identification: Identification,
-    /// The last stage that names causes or has error curves and did not make held-out rows worse.
+    /// The last stage that names causes or has error curves.
     pub beyond: Option<Box<Fit<EffectModel>>>,
     /// The recommended prediction, averaged over everything that may act; `Err` says why there is none.
     pub averaging: Result<Box<Averaging>, NotAveraged>,
@@ -245,7 +246,7 @@ impl Calibration {
         self.averaging.as_ref().ok().map(|averaging| &averaging.fit).or(self.named())
     }
 
-    /// The last stage with causes or error curves that did not make held-out rows worse.
+    /// The last stage with causes or error curves.
     pub fn named(&self) -> Option<&Fit<EffectModel>> {
         self.beyond.as_deref()
     }
@@ -345,23 +346,22 @@ pub fn calibrate_and_tell(
         bound_later(&found.fit.effects, &train, test)?;
     }
     begin(Progress::Judgement)?;
+    let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
     let averaging = if options.average {
-        let findings = found.iter().flat_map(|found| &found.findings).filter(|finding| finding.named);
-        let named: Vec<Term> = findings.map(|finding| finding.term.clone()).collect();
-        averaged(statics, &train, &identification, &options.identify, &named).map(Box::new)
+        let before = (found.as_ref(), beyond.iter().rev().find(|before| before.fit.settled()));
+        averaging(statics, &train, &identification, &options.identify, before).map(Box::new)
     } else {
         Err(NotAveraged::NotAsked)
     };
-    let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
     let of_geometry = identification.stages(carried.is_some());
     let placed_anew = test.as_ref().and_then(|test| PlacedAnew::find(&identification.geometric, &train, test));
     let mut stages = Stages::new(&train, test.as_ref(), placed_anew.as_ref());
     stages.add_all(&of_geometry, &beyond)?;
-    let last = stages.adopt(&beyond);
+    let last = stages.last();
     if let Ok(averaging) = &averaging {
-        stages.recommend(&averaging.fit)?;
+        stages.add_averaged(&averaging.fit)?;
     }
-    let recommended = if averaging.is_ok() { stages.done.len() - 1 } else { last };
+    let recommended = stages.adopt();
     let Stages { done: stages, mut held_out, .. } = stages;
     let held_out = held_out.swap_remove(recommended);
     let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
@@ -504,6 +504,35 @@ impl Searched<'_> {
     }
 }
 
+/// Everything that may act, averaged, where that predicts postures that are left out better than the last stage before does.
+fn averaging(
+    statics: &Statics,
+    train: &Measurements,
+    identification: &Identification,
+    options: &IdentifyOptions,
+    (found, before): (Option<&Trace>, Option<&Beyond<'_>>),
+) -> Result<Averaging, NotAveraged> {
+    let findings = || found.iter().flat_map(|found| &found.findings);
+    let causes: Vec<Term> = findings().filter(|finding| finding.named).map(|finding| finding.term.clone()).collect();
+    let curves = before.map_or_else(Vec::new, |before| held_curves(&before.fit.effects.curves));
+    let named = before.map(|before| Named {
+        fit: &before.fit,
+        curves: &curves,
+        chosen: findings().map(|finding| finding.term.coefficients(statics)).sum(),
+        candidates: found.map_or(1, |found| found.candidates),
+    });
+    averaged(statics, train, identification, options, (&causes, named))
+}
+
+/// Curves with what was expected of their waves.
+fn held_curves(curves: &[Curve]) -> Vec<HeldCurve<'_>> {
+    let held = |curve| {
+        let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
+        HeldCurve { curve, variances }
+    };
+    curves.iter().map(held).collect()
+}
+
 /// The parts of the report that are of the whole result.
 fn describe(result: &mut Calibration, statics: &Statics) {
     result.report.placements = Some(rows::placements(result));
@@ -514,12 +543,7 @@ fn describe(result: &mut Calibration, statics: &Statics) {
 /// What the noise of the adopted fit is made of, which may hold error curves.
 fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Measurements) -> Option<NoiseModel> {
     let Some(Beyond { fit, own_curves, .. }) = reached else { return noise_model(geometry, train, &[]) };
-    let held = |curve| {
-        let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
-        HeldCurve { curve, variances }
-    };
-    let curves: Vec<HeldCurve<'_>> = fit.effects.curves[..*own_curves].iter().map(held).collect();
-    noise_model(fit.as_ref(), train, &curves)
+    noise_model(fit.as_ref(), train, &held_curves(&fit.effects.curves[..*own_curves]))
 }
 
 /// The search continues from the earlier calibration as far as the fit before it does.

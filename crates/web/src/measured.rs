@@ -65,7 +65,7 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
         hold_out: asked.hold_out.map(|share| HoldOut { share, seed: SEED }),
         trace: (asked.effects == "auto").then(|| TraceOptions::new(identify.clone())),
         curves: (asked.effects == "curves").then(CurveOptions::default),
-        average: false,
+        average: asked.effects == "auto",
         identify,
         noise: true,
         other_chains: Vec::new(),

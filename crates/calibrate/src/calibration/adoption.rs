@@ -1,4 +1,4 @@
-//! Whether a stage of a calibration is taken over: one that makes rows worse that it has not seen is not.
+//! What a calibration hands on, and whether rows that it has not seen are worse by it: these judge, they choose nothing.
 
 use crate::identify::residual_statistics::Residual;
 use serde::Serialize;

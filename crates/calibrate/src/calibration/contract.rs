@@ -341,8 +341,7 @@ pub struct Stage {
     pub converged: bool,
     /// Whether this is the calibrated robot that is handed on.
     pub adopted: bool,
-    /// Whether held-out rows came out worse than at the stage that was adopted before, by more than chance; such a stage is not adopted, but for the
-    /// averaged one, which no held-out row decides on.
+    /// Whether held-out rows came out worse than at the stage before, by more than chance; they judge, and choose no stage.
     pub worse_on_held_out: bool,
 }
 

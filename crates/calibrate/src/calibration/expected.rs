@@ -8,8 +8,9 @@ use crate::observation::measurements::{Measurements, RecordedRow};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Measured postures that are looked at.
+/// Measured postures that are looked at, and those of them for each end of a joint's limits.
 const POSTURES: usize = 40;
+const FOR_EACH_END: usize = 12;
 /// A range that ends this near to the joint's own has no outside, rad or m.
 const AT_THE_END: f64 = 0.02;
 /// An error that is this many times the usual one is worth a line.
@@ -51,6 +52,7 @@ impl Expected {
             rows.iter().map(|&row| root * averaged.expected_error(&Conditions::of(Row::new(data, row)))).collect();
         inside.sort_by(f64::total_cmp);
         let inside_m = inside.get(inside.len() / 2).copied().unwrap_or(f64::NAN);
+        let rows = data.evenly_spread(FOR_EACH_END.min(data.len()));
         let outside = (0..data.joints.len()).filter_map(|k| outside(averaged, data, &rows, k, root)).collect();
         Self { inside_m, geometric_m: root * averaging.left_out[0], outside }
     }

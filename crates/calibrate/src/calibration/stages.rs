@@ -161,32 +161,29 @@ impl<'a> Stages<'a> {
         beyond.iter().try_for_each(|reached| self.add(reached.name.clone(), &*reached.fit))
     }
 
-    /// Adds the averaged stage, which is the recommended one whatever the held-out rows say: they choose nothing.
-    pub fn recommend(&mut self, averaged: &Fit<EffectModel>) -> Result<(), TestError> {
-        self.add(AVERAGED.into(), averaged)?;
-        let last = self.done.len() - 1;
-        let before = self.done.iter().position(|stage| stage.adopted).unwrap_or(0);
-        self.done[last].worse_on_held_out = worse(&self.held_out[before], &self.held_out[last]);
-        self.done.iter_mut().for_each(|stage| stage.adopted = false);
-        self.done[last].adopted = true;
-        Ok(())
+    /// Adds the averaged stage.
+    pub fn add_averaged(&mut self, averaged: &Fit<EffectModel>) -> Result<(), TestError> {
+        self.add(AVERAGED.into(), averaged)
     }
 
-    /// Marks the stage that is handed on: the last one that did not make held-out rows worse than the adopted one before.
-    /// `beyond`: the stages after geometry. Returns its index.
-    pub fn adopt(&mut self, beyond: &[Beyond<'_>]) -> usize {
-        let mut at = 0;
+    /// The last stage that converged.
+    pub fn last(&self) -> usize {
+        self.done.iter().rposition(|stage| stage.converged).unwrap_or(0)
+    }
+
+    /// Marks the stage that is handed on, the last one that converged, and returns its index. Held-out rows choose none: what is worse on
+    /// them than the stage before is marked so.
+    pub fn adopt(&mut self) -> usize {
+        let mut before = 0;
         for stage in 1..self.done.len() {
-            let worse = worse(&self.held_out[at], &self.held_out[stage]);
-            self.done[stage].worse_on_held_out = worse;
-            let index = stage.checked_sub(self.done.len() - beyond.len());
-            let settled = index.is_none_or(|index| beyond[index].fit.settled());
-            if settled && !worse {
-                at = stage;
+            self.done[stage].worse_on_held_out = worse(&self.held_out[before], &self.held_out[stage]);
+            if self.done[stage].converged {
+                before = stage;
             }
         }
-        self.done[at].adopted = true;
-        at
+        let last = self.last();
+        self.done[last].adopted = true;
+        last
     }
 }
 

@@ -159,7 +159,7 @@ impl Averaged {
         drawn.state_into(conditions.reading, 0, Some(&own), &mut averaged);
         geometric.state_into(conditions.reading, 0, None, &mut plain);
         let to_averaged = plain.tip.inverse() * base * averaged.tip * tip;
-        let [of_all, of_geometry] = self.variances(model, conditions, standing, &averaged);
+        let [of_all, of_geometry, of_placement] = self.variances(model, conditions, standing, &averaged);
         let inside =
             self.known.ranges.iter().zip(conditions.reading).all(|((low, high), q)| (*low..=*high).contains(q));
         let to_drawn = (!inside).then(|| {
@@ -167,17 +167,18 @@ impl Averaged {
             drawn.state_into(conditions.reading, 0, None, &mut as_drawn);
             plain.tip.inverse() * self.known.drawn_base * as_drawn.tip * self.known.drawn_tip
         });
-        Robots { to_averaged, to_drawn, own, of_all, of_geometry }
+        Robots { to_averaged, to_drawn, own, of_all, of_geometry, of_placement }
     }
 
-    /// v = trace(Z S Zᵀ)/3 of everything and of geometry alone, Z: how the target moves by each number.
+    /// v = trace(Z S Zᵀ)/3 of everything, of geometry alone, and of the places of instrument and target in that, Z: how the target moves by each
+    /// number.
     fn variances(
         &self,
         model: &Everything,
         conditions: &Conditions<'_>,
         standing: &mut Standing,
         state: &RowState,
-    ) -> [f64; 2] {
+    ) -> [f64; 3] {
         let Known { spread, geometric_spread, instrument, target, tip, of_curves, .. } = &self.known;
         let mut sensitivities = vec![Sensitivity::default(); model.len()];
         model.sensitivities_of(conditions, &self.known.drawn.joints, standing, state, &mut sensitivities);
@@ -202,10 +203,16 @@ impl Averaged {
             let placed = (0..3).map(|k| state.tip.rotation * Vector3::ith(k, 1.0));
             let columns: Vec<Vector3<f64>> = spread.kept.iter().map(number).chain(frame).chain(placed).collect();
             let rows = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);
-            ((&rows * &spread.covariance).component_mul(&rows).sum() / 3.0).max(0.0)
+            let of = |rows: &DMatrix<f64>, covariance: &DMatrix<f64>| {
+                ((rows * covariance).component_mul(rows).sum() / 3.0).max(0.0)
+            };
+            let (first, beside) = (spread.kept.len(), columns.len() - spread.kept.len());
+            let placing = spread.covariance.view((first, first), (beside, beside)).into_owned();
+            [of(&rows, &spread.covariance), of(&rows.columns(first, beside).into_owned(), &placing)]
         };
         let beyond = of_curves * self.beyond_the_waves(conditions, state, &p);
-        [variance(spread) + beyond, variance(geometric_spread)]
+        let [of_geometry, of_placement] = variance(geometric_spread);
+        [variance(spread)[0] + beyond, of_geometry, of_placement]
     }
 
     /// Mean square of how a unit of the curves of joints that read beyond the interval of their waves moves the target: nothing is known there.
@@ -239,6 +246,8 @@ impl Averaged {
         let way = moved(&robots.to_averaged);
         let variance = share * robots.of_all + (1.0 - share) * whole + share * (1.0 - share) * way.norm_squared() / 3.0;
         let Some(to_drawn) = &robots.to_drawn else { return Blend { shares: [share, 0.0], variance } };
+        // The drawing is placed by the same rows: it is no surer of that.
+        let of_drawing = of_drawing + robots.of_placement;
         let drawn = 1.0 / (1.0 + (FAR_MORE.powi(2) * of_drawing / variance).powi(2));
         let apart = (moved(to_drawn) - way * share).norm_squared() / 3.0;
         Blend {
@@ -280,6 +289,8 @@ struct Robots {
     /// v(q) of everything, and of geometry alone, m².
     of_all: f64,
     of_geometry: f64,
+    /// The same of the instrument's and the target's place, whatever robot they are placed by.
+    of_placement: f64,
 }
 
 /// The model with averages in the place of what follows the clock piece by piece.

@@ -10,12 +10,13 @@ pub mod terms;
 
 use self::linearised::{Linearised, linearised};
 use self::sizes::{Sizes, fitted, problem};
-use self::terms::{Family, Terms, terms};
+use self::terms::{Family, Terms, of_model, terms};
 use crate::effects::averaged::{Averaged, Known, Spread};
 use crate::effects::driver::{Conditions, Driver, Statics};
 use crate::effects::everything::Everything;
 use crate::effects::model::{EffectModel, Term};
 use crate::effects::survey::Survey;
+use crate::identify::noise::HeldCurve;
 use crate::identify::residual_statistics::residuals;
 use crate::identify::solve::{Fit, Noise};
 use crate::identify::threads::with_threads;
@@ -24,23 +25,27 @@ use crate::observation::arm::{Arm, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects as _, Freedom, Layout, NoEffects};
 use denavit_linear::gram::Gram;
-use denavit_model::nalgebra::Point3;
-use denavit_model::{Pose, se3};
+use denavit_model::nalgebra::{DMatrix, DVector, Point3};
+use denavit_model::{Chain, Pose, se3};
 use std::sync::Arc;
 
 /// Times that everything is linearised. One harms curved fits: measured on the Motoman's draws of March 2019.
 const PASSES: usize = 3;
+/// The same for a model that is compared with: it begins at the fit.
+const PASSES_OF_NAMED: usize = 1;
 /// Steps of the search for sizes, in the first pass and in those after it.
 const STEPS: [usize; 2] = [40, 15];
 /// Values that sizes are found from, at most: the rows are spread evenly over the run.
 const VALUES_FOR_SIZES: usize = 600;
 /// Values that the posterior is of, at most.
 const VALUES: usize = 12_000;
+/// Rows at which it is asked how unsure the place of the target is.
+const ROWS_ACROSS: usize = 40;
 /// Student's degrees of freedom of the weights of rows.
 const STUDENT: f64 = 4.0;
 
 /// Why there is no averaged prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotAveraged {
     /// Several tips.
     SeveralTips,
@@ -52,6 +57,26 @@ pub enum NotAveraged {
     Numbers,
     /// Effects were not asked for.
     NotAsked,
+    /// The model of the last stage before predicts postures that are left out better: root mean squares, m for each axis.
+    NamedIsBetter {
+        /// Of that model.
+        named: f64,
+        /// Of everything averaged.
+        averaged: f64,
+    },
+}
+
+/// A model with causes and error curves, which averaging has to predict better than.
+#[derive(Debug, Clone, Copy)]
+pub struct Named<'a> {
+    /// Its fit.
+    pub fit: &'a Fit<EffectModel>,
+    /// Its error curves, and what was expected of their waves.
+    pub curves: &'a [HeldCurve<'a>],
+    /// How many of its numbers are of causes that were searched for.
+    pub chosen: usize,
+    /// Among how many candidates.
+    pub candidates: usize,
 }
 
 /// A robot averaged over everything that may act.
@@ -61,8 +86,45 @@ pub struct Averaging {
     pub fit: Fit<EffectModel>,
     /// The sizes.
     pub sizes: Sizes,
-    /// Root mean square of the residual of each posture predicted from all the others, m for each axis: geometry alone, and everything averaged.
+    /// Root mean square of the residual of each posture predicted from all the others, m for each axis: geometry alone, and everything averaged,
+    /// blended with it.
     pub left_out: [f64; 2],
+    /// The same of the model that it predicts better than, what a search gains by chance added.
+    pub named: Option<f64>,
+}
+
+/// A row of measurement as all the others predict it.
+struct LeftOut {
+    /// The row.
+    row: usize,
+    /// Lengths, measured less predicted, m.
+    residual: Vec<f64>,
+    /// Mean variance of the prediction of one of them, m².
+    variance: f64,
+    /// Of the row.
+    weight: f64,
+}
+
+/// Mean square for each axis, m².
+fn mean_square(rows: &[LeftOut]) -> f64 {
+    let sum = |row: &LeftOut| row.weight * row.residual.iter().map(|r| r * r).sum::<f64>();
+    rows.iter().map(sum).sum::<f64>() / values(rows)
+}
+
+/// How many lengths there are.
+fn values(rows: &[LeftOut]) -> f64 {
+    rows.iter().map(|row| row.residual.len()).sum::<usize>() as f64
+}
+
+/// The same rows predicted by the blend of both. `across`: how many times their variance that of the target's place is.
+fn blended(geometric: &[LeftOut], averaged: &[LeftOut], across: f64) -> Vec<LeftOut> {
+    let of_geometry = mean_square(geometric);
+    let blend = |(geometric, averaged): (&LeftOut, &LeftOut)| {
+        let share = of_geometry / (of_geometry + across * averaged.variance);
+        let both = geometric.residual.iter().zip(&averaged.residual);
+        LeftOut { residual: both.map(|(g, a)| g + share * (a - g)).collect(), ..*averaged }
+    };
+    geometric.iter().zip(averaged).map(blend).collect()
 }
 
 /// What all passes share.
@@ -84,16 +146,17 @@ struct At {
     sizes: Sizes,
 }
 
-/// Averages over everything that may act in these rows. `named`: terms of causes that the rows name.
+/// Averages over everything that may act in these rows. `causes`: terms of those that the rows name; `named`: the model that is to be
+/// predicted better than.
 ///
 /// # Errors
-/// What it cannot do; the fit of geometry stays what is best then.
+/// What it cannot do, or does worse; the stage before stays what is best then.
 pub fn averaged(
     statics: &Statics,
     data: &Measurements,
     identification: &Identification,
     options: &IdentifyOptions,
-    named: &[Term],
+    (causes, named): (&[Term], Option<Named<'_>>),
 ) -> Result<Averaging, NotAveraged> {
     let geometric = &identification.geometric;
     if statics.tips.several() {
@@ -106,25 +169,45 @@ pub fn averaged(
     if survey.moving().next().is_none() || !data.scene.channels.iter().any(|channel| channel.unit == "m") {
         return Err(NotAveraged::NothingMoves);
     }
-    let named: Vec<(Term, f64)> = named.iter().filter_map(|term| in_own_units(term, statics, data)).collect();
-    let terms = terms(&survey, &options.tolerances, &named);
-    let chain = &geometric.arm.nominal;
-    let freedom = Freedom::placement(chain.joints().len());
-    let layout = Layout::new(chain, &data.scene, &freedom, &options.tolerances, terms.model.parameters());
+    let causes: Vec<(Term, f64)> = causes.iter().filter_map(|term| in_own_units(term, statics, data)).collect();
+    let terms = terms(&survey, &options.tolerances, &causes);
     let spread = |values: usize| {
         let rows = data.len().min((values * data.len()).div_ceil(data.values().max(1)));
         data.evenly_spread(rows)
     };
-    let averager = Averager {
+    let averager = |terms| Averager {
         data,
-        terms: &terms,
-        layout,
+        terms,
+        layout: placing(&geometric.arm.nominal, data, options, terms),
         observed: &geometric.weights,
         weights: student(data, geometric),
         some: spread(VALUES_FOR_SIZES),
         all: spread(VALUES),
     };
-    with_threads(|| averager.run(statics, &identification.nominal.arm, geometric)).ok_or(NotAveraged::Numbers)
+    let of_named = named.map(|named| {
+        (
+            named,
+            of_model(&survey, &options.tolerances, (&named.fit.effects, named.curves), |term| {
+                in_own_units(term, statics, data).map_or(0.0, |(_, scale)| scale)
+            }),
+        )
+    });
+    with_threads(|| {
+        let (found, plain) = averager(&terms).run(statics, &identification.nominal.arm, geometric)?;
+        let better = of_named.as_ref().and_then(|(named, terms)| averager(terms).named(named, &plain));
+        Some(Averaging { named: better, ..found })
+    })
+    .ok_or(NotAveraged::Numbers)
+    .and_then(|found| match (found.named, found.left_out[1]) {
+        (Some(named), averaged) if named < averaged => Err(NotAveraged::NamedIsBetter { named, averaged }),
+        _ => Ok(found),
+    })
+}
+
+/// The layout of what these terms and the place of instruments and targets leave free.
+fn placing(chain: &Chain, data: &Measurements, options: &IdentifyOptions, terms: &Terms) -> Layout {
+    let freedom = Freedom::placement(chain.joints().len());
+    Layout::new(chain, &data.scene, &freedom, &options.tolerances, terms.model.parameters())
 }
 
 /// A term with 1 over the root mean square of its driver in the data; none where it drives nothing.
@@ -170,11 +253,36 @@ impl Averager<'_> {
         let some = self.linearised(&self.some, at);
         let sizes = fitted(&some, self.data, self.terms, &at.sizes, (STEPS[usize::from(pass > 0)], pass == 0));
         let own = if rows == self.some { some } else { self.linearised(rows, at) };
-        let (problem, chosen) = problem(&own, self.terms, &sizes);
-        let mut mean = vec![0.0; own.columns.ncols()];
+        self.at_mean(at, sizes, &own)
+    }
+
+    /// Everything at its posterior mean, by these rows.
+    fn at_mean(&self, at: &At, sizes: Sizes, rows: &Linearised) -> Option<At> {
+        let (problem, chosen) = problem(rows, self.terms, &sizes);
+        let mut mean = vec![0.0; rows.columns.ncols()];
         let found = problem.gram()?.mean();
         chosen.iter().zip(found.iter()).for_each(|(&column, number)| mean[column] = *number);
         Some(self.stepped(at, sizes, &mean))
+    }
+
+    /// Root mean square, m for each axis, of what postures are off by that this model of all the others predicts, with what a search among
+    /// so many candidates gains by chance (risk inflation: 2 ln p σ² a number, Foster, George 1994). `plain`: geometry alone.
+    fn named(&self, named: &Named<'_>, plain: &At) -> Option<f64> {
+        let mut numbers = self.terms.model.numbers();
+        let geometry = self.terms.families.iter().take_while(|family| family.is_of_geometry()).count();
+        numbers[..geometry].copy_from_slice(&plain.model.numbers()[..geometry]);
+        let step: Vec<f64> = numbers.iter().zip(self.terms.model.numbers()).map(|(to, from)| to - from).collect();
+        let noise = &named.fit.noise.levels;
+        let mut at =
+            At { arm: plain.arm.clone(), model: self.terms.model.stepped(&step), sizes: Sizes::of_model(noise) };
+        for _ in 0..PASSES_OF_NAMED {
+            at = self.at_mean(&at, at.sizes.clone(), &self.linearised(&self.some, &at))?;
+        }
+        let left = self.left_out(&at)?.1;
+        let channels = self.data.scene.channels.iter().zip(noise).filter(|(channel, _)| channel.unit == "m");
+        let noise = channels.map(|(_, level)| level * level).fold(0.0, f64::max);
+        let chance = 2.0 * (named.candidates.max(1) as f64).ln() * named.chosen as f64 * noise / values(&left);
+        Some((mean_square(&left) + chance).sqrt())
     }
 
     fn stepped(&self, at: &At, sizes: Sizes, mean: &[f64]) -> At {
@@ -185,9 +293,10 @@ impl Averager<'_> {
         At { arm, model: at.model.stepped(&step[..numbers.len()]), sizes }
     }
 
-    fn run(&self, statics: &Statics, nominal: &Arm, geometric: &Fit<NoEffects>) -> Option<Averaging> {
+    /// The averaged prediction, and where geometry alone comes to stand.
+    fn run(&self, statics: &Statics, nominal: &Arm, geometric: &Fit<NoEffects>) -> Option<(Averaging, At)> {
         let noise = &geometric.noise.levels;
-        let of_geometry = |family: Family| matches!(family, Family::Geometry | Family::Zero);
+        let of_geometry = Family::is_of_geometry;
         let start = |used: &dyn Fn(Family) -> bool, as_tolerated| Sizes::start(noise, self.terms, used, as_tolerated);
         // Instruments and targets stand where the fit of the geometry has found them: from the drawing's the way may be half a metre.
         let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
@@ -197,13 +306,17 @@ impl Averager<'_> {
         }
         let (of_plain, of_geometry) = self.left_out(&plain)?;
         let all = start(&|_| true, false);
-        let mut at = At { sizes: all, ..plain };
+        let mut at = At { sizes: all, ..plain.clone() };
         for pass in 0..PASSES {
             let rows = if pass + 1 < PASSES { &self.some } else { &self.all };
             at = self.pass(&at, pass, rows)?;
         }
         let (spread, left_out) = self.left_out(&at)?;
-        Some(self.result(statics, (nominal, geometric), &at, [spread, of_plain], [of_geometry, left_out]))
+        let v_g = mean_square(&of_geometry);
+        let found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);
+        let averaged = found.fit.effects.averaged.as_ref()?;
+        let left_out = blended(&of_geometry, &left_out, self.across(averaged, &left_out, v_g)?);
+        Some((Averaging { left_out: [v_g, mean_square(&left_out)].map(f64::sqrt), ..found }, plain))
     }
 
     /// The covariance of all numbers that have a prior worth the name, of the instrument's frame and of the target's place.
@@ -216,22 +329,43 @@ impl Averager<'_> {
         Spread { covariance: gram.posterior().marginal(&chosen).covariance, kept: columns[..numbers].to_vec() }
     }
 
-    /// The model about where it stands, and the root mean square of what each posture is off by that all the others predict, m for each axis.
-    fn left_out(&self, at: &At) -> Option<(Spread, f64)> {
+    /// How many times as unsure the place of the target is as what is read of it, in the median: a distance says nothing of what lies across it.
+    fn across(&self, averaged: &Averaged, rows: &[LeftOut], v_g: f64) -> Option<f64> {
+        if self.data.scene.series.iter().all(|series| series.kind.place().height == 3) {
+            return Some(1.0);
+        }
+        let ratio = |left: &LeftOut| {
+            let share = averaged.blend(&Conditions::of(Row::new(self.data, left.row))).shares[0];
+            v_g * (1.0 / share - 1.0) / left.variance
+        };
+        let mut ratios: Vec<f64> = rows.iter().step_by(rows.len().div_ceil(ROWS_ACROSS).max(1)).map(ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios.get(ratios.len() / 2).copied().filter(|ratio| ratio.is_finite())
+    }
+
+    /// How unsure the model is about where it stands, and each row that measures lengths as all the others predict it.
+    fn left_out(&self, at: &At) -> Option<(Spread, Vec<LeftOut>)> {
         let own = self.linearised(&self.all, at);
         let (problem, columns) = problem(&own, self.terms, &at.sizes);
+        let noise: Vec<DVector<f64>> = problem.noise.iter().map(DMatrix::diagonal).collect();
         let gram = problem.gram()?;
-        let (mut sum, mut count) = (0.0, 0.0);
+        let mut rows = Vec::new();
         for (index, left) in gram.leave_out()?.iter().enumerate() {
-            for (k, value) in own.rows[index].clone().enumerate() {
-                let channel = own.channels[value].map(|channel| &self.data.scene.channels[channel]);
-                if channel.is_some_and(|channel| channel.unit == "m") {
-                    sum += own.weights[index] * left.residual[k].powi(2);
-                    count += 1.0;
-                }
+            let of_lengths =
+                |value: usize| own.channels[value].is_some_and(|channel| self.data.scene.channels[channel].unit == "m");
+            let lengths: Vec<usize> =
+                own.rows[index].clone().enumerate().filter(|(_, value)| of_lengths(*value)).map(|(k, _)| k).collect();
+            if let Some(row) = own.sources[index].filter(|_| !lengths.is_empty()) {
+                let of_prediction = |&k: &usize| (left.covariance[(k, k)] - noise[index][k]).max(0.0);
+                rows.push(LeftOut {
+                    row,
+                    residual: lengths.iter().map(|&k| left.residual[k]).collect(),
+                    variance: lengths.iter().map(of_prediction).sum::<f64>() / lengths.len() as f64,
+                    weight: own.weights[index],
+                });
             }
         }
-        Some((self.spread(&gram, &columns), (sum / count).sqrt()))
+        Some((self.spread(&gram, &columns), rows))
     }
 
     fn result(
@@ -240,7 +374,7 @@ impl Averager<'_> {
         (nominal, geometric): (&Arm, &Fit<NoEffects>),
         at: &At,
         [spread, geometric_spread]: [Spread; 2],
-        left_out: [f64; 2],
+        of_geometry: f64,
     ) -> Averaging {
         let has_instrument = self.layout.instruments.first().is_some_and(Option::is_some);
         let instrument = at.arm.instruments.first().copied().filter(|_| has_instrument);
@@ -284,7 +418,7 @@ impl Averager<'_> {
             drawn_tip,
             of_drawing: self.of_drawing(nominal),
             of_curves: at.sizes.of_curves(),
-            of_geometry: left_out[0].powi(2),
+            of_geometry,
             noise: noise.iter().sum::<f64>() / noise.len().max(1) as f64,
             ranges: ranges(self.data),
         };
@@ -306,7 +440,7 @@ impl Averager<'_> {
             converged: true,
             unfinished: None,
         };
-        Averaging { fit, sizes: at.sizes.clone(), left_out }
+        Averaging { fit, sizes: at.sizes.clone(), left_out: [of_geometry.sqrt(); 2], named: None }
     }
 }
 

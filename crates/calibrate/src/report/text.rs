@@ -5,6 +5,7 @@ use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{CalibrationReport, Held, Stage, TipEntry};
 use crate::effects::driver::RUN_ORDER;
+use crate::identify::averaging::NotAveraged;
 use crate::identify::residual_statistics::{Errors, LengthFound};
 use crate::identify::solve::{DEGREES_FOR_NOISE, Fit, Noise};
 use crate::observation::kinds::Part;
@@ -241,9 +242,17 @@ pub fn calibration(result: &Calibration) -> String {
     }
     text.push_str(&tips(report, &result.train.scene));
     text.push_str(&in_pixels(report, &result.train.scene));
-    text.push_str(&trust::not_adopted(report));
+    text.push_str(&trust::doubtful_stages(report));
     if let Some(expected) = &report.prediction {
         text.push_str(&expected.in_words());
+    }
+    if let Err(NotAveraged::NamedIsBetter { named, averaged }) = &result.averaging {
+        let _ = writeln!(
+            text,
+            "not averaged: each posture left out, this model is off by {:.4} mm per component, everything averaged by {:.4} mm",
+            named * 1e3,
+            averaged * 1e3
+        );
     }
     text.push('\n');
     match &result.trace {

@@ -190,22 +190,16 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
     text
 }
 
-/// Stages that are not the calibrated robot although they were fitted, and why.
-pub(super) fn not_adopted(report: &CalibrationReport) -> String {
+/// What held-out rows say against the stage that was adopted, and stages that did not converge.
+pub(super) fn doubtful_stages(report: &CalibrationReport) -> String {
     let mut text = String::new();
-    let adopted = report.stages.iter().position(|stage| stage.adopted).unwrap_or(0);
-    for stage in report.stages.iter().skip(adopted) {
+    for (before, stage) in report.stages.iter().zip(report.stages.iter().skip(1)) {
         if stage.worse_on_held_out && stage.adopted {
             let _ = writeln!(
                 text,
-                "\"{}\" makes the held-out rows worse, by more than chance; it stays the result, because held-out rows choose no stage",
-                stage.name
-            );
-        } else if stage.worse_on_held_out {
-            let _ = writeln!(
-                text,
-                "not adopted: \"{}\" makes the held-out rows worse, by more than chance; the result is the stage before",
-                stage.name
+                "\"{}\" makes the held-out rows worse than \"{}\", by more than chance; it stays the result, because held-out rows judge and \
+                 choose no stage: fit some rows like them, too",
+                stage.name, before.name
             );
         } else if !stage.converged {
             let _ = writeln!(text, "\"{}\" did not converge: do not use its errors", stage.name);

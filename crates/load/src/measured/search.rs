@@ -20,7 +20,7 @@ pub struct SearchAsked {
     pub pitches: Vec<String>,
     /// Joints whose zeros are fitted in place of every axis: names, or `all`.
     pub zeros: Vec<String>,
-    /// `none`, `curves`, `auto`, `averaged` (as `auto`, and predict by averaging), or kinds of effects.
+    /// `none`, `curves`, `auto` (all kinds, and predict by averaging), or kinds of effects.
     pub effects: Vec<String>,
     /// No more effects than this.
     pub max_effects: usize,
@@ -62,7 +62,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
     let effects: &[String] = if asked.zeros.is_empty() { &asked.effects } else { &["none".to_owned()] };
     let trace = match effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["none" | "curves"] => None,
-        ["auto" | "averaged"] => Some(Vec::new()),
+        ["auto"] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, _>>()?),
     };
     let gear_ratios = gear_ratios(&asked.gear_ratios, chain)?;
@@ -73,7 +73,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         ..TraceOptions::new(identify.clone())
     });
     let curves = (effects == ["curves"]).then(CurveOptions::default);
-    let (hold_out, average) = (asked.hold_out, effects == ["averaged"]);
+    let (hold_out, average) = (asked.hold_out, effects == ["auto"]);
     let other_chains = Vec::new();
     Ok(CalibrateOptions { identify, hold_out, trace, curves, average, noise: true, other_chains })
 }
@@ -142,7 +142,7 @@ fn kind(word: &str) -> Result<Kind, MeasuredError> {
     Kind::named(word).ok_or_else(|| {
         let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
         MeasuredError::Option(format!(
-            "‹effects›: \"{word}\" is no kind of effect; write none, curves, auto, averaged, or of {}",
+            "‹effects›: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
             names.join(", ")
         ))
     })

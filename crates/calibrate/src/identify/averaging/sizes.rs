@@ -89,6 +89,19 @@ impl Sizes {
         }
     }
 
+    /// Those of a model whose terms have the sizes themselves, as have tolerances: nothing is fitted. `noise`: by channel.
+    pub fn of_model(noise: &[f64]) -> Self {
+        let levels: Vec<f64> = noise.iter().map(|level| level.clamp(NOISE.0, NOISE.1).ln()).collect();
+        Self {
+            noise: levels.clone(),
+            joints: f64::NEG_INFINITY,
+            length: LENGTH.0,
+            families: [Family::Geometry, Family::Zero, Family::Named].map(|family| (family, 0.0)).to_vec(),
+            as_tolerated: true,
+            levels,
+        }
+    }
+
     fn of(&self, family: Family) -> Option<f64> {
         self.families.iter().find(|(known, _)| *known == family).map(|(_, size)| *size)
     }

@@ -12,6 +12,7 @@ use crate::effects::driver::{
 use crate::effects::everything::Everything;
 use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::effects::survey::Survey;
+use crate::identify::noise::HeldCurve;
 use crate::observation::measurements::RecordedRow;
 use crate::observation::parameters::Tolerances;
 use std::f64::consts::PI;
@@ -61,6 +62,13 @@ pub enum Family {
     Named,
 }
 
+impl Family {
+    /// Whether it is of links and zeros.
+    pub fn is_of_geometry(self) -> bool {
+        matches!(self, Self::Geometry | Self::Zero)
+    }
+}
+
 /// Waves are no faster than this, rad per rad or per m: what a joint's resolution shows even in few rows.
 const FASTEST: f64 = 40.0;
 /// Waves of a joint, at most.
@@ -73,6 +81,8 @@ const POSTURES: usize = 48;
 const SIDE: f64 = 0.02;
 /// Straight pieces of a drift.
 const PIECES: usize = 4;
+/// Prior deviation of what a cause does, root mean square over the rows, where nothing is expected of it: ten tolerances of geometry, rad or m.
+const ANY_SIZE: f64 = 1e-2;
 /// A change of temperature that is usual, K.
 const WARM: f64 = 10.0;
 
@@ -172,6 +182,37 @@ pub fn terms(survey: &Survey, tolerances: &Tolerances, named: &[(Term, f64)]) ->
     }
     let joints = moving.iter().map(|&joint| zeros[joint]).collect();
     Terms { model: Everything(model), families, scales, frequencies, joints }
+}
+
+/// Geometry with the causes and error curves of a model, each number with its prior deviation: of a cause [`ANY_SIZE`] times `scale` of its
+/// term. The numbers stand where the model has them.
+pub fn of_model(
+    survey: &Survey,
+    tolerances: &Tolerances,
+    (model, curves): (&EffectModel, &[HeldCurve<'_>]),
+    scale: impl Fn(&Term) -> f64,
+) -> Terms {
+    let statics = &survey.statics;
+    let mut b = Builder { survey, statics, terms: Vec::new(), families: Vec::new(), scales: Vec::new() };
+    let n = statics.chain.joints().len();
+    let zeros = geometry(&mut b, n, tolerances);
+    let first = b.terms.len();
+    for effect in &model.effects {
+        b.each_of(&effect.term, ANY_SIZE * scale(&effect.term));
+    }
+    let mut own = EffectModel::of_terms(statics, None, &b.terms);
+    let Builder { mut families, mut scales, .. } = b;
+    for (own, effect) in own.effects[first..].iter_mut().zip(&model.effects) {
+        own.coefficients.clone_from(&effect.coefficients);
+    }
+    for HeldCurve { curve, variances } in curves {
+        scales.extend(variances.iter().map(|variance| variance.sqrt()));
+        families.resize(scales.len(), Family::Named);
+        own.curves.push((*curve).clone());
+    }
+    let frequencies = vec![0.0; families.len()];
+    let joints = survey.moving().map(|joint| zeros[joint]).collect();
+    Terms { model: Everything(own), families, scales, frequencies, joints }
 }
 
 impl Builder<'_> {
