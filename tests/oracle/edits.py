@@ -96,7 +96,7 @@ class Case:
 
 
 class Description:
-    """A URDF's text as XML: names and what hangs on what."""
+    """A URDF's text as XML: names, and which link carries which."""
 
     def __init__(self, path):
         self.root = etree.parse(str(path), etree.XMLParser(remove_comments=True, huge_tree=True)).getroot()
@@ -621,7 +621,7 @@ def base_moved(robot, case):
 
 
 def encloses(before, after, places, folder):
-    """Every corner of a mesh that collided is inside of what stands in its place. How many meshes."""
+    """Every corner of a mesh that collided is inside of what replaces it. How many meshes."""
     meshes = 0
     for link in before.root.findall("link"):
         new = next(it for it in after.root.findall("link") if it.get("name") == link.get("name"))

@@ -1,4 +1,4 @@
-"""Edits held against readers that are not ours: every operation on a slice of the files that `edits.py` takes whole.
+"""Edits compared by readers that are not ours: every operation on a slice of the files that `edits.py` takes whole.
 
 What is refused has a reason; what is done is right by yourdfpy, pinocchio and MuJoCo, and comes back by `denavit diff`.
 """

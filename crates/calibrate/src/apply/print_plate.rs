@@ -101,7 +101,7 @@ impl PrintPlate {
         Vector3::new(place(across) + cut, place(up) + cut, 0.0)
     }
 
-    /// The edge of so many cells by so many, counter-clockwise from above, from its lower left corner.
+    /// The edge of a block of cells (columns, rows), counter-clockwise from above, from its lower left corner.
     fn edge(&self, [left, low]: [usize; 2], [columns, rows]: [usize; 2]) -> Vec<Vector3<f64>> {
         let [width, height] = [columns * PIECES, rows * PIECES];
         let [x, y] = [left * PIECES, low * PIECES];

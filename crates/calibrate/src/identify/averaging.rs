@@ -266,7 +266,7 @@ impl Averager<'_> {
     }
 
     /// Root mean square, m for each axis, of what postures are off by that this model of all the others predicts, with what a search among
-    /// so many candidates gains by chance (risk inflation: 2 ln p σ² a number, Foster, George 1994). `plain`: geometry alone.
+    /// this many candidates gains by chance (risk inflation: 2 ln p σ² a number, Foster, George 1994). `plain`: geometry alone.
     fn named(&self, named: &Named<'_>, plain: &At) -> Option<f64> {
         let mut numbers = self.terms.model.numbers();
         let geometry = self.terms.families.iter().take_while(|family| family.is_of_geometry()).count();

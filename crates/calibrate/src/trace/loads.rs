@@ -33,7 +33,7 @@ const MOST_RUNS: usize = 12;
 const HEAVIEST: f64 = 50.0;
 /// Masses that the search tries for each run before it refines the best.
 const TRIED: usize = 50;
-/// Rounds over all runs, at most; what a round must gain to go on, in chi squared.
+/// Rounds over all runs, at most; what a round must gain for another one, in chi squared.
 const ROUNDS: usize = 40;
 const GAINED: f64 = 1e-6;
 /// Chance of so much in runs that carry alike.

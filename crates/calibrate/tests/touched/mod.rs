@@ -29,7 +29,7 @@ pub struct Run {
 }
 
 impl Touching<'_> {
-    /// Rows of so many placements.
+    /// Rows of this number of placements.
     pub fn run(&self, placements: usize, seed: u64) -> Run {
         let options =
             SimulationOptions { rows: 1, seed, turn: self.axes[0], shift: self.axes[1], ..Default::default() };
