@@ -284,7 +284,7 @@ fn operation(line: Vec<String>, robot: &denavit_model::Robot, file: &str) -> PyR
             }
             let selection = Selection { file: &name, reading: Reading::AsWritten, ..Selection::default() };
             let chain = opened.chain(&selection).map_err(|error| load(&error))?.value;
-            words.actual = Some(Actual { chain, frames: denavit_edit::Frames::Own });
+            words.actual = Some(Actual::Chain { chain: Box::new(chain), frames: denavit_edit::Frames::Own });
         }
     }
     Operation::of(&words).map_err(wrong)

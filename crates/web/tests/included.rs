@@ -1,5 +1,7 @@
 //! Models whose files include others, as a page asks about them: first with the files beside, then as it keeps the robot.
 
+#![allow(clippy::unwrap_used, reason = "a panic is a failure")]
+
 use serde_json::{Value, json};
 
 const ARM: &str = r#"<mujoco model="arm"><compiler angle="degree"/><include file="parts/defaults.xml"/><worldbody>
