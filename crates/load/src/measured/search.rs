@@ -62,7 +62,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
     let effects: &[String] = if asked.zeros.is_empty() { &asked.effects } else { &["none".to_owned()] };
     let trace = match effects.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["none" | "curves"] => None,
-        ["auto"] => Some(Vec::new()),
+        ["auto" | AVERAGED] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, _>>()?),
     };
     let gear_ratios = gear_ratios(&asked.gear_ratios, chain)?;
@@ -73,7 +73,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         ..TraceOptions::new(identify.clone())
     });
     let curves = (effects == ["curves"]).then(CurveOptions::default);
-    let (hold_out, average) = (asked.hold_out, effects == ["auto"]);
+    let (hold_out, average) = (asked.hold_out, effects == ["auto"] || effects == [AVERAGED]);
     let other_chains = Vec::new();
     Ok(CalibrateOptions { identify, hold_out, trace, curves, average, noise: true, other_chains })
 }
@@ -137,6 +137,9 @@ pub fn other_chains(loaded: &Loaded, chain: &Chain, data: &Measurements) -> Vec<
     }
     others
 }
+
+/// What `auto` was called where it averaged: still understood.
+const AVERAGED: &str = "averaged";
 
 fn kind(word: &str) -> Result<Kind, MeasuredError> {
     Kind::named(word).ok_or_else(|| {
