@@ -5,7 +5,7 @@ use crate::support::{denavit, robot};
 use denavit_model::nalgebra::{Quaternion, UnitQuaternion};
 
 /// The files of a calibration with an effect in the data: their folder, and the report.
-fn calibrated(effect: &str, columns: &str) -> (Folder, serde_json::Value) {
+fn calibrated(effect: &str, columns: &str, kinds: &str) -> (Folder, serde_json::Value) {
     let (folder, ur5e) = (Folder::new(), ur5e());
     let (train, test) = (folder.path("train.csv"), folder.path("test.csv"));
     let simulate = [
@@ -46,6 +46,8 @@ fn calibrated(effect: &str, columns: &str) -> (Folder, serde_json::Value) {
         &yaml,
         "--effects-out",
         &effects,
+        "--effects",
+        kinds,
     ];
     let run = denavit(&calibrate);
     assert_eq!(run.stderr, "", "nothing but results where no terminal is");
@@ -57,7 +59,7 @@ fn calibrated(effect: &str, columns: &str) -> (Folder, serde_json::Value) {
 
 #[test]
 fn the_loop_closes_from_simulation_to_commands() {
-    let (folder, report) = calibrated("joint_compliance@elbow_joint=0.4mm", "time,payload");
+    let (folder, report) = calibrated("joint_compliance@elbow_joint=0.4mm", "time,payload", "auto");
     assert_eq!(report["schema"], "denavit.calibration/2");
     assert_eq!(report["effects"][0]["kind"], "joint_compliance");
     assert_eq!(report["effects"][0]["joint"], "elbow_joint");
@@ -126,7 +128,9 @@ fn turned_as_measured(error: &str, within: f64) {
     let simulate =
         ["simulate", &ur5e, "-o", &data, "--effect", "joint_compliance@elbow_joint=0.3mm", "--effect", effect];
     denavit(&[&simulate[..], &rows].concat()).succeeded();
-    let calibrate = ["calibrate", &ur5e, "--data", &data, "--urdf", &urdf, "--effects-out", &effects];
+    let kinds = "joint_compliance,axis_wobble";
+    let calibrate =
+        ["calibrate", &ur5e, "--data", &data, "--urdf", &urdf, "--effects-out", &effects, "--effects", kinds];
     denavit(&calibrate).succeeded();
     let text = std::fs::read_to_string(&data).unwrap();
     let mut turns: Vec<[UnitQuaternion<f64>; 2]> = Vec::new();
@@ -173,8 +177,23 @@ fn four_joints_reach_places_and_leave_directions() {
 }
 
 #[test]
+fn an_averaged_prediction_says_what_it_takes_at_its_average() {
+    let (folder, report) = calibrated("thermal@elbow_joint=0.4mm", "temperature", "auto");
+    assert_eq!(report["adopted"], "averaged");
+    let (effects, ur5e) = (folder.path("effects.json"), ur5e());
+    let told = denavit(&["fk", &ur5e, "--effects", &effects]);
+    assert!(
+        told.stderr.contains("the average of the fitted rows for \"temperature\"; --given states a value"),
+        "{}",
+        told.stderr
+    );
+    let at = |given: &str| tip(&[&ur5e, "--effects", &effects, "--given", given]);
+    assert!(apart(&at("temperature=20"), &at("temperature=28")) > 1e-5);
+}
+
+#[test]
 fn effects_are_used_again_and_ask_for_what_they_follow() {
-    let (folder, report) = calibrated("thermal@elbow_joint=0.4mm", "temperature");
+    let (folder, report) = calibrated("thermal@elbow_joint=0.4mm", "temperature", "thermal");
     assert_eq!(
         (&report["effects"][0]["kind"], &report["effects"][0]["joint"]),
         (&"thermal".into(), &"elbow_joint".into())

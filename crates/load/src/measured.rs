@@ -16,7 +16,7 @@ pub use content::Content;
 pub use origin::{HashedFile, prior_read};
 pub use rows::{DataFile, Rows, RowsAsked, rows};
 pub use search::{SearchAsked, earlier, freedom, other_chains, search};
-pub use tip::{all_known, with_given, without_part_in_the_tip};
+pub use tip::{all_known, taken_at_averages, with_given, without_part_in_the_tip};
 pub use within::{corners, moving};
 
 use denavit_calibrate::identify::posterior::EarlierError;

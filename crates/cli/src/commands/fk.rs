@@ -14,7 +14,7 @@ use denavit_calibrate::effects::driver::{Conditions, Statics};
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
 #[cfg(feature = "calibrate")]
-use denavit_load::measured::{with_given, without_part_in_the_tip};
+use denavit_load::measured::{taken_at_averages, with_given, without_part_in_the_tip};
 #[cfg(feature = "calibrate")]
 use denavit_model::Pose;
 use denavit_model::chain::{Chain, Coordinate, Quantity};
@@ -109,7 +109,9 @@ fn with_effects(
     q: &[f64],
 ) -> Result<Pose, Failure> {
     let effects = measured::effects(Some(file), statics)?;
-    let (model, recorded) = with_given(file, &effects, &measured::given(given)?)?;
+    let given = measured::given(given)?;
+    let (model, recorded) = with_given(file, &effects, &given)?;
+    taken_at_averages(file, &effects, &given).iter().for_each(output::mention);
     measured::mention(&without_part_in_the_tip(file, &effects));
     Ok(model.fk(chain, &Conditions { reading: q, recorded: recorded.row(0), tip: 0 }))
 }

@@ -1,6 +1,7 @@
 //! Effects and where the tip is: what they follow is bound to what is known, and which have no part in it.
 
 use super::MeasuredError;
+use denavit_calibrate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, WARMTH, WOUND_UP};
 use denavit_calibrate::effects::{EffectModel, SavedEffects, recorded};
 use denavit_calibrate::observation::measurements::covariates::PAYLOAD;
 use denavit_calibrate::observation::measurements::{Covariate, Covariates};
@@ -60,4 +61,23 @@ pub fn without_part_in_the_tip(file: &str, effects: &SavedEffects) -> Vec<String
         format!("{file}: {kind} at {place} changes what is measured, not where the tip is; left out")
     };
     without.map(sentence).collect()
+}
+
+/// What an averaged prediction follows, a run's file records and nobody gives: it is taken at its average over the fitted rows, which is
+/// said.
+pub fn taken_at_averages(file: &str, effects: &SavedEffects, given: &[(String, f64)]) -> Option<String> {
+    let of_rows = |name: &String| {
+        name == RUN_ORDER || [APPROACH_FROM_ROWS, WOUND_UP, WARMTH].iter().any(|word| name.contains(word))
+    };
+    let mut names = effects.may_follow();
+    names.retain(|name| !of_rows(name) && recorded::given(given, name).is_none());
+    names.sort();
+    names.dedup();
+    let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{file}: the prediction takes the average of the fitted rows for {}; ‹given› states a value",
+            names.join(", ")
+        )
+    })
 }
