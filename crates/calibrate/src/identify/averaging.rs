@@ -41,6 +41,8 @@ const VALUES_FOR_SIZES: usize = 600;
 const VALUES: usize = 12_000;
 /// Rows at which it is asked how unsure the place of the target is.
 const ROWS_ACROSS: usize = 40;
+/// Fewer rejected values than this are outliers, as in the search for causes.
+const EXPLAINED_REJECTED: usize = 4;
 /// Student's degrees of freedom of the weights of rows.
 const STUDENT: f64 = 4.0;
 
@@ -57,6 +59,11 @@ pub enum NotAveraged {
     Numbers,
     /// Effects were not asked for.
     NotAsked,
+    /// The model of the last stage before explains values that geometry rejects, without which everything would be averaged.
+    NamedExplainsRejected {
+        /// How many.
+        values: usize,
+    },
     /// The model of the last stage before predicts postures that are left out better: root mean squares, m for each axis.
     NamedIsBetter {
         /// Of that model.
@@ -168,6 +175,13 @@ pub fn averaged(
     let survey = Survey::of(statics, data, Vec::new());
     if survey.moving().next().is_none() || !data.scene.channels.iter().any(|channel| channel.unit == "m") {
         return Err(NotAveraged::NothingMoves);
+    }
+    let explained = named.map_or(0, |named| {
+        let kept = named.fit.weights.iter().zip(&geometric.weights);
+        kept.filter(|(by_named, by_geometry)| **by_named > 0.0 && **by_geometry == 0.0).count()
+    });
+    if explained >= EXPLAINED_REJECTED {
+        return Err(NotAveraged::NamedExplainsRejected { values: explained });
     }
     let causes: Vec<(Term, f64)> = causes.iter().filter_map(|term| in_own_units(term, statics, data)).collect();
     let terms = terms(&survey, &options.tolerances, &causes);

@@ -195,6 +195,22 @@ fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
     }
 }
 
+/// Why the last stage with causes is the result where everything averaged could be.
+fn not_averaged(result: &Calibration) -> String {
+    match &result.averaging {
+        Err(NotAveraged::NamedExplainsRejected { values }) => format!(
+            "not averaged: this model explains {values} values that geometry alone rejects as gross errors, and without which all would be \
+             averaged\n"
+        ),
+        Err(NotAveraged::NamedIsBetter { named, averaged }) => format!(
+            "not averaged: each posture left out, this model is off by {:.4} mm per component, everything averaged by {:.4} mm\n",
+            named * 1e3,
+            averaged * 1e3
+        ),
+        _ => String::new(),
+    }
+}
+
 /// The whole calibration for a terminal.
 pub fn calibration(result: &Calibration) -> String {
     let report = &result.report;
@@ -246,14 +262,7 @@ pub fn calibration(result: &Calibration) -> String {
     if let Some(expected) = &report.prediction {
         text.push_str(&expected.in_words());
     }
-    if let Err(NotAveraged::NamedIsBetter { named, averaged }) = &result.averaging {
-        let _ = writeln!(
-            text,
-            "not averaged: each posture left out, this model is off by {:.4} mm per component, everything averaged by {:.4} mm",
-            named * 1e3,
-            averaged * 1e3
-        );
-    }
+    text.push_str(&not_averaged(result));
     text.push('\n');
     match &result.trace {
         Some(trace) if matches!(report.adopted, Adopted::Effects | Adopted::Averaged) || trace.findings.is_empty() => {
