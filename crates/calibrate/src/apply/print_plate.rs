@@ -3,6 +3,8 @@
 //! Every hole is a cone of 90°, so that a ball or a point sits in its middle. A corner cut off marks hole A1.
 
 use crate::observation::plate::Plate;
+use denavit_export::numbers::decimal;
+use denavit_model::hull::Triangle;
 use denavit_model::nalgebra::{Vector2, Vector3};
 use std::fmt::Write as _;
 use thiserror::Error;
@@ -38,8 +40,6 @@ pub struct PrintPlate {
     plate: Plate,
     ball: f64,
 }
-
-type Triangle = [Vector3<f64>; 3];
 
 impl PrintPlate {
     /// A plate for a ball of this diameter, m.
@@ -148,7 +148,7 @@ impl PrintPlate {
         let [width, height] = self.size().map(|size| size * 1e3);
         let pitch = self.plate.pitch * 1e3;
         let place = |at: Vector2<f64>| [at.x * 1e3 + pitch / 2.0 + MARGIN, MARGIN + height - pitch / 2.0 - at.y * 1e3];
-        let mm = |value: f64| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned();
+        let mm = |value: f64| decimal(value, 6);
         let [page_width, page_height] = [width + 2.0 * MARGIN, height + 3.0 * MARGIN];
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}mm\" height=\"{h}mm\" viewBox=\"0 0 {w} {h}\" font-family=\"sans-serif\" font-size=\"4\" stroke-width=\"0.2\">\n",
@@ -198,6 +198,7 @@ impl PrintPlate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use denavit_model::hull::signed_volume;
     use std::collections::BTreeMap;
 
     fn plate() -> PrintPlate {
@@ -208,9 +209,8 @@ mod tests {
     fn the_solid_is_closed_and_has_the_volume_of_a_plate_less_its_cones() {
         let made = plate();
         let mut edges: BTreeMap<[String; 2], i32> = BTreeMap::new();
-        let mut volume = 0.0;
+        let volume = signed_volume(made.triangles());
         for corners in made.triangles() {
-            volume += corners[0].dot(&corners[1].cross(&corners[2])) / 6.0;
             let names = corners.map(|corner| {
                 format!("{:.9} {:.9} {:.9}", corner.x, corner.y, corner.z).replace("-0.000000000", "0.000000000")
             });

@@ -41,8 +41,8 @@ const VALUES_FOR_SIZES: usize = 600;
 const VALUES: usize = 12_000;
 /// Rows at which it is asked how unsure the place of the target is.
 const ROWS_ACROSS: usize = 40;
-/// Fewer rejected values than this are outliers, as in the search for causes.
-const EXPLAINED_REJECTED: usize = 4;
+/// Fewer rejected observations than this are outliers.
+pub(crate) const LEAST_REJECTED: usize = 4;
 /// Student's degrees of freedom of the weights of rows.
 const STUDENT: f64 = 4.0;
 
@@ -180,7 +180,7 @@ pub fn averaged(
         let kept = named.fit.weights.iter().zip(&geometric.weights);
         kept.filter(|(by_named, by_geometry)| **by_named > 0.0 && **by_geometry == 0.0).count()
     });
-    if explained >= EXPLAINED_REJECTED {
+    if explained >= LEAST_REJECTED {
         return Err(NotAveraged::NamedExplainsRejected { values: explained });
     }
     let causes: Vec<(Term, f64)> = causes.iter().filter_map(|term| in_own_units(term, statics, data)).collect();

@@ -294,11 +294,11 @@ fn places_of_points(data: &Measurements, tips: &[Pose], arm: &Arm) -> Vec<Vec<Ve
     (0..data.scene.points.len()).map(of_point).collect()
 }
 
-/// The motion that takes the first points of the pairs to the second with the least squares; `None` without pairs.
+/// The motion that takes the first points of the pairs (m) to the second with the least squares; `None` without pairs.
 ///
 /// # Source
 /// Kabsch 1976; Umeyama 1991 for the sign.
-fn rigid_fit(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Pose> {
+pub fn rigid_fit(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Pose> {
     if pairs.is_empty() {
         return None;
     }

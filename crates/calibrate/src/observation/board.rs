@@ -37,19 +37,18 @@ impl FromStr for Board {
 
     /// `7x5:30mm`.
     fn from_str(text: &str) -> Result<Self, BoardError> {
-        let read = || {
-            let (squares, edge) = text.split_once(':')?;
-            let (columns, rows) = squares.split_once(['x', 'X', '×'])?;
-            let (columns, rows) = (columns.trim().parse().ok()?, rows.trim().parse().ok()?);
-            let square = Unit::value(edge, Quantity::Length)?;
-            (columns > 2 && rows > 2 && columns * rows <= 10_000 && square > 0.0).then_some(Self {
-                columns,
-                rows,
-                square,
-            })
-        };
-        read().ok_or_else(|| BoardError(text.into()))
+        let known = |columns: usize, rows: usize| columns > 2 && rows > 2 && columns * rows <= 10_000;
+        let read = grid(text).filter(|([columns, rows], _)| known(*columns, *rows));
+        read.map(|([columns, rows], square)| Self { columns, rows, square }).ok_or_else(|| BoardError(text.into()))
     }
+}
+
+/// What is written as `7x5:30mm`: columns and rows, and a length above 0, m.
+pub(super) fn grid(text: &str) -> Option<([usize; 2], f64)> {
+    let (counts, length) = text.split_once(':')?;
+    let (columns, rows) = counts.split_once(['x', 'X', '×'])?;
+    let counts = [columns.trim().parse().ok()?, rows.trim().parse().ok()?];
+    Some((counts, Unit::value(length, Quantity::Length)?)).filter(|(_, length)| *length > 0.0)
 }
 
 impl fmt::Display for Board {

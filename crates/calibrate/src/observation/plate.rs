@@ -1,9 +1,8 @@
 //! A plate with a grid of conical holes: what touches a hole with the tip has measured a position, for where the hole is on
 //! the plate is known.
 
-use denavit_model::Quantity;
+use super::board::grid;
 use denavit_model::nalgebra::Vector2;
-use denavit_model::units::Unit;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -38,15 +37,8 @@ impl FromStr for Plate {
 
     /// `4x3:40mm`.
     fn from_str(text: &str) -> Result<Self, PlateError> {
-        let read = || {
-            let (holes, pitch) = text.split_once(':')?;
-            let (columns, rows) = holes.split_once(['x', 'X', '×'])?;
-            let (columns, rows) = (columns.trim().parse().ok()?, rows.trim().parse().ok()?);
-            let pitch = Unit::value(pitch, Quantity::Length)?;
-            let known = (2..=MOST).contains(&columns) && (2..=MOST).contains(&rows) && pitch > 0.0;
-            known.then_some(Self { columns, rows, pitch })
-        };
-        read().ok_or_else(|| PlateError(text.into()))
+        let read = grid(text).filter(|(counts, _)| counts.iter().all(|count| (2..=MOST).contains(count)));
+        read.map(|([columns, rows], pitch)| Self { columns, rows, pitch }).ok_or_else(|| PlateError(text.into()))
     }
 }
 

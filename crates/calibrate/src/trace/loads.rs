@@ -144,7 +144,7 @@ pub fn undeclared_loads(statics: &Statics, data: &Measurements, geometric: &Fit<
     let heaviest =
         (0..runs).filter(|&run| differs(run)).max_by(|&a, &b| (found[a] / std[a]).total_cmp(&(found[b] / std[b])))?;
     for half in &problem.halves {
-        let own = half.loads_beside(runs, lightest)?;
+        let own = half.searched(runs, lightest, 0.0)?;
         let noise =
             half.squares(&own)? / half.freedom.checked_sub(soft.len() + runs - 1).filter(|&free| free > 0)? as f64;
         if own[heaviest] < IN_HALVES * half.deviations(&own, noise)?[heaviest] {
@@ -250,16 +250,11 @@ impl Problem {
             }
         };
         let rank = projector.rank();
-        let in_half = |which: usize| {
-            move |at: usize, half: &[Option<usize>], rows: &[usize]| {
-                rows.get(at).is_some_and(|&row| half[row] == Some(which))
-            }
-        };
-        let [even, odd] = [0, 1].map(|which| {
-            let here = in_half(which);
-            products(&|at| here(at, &half, &linear.rows), rank / 2)
+        let halves = [0, 1].map(|which| {
+            let here = |at: usize| linear.rows.get(at).is_some_and(|&row| half[row] == Some(which));
+            products(&here, rank / 2)
         });
-        Some(Self { all: products(&|_| true, rank), halves: [even, odd] })
+        Some(Self { all: products(&|_| true, rank), halves })
     }
 }
 
@@ -305,12 +300,7 @@ impl Products {
         self.searched(runs, lightest, 0.0)
     }
 
-    /// The same beside a run that carries nothing.
-    fn loads_beside(&self, runs: usize, lightest: usize) -> Option<Vec<f64>> {
-        self.searched(runs, lightest, 0.0)
-    }
-
-    /// Each run in turn: of many masses from `least` on the best, refined by thirds.
+    /// The same beside a run that carries nothing, each other run in turn: of many masses from `least` on the best, refined by thirds.
     fn searched(&self, runs: usize, lightest: usize, least: f64) -> Option<Vec<f64>> {
         let mut loads = vec![0.0; runs];
         let mut best = self.squares(&loads)?;

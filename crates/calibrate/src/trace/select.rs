@@ -5,6 +5,7 @@ use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::EffectModel;
 use crate::effects::survey::Survey;
+use crate::identify::averaging::LEAST_REJECTED;
 use crate::identify::fit_stage;
 use crate::identify::solve::{Fit, FitOptions};
 use crate::identify::threads::{available, each_alone, get_or_make, in_parallel, join};
@@ -44,8 +45,6 @@ const REFINED: usize = 6;
 const PROPOSED: usize = 24;
 /// χ² that the last step of a fit may promise: far less than what a swap must gain.
 const PROMISE_AT_END: f64 = 1e-2;
-/// Fewer rejected rows than this are outliers.
-const LEAST_REJECTED: usize = 4;
 /// So many effects may hide behind rejected rows.
 const MOST_LOCAL: usize = 3;
 /// Pull of a rejected row that comes back, in units of the noise.

@@ -1,14 +1,16 @@
 //! A simulated arm that touches the holes of a plate, as the rows that a user would write.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
+use denavit_calibrate::identify::initial_guess::rigid_fit;
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, read_export};
 use denavit_calibrate::observation::plate::Plate;
 use denavit_calibrate::{Arm, Measurements, NoEffects};
-use denavit_model::nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
-use denavit_model::{Chain, Pose, se3};
+use denavit_model::nalgebra::{DMatrix, Point3, Rotation3, Vector3};
+use denavit_model::{Chain, se3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use std::fmt::Write as _;
 
 /// An arm and how it is touched with.
@@ -65,8 +67,8 @@ impl Touching<'_> {
         let plate = se3::pose(turned, middle - turned * half);
         let mut found = Vec::new();
         for (name, at) in self.plate.holes() {
-            let mut error = || self.noise * normal(random);
-            let hole = plate * denavit_model::nalgebra::Point3::new(at.x + error(), at.y + error(), error());
+            let mut error = || self.noise * random.sample::<f64, _>(StandardNormal);
+            let hole = plate * Point3::new(at.x + error(), at.y + error(), error());
             let starts = readings(self.chain, 20, random.random());
             found.push((starts.into_iter().find_map(|start| self.brought_to(truth, &hole.coords, start))?, name));
         }
@@ -114,31 +116,12 @@ impl Touching<'_> {
 
     /// How far the holes of one placement are from a plate's, as an arm says it: rms after the best fit of the plate, m.
     pub fn error(&self, arm: &Arm, rows: &[(Vec<f64>, String, usize)]) -> f64 {
-        let found: Vec<Vector3<f64>> = rows.iter().map(|(q, ..)| true_target(arm, q, 0).translation.vector).collect();
-        let holes: Vec<Vector3<f64>> =
-            rows.iter().map(|(_, hole, _)| self.plate.hole(hole).unwrap().push(0.0)).collect();
-        let plate = best_fit(&holes, &found);
-        let squares = holes
-            .iter()
-            .zip(&found)
-            .map(|(hole, found)| (plate * denavit_model::nalgebra::Point3::from(*hole) - found).coords.norm_squared());
-        (squares.sum::<f64>() / found.len() as f64).sqrt()
+        let pair = |(q, hole, _): &(Vec<f64>, String, usize)| {
+            (self.plate.hole(hole).unwrap().push(0.0), true_target(arm, q, 0).translation.vector)
+        };
+        let pairs: Vec<(Vector3<f64>, Vector3<f64>)> = rows.iter().map(pair).collect();
+        let plate = rigid_fit(&pairs).unwrap();
+        let squares = pairs.iter().map(|(hole, found)| (plate * Point3::from(*hole) - found).coords.norm_squared());
+        (squares.sum::<f64>() / pairs.len() as f64).sqrt()
     }
-}
-
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let (u, v): (f64, f64) = (random.random_range(1e-12..1.0), random.random());
-    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-}
-
-/// The rigid motion that brings points nearest to others: Kabsch 1976.
-fn best_fit(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Pose {
-    let count = from.len() as f64;
-    let (a, b) = (from.iter().sum::<Vector3<f64>>() / count, to.iter().sum::<Vector3<f64>>() / count);
-    let sum: Matrix3<f64> = from.iter().zip(to).map(|(p, q)| (q - b) * (p - a).transpose()).sum();
-    let svd = sum.svd(true, true);
-    let (u, v) = (svd.u.unwrap(), svd.v_t.unwrap());
-    let handed = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v).determinant().signum()));
-    let rotation = Rotation3::from_matrix_unchecked(u * handed * v);
-    se3::pose(rotation, b - rotation * a)
 }
